@@ -1,0 +1,4 @@
+//! The `wythe` command.
+#![forbid(unsafe_code)]
+
+fn main() {}

@@ -1,0 +1,11 @@
+//! Everything between a TOML text and converged frames.
+//!
+//! Units are N, mm, MPa, tonne, s throughout. Tension is positive; a gap is positive when open.
+#![forbid(unsafe_code)]
+
+pub mod element;
+pub mod material;
+pub mod model;
+pub mod results;
+pub mod solve;
+pub mod system;

@@ -1,0 +1,80 @@
+//! What every law of the solids takes and gives.
+
+use nalgebra::{Matrix6, Vector6};
+use serde::{Deserialize, Serialize};
+
+/// History of one material point. One record serves every law of the solids, so that histories lie
+/// flat in memory: `[element][gauss point]`. Vectors are engineering Voigt, order xx, yy, zz, xy, yz, zx.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MaterialHistory {
+    /// Inviscid plastic strain ε_p [-], engineering shear.
+    pub plastic_strain: Vector6<f64>,
+    /// Hardening variable in tension κ_t [-] (theory A.4).
+    pub kappa_t: f64,
+    /// Hardening variable in compression κ_c [-] (theory A.4).
+    pub kappa_c: f64,
+    /// Inviscid scalar damage d [-] (theory A.6).
+    pub damage: f64,
+    /// Viscoplastic strain ε_v [-] (theory A.7); equals `plastic_strain` where viscosity is zero.
+    pub viscous_strain: Vector6<f64>,
+    /// Viscous damage d_v [-] (theory A.7); equals `damage` where viscosity is zero.
+    pub viscous_damage: f64,
+    /// Tensile damage d_t [-], never decreasing.
+    pub tensile_damage: f64,
+    /// Compressive damage d_c [-], never decreasing.
+    pub compressive_damage: f64,
+    /// Change of `viscous_strain` in the last committed step: what IMPL-EX extrapolates (theory B.3).
+    pub viscous_strain_step: Vector6<f64>,
+    /// Change of `viscous_damage` in the last committed step.
+    pub viscous_damage_step: f64,
+    /// Nominal stress σ [MPa] at the end of the step.
+    pub stress: Vector6<f64>,
+}
+
+/// Energy densities of one point [N/mm² = MJ/m³], each integrated where it arises (theory F).
+/// Dissipations are those of this step (trapezoidal rule between its ends).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointEnergy {
+    /// ½ (1−d_v) (ε−ε_v):C₀:(ε−ε_v) at the end of the step.
+    pub elastic: f64,
+    /// Plastic work and damage of the inviscid law in this step. The stiffness recovery is part of it
+    /// and may make it negative (theory F).
+    pub plastic_damage: f64,
+    /// Part of `plastic_damage` which the stiffness recovery (a falling d) returned; ≤ 0.
+    pub recovery: f64,
+    /// Work on the overstress of the viscous law in this step.
+    pub viscous: f64,
+}
+
+/// Answer of a law to one strain.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Nominal stress σ [MPa].
+    pub stress: Vector6<f64>,
+    /// Consistent (algorithmic) tangent dσ/dε [MPa], unsymmetric in general.
+    pub tangent: Matrix6<f64>,
+    /// History at the end of the step.
+    pub history: MaterialHistory,
+    /// Energies of the step.
+    pub energy: PointEnergy,
+}
+
+/// The law could not answer: the increment is cut.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LocalFailure {
+    /// The strain handed in is not finite.
+    #[error("the strain is not finite")]
+    StrainNotFinite,
+    /// The scalar return map found no root in its iterations.
+    #[error("the return map did not converge (residual {residual:.3e} MPa)")]
+    ReturnMap {
+        /// Value of the yield function where it stopped [MPa].
+        residual: f64,
+    },
+    /// An element has turned inside out.
+    #[error("the element has turned inside out (det F = {determinant:.3e})")]
+    Inverted {
+        /// Determinant of the centroid deformation gradient [-].
+        determinant: f64,
+    },
+}

@@ -1,0 +1,85 @@
+//! What a user says about a material, before it is fitted to an element's size.
+
+use serde::{Deserialize, Serialize};
+
+/// Parameters of a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialParameters {
+    /// Linear elastic.
+    Elastic(ElasticParameters),
+    /// Concrete damaged plasticity.
+    DamagePlasticity(DamagePlasticityParameters),
+}
+
+/// Isotropic linear elasticity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub struct ElasticParameters {
+    /// Young's modulus E [MPa].
+    pub E: f64,
+    /// Poisson's ratio ν [-].
+    pub nu: f64,
+    /// Density [tonne/mm³].
+    pub density: f64,
+}
+
+/// One row of a uniaxial table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableRow {
+    /// Nominal stress, positive in tension and in compression alike [MPa].
+    pub stress: f64,
+    /// Inelastic strain ε − σ/E [-], from 0.
+    pub inelastic_strain: f64,
+    /// Damage [-], from 0.
+    pub damage: f64,
+}
+
+/// How a table is interpolated between its rows (theory A.5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// σ and effective σ̄ linear in the plastic strain between rows.
+    #[default]
+    Eff1,
+    /// σ and d linear in the inelastic strain, each interval cut in 20.
+    Lit,
+}
+
+/// Concrete damaged plasticity (theory A).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DamagePlasticityParameters {
+    /// Elastic constants and density.
+    pub elastic: ElasticParameters,
+    /// Uniaxial tension; the first row is first yield.
+    pub tension: Vec<TableRow>,
+    /// Uniaxial compression; the first row is first yield.
+    pub compression: Vec<TableRow>,
+    /// Dilation angle ψ [rad].
+    pub dilation_angle: f64,
+    /// Eccentricity ε of the flow potential [-].
+    pub eccentricity: f64,
+    /// Biaxial over uniaxial compressive strength f_b0/f_c0 [-].
+    pub fb0_fc0: f64,
+    /// Shape of the deviatoric section K_c [-] (the paper's ρ).
+    pub k_c: f64,
+    /// Stiffness recovery on going into tension w_t [-].
+    pub tension_recovery: f64,
+    /// Stiffness recovery on going into compression w_c [-].
+    pub compression_recovery: f64,
+    /// Viscosity μ of theory A.7, in step time [s]; 0 = none.
+    pub viscosity: f64,
+    /// Length for which the tables hold, l_ref [mm]; none = tables are taken as given in any element.
+    pub reference_length: Option<f64>,
+    /// Interpolation between rows.
+    pub interpolation: Interpolation,
+}
+
+impl MaterialParameters {
+    /// The elastic constants.
+    pub fn elastic(&self) -> &ElasticParameters {
+        match self {
+            Self::Elastic(e) => e,
+            Self::DamagePlasticity(p) => &p.elastic,
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The frozen model: mesh, laws, contact surfaces, supports and steps.
+
+use super::Mesh;
+use wythe_contact::InterfaceLaw;
+
+/// Everything that a run reads and nothing that it changes.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Title of the deck.
+    pub title: String,
+    /// The solids.
+    pub mesh: Mesh,
+    /// Materials by index.
+    pub materials: Vec<NamedMaterial>,
+    /// Element formulation, the same for all solids.
+    pub formulation: Formulation,
+    /// Contact surfaces and their laws.
+    pub contact: ContactSurfaces,
+    /// Groups of nodes that move together without rotating.
+    pub beams: Vec<Beam>,
+    /// Fixed nodes.
+    pub supports: Vec<Support>,
+    /// Steps, in order.
+    pub steps: Vec<Step>,
+    /// What is written, and how often.
+    pub output: Output,
+}
+
+/// A material and its name in the deck.
+#[derive(Clone, Debug)]
+pub struct NamedMaterial {
+    /// Name in the deck.
+    pub name: String,
+    /// Its parameters, tables as given (not yet scaled to an element's size).
+    pub parameters: crate::material::MaterialParameters,
+}
+
+/// How the hex8 interpolates strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Formulation {
+    /// 2×2×2 points, displacement strains.
+    Full,
+    /// Constant dilatation.
+    BBar,
+    /// Wilson–Taylor incompatible modes, condensed elastically once.
+    #[default]
+    Incompatible,
+}
+
+/// Where an interface is sampled on a slave facet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactPoints {
+    /// 2×2 Gauss points; for bonded walls.
+    #[default]
+    Gauss,
+    /// The four corners, moved inwards by 1e-6 of the facet; for dry joints and rigid-like blocks.
+    Corner,
+}
+
+/// One-pass contact: points on slave facets against master facets of other bodies.
+///
+/// A facet's nodes run counter-clockwise seen from outside its body, so that its normal points out.
+#[derive(Clone, Debug, Default)]
+pub struct ContactSurfaces {
+    /// Slave facets. `[facet][node]`
+    pub slave_facets: Vec<[u32; 4]>,
+    /// Body of each slave facet. `[facet]`
+    pub slave_body: Vec<u32>,
+    /// Index into `laws`. `[facet]`
+    pub slave_law: Vec<u16>,
+    /// Master facets. `[facet][node]`
+    pub master_facets: Vec<[u32; 4]>,
+    /// Body of each master facet. `[facet]`
+    pub master_body: Vec<u32>,
+    /// Interface laws with their stiffnesses resolved (penalty × representative stiffness).
+    pub laws: Vec<InterfaceLaw>,
+    /// Names of the laws in the deck. `[law]`
+    pub law_names: Vec<String>,
+    /// Sampling of the slave facets.
+    pub points: ContactPoints,
+}
+
+/// Nodes that move as one, without rotation: the level loading beam of a test.
+#[derive(Clone, Debug)]
+pub struct Beam {
+    /// Name in the deck.
+    pub name: String,
+    /// Nodes tied to the beam.
+    pub nodes: Vec<u32>,
+    /// Area over which pressure acts [mm²].
+    pub area: f64,
+    /// Outward normal of the face that carries the pressure.
+    pub normal: [f64; 3],
+}
+
+/// Nodes held in some directions.
+#[derive(Clone, Debug)]
+pub struct Support {
+    /// Name in the deck.
+    pub name: String,
+    /// Held nodes.
+    pub nodes: Vec<u32>,
+    /// Held directions x, y, z.
+    pub fixed: [bool; 3],
+}
+
+/// What happens to one direction of a beam during a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BeamMotion {
+    /// Held where the step found it.
+    Locked,
+    /// Free, under a force that goes linearly from the last step's value to this one [N].
+    Force(f64),
+    /// Driven by this much during the step, linearly [mm].
+    Driven(f64),
+}
+
+/// One step of the loading.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Name in the deck.
+    pub name: String,
+    /// Duration in step time [s]; the viscosity of the materials is measured in it.
+    pub duration: f64,
+    /// What each beam does in x, y, z. `[beam][direction]`
+    pub motion: Vec<[BeamMotion; 3]>,
+    /// The driven beam and its direction, for the history (force and displacement).
+    pub driven: Option<(usize, usize)>,
+    /// Sizes of the increments.
+    pub increments: Increments,
+    /// Procedure of this step.
+    pub procedure: Procedure,
+    /// When an increment counts as converged.
+    pub tolerance: Tolerance,
+}
+
+/// Sizes of increments, as fractions of the step's duration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increments {
+    /// First.
+    pub initial: f64,
+    /// Largest.
+    pub max: f64,
+    /// Smallest: a cut below it ends the run.
+    pub min: f64,
+}
+
+/// How the step is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Procedure {
+    /// Contact and slip implicit with the shifted penalty; plastic strain and damage of the solids
+    /// extrapolated within the increment and updated at its end (symmetric tangents).
+    #[default]
+    Implex,
+    /// Everything implicit with the shifted penalty.
+    Implicit,
+    /// Everything implicit, the penalty taken directly: plain Newton on the law itself.
+    Direct,
+}
+
+/// Convergence tolerances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Largest out-of-balance force over the mean nodal force [-].
+    pub residual: f64,
+    /// Newton iterations before the increment is cut.
+    pub max_iterations: usize,
+}
+
+/// What is written, and how often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// A frame of fields every so many increments (the last is always written).
+    pub every: usize,
+}

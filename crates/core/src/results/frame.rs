@@ -1,0 +1,132 @@
+//! One converged increment, as rows and fields.
+
+use crate::model::Model;
+
+/// One row of `history.csv`. Field names are the column names.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[allow(non_snake_case)]
+pub struct HistoryRow {
+    /// Increment, from 1 over all steps.
+    pub increment: usize,
+    /// Step, from 0.
+    pub step: usize,
+    /// Step time, accumulated over all steps [s].
+    pub time: f64,
+    /// Displacement of the driven beam in the driven direction [mm].
+    pub displacement_mm: f64,
+    /// Force on the driven beam in the driven direction [kN].
+    pub force_kN: f64,
+    /// Force on the driven beam normal to its face, compression positive [kN].
+    pub reaction_kN: f64,
+    /// Linear solves of this increment.
+    pub iterations: usize,
+    /// Cut-backs of this increment.
+    pub cutbacks: usize,
+    /// Work of reactions and loads since the start [J].
+    pub external_work_J: f64,
+    /// Elastic energy of solids and interfaces now [J].
+    pub elastic_energy_J: f64,
+    /// Plastic work and damage of the solids since the start [J].
+    pub plastic_damage_dissipation_J: f64,
+    /// Dissipation of the interfaces since the start [J].
+    pub interface_dissipation_J: f64,
+    /// Viscous dissipation since the start [J].
+    pub viscous_dissipation_J: f64,
+    /// Contact points that are open.
+    pub open_points: usize,
+    /// Contact points that slid in this increment.
+    pub sliding_points: usize,
+    /// Largest interface damage D [-].
+    pub max_interface_damage: f64,
+    /// Largest tensile damage of the solids [-].
+    pub max_tensile_damage: f64,
+    /// Largest compressive damage of the solids [-].
+    pub max_compressive_damage: f64,
+    /// Largest out-of-balance force at commit, all laws implicit, over the mean nodal force [-].
+    pub out_of_balance: f64,
+}
+
+/// Fields of one output increment.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Accumulated step time [s].
+    pub time: f64,
+    /// Displacement [mm]. `[node][xyz]`
+    pub displacement: Vec<[f64; 3]>,
+    /// Nominal stress, mean over the element's points [MPa]. `[element][xx,yy,zz,xy,yz,zx]`
+    pub stress: Vec<[f64; 6]>,
+    /// Tensile damage, largest over the element's points [-]. `[element]`
+    pub tensile_damage: Vec<f64>,
+    /// Compressive damage, largest over the element's points [-]. `[element]`
+    pub compressive_damage: Vec<f64>,
+    /// Plastic strain, mean over the element's points [-], engineering shear. `[element][xx,yy,zz,xy,yz,zx]`
+    pub plastic_strain: Vec<[f64; 6]>,
+}
+
+/// Sizes of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Sizes {
+    /// Units (bodies).
+    pub units: usize,
+    /// Hex8 elements.
+    pub elements: usize,
+    /// Nodes.
+    pub nodes: usize,
+    /// Unknowns.
+    pub dofs: usize,
+    /// Contact points.
+    pub contact_points: usize,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// All steps done.
+    Completed,
+    /// Convergence was lost; everything before is kept.
+    NotConverged,
+    /// Stopped by the user after a whole increment.
+    Interrupted,
+}
+
+/// What `solve` returns when it ends: everything of `summary.json` that the solver knows.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// How it ended.
+    pub status: Status,
+    /// Where, why and what to try, if it did not complete.
+    pub message: String,
+    /// Sizes of the model.
+    pub sizes: Sizes,
+    /// Converged increments.
+    pub increments: usize,
+    /// Linear solves.
+    pub iterations: usize,
+    /// Cut-backs.
+    pub cutbacks: usize,
+    /// CPU-independent wall seconds by phase: elements, contact, assembly, factorise, solve, output.
+    pub seconds_by_phase: [f64; 6],
+    /// Threads used.
+    pub threads: usize,
+    /// Warnings of the run (those of the model are the checker's).
+    pub warnings: Vec<String>,
+}
+
+/// Receives each converged increment as it comes.
+pub trait Recorder {
+    /// Called once an increment is committed. `frame` is given at output increments. Returning
+    /// `Ok(false)` asks the run to stop there ([`Status::Interrupted`]).
+    ///
+    /// # Errors
+    /// Input/output failures, which end the run.
+    fn take(
+        &mut self,
+        model: &Model,
+        row: &HistoryRow,
+        frame: Option<&Frame>,
+    ) -> std::io::Result<bool>;
+
+    /// Called while an increment is being solved, for the terminal. Default: nothing.
+    fn progress(&mut self, _step: usize, _time: f64, _iterations: usize) {}
+}
