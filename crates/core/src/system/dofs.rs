@@ -1,0 +1,125 @@
+//! Generalised degrees of freedom: free nodes, level beams, supports.
+//!
+//! Every nodal displacement is a generalised one, `u[node][i] = q[slot]`, or held at zero. A level
+//! beam (no rotation) is three generalised displacements that many nodes share, so a tie costs no
+//! constraint equation. Slots run node by node and end with those of the beams; which beam slots
+//! are unknowns is a matter of the step ([`Equations`]), so a locked beam needs no new numbering of
+//! the nodes.
+
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Step};
+
+/// Slot of a nodal displacement that a support holds at zero.
+pub const HELD: u32 = u32::MAX;
+
+/// Equation of a slot that is no unknown.
+pub const PRESCRIBED: u32 = u32::MAX;
+
+/// Which generalised displacement drives each nodal displacement.
+#[derive(Clone, Debug)]
+pub struct DofMap {
+    /// Slot of each nodal displacement or [`HELD`]. `[node][xyz]`
+    pub slot: Vec<[u32; 3]>,
+    /// Number of generalised displacements.
+    pub slots: usize,
+    /// First slot of the beams; beam `b` owns `beam_start + 3 b ..+ 3`.
+    pub beam_start: usize,
+}
+
+impl DofMap {
+    /// Numbers the generalised displacements of a model.
+    pub fn new(model: &Model) -> Self {
+        const UNSET: u32 = u32::MAX - 1;
+        let nodes = model.mesh.nodes.len();
+        let mut slot = vec![[UNSET; 3]; nodes];
+        // A tie first, a support over it: a held node does not follow a beam.
+        for (b, beam) in model.beams.iter().enumerate() {
+            for &n in &beam.nodes {
+                slot[n as usize] = [0, 1, 2].map(|i| UNSET - 1 - (3 * b as u32 + i));
+            }
+        }
+        for support in &model.supports {
+            for &n in &support.nodes {
+                for i in 0..3 {
+                    if support.fixed[i] {
+                        slot[n as usize][i] = HELD;
+                    }
+                }
+            }
+        }
+        let mut next = 0_u32;
+        for s in slot.iter_mut().flatten().filter(|s| **s == UNSET) {
+            *s = next;
+            next += 1;
+        }
+        let beam_start = next;
+        for s in slot.iter_mut().flatten().filter(|s| **s != HELD && **s >= beam_start) {
+            *s = beam_start + (UNSET - 1 - *s);
+        }
+        let slots = beam_start as usize + 3 * model.beams.len();
+        Self { slot, slots, beam_start: beam_start as usize }
+    }
+
+    /// Slot of direction `i` of beam `b`.
+    pub fn beam_slot(&self, b: usize, i: usize) -> usize {
+        self.beam_start + 3 * b + i
+    }
+
+    /// Nodal displacements of generalised ones: `u[node][i] = q[slot]` or 0 [mm].
+    pub fn spread(&self, q: &[f64], u: &mut [[f64; 3]]) {
+        for (u, s) in u.iter_mut().zip(&self.slot) {
+            for i in 0..3 {
+                u[i] = if s[i] == HELD { 0.0 } else { q[s[i] as usize] };
+            }
+        }
+    }
+
+    /// Generalised forces of nodal ones, summed in node order [N].
+    pub fn collect(&self, f: &[[f64; 3]], p: &mut [f64]) {
+        p.fill(0.0);
+        for (f, s) in f.iter().zip(&self.slot) {
+            for i in 0..3 {
+                if s[i] != HELD {
+                    p[s[i] as usize] += f[i];
+                }
+            }
+        }
+    }
+}
+
+/// The unknowns of one step.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// Equation of each slot, or [`PRESCRIBED`]. `[slot]`
+    pub of_slot: Vec<u32>,
+    /// Slot of each equation. `[equation]`
+    pub slot_of: Vec<u32>,
+}
+
+impl Equations {
+    /// Numbers the unknowns of a step: all node slots, then the free directions of the beams.
+    pub fn new(dofs: &DofMap, step: &Step) -> Self {
+        let mut of_slot: Vec<u32> = (0..dofs.beam_start as u32).collect();
+        let mut slot_of = of_slot.clone();
+        for motion in step.motion.iter().flatten() {
+            let slot = of_slot.len() as u32;
+            if matches!(motion, BeamMotion::Force(_)) {
+                of_slot.push(slot_of.len() as u32);
+                slot_of.push(slot);
+            } else {
+                of_slot.push(PRESCRIBED);
+            }
+        }
+        Self { of_slot, slot_of }
+    }
+
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.slot_of.len()
+    }
+
+    /// True if nothing is free.
+    pub fn is_empty(&self) -> bool {
+        self.slot_of.is_empty()
+    }
+}

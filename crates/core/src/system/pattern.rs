@@ -1,0 +1,234 @@
+//! Pattern of the system matrix, and the ordered gather that fills it.
+//!
+//! Cells (elements and contact pairs) own disjoint slots of 8 × 8 blocks of 3 × 3. Each block of
+//! the matrix lists the cell blocks that it sums, in a fixed order, so that the assembled matrix is
+//! the same to the last bit on any number of threads. Columns of one node lie together in the
+//! compressed values, so chunks of node columns are filled in parallel.
+
+use rayon::prelude::*;
+
+use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
+
+/// Values of one cell's matrix: `[a][b][i][j]`, a, b local nodes, i, j directions.
+pub const CELL: usize = 8 * 8 * 9;
+
+/// No position in the matrix: the row or the column is prescribed.
+const NONE: u32 = u32::MAX;
+
+/// A block of the matrix and where it goes.
+#[derive(Clone, Debug)]
+struct Block {
+    /// Position in the values of each entry `[i][j]`, or [`NONE`].
+    position: [u32; 9],
+    /// Its contributions: a range of [`Gather::sources`].
+    start: u32,
+    end: u32,
+}
+
+/// Columns that are filled by one task.
+#[derive(Clone, Debug)]
+struct Chunk {
+    blocks: std::ops::Range<usize>,
+    values: std::ops::Range<usize>,
+}
+
+/// Pattern of the matrix in compressed columns and the map that fills it.
+#[derive(Clone, Debug)]
+pub struct Gather {
+    /// Number of equations.
+    pub n: usize,
+    /// Start of each column. `[n + 1]`
+    pub col_ptr: Vec<usize>,
+    /// Row of each entry, ascending in a column.
+    pub row_idx: Vec<u32>,
+    blocks: Vec<Block>,
+    /// Cell block `cell · 64 + a · 8 + b` of each contribution.
+    sources: Vec<u32>,
+    chunks: Vec<Chunk>,
+}
+
+impl Gather {
+    /// Builds the pattern of `cells` (eight nodes each; structurally symmetric).
+    pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations) -> Self {
+        let n = equations.len();
+        let equation = |node: u32, i: usize| match dofs.slot[node as usize][i] {
+            HELD => PRESCRIBED,
+            s => equations.of_slot[s as usize],
+        };
+        // Node pairs (column, row) with the cell blocks that feed them, in cell order.
+        let mut pairs: Vec<(u32, u32, u32)> = Vec::with_capacity(cells.len() * 64);
+        let rank: Vec<u32> = node_rank(dofs, equations);
+        for (c, cell) in cells.iter().enumerate() {
+            for (a, &row) in cell.iter().enumerate() {
+                for (b, &col) in cell.iter().enumerate() {
+                    if rank[col as usize] != NONE && rank[row as usize] != NONE {
+                        let source = (c * 64 + a * 8 + b) as u32;
+                        pairs.push((col, row, source));
+                    }
+                }
+            }
+        }
+        pairs.par_sort_unstable_by_key(|&(col, row, s)| {
+            (rank[col as usize], col, rank[row as usize], row, s)
+        });
+
+        let (col_ptr, row_idx) = compress(&pairs, n, &equation);
+        let find = |row: u32, col: u32| -> u32 {
+            let range = col_ptr[col as usize]..col_ptr[col as usize + 1];
+            match row_idx[range.clone()].binary_search(&row) {
+                Ok(k) => (range.start + k) as u32,
+                Err(_) => NONE,
+            }
+        };
+        let mut blocks: Vec<Block> = Vec::new();
+        let mut sources = Vec::with_capacity(pairs.len());
+        let mut columns: Vec<u32> = Vec::new();
+        let mut last = (NONE, NONE);
+        for &(col, row, source) in &pairs {
+            if (col, row) != last {
+                last = (col, row);
+                let mut position = [NONE; 9];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let (r, c) = (equation(row, i), equation(col, j));
+                        if r != PRESCRIBED && c != PRESCRIBED {
+                            position[3 * i + j] = find(r, c);
+                        }
+                    }
+                }
+                let start = sources.len() as u32;
+                blocks.push(Block { position, start, end: start });
+                columns.push(col);
+            }
+            sources.push(source);
+            if let Some(block) = blocks.last_mut() {
+                block.end += 1;
+            }
+        }
+        let chunks = chunk(&blocks, &columns, &rank, &col_ptr, dofs, equations);
+        Self { n, col_ptr, row_idx, blocks, sources, chunks }
+    }
+
+    /// Fills the matrix from the cells' slots. Inactive cells are passed over.
+    ///
+    /// `values` has one entry per `row_idx`; `cells` is `[cell][CELL]`; `active` is `[cell]`.
+    pub fn fill(&self, cells: &[f64], active: &[bool], values: &mut [f64]) {
+        let mut rest = values;
+        let mut tasks = Vec::with_capacity(self.chunks.len());
+        for chunk in &self.chunks {
+            let (head, tail) = rest.split_at_mut(chunk.values.len());
+            tasks.push((chunk, head));
+            rest = tail;
+        }
+        tasks.into_par_iter().for_each(|(chunk, values)| {
+            values.fill(0.0);
+            let offset = chunk.values.start;
+            for block in &self.blocks[chunk.blocks.clone()] {
+                let mut sum = [0.0; 9];
+                for &source in &self.sources[block.start as usize..block.end as usize] {
+                    if active[source as usize / 64] {
+                        let at = source as usize * 9;
+                        let from = &cells[at..at + 9];
+                        for k in 0..9 {
+                            sum[k] += from[k];
+                        }
+                    }
+                }
+                for k in 0..9 {
+                    if block.position[k] != NONE {
+                        values[block.position[k] as usize - offset] += sum[k];
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// Order of the nodes' columns: by first equation; nodes tied to beams last, under one rank;
+/// nodes without unknowns [`NONE`].
+fn node_rank(dofs: &DofMap, equations: &Equations) -> Vec<u32> {
+    let beams = dofs.beam_start as u32;
+    dofs.slot
+        .iter()
+        .map(|slot| {
+            let mut rank = NONE;
+            for &s in slot {
+                if s != HELD && equations.of_slot[s as usize] != PRESCRIBED {
+                    rank = rank.min(equations.of_slot[s as usize].min(beams));
+                }
+            }
+            rank
+        })
+        .collect()
+}
+
+/// Compressed columns of the node pairs, sorted by column.
+fn compress(
+    pairs: &[(u32, u32, u32)],
+    n: usize,
+    equation: &impl Fn(u32, usize) -> u32,
+) -> (Vec<usize>, Vec<u32>) {
+    let mut col_ptr = vec![0; n + 1];
+    let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
+    let mut last = (NONE, NONE);
+    for &(col, row, _) in pairs {
+        if (col, row) == last {
+            continue;
+        }
+        last = (col, row);
+        for j in 0..3 {
+            let c = equation(col, j);
+            if c != PRESCRIBED {
+                columns[c as usize]
+                    .extend((0..3).map(|i| equation(row, i)).filter(|&r| r != PRESCRIBED));
+            }
+        }
+    }
+    columns.par_iter_mut().for_each(|rows| {
+        rows.sort_unstable();
+        rows.dedup();
+    });
+    for (c, rows) in columns.iter().enumerate() {
+        col_ptr[c + 1] = col_ptr[c] + rows.len();
+    }
+    (col_ptr, columns.concat())
+}
+
+/// Cuts the blocks into tasks of whole node columns; the beams' columns are one task, the last.
+fn chunk(
+    blocks: &[Block],
+    columns: &[u32],
+    rank: &[u32],
+    col_ptr: &[usize],
+    dofs: &DofMap,
+    equations: &Equations,
+) -> Vec<Chunk> {
+    /// Matrix entries of a task: enough to outweigh its scheduling.
+    const ENTRIES: usize = 20_000;
+    let beams = dofs.beam_start as u32;
+    let last_value = *col_ptr.last().unwrap_or(&0);
+    let mut chunks: Vec<Chunk> = Vec::new();
+    let (mut block_start, mut value_start) = (0, 0);
+    for k in 1..=blocks.len() {
+        let boundary = k == blocks.len() || columns[k] != columns[k - 1];
+        if !boundary {
+            continue;
+        }
+        let next_rank = if k < blocks.len() { rank[columns[k] as usize] } else { NONE };
+        let value_end = match next_rank {
+            NONE => last_value,
+            r if r >= beams => col_ptr[equations.len().min(beams as usize)],
+            r => col_ptr[r as usize],
+        };
+        let inside_beams = k < blocks.len() && rank[columns[k - 1] as usize] >= beams;
+        let to_beams = next_rank != NONE && next_rank >= beams;
+        if !inside_beams
+            && (value_end - value_start >= ENTRIES || to_beams || k == blocks.len())
+        {
+            chunks.push(Chunk { blocks: block_start..k, values: value_start..value_end });
+            block_start = k;
+            value_start = value_end;
+        }
+    }
+    chunks
+}
