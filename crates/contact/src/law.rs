@@ -1,6 +1,9 @@
-//! The cohesive-frictional law of one interface point (theory C).
+//! The cohesive-frictional law of one interface point (theory C.1 to C.7).
 
+use nalgebra::{Matrix3, Vector2};
 use serde::{Deserialize, Serialize};
+
+use crate::softening::Softening;
 
 /// How opening and slip damage the same bond (theory C.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +46,8 @@ pub struct InterfaceLaw {
 /// History of one interface point. Slips are components in the point's tangent frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceHistory {
+    /// Opening u at the end of the step [mm].
+    pub opening: f64,
     /// Largest opening ever u_max [mm].
     pub opening_max: f64,
     /// Largest plastic slip ever s_max [mm].
@@ -67,4 +72,259 @@ pub enum PointStatus {
     Slip,
     /// Open: beyond the elastic opening, with or without remaining cohesion.
     Open,
+}
+
+/// Answer of the law to one gap.
+#[derive(Clone, Copy, Debug)]
+pub struct InterfaceResponse {
+    /// [σ, τ₁, τ₂] [MPa].
+    pub traction: [f64; 3],
+    /// d[σ, τ₁, τ₂]/d[u, δ₁, δ₂] [N/mm³].
+    pub tangent: Matrix3<f64>,
+    /// History at the end of the step.
+    pub history: InterfaceHistory,
+    /// What the point does.
+    pub status: PointStatus,
+    /// Free energy ψ at the end of the step (theory C.5) [N/mm].
+    pub elastic_energy: f64,
+    /// Dissipation of the step [N/mm], by the trapezoidal rule: ½ u_n u_{n+1} (k_n − k_{n+1}) of
+    /// the secant stiffness and ½ (τ_n + τ_{n+1})·Δδ_p of the slip, so that it closes the balance
+    /// with work taken by the same rule.
+    pub dissipation: f64,
+}
+
+/// The limit g(σ, D) of the shear traction with its slopes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit {
+    pub value: f64,
+    pub by_traction: f64,
+    pub by_damage: f64,
+}
+
+impl InterfaceLaw {
+    /// A dry joint: friction only, D = 1 from the start (theory C.8).
+    pub fn dry(mu: f64, normal_stiffness: f64, shear_stiffness: f64) -> Self {
+        Self {
+            f_t: 0.0,
+            c: 0.0,
+            tan_phi: mu,
+            mu,
+            u_k: 1.0,
+            delta_k: 1.0,
+            zeta: 1.0,
+            xi: 1.0,
+            normal_stiffness,
+            shear_stiffness,
+            coupling: Coupling::Max,
+        }
+    }
+
+    /// True if the joint has no bond.
+    pub fn is_dry(&self) -> bool {
+        self.f_t == 0.0 && self.c == 0.0
+    }
+
+    /// History of a point that nothing has happened to.
+    pub fn virgin(&self) -> InterfaceHistory {
+        let damage = if self.is_dry() { 1.0 } else { 0.0 };
+        InterfaceHistory { damage, ..InterfaceHistory::default() }
+    }
+
+    /// Q(w) over the opening after onset.
+    pub fn opening_curve(&self) -> Softening {
+        Softening { ultimate: self.u_k, brittleness: self.zeta }
+    }
+
+    /// H(s) over the plastic slip.
+    pub fn slip_curve(&self) -> Softening {
+        Softening { ultimate: self.delta_k, brittleness: self.xi }
+    }
+
+    /// Mode I energy G_I = f_t u_k (1/ζ − 1/(e^ζ−1)) [N/mm] (theory C.7).
+    pub fn mode_1_energy(&self) -> f64 {
+        self.f_t * self.u_k * Softening::shape_integral(self.zeta)
+    }
+
+    /// Mode II energy above the residual friction at normal traction σ ≤ 0 [N/mm] (theory C.7).
+    pub fn mode_2_energy(&self, sigma: f64) -> f64 {
+        let pressure = (-sigma).max(0.0);
+        (self.c + (self.tan_phi - self.mu) * pressure)
+            * self.delta_k
+            * Softening::shape_integral(self.xi)
+    }
+
+    /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory C.1 step 4, C.6).
+    pub(crate) fn limit(&self, sigma: f64, damage: f64) -> Limit {
+        let cohesive = self.c - self.tan_phi * sigma;
+        let bonded = if cohesive > 0.0 { 1.0 } else { 0.0 };
+        let pressed = if sigma < 0.0 { 1.0 } else { 0.0 };
+        Limit {
+            value: (1.0 - damage) * bonded * cohesive - damage * self.mu * pressed * sigma,
+            by_traction: -(1.0 - damage) * self.tan_phi * bonded - damage * self.mu * pressed,
+            by_damage: -bonded * cohesive - self.mu * pressed * sigma,
+        }
+    }
+
+    /// One implicit step: traction, consistent tangent and new history at the total gap
+    /// `[u, δ₁, δ₂]` [mm], u positive when open.
+    pub fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse {
+        let u = gap[0];
+        let slip = Vector2::new(gap[1], gap[2]);
+        let plastic = Vector2::from(old.plastic_slip);
+        let k_s = self.shear_stiffness;
+        let opening_max = old.opening_max.max(u);
+        let grows = u > 0.0 && u >= opening_max;
+        let normal_at = |damage: f64| self.normal(u, opening_max, damage, grows);
+
+        let trial = k_s * (slip - plastic);
+        let size = trial.norm();
+        let mut damage = self.damage(opening_max, old.slip_max, old);
+        let mut normal = normal_at(damage.value);
+        let limit = self.limit(normal.traction, damage.value);
+        let mut history = InterfaceHistory {
+            opening: u,
+            opening_max,
+            slip_max: old.slip_max,
+            slip: slip.into(),
+            plastic_slip: old.plastic_slip,
+            damage: damage.value,
+            traction: [0.0; 3],
+        };
+        if size <= limit.value || size == 0.0 {
+            // Stick: σ may still follow D(u).
+            let mut tangent = Matrix3::from_diagonal(&[0.0, k_s, k_s].into());
+            tangent[(0, 0)] = normal.by_gap + normal.by_damage * damage.by_opening;
+            return self.respond(normal.traction, trial, tangent, history, old, false);
+        }
+
+        let n = trial / size;
+        let flow = self.return_slip(size, n, plastic, opening_max, old, normal_at);
+        let dg = flow;
+        let new_plastic = plastic + dg * n;
+        let reach = new_plastic.norm();
+        let further = reach > old.slip_max;
+        history.slip_max = old.slip_max.max(reach);
+        history.plastic_slip = new_plastic.into();
+        damage = self.damage(opening_max, history.slip_max, old);
+        normal = normal_at(damage.value);
+        history.damage = damage.value;
+
+        // Consistent tangent, theory C.6.
+        let limit = self.limit(normal.traction, damage.value);
+        let by_damage = limit.by_traction * normal.by_damage + limit.by_damage;
+        let d_s = if further { damage.by_slip } else { 0.0 };
+        let m = if reach > 0.0 { new_plastic / reach } else { n };
+        let projector = (nalgebra::Matrix2::identity() - n * n.transpose()) * (k_s / size);
+        let den = k_s + by_damage * d_s * m.dot(&n);
+        let dg_du =
+            -(limit.by_traction * normal.by_gap + by_damage * damage.by_opening) / den;
+        let projected = projector * m;
+        let dg_dslip = (k_s * n - by_damage * d_s * dg * projected) / den;
+        let dd_du = damage.by_opening + d_s * m.dot(&n) * dg_du;
+        let dd_dslip = d_s * (m.dot(&n) * dg_dslip + dg * projected);
+        let dtau_du = -k_s * dg_du * n;
+        let dtau_dslip = k_s * (n * n.transpose()) - k_s * n * dg_dslip.transpose()
+            + (size - k_s * dg) * projector;
+        let mut tangent = Matrix3::zeros();
+        tangent[(0, 0)] = normal.by_gap + normal.by_damage * dd_du;
+        for j in 0..2 {
+            tangent[(0, 1 + j)] = normal.by_damage * dd_dslip[j];
+            tangent[(1 + j, 0)] = dtau_du[j];
+            for i in 0..2 {
+                tangent[(1 + i, 1 + j)] = dtau_dslip[(i, j)];
+            }
+        }
+        let shear = (size - k_s * dg) * n;
+        self.respond(normal.traction, shear, tangent, history, old, true)
+    }
+
+    /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
+    fn return_slip(
+        &self,
+        size: f64,
+        n: Vector2<f64>,
+        plastic: Vector2<f64>,
+        opening_max: f64,
+        old: &InterfaceHistory,
+        normal_at: impl Fn(f64) -> crate::cohesive::Normal,
+    ) -> f64 {
+        let k_s = self.shear_stiffness;
+        let (mut low, mut high) = (0.0, size / k_s);
+        // The limit without further damage is the first guess: exact for perfect friction.
+        let mut dg = {
+            let damage = self.damage(opening_max, old.slip_max, old).value;
+            let limit = self.limit(normal_at(damage).traction, damage);
+            ((size - limit.value) / k_s).clamp(low, high)
+        };
+        for _ in 0..100 {
+            let new = plastic + dg * n;
+            let reach = new.norm();
+            let slip_max = old.slip_max.max(reach);
+            let damage = self.damage(opening_max, slip_max, old);
+            let normal = normal_at(damage.value);
+            let limit = self.limit(normal.traction, damage.value);
+            let phi = size - k_s * dg - limit.value;
+            if phi > 0.0 {
+                low = dg;
+            } else {
+                high = dg;
+            }
+            let d_s = if reach > old.slip_max { damage.by_slip * new.dot(&n) / reach } else { 0.0 };
+            let slope =
+                -k_s - (limit.by_traction * normal.by_damage + limit.by_damage) * d_s;
+            let step = -phi / slope;
+            // Rounding of |τ_tr| − k_s Δγ is all that is left.
+            if phi.abs() <= 4.0 * f64::EPSILON * size || high - low <= f64::EPSILON * high {
+                break;
+            }
+            let next = dg + step;
+            dg = if next > low && next < high { next } else { 0.5 * (low + high) };
+        }
+        dg
+    }
+
+    /// Completes a response: status and energies.
+    pub(crate) fn respond(
+        &self,
+        sigma: f64,
+        shear: Vector2<f64>,
+        tangent: Matrix3<f64>,
+        mut history: InterfaceHistory,
+        old: &InterfaceHistory,
+        slides: bool,
+    ) -> InterfaceResponse {
+        let traction = [sigma, shear.x, shear.y];
+        history.traction = traction;
+        let u = history.opening;
+        let status = if u > self.elastic_opening() {
+            PointStatus::Open
+        } else if slides {
+            PointStatus::Slip
+        } else {
+            PointStatus::Stick
+        };
+        let secant = self.secant_stiffness(history.opening_max, history.damage);
+        let secant_old = self.secant_stiffness(old.opening_max, old.damage);
+        let normal_energy = if sigma <= 0.0 {
+            0.5 * sigma * sigma / self.normal_stiffness
+        } else {
+            0.5 * secant * u.max(0.0) * u.max(0.0)
+        };
+        let shear_energy = 0.5 * shear.norm_squared() / self.shear_stiffness;
+        let opening_work = 0.5 * u.max(0.0) * old.opening.max(0.0) * (secant_old - secant);
+        let mut slip_work = 0.0;
+        for i in 0..2 {
+            slip_work += 0.5
+                * (traction[1 + i] + old.traction[1 + i])
+                * (history.plastic_slip[i] - old.plastic_slip[i]);
+        }
+        InterfaceResponse {
+            traction,
+            tangent,
+            history,
+            status,
+            elastic_energy: normal_energy + shear_energy,
+            dissipation: opening_work + slip_work,
+        }
+    }
 }

@@ -4,6 +4,22 @@
 //! of one point against one facet. It knows no mesh, no step and no solver.
 #![forbid(unsafe_code)]
 
+pub mod aabb;
+pub mod bvh;
+mod cohesive;
 pub mod law;
+pub mod pairs;
+pub mod projection;
+pub mod shifted;
+pub mod softening;
+pub mod stencil;
+pub mod surface;
 
-pub use law::{Coupling, InterfaceHistory, InterfaceLaw, PointStatus};
+pub use aabb::Aabb;
+pub use bvh::Bvh;
+pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
+pub use pairs::{Candidates, PointPair, pair_point, to_frame};
+pub use projection::{Projection, project};
+pub use shifted::Shift;
+pub use stencil::{Anchor, Kinematics, SlavePoint, corner_points, gauss_points};
+pub use surface::{Surface, frame_at};

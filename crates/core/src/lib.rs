@@ -8,4 +8,5 @@ pub mod material;
 pub mod model;
 pub mod results;
 pub mod solve;
+pub mod sym6;
 pub mod system;

@@ -1,1 +1,7 @@
-//! .
+//! The hex8: strains, forces and stiffness in the rotated frame, and the frame.
+
+pub mod hex8;
+pub mod kinematics;
+
+pub use hex8::{ElementShape, ShapeError};
+pub use kinematics::Corotated;

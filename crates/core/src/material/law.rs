@@ -78,3 +78,13 @@ pub enum LocalFailure {
         determinant: f64,
     },
 }
+
+impl PointEnergy {
+    /// Adds the energy of a point that stands for `volume` [mm³].
+    pub fn add(&mut self, other: &Self, volume: f64) {
+        self.elastic += volume * other.elastic;
+        self.plastic_damage += volume * other.plastic_damage;
+        self.recovery += volume * other.recovery;
+        self.viscous += volume * other.viscous;
+    }
+}

@@ -83,3 +83,15 @@ impl MaterialParameters {
         }
     }
 }
+
+impl ElasticParameters {
+    /// Shear modulus G = E/2(1+ν) [MPa].
+    pub fn shear_modulus(&self) -> f64 {
+        self.E / (2.0 * (1.0 + self.nu))
+    }
+
+    /// Bulk modulus K = E/3(1−2ν) [MPa].
+    pub fn bulk_modulus(&self) -> f64 {
+        self.E / (3.0 * (1.0 - 2.0 * self.nu))
+    }
+}

@@ -24,6 +24,8 @@ pub struct DofMap {
     pub slots: usize,
     /// First slot of the beams; beam `b` owns `beam_start + 3 b ..+ 3`.
     pub beam_start: usize,
+    /// First node that each slot moves, and the direction. `[slot]`
+    owner: Vec<(u32, u8)>,
 }
 
 impl DofMap {
@@ -57,7 +59,21 @@ impl DofMap {
             *s = beam_start + (UNSET - 1 - *s);
         }
         let slots = beam_start as usize + 3 * model.beams.len();
-        Self { slot, slots, beam_start: beam_start as usize }
+        let mut owner = vec![(u32::MAX, 0); slots];
+        for (n, s) in slot.iter().enumerate() {
+            for i in 0..3 {
+                if s[i] != HELD && owner[s[i] as usize].0 == u32::MAX {
+                    owner[s[i] as usize] = (n as u32, i as u8);
+                }
+            }
+        }
+        Self { slot, slots, beam_start: beam_start as usize, owner }
+    }
+
+    /// A node that the slot moves, and the direction.
+    pub fn node_of(&self, slot: usize) -> (usize, usize) {
+        let (node, direction) = self.owner[slot];
+        (node as usize, direction as usize)
     }
 
     /// Slot of direction `i` of beam `b`.

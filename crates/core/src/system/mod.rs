@@ -1,7 +1,271 @@
 //! From point laws to a system of equations: unknowns, pattern, gather, linear solvers.
 
+pub mod bulk;
+pub mod contact;
 pub mod dofs;
+pub mod linear;
 pub mod pattern;
 
-pub use dofs::DofMap;
+pub use bulk::{Bulk, Solids};
+pub use contact::Contact;
+pub use dofs::{DofMap, Equations};
 pub use pattern::Gather;
+
+use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
+use crate::model::Model;
+use crate::solve::State;
+use linear::{Backend, LinearError, LinearSolver, Options, Pattern};
+use pattern::CELL;
+use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
+
+/// What an evaluation of the forces is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Step time of the increment [s].
+    pub dt: f64,
+    /// How the solids answer.
+    pub solids: Solids,
+    /// Shifted penalty, or the law taken directly.
+    pub shifted: bool,
+    /// Tangents wanted.
+    pub tangent: bool,
+}
+
+/// Scratch of one increment; may be dropped at any time without changing a result.
+#[derive(Clone, Debug, Default)]
+pub struct Trial {
+    /// Current positions [mm]. `[node]`
+    pub x: Vec<[f64; 3]>,
+    displacement: Vec<[f64; 3]>,
+    /// Nodal forces of each cell [N]: elements, then contact pairs. `[cell][node][xyz]`
+    pub cell_force: Vec<[[f64; 3]; 8]>,
+    /// Stiffness of each cell [N/mm]. `[cell][CELL]`
+    cells: Vec<f64>,
+    /// Cells that have a stiffness now. `[cell]`
+    active: Vec<bool>,
+    node_force: Vec<[f64; 3]>,
+    /// Generalised internal forces [N]. `[slot]`
+    pub force: Vec<f64>,
+    /// New histories of the solids. `[element][gauss point]`
+    pub material: Vec<MaterialHistory>,
+    /// Energies of the solids, integrated over each element [N mm]. `[element]`
+    pub element_energy: Vec<PointEnergy>,
+    /// New histories of the interfaces. `[point]`
+    pub interface: Vec<InterfaceHistory>,
+    /// Elastic energy and dissipation of each point [N mm]. `[point]`
+    pub point_energy: Vec<[f64; 2]>,
+    /// What each point does. `[point]`
+    pub status: Vec<PointStatus>,
+    /// Master facet and anchor of each point in this increment. `[point]`
+    pub pairs: Vec<PointPair>,
+    /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
+    pub traction: Vec<[f64; 3]>,
+    /// Mean magnitude of the elements' nodal forces [N].
+    pub mean_nodal_force: f64,
+    /// Largest change of a point's force since the last iterate [N].
+    pub traction_change: f64,
+}
+
+impl Trial {
+    /// Begins an increment from the committed state.
+    pub fn start(&mut self, state: &State) {
+        self.material.clone_from(&state.material);
+        self.interface.clone_from(&state.interface);
+        self.pairs.clone_from(&state.pairs);
+        self.traction.clear();
+        self.traction.extend(state.interface.iter().map(|h| h.traction));
+    }
+
+    /// The tractions of this iterate become those of the last.
+    pub fn keep_tractions(&mut self) {
+        for (traction, history) in self.traction.iter_mut().zip(&self.interface) {
+            *traction = history.traction;
+        }
+    }
+}
+
+/// Everything of a model that is prepared once and evaluated often.
+pub struct System {
+    /// Unknowns.
+    pub dofs: DofMap,
+    /// Solids.
+    pub bulk: Bulk,
+    /// Interfaces.
+    pub contact: Contact,
+    gather: Option<Gather>,
+    analysed_version: usize,
+}
+
+impl System {
+    /// Prepares a model.
+    ///
+    /// # Errors
+    /// [`bulk::BulkError`] if an element or its material cannot be prepared.
+    pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
+        Ok(Self {
+            dofs: DofMap::new(model),
+            bulk: Bulk::new(model)?,
+            contact: Contact::new(model),
+            gather: None,
+            analysed_version: 0,
+        })
+    }
+
+    /// State of rest.
+    pub fn initial_state(&self, model: &Model) -> State {
+        State {
+            increments: 0,
+            time: 0.0,
+            q: vec![0.0; self.dofs.slots],
+            force: vec![0.0; self.dofs.slots],
+            material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
+            interface: self.contact.virgin(model),
+            pairs: vec![PointPair::default(); self.contact.points.len()],
+            last: None,
+            energies: crate::solve::state::Energies::default(),
+        }
+    }
+
+    /// Pairs the contact points with master facets at the trial's positions.
+    pub fn search(&mut self, state: &State, trial: &mut Trial) {
+        if trial.x.is_empty() {
+            trial.x.clone_from(&self.bulk.reference);
+        }
+        self.contact.search(state, trial);
+    }
+
+    /// True if the candidates of contact changed since the last analysis.
+    pub fn pattern_changed(&self) -> bool {
+        self.gather.is_none() || self.analysed_version != self.contact.version()
+    }
+
+    /// Orders and analyses the matrix of the present candidates; returns its number of entries.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis.
+    pub fn analyse(
+        &mut self,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(usize, LinearSolver), LinearError> {
+        let mut cells = self.bulk.elements.clone();
+        cells.extend(self.contact.cells());
+        let gather = Gather::new(&cells, &self.dofs, equations);
+        let mut group = Vec::with_capacity(equations.len());
+        let mut coordinates: Vec<[f64; 3]> = Vec::new();
+        let mut last = usize::MAX;
+        for &slot in &equations.slot_of {
+            let (node, _) = self.dofs.node_of(slot as usize);
+            if node != last {
+                coordinates.push(self.bulk.reference[node]);
+                last = node;
+            }
+            group.push(coordinates.len() as u32 - 1);
+        }
+        let pattern = Pattern::with_nodes(
+            gather.n,
+            gather.col_ptr.clone(),
+            gather.row_idx.clone(),
+            group,
+            Some(coordinates),
+        )?;
+        let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
+        let entries = gather.row_idx.len();
+        self.gather = Some(gather);
+        self.analysed_version = self.contact.version();
+        Ok((entries, solver))
+    }
+
+    /// Sums the cells into the matrix.
+    pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
+        if let Some(gather) = &self.gather {
+            gather.fill(&trial.cells, &trial.active, values);
+        }
+    }
+
+    /// Forces, and tangents where asked for, at generalised displacements `q`.
+    ///
+    /// # Errors
+    /// Element and reason, if a law gave no answer.
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        state: &State,
+        trial: &mut Trial,
+        q: &[f64],
+        setting: Evaluation,
+        clock: &mut crate::solve::Clock,
+    ) -> Result<(), (usize, LocalFailure)> {
+        let nodes = self.bulk.reference.len();
+        let n_elements = self.bulk.elements.len();
+        let n_cells = n_elements + self.contact.cell_count();
+        trial.displacement.resize(nodes, [0.0; 3]);
+        self.dofs.spread(q, &mut trial.displacement);
+        trial.x.resize(nodes, [0.0; 3]);
+        for ((x, u), r) in trial.x.iter_mut().zip(&trial.displacement).zip(&self.bulk.reference) {
+            for i in 0..3 {
+                x[i] = r[i] + u[i];
+            }
+        }
+        trial.cell_force.resize(n_cells, [[0.0; 3]; 8]);
+        trial.cells.resize(n_cells * CELL, 0.0);
+        trial.active.resize(n_cells, false);
+
+        let begin = std::time::Instant::now();
+        self.bulk.evaluate(state, trial, setting)?;
+        let middle = std::time::Instant::now();
+        self.contact.evaluate(model, state, trial, setting, n_elements);
+        clock.contact += middle.elapsed().as_secs_f64();
+        clock.elements += (middle - begin).as_secs_f64();
+
+        // Nodal sums in cell order.
+        trial.node_force.clear();
+        trial.node_force.resize(nodes, [0.0; 3]);
+        let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
+        for (nodes, force) in connectivity.zip(&trial.cell_force) {
+            for (&n, f) in nodes.iter().zip(force) {
+                for i in 0..3 {
+                    trial.node_force[n as usize][i] += f[i];
+                }
+            }
+        }
+        trial.force.resize(self.dofs.slots, 0.0);
+        self.dofs.collect(&trial.node_force, &mut trial.force);
+        let magnitude: f64 = trial.cell_force[..n_elements]
+            .iter()
+            .flatten()
+            .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
+            .sum();
+        trial.mean_nodal_force = magnitude / (8 * n_elements.max(1)) as f64;
+        Ok(())
+    }
+
+    /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`
+    pub fn multiply(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
+        let nodes = self.bulk.reference.len();
+        let mut du = vec![[0.0; 3]; nodes];
+        self.dofs.spread(dq, &mut du);
+        let mut force = vec![[0.0; 3]; nodes];
+        let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
+        for (c, nodes) in connectivity.enumerate() {
+            if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
+                continue;
+            }
+            let cell = &trial.cells[c * CELL..(c + 1) * CELL];
+            for (a, &row) in nodes.iter().enumerate() {
+                for (b, &col) in nodes.iter().enumerate() {
+                    let block = &cell[(a * 8 + b) * 9..][..9];
+                    let d = du[col as usize];
+                    for i in 0..3 {
+                        force[row as usize][i] += block[3 * i] * d[0]
+                            + block[3 * i + 1] * d[1]
+                            + block[3 * i + 2] * d[2];
+                    }
+                }
+            }
+        }
+        let mut p = vec![0.0; self.dofs.slots];
+        self.dofs.collect(&force, &mut p);
+        p
+    }
+}

@@ -1,0 +1,110 @@
+//! Bounding volume hierarchy over facets: built once, refitted as they move.
+//!
+//! Nodes lie in one array, children behind their parent, so a refit is one pass backwards. Queries
+//! report facets by ascending number within a leaf and never depend on the number of threads.
+
+use crate::aabb::Aabb;
+
+/// Facets in a leaf: a box test costs about as much as a step down.
+const LEAF: usize = 4;
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    aabb: Aabb,
+    /// Leaf: first of `order`; branch: the right child (the left one follows at once).
+    first: u32,
+    /// Leaf: how many; branch: 0.
+    count: u32,
+}
+
+/// The hierarchy.
+#[derive(Clone, Debug, Default)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+}
+
+impl Bvh {
+    /// Builds the hierarchy over boxes, halving at the median of the widest axis.
+    pub fn build(boxes: &[Aabb]) -> Self {
+        let mut bvh = Self { nodes: Vec::new(), order: (0..boxes.len() as u32).collect() };
+        if !boxes.is_empty() {
+            let mut order = std::mem::take(&mut bvh.order);
+            bvh.split(boxes, &mut order, 0);
+            bvh.order = order;
+        }
+        bvh
+    }
+
+    fn split(&mut self, boxes: &[Aabb], order: &mut [u32], offset: u32) {
+        let aabb = order.iter().fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]));
+        let at = self.nodes.len();
+        if order.len() <= LEAF {
+            order.sort_unstable();
+            self.nodes.push(Node { aabb, first: offset, count: order.len() as u32 });
+            return;
+        }
+        let centres = order
+            .iter()
+            .fold(Aabb::EMPTY, |b, &f| b.union(&Aabb::of([&boxes[f as usize].centre()])));
+        let axis = (0..3)
+            .max_by(|&i, &j| {
+                (centres.max[i] - centres.min[i]).total_cmp(&(centres.max[j] - centres.min[j]))
+            })
+            .unwrap_or(0);
+        let half = order.len() / 2;
+        order.select_nth_unstable_by(half, |&a, &b| {
+            let (ca, cb) = (boxes[a as usize].centre()[axis], boxes[b as usize].centre()[axis]);
+            ca.total_cmp(&cb).then(a.cmp(&b))
+        });
+        self.nodes.push(Node { aabb, first: 0, count: 0 });
+        let (left, right) = order.split_at_mut(half);
+        self.split(boxes, left, offset);
+        self.nodes[at].first = self.nodes.len() as u32;
+        self.split(boxes, right, offset + half as u32);
+    }
+
+    /// Fits the hierarchy to boxes that moved.
+    pub fn refit(&mut self, boxes: &[Aabb]) {
+        for at in (0..self.nodes.len()).rev() {
+            let node = self.nodes[at];
+            self.nodes[at].aabb = if node.count > 0 {
+                let range = node.first as usize..(node.first + node.count) as usize;
+                self.order[range].iter().fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]))
+            } else {
+                self.nodes[at + 1].aabb.union(&self.nodes[node.first as usize].aabb)
+            };
+        }
+    }
+
+    /// Calls `found` for every facet whose box touches `query`. `stack` is scratch.
+    pub fn query(
+        &self,
+        boxes: &[Aabb],
+        query: &Aabb,
+        stack: &mut Vec<u32>,
+        mut found: impl FnMut(u32),
+    ) {
+        stack.clear();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
+        while let Some(at) = stack.pop() {
+            let node = &self.nodes[at as usize];
+            if !node.aabb.touches(query) {
+                continue;
+            }
+            if node.count > 0 {
+                let range = node.first as usize..(node.first + node.count) as usize;
+                for &facet in &self.order[range] {
+                    if boxes[facet as usize].touches(query) {
+                        found(facet);
+                    }
+                }
+            } else {
+                stack.push(node.first);
+                stack.push(at + 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Closest point of a bilinear facet.
+
+use nalgebra::Vector3;
+
+use crate::surface::{MIXED, blend, shape};
+
+/// A point seen from a facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Parameters of the closest point [-]. Beyond ±1 the facet is continued ([`extend`]); a
+    /// [`project`]ed point is always within.
+    pub xi: [f64; 2],
+    /// Closest point [mm].
+    pub point: Vector3<f64>,
+    /// Outward unit normal of the facet there.
+    pub normal: Vector3<f64>,
+    /// Gap along the normal, positive outside the body [mm].
+    pub gap: f64,
+    /// Distance to the closest point [mm].
+    pub distance: f64,
+    /// True if the foot of the perpendicular lies on the facet.
+    pub inside: bool,
+}
+
+/// Foot of the perpendicular on the facet continued beyond its edges, by Newton's method from
+/// `start`. None if there is none nearby (collapsed or strongly warped facets).
+pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Option<Projection> {
+    let twist = blend(&MIXED, corners);
+    let mut xi = start;
+    for _ in 0..30 {
+        let (n, by_s, by_t) = shape(xi);
+        let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
+        let r = p - blend(&n, corners);
+        let (g11, g22) = (a1.dot(&a1), a2.dot(&a2));
+        let g12 = a1.dot(&a2);
+        let m12 = g12 - r.dot(&twist);
+        let (b1, b2) = (r.dot(&a1), r.dot(&a2));
+        let mut det = g11 * g22 - m12 * m12;
+        let mut off = m12;
+        if det <= 1e-10 * g11 * g22 {
+            // Far from a warped facet the curvature misleads: Gauss–Newton.
+            off = g12;
+            det = g11 * g22 - g12 * g12;
+        }
+        if det <= 1e-20 * (g11 + g22) * (g11 + g22) || !det.is_finite() {
+            return None;
+        }
+        let d = [(g22 * b1 - off * b2) / det, (g11 * b2 - off * b1) / det];
+        let size = d[0].abs().max(d[1].abs());
+        // Half a facet at a time: the map is only bilinear.
+        let factor = if size > 1.0 { 1.0 / size } else { 1.0 };
+        xi = [xi[0] + factor * d[0], xi[1] + factor * d[1]];
+        if size < 1e-14 {
+            break;
+        }
+        if !(xi[0].abs() < 50.0 && xi[1].abs() < 50.0) {
+            return None;
+        }
+    }
+    let (n, by_s, by_t) = shape(xi);
+    let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
+    let point = blend(&n, corners);
+    let r = p - point;
+    // Rounding of the positions is what may remain of the tangential distance.
+    let scale = a1.norm() + a2.norm();
+    let rest = r.dot(&a1).abs().max(r.dot(&a2).abs());
+    let cross = a1.cross(&a2);
+    let area = cross.norm();
+    if rest > 1e-9 * scale * (scale + r.norm()) || area <= 1e-14 * scale * scale {
+        return None;
+    }
+    let normal = cross / area;
+    let inside = xi[0].abs() <= 1.0 && xi[1].abs() <= 1.0;
+    Some(Projection { xi, point, normal, gap: r.dot(&normal), distance: r.norm(), inside })
+}
+
+/// Closest point of the facet itself, edges and corners included. Never fails: a collapsed facet
+/// answers with its closest edge.
+pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
+    let mut best: Option<Projection> = None;
+    let mut take = |candidate: Projection| {
+        if best.as_ref().is_none_or(|b| candidate.distance < b.distance) {
+            best = Some(candidate);
+        }
+    };
+    if let Some(foot) = extend(p, corners, [0.0, 0.0]).filter(|foot| foot.inside) {
+        take(foot);
+    }
+    for edge in 0..4 {
+        take(on_edge(p, corners, edge));
+    }
+    best.unwrap_or_else(|| on_edge(p, corners, 0))
+}
+
+/// Closest point of an edge.
+fn on_edge(p: &Vector3<f64>, corners: &[[f64; 3]; 4], edge: usize) -> Projection {
+    /// Parameters of the corners.
+    const CORNER: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let (a, b) = (edge, (edge + 1) % 4);
+    let (xa, xb) = (Vector3::from(corners[a]), Vector3::from(corners[b]));
+    let along = xb - xa;
+    let length = along.norm_squared();
+    let s = if length > 0.0 { ((p - xa).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let xi = [0, 1].map(|i| CORNER[a][i] + s * (CORNER[b][i] - CORNER[a][i]));
+    let point = xa + s * along;
+    let normal = crate::surface::frame_at(corners, xi)[0];
+    let r = p - point;
+    let distance = r.norm();
+    // On the edge within rounding the point is as good as inside.
+    let inside = (r - normal * r.dot(&normal)).norm() <= 1e-12 * length.sqrt();
+    Projection { xi, point, normal, gap: r.dot(&normal), distance, inside }
+}

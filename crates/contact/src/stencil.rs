@@ -1,0 +1,231 @@
+//! Kinematics of one slave point against one master facet: a small element of 4 + 4 nodes.
+//!
+//! With x_s = Σ N_a x_a on the slave facet and x_m(ξ) the foot of the perpendicular on the master,
+//! u = n·(x_s − x_m) and, from the anchor y (the material point of the master that was the foot at
+//! the last commit), Δδ_α = t_α·(x_s − y). The traction σ n + τ_α t_α pulls the slave back and the
+//! master at the foot.
+
+use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
+
+use crate::projection::extend;
+use crate::surface::{MIXED, blend, shape};
+
+type Gradient = SMatrix<f64, 3, 24>;
+
+/// A sampling point of a slave facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlavePoint {
+    /// Weights of the facet's nodes.
+    pub weights: [f64; 4],
+    /// Its share of the facet's reference area [mm²].
+    pub area: f64,
+}
+
+/// 2 × 2 Gauss points of a facet with reference positions `corners`.
+pub fn gauss_points(corners: &[[f64; 3]; 4]) -> [SlavePoint; 4] {
+    sample(corners, 1.0 / 3.0_f64.sqrt())
+}
+
+/// The corners, moved inwards by 1e-6 of the half facet, so that they lie on one facet only where
+/// edges of bodies coincide.
+pub fn corner_points(corners: &[[f64; 3]; 4]) -> [SlavePoint; 4] {
+    sample(corners, 1.0 - 1e-6)
+}
+
+fn sample(corners: &[[f64; 3]; 4], at: f64) -> [SlavePoint; 4] {
+    [[-at, -at], [at, -at], [at, at], [-at, at]].map(|xi| {
+        let (weights, by_s, by_t) = shape(xi);
+        let area = blend(&by_s, corners).cross(&blend(&by_t, corners)).norm();
+        SlavePoint { weights, area }
+    })
+}
+
+/// Where the slip of this increment is measured from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor {
+    /// Parameters on the same facet.
+    Same([f64; 2]),
+    /// A point elsewhere, at its current position [mm].
+    At([f64; 3]),
+}
+
+/// Kinematics of a pair.
+#[derive(Clone, Debug)]
+pub struct Kinematics {
+    /// Normal gap u [mm], positive when open.
+    pub gap: f64,
+    /// Slip since the last commit Δδ [mm], in the frame.
+    pub slip: [f64; 2],
+    /// n, t₁, t₂.
+    pub frame: [Vector3<f64>; 3],
+    /// Parameters of the foot.
+    pub xi: [f64; 2],
+    weights: [f64; 8],
+    slave: [f64; 4],
+    reach: Vector3<f64>,
+    anchor_weights: [f64; 4],
+    first: Vector3<f64>,
+    second: Vector3<f64>,
+    twist: Vector3<f64>,
+    r: Vector3<f64>,
+}
+
+impl Kinematics {
+    /// Sees a slave point (corner positions and weights) from a master facet. `start` is a guess
+    /// for the foot. None if there is no foot near the facet.
+    pub fn new(
+        slave: &[[f64; 3]; 4],
+        slave_weights: &[f64; 4],
+        master: &[[f64; 3]; 4],
+        start: [f64; 2],
+        anchor: Anchor,
+    ) -> Option<Self> {
+        let point = blend(slave_weights, slave);
+        let foot = extend(&point, master, start)?;
+        let (n_m, by_s, by_t) = shape(foot.xi);
+        let (a1, a2) = (blend(&by_s, master), blend(&by_t, master));
+        let n = foot.normal;
+        let t1 = a1 / a1.norm();
+        let t2 = n.cross(&t1);
+        let (anchor_weights, y) = match anchor {
+            Anchor::Same(xi) => {
+                let weights = shape(xi).0;
+                (weights, blend(&weights, master))
+            }
+            Anchor::At(y) => (n_m, Vector3::from(y)),
+        };
+        let reach = point - y;
+        let mut weights = [0.0; 8];
+        for a in 0..4 {
+            weights[a] = slave_weights[a];
+            weights[4 + a] = -n_m[a];
+        }
+        Some(Self {
+            gap: foot.gap,
+            slip: [t1.dot(&reach), t2.dot(&reach)],
+            frame: [n, t1, t2],
+            xi: foot.xi,
+            weights,
+            slave: *slave_weights,
+            reach,
+            anchor_weights,
+            first: a1,
+            second: a2,
+            twist: blend(&MIXED, master),
+            r: point - foot.point,
+        })
+    }
+
+    /// Traction vector σ n + τ_α t_α [MPa].
+    fn vector(&self, traction: &[f64; 3]) -> Vector3<f64> {
+        self.frame[0] * traction[0] + self.frame[1] * traction[1] + self.frame[2] * traction[2]
+    }
+
+    /// Adds the internal forces of the eight nodes [N]; area in mm².
+    pub fn add_force(&self, traction: &[f64; 3], area: f64, force: &mut [[f64; 3]; 8]) {
+        let t = self.vector(traction) * area;
+        for (f, w) in force.iter_mut().zip(&self.weights) {
+            for i in 0..3 {
+                f[i] += w * t[i];
+            }
+        }
+    }
+
+    /// Adds the material stiffness `[a][b][i][j]` [N/mm] of `tangent` (rows σ, τ₁, τ₂; columns u,
+    /// δ₁, δ₂): symmetric where `tangent` is.
+    pub fn add_stiffness(&self, tangent: &Matrix3<f64>, area: f64, cell: &mut [f64]) {
+        let rotation = Matrix3::from_columns(&self.frame);
+        let k = rotation * tangent * rotation.transpose() * area;
+        for a in 0..8 {
+            for b in 0..8 {
+                let w = self.weights[a] * self.weights[b];
+                let block = &mut cell[(a * 8 + b) * 9..][..9];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        block[3 * i + j] += w * k[(i, j)];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the exact stiffness ∂f/∂x `[a][b][i][j]` [N/mm], with the turning of the frame and the
+    /// wandering of the foot.
+    pub fn add_exact_stiffness(
+        &self,
+        traction: &[f64; 3],
+        tangent: &Matrix3<f64>,
+        area: f64,
+        cell: &mut [f64],
+    ) {
+        let (n_m, by_s, by_t) = shape(self.xi);
+        let [n, t1, t2] = self.frame;
+        let (a1, a2) = (self.first, self.second);
+        let spread = |weights: &[f64; 4]| {
+            let mut g = Gradient::zeros();
+            for a in 0..4 {
+                for i in 0..3 {
+                    g[(i, 12 + 3 * a + i)] = weights[a];
+                }
+            }
+            g
+        };
+        let mut point = Gradient::zeros();
+        for a in 0..4 {
+            for i in 0..3 {
+                point[(i, 3 * a + i)] = self.slave[a];
+            }
+        }
+        let relative = point - spread(&n_m);
+        let (da1, da2) = (spread(&by_s), spread(&by_t));
+        // (a_α·a_β − r·a_αβ) δξ_β = (δx_s − δx_m)·a_α + r·δa_α
+        let m12 = a1.dot(&a2) - self.r.dot(&self.twist);
+        let (m11, m22) = (a1.dot(&a1), a2.dot(&a2));
+        let det = m11 * m22 - m12 * m12;
+        let b1: RowSVector<f64, 24> = a1.transpose() * relative + self.r.transpose() * da1;
+        let b2: RowSVector<f64, 24> = a2.transpose() * relative + self.r.transpose() * da2;
+        let dxi1 = (b1 * m22 - b2 * m12) / det;
+        let dxi2 = (b2 * m11 - b1 * m12) / det;
+        let da1 = da1 + self.twist * dxi2;
+        let da2 = da2 + self.twist * dxi1;
+        // δn = −a^α (n·δa_α), contravariant basis
+        let g12 = a1.dot(&a2);
+        let g = m11 * m22 - g12 * g12;
+        let up1 = (a1 * m22 - a2 * g12) / g;
+        let up2 = (a2 * m11 - a1 * g12) / g;
+        let dn = -(up1 * (n.transpose() * da1) + up2 * (n.transpose() * da2));
+        let dt1 = (da1 - t1 * (t1.transpose() * da1)) / a1.norm();
+        let mut dt2 = Gradient::zeros();
+        for c in 0..24 {
+            let dn_c: Vector3<f64> = dn.column(c).into();
+            let dt1_c: Vector3<f64> = dt1.column(c).into();
+            dt2.set_column(c, &(dn_c.cross(&t1) + n.cross(&dt1_c)));
+        }
+        let du = n.transpose() * relative;
+        let from_anchor = point - spread(&self.anchor_weights);
+        let d1 = self.reach.transpose() * dt1 + t1.transpose() * from_anchor;
+        let d2 = self.reach.transpose() * dt2 + t2.transpose() * from_anchor;
+        let row = |k: usize| du * tangent[(k, 0)] + d1 * tangent[(k, 1)] + d2 * tangent[(k, 2)];
+        let dt = n * row(0)
+            + dn * traction[0]
+            + t1 * row(1)
+            + dt1 * traction[1]
+            + t2 * row(2)
+            + dt2 * traction[2];
+        let t = self.vector(traction);
+        for a in 0..8 {
+            let mut rows = dt * self.weights[a];
+            if a >= 4 {
+                rows -= t * (dxi1 * by_s[a - 4] + dxi2 * by_t[a - 4]);
+            }
+            for b in 0..8 {
+                let block = &mut cell[(a * 8 + b) * 9..][..9];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        block[3 * i + j] += area * rows[(i, 3 * b + j)];
+                    }
+                }
+            }
+        }
+    }
+}

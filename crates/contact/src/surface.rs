@@ -1,0 +1,66 @@
+//! Surfaces made of four-cornered facets.
+
+use nalgebra::Vector3;
+
+/// Facets of one side of contact. Nodes run counter-clockwise seen from outside the body.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Nodes of each facet. `[facet][corner]`
+    pub facets: Vec<[u32; 4]>,
+    /// Body of each facet; a body does not touch itself. `[facet]`
+    pub body: Vec<u32>,
+}
+
+impl Surface {
+    /// Corner positions of a facet [mm].
+    pub fn corners(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
+        self.facets[facet].map(|n| x[n as usize])
+    }
+}
+
+/// Bilinear shape functions at (ξ, η): N and their derivatives by ξ and η.
+pub(crate) fn shape(xi: [f64; 2]) -> ([f64; 4], [f64; 4], [f64; 4]) {
+    let [s, t] = xi;
+    (
+        [
+            0.25 * (1.0 - s) * (1.0 - t),
+            0.25 * (1.0 + s) * (1.0 - t),
+            0.25 * (1.0 + s) * (1.0 + t),
+            0.25 * (1.0 - s) * (1.0 + t),
+        ],
+        [-0.25 * (1.0 - t), 0.25 * (1.0 - t), 0.25 * (1.0 + t), -0.25 * (1.0 + t)],
+        [-0.25 * (1.0 - s), -0.25 * (1.0 + s), 0.25 * (1.0 + s), 0.25 * (1.0 - s)],
+    )
+}
+
+/// Second derivative ∂²N/∂ξ∂η, constant.
+pub(crate) const MIXED: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
+
+/// Σ w_a x_a.
+pub(crate) fn blend(weights: &[f64; 4], x: &[[f64; 3]; 4]) -> Vector3<f64> {
+    let mut sum = Vector3::zeros();
+    for a in 0..4 {
+        for i in 0..3 {
+            sum[i] += weights[a] * x[a][i];
+        }
+    }
+    sum
+}
+
+/// Frame [n, t₁, t₂] of a facet at (ξ, η): outward normal, the direction of ξ, and n × t₁.
+///
+/// A collapsed facet has no frame; then the axes of space are returned, so that nothing divides by
+/// zero (its area weighs nothing).
+pub fn frame_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> [Vector3<f64>; 3] {
+    let (_, by_s, by_t) = shape(xi);
+    let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
+    let normal = a1.cross(&a2);
+    let (area, length) = (normal.norm(), a1.norm());
+    if area > f64::MIN_POSITIVE && length > f64::MIN_POSITIVE {
+        let n = normal / area;
+        let t1 = a1 / length;
+        [n, t1, n.cross(&t1)]
+    } else {
+        [Vector3::z(), Vector3::x(), Vector3::y()]
+    }
+}

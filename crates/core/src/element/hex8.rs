@@ -1,0 +1,297 @@
+//! The eight-node brick in its reference configuration (theory E).
+//!
+//! Everything that depends on the geometry and the elastic constants alone: strain operators B̃ at
+//! the 2 × 2 × 2 Gauss points, weights, centroid gradients, elastic stiffness. Equal elements share
+//! one [`ElementShape`].
+
+use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+
+use crate::material::{ElasticParameters, elastic_stiffness};
+use crate::model::scene::Formulation;
+
+/// Strain operator of one point: engineering Voigt strains of the 24 displacements.
+pub type Operator = [[f64; 24]; 6];
+/// Stiffness of 24 displacements.
+pub type Stiffness = [[f64; 24]; 24];
+
+/// Parameters (ξ, η, ζ) of the nodes, VTK's order.
+pub const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+/// An element that cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    /// The Jacobian is not positive: turned inside out, collapsed or too distorted.
+    #[error("the Jacobian is {determinant:.3e} mm³ at point {point}: the element is inverted")]
+    Jacobian {
+        /// Gauss point (8: the centroid).
+        point: usize,
+        /// det J [mm³].
+        determinant: f64,
+    },
+}
+
+/// Reference geometry of an element and all that follows from it.
+#[derive(Clone, Debug)]
+pub struct ElementShape {
+    /// X_a − X_c [mm]. `[node][xyz]`
+    pub relative: [[f64; 3]; 8],
+    /// Strain operators B̃ [1/mm]. `[gauss point]`
+    pub operator: [Operator; 8],
+    /// det J · w [mm³]. `[gauss point]`
+    pub weight: [f64; 8],
+    /// Gradients of the shape functions at the centroid [1/mm]. `[node][xyz]`
+    pub gradient: [[f64; 3]; 8],
+    /// Volume [mm³].
+    pub volume: f64,
+    /// Elastic stiffness of each Gauss point's share [N/mm].
+    point_stiffness: Box<[Stiffness; 8]>,
+    /// Elastic stiffness [N/mm].
+    stiffness: Box<Stiffness>,
+}
+
+/// Derivatives of the shape functions by (ξ, η, ζ).
+fn derivatives(p: [f64; 3]) -> [[f64; 3]; 8] {
+    CORNERS.map(|c| {
+        let f = [0, 1, 2].map(|i| 1.0 + c[i] * p[i]);
+        [
+            0.125 * c[0] * f[1] * f[2],
+            0.125 * c[1] * f[0] * f[2],
+            0.125 * c[2] * f[0] * f[1],
+        ]
+    })
+}
+
+/// J_ij = ∂x_i/∂ξ_j.
+fn jacobian(relative: &[[f64; 3]; 8], by_xi: &[[f64; 3]; 8]) -> Matrix3<f64> {
+    let mut j = Matrix3::zeros();
+    for a in 0..8 {
+        j += Vector3::from(relative[a]) * Vector3::from(by_xi[a]).transpose();
+    }
+    j
+}
+
+/// Strain rows of a vector field's gradient: `column(i, g)` is the strain of u_i with gradient g.
+fn strain_of(i: usize, g: &Vector3<f64>) -> Vector6<f64> {
+    let mut e = Vector6::zeros();
+    e[i] = g[i];
+    match i {
+        0 => {
+            e[3] = g[1];
+            e[5] = g[2];
+        }
+        1 => {
+            e[3] = g[0];
+            e[4] = g[2];
+        }
+        _ => {
+            e[4] = g[1];
+            e[5] = g[0];
+        }
+    }
+    e
+}
+
+impl ElementShape {
+    /// Prepares the element with these reference corners [mm].
+    ///
+    /// # Errors
+    /// [`ShapeError`] if it is inverted somewhere.
+    pub fn new(
+        corners: &[[f64; 3]; 8],
+        formulation: Formulation,
+        elastic: &ElasticParameters,
+    ) -> Result<Self, ShapeError> {
+        let centre = [0, 1, 2].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / 8.0);
+        let relative = corners.map(|c| [0, 1, 2].map(|i| c[i] - centre[i]));
+        let inverse = |p: [f64; 3], point: usize| {
+            let j = jacobian(&relative, &derivatives(p));
+            let determinant = j.determinant();
+            let inverse = if determinant > 0.0 { j.try_inverse() } else { None };
+            inverse.map(|i| (i, determinant)).ok_or(ShapeError::Jacobian { point, determinant })
+        };
+        let (inverse0, det0) = inverse([0.0; 3], 8)?;
+        let at_centre = derivatives([0.0; 3]);
+        let gradient = at_centre.map(|d| (inverse0.transpose() * Vector3::from(d)).into());
+
+        let at = 1.0 / 3.0_f64.sqrt();
+        let mut b = [SMatrix::<f64, 6, 24>::zeros(); 8];
+        let mut g = [SMatrix::<f64, 6, 9>::zeros(); 8];
+        let mut weight = [0.0; 8];
+        for (point, corner) in CORNERS.iter().enumerate() {
+            let p = corner.map(|c| c * at);
+            let (inv, det) = inverse(p, point)?;
+            weight[point] = det;
+            for (a, d) in derivatives(p).iter().enumerate() {
+                let grad = inv.transpose() * Vector3::from(*d);
+                for i in 0..3 {
+                    b[point].set_column(3 * a + i, &strain_of(i, &grad));
+                }
+            }
+            // Wilson–Taylor modes 1 − ξ_k², mapped by the centroid Jacobian and scaled by j0/j, so
+            // that they do no work on a constant stress.
+            for k in 0..3 {
+                let mut d = Vector3::zeros();
+                d[k] = -2.0 * p[k];
+                let grad = inverse0.transpose() * d * (det0 / det);
+                for i in 0..3 {
+                    g[point].set_column(3 * k + i, &strain_of(i, &grad));
+                }
+            }
+        }
+        let volume: f64 = weight.iter().sum();
+        let c0 = elastic_stiffness(elastic);
+        match formulation {
+            Formulation::Full => {}
+            Formulation::BBar => constant_dilatation(&mut b, &weight, volume),
+            Formulation::Incompatible => condense(&mut b, &g, &weight, &c0),
+        }
+        let operator = b.map(|b| {
+            let mut rows = [[0.0; 24]; 6];
+            for (r, row) in rows.iter_mut().enumerate() {
+                for (c, value) in row.iter_mut().enumerate() {
+                    *value = b[(r, c)];
+                }
+            }
+            rows
+        });
+        let mut point_stiffness = Box::new([[[0.0; 24]; 24]; 8]);
+        let mut stiffness = Box::new([[0.0; 24]; 24]);
+        for p in 0..8 {
+            add_btdb(&operator[p], &c0, weight[p], &mut point_stiffness[p]);
+            for i in 0..24 {
+                for j in 0..24 {
+                    stiffness[i][j] += point_stiffness[p][i][j];
+                }
+            }
+        }
+        Ok(Self { relative, operator, weight, gradient, volume, point_stiffness, stiffness })
+    }
+
+    /// Strains at the Gauss points of local displacements [mm].
+    pub fn strains(&self, local: &[f64; 24]) -> [Vector6<f64>; 8] {
+        let mut strains = [Vector6::zeros(); 8];
+        for (strain, operator) in strains.iter_mut().zip(&self.operator) {
+            for (k, row) in operator.iter().enumerate() {
+                let mut sum = 0.0;
+                for (b, u) in row.iter().zip(local) {
+                    sum += b * u;
+                }
+                strain[k] = sum;
+            }
+        }
+        strains
+    }
+
+    /// f̄ = Σ B̃ᵀ σ w of the stresses at the Gauss points [N].
+    pub fn internal_force(&self, stresses: &[Vector6<f64>; 8]) -> [f64; 24] {
+        let mut force = [0.0; 24];
+        for ((stress, operator), weight) in stresses.iter().zip(&self.operator).zip(&self.weight) {
+            for (k, row) in operator.iter().enumerate() {
+                let s = stress[k] * weight;
+                for (f, b) in force.iter_mut().zip(row) {
+                    *f += b * s;
+                }
+            }
+        }
+        force
+    }
+
+    /// K̄ = Σ B̃ᵀ D B̃ w of any tangents [N/mm].
+    pub fn stiffness(&self, tangents: &[Matrix6<f64>; 8]) -> Stiffness {
+        let mut k = [[0.0; 24]; 24];
+        for p in 0..8 {
+            add_btdb(&self.operator[p], &tangents[p], self.weight[p], &mut k);
+        }
+        k
+    }
+
+    /// K̄ = Σ s_g B̃ᵀ C₀ B̃ w: elastic points of which a part s is intact [N/mm].
+    pub fn scaled_stiffness(&self, intact: &[f64; 8]) -> Stiffness {
+        if intact.iter().all(|&s| s == 1.0) {
+            return *self.stiffness;
+        }
+        let mut k = [[0.0; 24]; 24];
+        for (part, s) in self.point_stiffness.iter().zip(intact) {
+            for (row, from) in k.iter_mut().zip(part) {
+                for (value, v) in row.iter_mut().zip(from) {
+                    *value += s * v;
+                }
+            }
+        }
+        k
+    }
+}
+
+/// K += w Bᵀ D B.
+fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
+    let mut db = [[0.0; 24]; 6];
+    for r in 0..6 {
+        for c in 0..6 {
+            let factor = weight * d[(r, c)];
+            if factor != 0.0 {
+                for j in 0..24 {
+                    db[r][j] += factor * b[c][j];
+                }
+            }
+        }
+    }
+    for i in 0..24 {
+        let row = &mut k[i];
+        let column = [b[0][i], b[1][i], b[2][i], b[3][i], b[4][i], b[5][i]];
+        for j in 0..24 {
+            row[j] += column[0] * db[0][j]
+                + column[1] * db[1][j]
+                + column[2] * db[2][j]
+                + column[3] * db[3][j]
+                + column[4] * db[4][j]
+                + column[5] * db[5][j];
+        }
+    }
+}
+
+/// B-bar: the dilatation of every point becomes the element's mean.
+fn constant_dilatation(b: &mut [SMatrix<f64, 6, 24>; 8], weight: &[f64; 8], volume: f64) {
+    for column in 0..24 {
+        let dilatation = |b: &SMatrix<f64, 6, 24>| b[(0, column)] + b[(1, column)] + b[(2, column)];
+        let mean = b.iter().zip(weight).map(|(b, w)| dilatation(b) * w).sum::<f64>() / volume;
+        for b in b.iter_mut() {
+            let shift = (mean - dilatation(b)) / 3.0;
+            for i in 0..3 {
+                b[(i, column)] += shift;
+            }
+        }
+    }
+}
+
+/// B̃ = B − G K_αα⁻¹ K_αu: the incompatible modes condensed with the elastic stiffness, once. Exact
+/// while elastic; afterwards as robust as B-bar, where modes iterated locally diverge.
+fn condense(
+    b: &mut [SMatrix<f64, 6, 24>; 8],
+    g: &[SMatrix<f64, 6, 9>; 8],
+    weight: &[f64; 8],
+    c0: &Matrix6<f64>,
+) {
+    let mut k_aa = SMatrix::<f64, 9, 9>::zeros();
+    let mut k_au = SMatrix::<f64, 9, 24>::zeros();
+    for p in 0..8 {
+        let gtc = g[p].transpose() * c0 * weight[p];
+        k_aa += gtc * g[p];
+        k_au += gtc * b[p];
+    }
+    // Positive definite for any element with a positive Jacobian: the modes are independent.
+    if let Some(factor) = k_aa.cholesky() {
+        let modes = factor.solve(&k_au);
+        for p in 0..8 {
+            b[p] -= g[p] * modes;
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! Uniaxial tables and the curves made of them (theory A.5, A.8).
+
+use std::fmt;
+
+use super::parameters::{Interpolation, TableRow};
+
+/// Tension or compression.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// Uniaxial tension.
+    Tension,
+    /// Uniaxial compression.
+    Compression,
+}
+
+impl fmt::Display for Branch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Tension => "tension",
+            Self::Compression => "compression",
+        })
+    }
+}
+
+/// A table that cannot be used. Rows are counted from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// Fewer than two rows.
+    #[error("the {branch} table needs at least two rows: first yield and one after it")]
+    TooShort {
+        /// Which table.
+        branch: Branch,
+    },
+    /// A number out of its range.
+    #[error("{branch} row {row}: {what}")]
+    Row {
+        /// Which table.
+        branch: Branch,
+        /// Which row.
+        row: usize,
+        /// What is wrong, and the range.
+        what: String,
+    },
+    /// The damage is larger than the stress and strain allow, and capping it would let it fall.
+    #[error(
+        "{branch} row {row}: damage {damage} is inadmissible (plastic strain would fall) and \
+         capping it to {capped:.4} would let it fall below the row before"
+    )]
+    Inadmissible {
+        /// Which table.
+        branch: Branch,
+        /// Which row.
+        row: usize,
+        /// Damage as given.
+        damage: f64,
+        /// The largest admissible one.
+        capped: f64,
+    },
+    /// The element is so large that its softening snaps back.
+    #[error(
+        "{branch} row {row}: the softening snaps back in an element of equivalent length \
+         {l_eq:.1} mm; at most {l_max:.1} mm with this table and reference_length"
+    )]
+    SnapBack {
+        /// Which table.
+        branch: Branch,
+        /// Row at the end of the steepest segment.
+        row: usize,
+        /// Equivalent length of the element [mm].
+        l_eq: f64,
+        /// Largest admissible one [mm].
+        l_max: f64,
+    },
+}
+
+/// What was changed in a table, or switched off.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TableWarning {
+    /// The damage of a row was capped so that the plastic strain does not fall (theory A.5).
+    DamageCapped {
+        /// Which table.
+        branch: Branch,
+        /// Which row, from 1.
+        row: usize,
+        /// Damage as given.
+        from: f64,
+        /// Damage used.
+        to: f64,
+        /// Length of the element where it is [mm], none for tables as given.
+        l_eq: Option<f64>,
+    },
+}
+
+impl fmt::Display for TableWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::DamageCapped { branch, row, from, to, l_eq } = self;
+        write!(
+            f,
+            "{branch} row {row}: damage {from} is inadmissible with this E, stress and strain (the \
+             plastic strain would fall); capped to {to:.5}"
+        )?;
+        if let Some(l_eq) = l_eq {
+            write!(f, " where l_eq = {l_eq:.1} mm")?;
+        }
+        Ok(())
+    }
+}
+
+/// Least slope of the plastic over the inelastic strain: b = 0 would be a jump of σ̄ (theory A.5).
+const LEAST_PLASTIC: f64 = 0.1;
+/// Pieces of each interval for [`Interpolation::Lit`].
+const PIECES: usize = 20;
+
+/// A node of the curves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Hardening variable κ (plastic strain in the uniaxial test) [-].
+    pub kappa: f64,
+    /// Nominal stress σ [MPa].
+    pub stress: f64,
+    /// Effective stress σ̄ [MPa].
+    pub effective: f64,
+}
+
+/// σ̄(κ) and d(κ): σ and σ̄ piecewise linear between nodes, constant after the last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    nodes: Vec<Node>,
+}
+
+/// Values of a curve at one κ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// σ̄ [MPa].
+    pub effective: f64,
+    /// dσ̄/dκ [MPa].
+    pub effective_slope: f64,
+    /// d [-].
+    pub damage: f64,
+    /// dd/dκ [-].
+    pub damage_slope: f64,
+}
+
+impl Curve {
+    /// Builds the curve of a table for Young's modulus `e` [MPa] in an element of size `l_eq` [mm].
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn new(
+        branch: Branch,
+        rows: &[TableRow],
+        e: f64,
+        scaling: Option<(f64, f64)>,
+        interpolation: Interpolation,
+    ) -> Result<(Self, Vec<TableWarning>), TableError> {
+        validate(branch, rows)?;
+        let rows = scale(branch, rows, e, scaling)?;
+        let l_eq = scaling.map(|(_, l_eq)| l_eq);
+        let mut warnings: Vec<TableWarning> = Vec::new();
+        let mut nodes = vec![Node { kappa: 0.0, stress: rows[0].stress, effective: rows[0].stress }];
+        let mut before = (0.0, 0.0, 0.0); // ε_in, ε_pl, d of the last node
+        let pieces = if interpolation == Interpolation::Lit { PIECES } else { 1 };
+        for (i, pair) in rows.windows(2).enumerate() {
+            for piece in 1..=pieces {
+                let s = piece as f64 / pieces as f64;
+                let mix = |a: f64, b: f64| if piece == pieces { b } else { a + s * (b - a) };
+                let stress = mix(pair[0].stress, pair[1].stress);
+                let inelastic = mix(pair[0].inelastic_strain, pair[1].inelastic_strain);
+                let given = mix(pair[0].damage, pair[1].damage);
+                let mut plastic = inelastic - given / (1.0 - given) * stress / e;
+                let mut damage = given;
+                let least = before.1 + LEAST_PLASTIC * (inelastic - before.0);
+                if plastic < least {
+                    plastic = least;
+                    let x = e * (inelastic - plastic);
+                    damage = x / (x + stress);
+                    if damage < before.2 - 1e-12 {
+                        return Err(TableError::Inadmissible {
+                            branch,
+                            row: i + 2,
+                            damage: given,
+                            capped: damage,
+                        });
+                    }
+                    if piece == pieces {
+                        let (row, from, to) = (i + 2, given, damage);
+                        warnings.push(TableWarning::DamageCapped { branch, row, from, to, l_eq });
+                    }
+                }
+                before = (inelastic, plastic, damage);
+                let effective = stress + e * (inelastic - plastic);
+                nodes.push(Node { kappa: plastic, stress, effective });
+            }
+        }
+        Ok((Self { nodes }, warnings))
+    }
+
+    /// The nodes.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// σ̄ at first yield [MPa].
+    pub fn first_yield(&self) -> f64 {
+        self.nodes[0].effective
+    }
+
+    /// σ̄, d and their slopes at κ ≥ 0.
+    pub fn at(&self, kappa: f64) -> CurvePoint {
+        let last = self.nodes[self.nodes.len() - 1];
+        if kappa >= last.kappa {
+            return CurvePoint {
+                effective: last.effective,
+                effective_slope: 0.0,
+                damage: 1.0 - last.stress / last.effective,
+                damage_slope: 0.0,
+            };
+        }
+        let upper = self.nodes.partition_point(|n| n.kappa <= kappa).max(1);
+        let (a, b) = (self.nodes[upper - 1], self.nodes[upper]);
+        let width = b.kappa - a.kappa;
+        let (slope, effective_slope) =
+            ((b.stress - a.stress) / width, (b.effective - a.effective) / width);
+        let ahead = kappa - a.kappa;
+        let stress = a.stress + slope * ahead;
+        let effective = a.effective + effective_slope * ahead;
+        CurvePoint {
+            effective,
+            effective_slope,
+            damage: 1.0 - stress / effective,
+            damage_slope: (stress * effective_slope - slope * effective) / (effective * effective),
+        }
+    }
+}
+
+/// Ranges of a table, whatever the element.
+pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
+    if rows.len() < 2 {
+        return Err(TableError::TooShort { branch });
+    }
+    let wrong = |row: usize, what: String| Err(TableError::Row { branch, row: row + 1, what });
+    for (i, row) in rows.iter().enumerate() {
+        let TableRow { stress, inelastic_strain, damage } = *row;
+        if !(stress.is_finite() && stress > 0.0) {
+            return wrong(i, format!("stress {stress} must be positive (a residual keeps it so)"));
+        }
+        if !(damage >= 0.0 && damage < 1.0) {
+            return wrong(i, format!("damage {damage} must be at least 0 and below 1"));
+        }
+        if !inelastic_strain.is_finite() {
+            return wrong(i, format!("inelastic strain {inelastic_strain} must be finite"));
+        }
+        if i == 0 {
+            if inelastic_strain != 0.0 || damage != 0.0 {
+                return wrong(0, "the first row is first yield: strain 0 and damage 0".to_owned());
+            }
+        } else {
+            let before = rows[i - 1];
+            if inelastic_strain <= before.inelastic_strain {
+                return wrong(
+                    i,
+                    format!(
+                        "inelastic strain {inelastic_strain} must be above {} of the row before",
+                        before.inelastic_strain
+                    ),
+                );
+            }
+            if damage < before.damage {
+                return wrong(
+                    i,
+                    format!("damage {damage} must not be below {} of the row before", before.damage),
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Stretches the inelastic strain after the peak by l_ref/l_eq and refuses a snap-back (theory A.8).
+fn scale(
+    branch: Branch,
+    rows: &[TableRow],
+    e: f64,
+    scaling: Option<(f64, f64)>,
+) -> Result<Vec<TableRow>, TableError> {
+    let mut peak = 0;
+    for (i, row) in rows.iter().enumerate() {
+        if row.stress > rows[peak].stress {
+            peak = i;
+        }
+    }
+    let (l_ref, l_eq) = scaling.unwrap_or((1.0, 1.0));
+    let at_peak = rows[peak].inelastic_strain;
+    let scaled: Vec<TableRow> = rows
+        .iter()
+        .enumerate()
+        .map(|(i, row)| TableRow {
+            inelastic_strain: if i > peak {
+                at_peak + (row.inelastic_strain - at_peak) * l_ref / l_eq
+            } else {
+                row.inelastic_strain
+            },
+            ..*row
+        })
+        .collect();
+    for i in peak + 1..rows.len() {
+        let fall = rows[i - 1].stress - rows[i].stress;
+        let width = rows[i].inelastic_strain - rows[i - 1].inelastic_strain;
+        let l_max = l_ref * e * width / fall;
+        if fall > 0.0 && l_eq >= l_max {
+            return Err(TableError::SnapBack { branch, row: i + 1, l_eq, l_max });
+        }
+    }
+    Ok(scaled)
+}
+
+/// Largest equivalent length without snap-back [mm], none if nothing softens (theory A.8).
+pub fn largest_length(rows: &[TableRow], e: f64, l_ref: f64) -> Option<f64> {
+    rows.windows(2)
+        .filter(|pair| pair[0].stress > pair[1].stress)
+        .map(|pair| {
+            let width = pair[1].inelastic_strain - pair[0].inelastic_strain;
+            l_ref * e * width / (pair[0].stress - pair[1].stress)
+        })
+        .min_by(f64::total_cmp)
+}

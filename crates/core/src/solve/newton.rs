@@ -1,0 +1,438 @@
+//! One increment: equilibrium by Newton's method with the energy line search.
+//!
+//! With the shifted penalty (docs/solver.md) the tractions of the last iterate enter the interface
+//! law, so that each iteration is one step of the fixed point and one Newton step of equilibrium at
+//! once. The increment is converged when the out-of-balance force and the change of the tractions
+//! are both below the tolerance.
+
+use super::line_search::{LineSearch, Probe};
+use super::schedule::Increment;
+use super::state::State;
+use crate::material::LocalFailure;
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::system::linear::{Backend, LinearError, LinearSolver};
+use crate::system::{Bulk, Equations, Evaluation, Solids, System, Trial};
+use std::time::Instant;
+
+/// Why an increment was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// Not below the tolerance after the allowed iterations.
+    Iterations {
+        /// Out-of-balance force over the mean nodal force.
+        residual: f64,
+        /// Change of the tractions over the mean nodal force.
+        change: f64,
+        /// Node with the largest out-of-balance force.
+        node: usize,
+    },
+    /// A law or an element gave no answer.
+    Local {
+        /// Element.
+        element: usize,
+        /// What happened.
+        why: LocalFailure,
+    },
+    /// The matrix could not be factorised.
+    Linear {
+        /// What happened.
+        why: LinearError,
+        /// Node and direction of the equation, if one is to blame.
+        dof: Option<(usize, usize)>,
+    },
+    /// The residual is not finite.
+    NotFinite,
+}
+
+/// How an increment converged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Linear solves.
+    pub iterations: usize,
+    /// Out-of-balance force over the mean nodal force, of what was solved.
+    pub residual: f64,
+}
+
+/// What came of an increment.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// Equilibrium was found; the trial holds it.
+    Converged(Report),
+    /// It was not; nothing was changed.
+    Refused(Refusal, usize),
+}
+
+/// Wall time spent in each phase [s].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clock {
+    /// Solids.
+    pub elements: f64,
+    /// Interfaces, with the search.
+    pub contact: f64,
+    /// Gather.
+    pub assembly: f64,
+    /// Analysis and factorisation.
+    pub factorise: f64,
+    /// Triangular solves.
+    pub solve: f64,
+}
+
+/// The equations of one step and their solver.
+pub struct Newton<'m> {
+    model: &'m Model,
+    step: &'m Step,
+    equations: Equations,
+    linear: Option<LinearSolver>,
+    values: Vec<f64>,
+    direction: Vec<f64>,
+    residual: Vec<f64>,
+    q: Vec<f64>,
+    q_start: Vec<f64>,
+    /// Forces on the beams when the step began [N]. `[slot]`
+    force_start: Vec<f64>,
+    /// External forces now [N]. `[slot]`
+    external: Vec<f64>,
+    /// Wall time by phase.
+    pub clock: Clock,
+}
+
+fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *clock += start.elapsed().as_secs_f64();
+    result
+}
+
+impl<'m> Newton<'m> {
+    /// Prepares a step that begins at `state`.
+    pub fn new(model: &'m Model, step: &'m Step, system: &System, state: &State) -> Self {
+        let equations = Equations::new(&system.dofs, step);
+        let n = equations.len();
+        let slots = system.dofs.slots;
+        Self {
+            model,
+            step,
+            equations,
+            linear: None,
+            values: Vec::new(),
+            direction: vec![0.0; n],
+            residual: vec![0.0; n],
+            q: state.q.clone(),
+            q_start: state.q.clone(),
+            force_start: state.force.clone(),
+            external: vec![0.0; slots],
+            clock: Clock::default(),
+        }
+    }
+
+    /// Unknowns of this step.
+    pub fn unknowns(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// Which tangents the procedure needs.
+    fn backend(&self) -> Backend {
+        match self.step.procedure {
+            Procedure::Implex => Backend::FaerLlt,
+            Procedure::Implicit | Procedure::Direct => Backend::FaerLu,
+        }
+    }
+
+    /// External forces on the beams and prescribed displacements at fraction `s` of the step.
+    fn boundary(&mut self, system: &System, s: f64, q: &mut [f64]) {
+        self.external.fill(0.0);
+        for (b, motion) in self.step.motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                let slot = system.dofs.beam_slot(b, i);
+                match *motion {
+                    BeamMotion::Locked => q[slot] = self.q_start[slot],
+                    BeamMotion::Driven(by) => q[slot] = self.q_start[slot] + s * by,
+                    BeamMotion::Force(to) => {
+                        let from = self.force_start[slot];
+                        self.external[slot] = from + s * (to - from);
+                    }
+                }
+            }
+        }
+    }
+
+    /// External forces at the last increment [N]. `[slot]`
+    pub fn external(&self) -> &[f64] {
+        &self.external
+    }
+
+    /// Generalised displacements at the last iterate [mm]. `[slot]`
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Finds equilibrium at the end of `increment`.
+    pub fn converge(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        increment: Increment,
+        extrapolate: bool,
+    ) -> Outcome {
+        let mut solves = 0;
+        match self.iterate(system, state, trial, increment, extrapolate, &mut solves) {
+            Ok(report) => Outcome::Converged(report),
+            Err(refusal) => Outcome::Refused(refusal, solves),
+        }
+    }
+
+    fn iterate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        increment: Increment,
+        extrapolate: bool,
+        solves: &mut usize,
+    ) -> Result<Report, Refusal> {
+        let dt = increment.size * self.step.duration;
+        let solids = match self.step.procedure {
+            Procedure::Implex => {
+                // The rate of a state without a last increment is not known: nothing extrapolated.
+                let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
+                Solids::Extrapolated { ratio }
+            }
+            _ => Solids::Implicit,
+        };
+        let setting = Evaluation {
+            dt,
+            solids,
+            shifted: self.step.procedure != Procedure::Direct,
+            tangent: true,
+        };
+        self.predict(system, state, trial, increment, extrapolate, setting, solves)?;
+
+        let tolerance = self.step.tolerance;
+        for iteration in 0..=tolerance.max_iterations {
+            timed(&mut self.clock.contact, || system.search(state, trial));
+            self.evaluate(system, state, trial, setting)?;
+            let scale = trial.mean_nodal_force.max(f64::MIN_POSITIVE);
+            let (residual, worst) = largest(&self.residual);
+            if !residual.is_finite() {
+                return Err(Refusal::NotFinite);
+            }
+            let change = if iteration == 0 { f64::INFINITY } else { trial.traction_change };
+            if residual <= tolerance.residual * scale && change <= tolerance.residual * scale {
+                return Ok(Report { iterations: *solves, residual: residual / scale });
+            }
+            if iteration == tolerance.max_iterations {
+                let (node, _) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
+                return Err(Refusal::Iterations {
+                    residual: residual / scale,
+                    change: change / scale,
+                    node,
+                });
+            }
+            self.solve(system, trial)?;
+            *solves += 1;
+            self.search_line(system, state, trial, setting)?;
+            trial.keep_tractions();
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// Start of the iterations: the last increment again, or the tangent with the prescribed
+    /// displacements on the right-hand side.
+    fn predict(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        increment: Increment,
+        extrapolate: bool,
+        setting: Evaluation,
+        solves: &mut usize,
+    ) -> Result<(), Refusal> {
+        trial.start(state);
+        self.q.copy_from_slice(&state.q);
+        let mut target = std::mem::take(&mut self.q);
+        self.boundary(system, increment.end(), &mut target);
+        self.q = target;
+        let last = state.last.as_ref().filter(|_| extrapolate);
+        if let Some(last) = last {
+            let ratio = setting.dt / last.dt;
+            for &slot in &self.equations.slot_of {
+                self.q[slot as usize] += ratio * last.dq[slot as usize];
+            }
+            return Ok(());
+        }
+        let target = std::mem::replace(&mut self.q, state.q.clone());
+        timed(&mut self.clock.contact, || system.search(state, trial));
+        self.evaluate(system, state, trial, setting)?;
+        // K_fp Δp of the prescribed displacements joins the residual.
+        let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
+        let moved = system.multiply(trial, &change);
+        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            *r += moved[slot as usize];
+        }
+        self.solve(system, trial)?;
+        *solves += 1;
+        self.q = target;
+        for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
+            self.q[slot as usize] += d;
+        }
+        Ok(())
+    }
+
+    /// Forces (and tangents) at `self.q`; the residual of the unknowns.
+    fn evaluate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+    ) -> Result<(), Refusal> {
+        system
+            .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
+            .map_err(|(element, why)| Refusal::Local { element, why })?;
+        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            *r = trial.force[slot as usize] - self.external[slot as usize];
+        }
+        Ok(())
+    }
+
+    /// d = −K⁻¹ r.
+    fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
+        let backend = self.backend();
+        if self.linear.is_none() || system.pattern_changed() {
+            let (gather, linear) = timed(&mut self.clock.factorise, || {
+                system.analyse(&self.equations, backend)
+            })
+            .map_err(|why| Refusal::Linear { why, dof: None })?;
+            self.values = vec![0.0; gather];
+            self.linear = Some(linear);
+        }
+        timed(&mut self.clock.assembly, || system.fill(trial, &mut self.values));
+        let Some(linear) = &mut self.linear else { unreachable!("analysed above") };
+        for (d, r) in self.direction.iter_mut().zip(&self.residual) {
+            *d = -r;
+        }
+        timed(&mut self.clock.factorise, || linear.factorise(&self.values))
+            .and_then(|_| timed(&mut self.clock.solve, || linear.solve(&mut self.direction)))
+            .map_err(|why| {
+                let equation = match why {
+                    LinearError::Singular { equation }
+                    | LinearError::NotPositiveDefinite { equation }
+                    | LinearError::NotFinite { equation } => Some(equation),
+                    _ => None,
+                };
+                let dof = equation
+                    .map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+                Refusal::Linear { why, dof }
+            })?;
+        Ok(())
+    }
+
+    /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
+    fn search_line(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+    ) -> Result<(), Refusal> {
+        let setting = Evaluation { tangent: false, ..setting };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut search = LineSearch::new(dot(&self.direction, &self.residual));
+        let origin: Vec<f64> =
+            self.equations.slot_of.iter().map(|&s| self.q[s as usize]).collect();
+        let mut eta = 1.0;
+        loop {
+            for ((q, d), &slot) in origin.iter().zip(&self.direction).zip(&self.equations.slot_of)
+            {
+                self.q[slot as usize] = q + eta * d;
+            }
+            let slope = match self.evaluate(system, state, trial, setting) {
+                Ok(()) => dot(&self.direction, &self.residual),
+                // A law that fails far away may answer nearer.
+                Err(Refusal::Local { .. }) if eta > 0.1 => f64::NAN,
+                Err(refusal) => return Err(refusal),
+            };
+            match search.next(eta, slope) {
+                Probe::Try(next) => eta = next,
+                Probe::Accept(_) => return Ok(()),
+            }
+        }
+    }
+
+    /// Updates the solids implicitly at the converged displacements and returns the largest true
+    /// out-of-balance force and its 2-norm, both over their own scale (theory F, B.3).
+    ///
+    /// # Errors
+    /// The law that gave no answer.
+    pub fn correct(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        increment: Increment,
+    ) -> Result<(f64, f64), Refusal> {
+        let setting = Evaluation {
+            dt: increment.size * self.step.duration,
+            solids: Solids::Implicit,
+            shifted: self.step.procedure != Procedure::Direct,
+            tangent: false,
+        };
+        let solved = trial.force.clone();
+        self.evaluate(system, state, trial, setting)?;
+        let scale = trial.mean_nodal_force.max(f64::MIN_POSITIVE);
+        let (largest, _) = largest(&self.residual);
+        let square: f64 = self.residual.iter().map(|r| r * r).sum();
+        let count = (self.residual.len().max(1)) as f64;
+        // Reactions are those of the equilibrium that was solved.
+        trial.force = solved;
+        Ok((largest / scale, (square / count).sqrt() / scale))
+    }
+}
+
+/// Largest magnitude and its place; not finite if any entry is not.
+fn largest(values: &[f64]) -> (f64, usize) {
+    let mut worst = (0.0, 0);
+    for (i, v) in values.iter().enumerate() {
+        if !v.is_finite() {
+            return (f64::NAN, i);
+        }
+        if v.abs() > worst.0 {
+            worst = (v.abs(), i);
+        }
+    }
+    worst
+}
+
+/// Words for the user: where, why and what to try.
+pub fn explain(refusal: &Refusal, model: &Model) -> String {
+    let place = |node: usize| {
+        let [x, y, z] = model.mesh.nodes[node];
+        format!("node {node} at ({x:.1}, {y:.1}, {z:.1}) mm")
+    };
+    match refusal {
+        Refusal::Iterations { residual, change, node } => format!(
+            "no equilibrium within the allowed iterations: out-of-balance force {residual:.2e} and \
+             change of tractions {change:.2e} of the mean nodal force, worst at {}; try smaller \
+             increments (increments.min), a material viscosity, or procedure = \"implex\"",
+            place(*node)
+        ),
+        Refusal::Local { element, why } => format!(
+            "element {element} of unit {}: {why}; try smaller increments (increments.min)",
+            model.mesh.unit[*element]
+        ),
+        Refusal::Linear { why, dof: Some((node, direction)) } => format!(
+            "{why}: {} is free to move in {}; hold its body or bring it into contact",
+            place(*node),
+            ["x", "y", "z"][*direction]
+        ),
+        Refusal::Linear { why, dof: None } => format!("{why}"),
+        Refusal::NotFinite => "the out-of-balance force is not finite; try smaller increments \
+             (increments.initial)"
+            .to_owned(),
+    }
+}
+
+const _: fn(&Bulk) = |_| {};

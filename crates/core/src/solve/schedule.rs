@@ -1,0 +1,103 @@
+//! Sizes of increments within one step.
+
+use crate::model::scene::Increments;
+
+/// One increment: from `start` to `start + size`, as fractions of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increment {
+    /// Where it starts.
+    pub start: f64,
+    /// Its size.
+    pub size: f64,
+}
+
+impl Increment {
+    /// Where it ends.
+    pub fn end(&self) -> f64 {
+        self.start + self.size
+    }
+}
+
+/// Chooses the increments of one step.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    limits: Increments,
+    done: f64,
+    size: f64,
+}
+
+/// The step is refused: the next increment would be smaller than allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooSmall;
+
+/// A remainder below this fraction of the step is rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Schedule {
+    /// Starts a step.
+    pub fn new(limits: Increments) -> Self {
+        Self { limits, done: 0.0, size: limits.initial.min(limits.max) }
+    }
+
+    /// The increment to try now, none when the step is done. A remainder that would be a sliver is
+    /// shared with the last increment.
+    pub fn next(&self) -> Option<Increment> {
+        let left = 1.0 - self.done;
+        if left <= ROUNDING {
+            return None;
+        }
+        let size = if left <= self.size * (1.0 + 1e-9) {
+            left
+        } else if left < 1.5 * self.size {
+            left / 2.0
+        } else {
+            self.size
+        };
+        Some(Increment { start: self.done, size })
+    }
+
+    /// The increment was committed: the next may be `factor` times as large.
+    pub fn accept(&mut self, increment: Increment, factor: f64) {
+        self.done = increment.end();
+        // A last increment made small by the end of the step says nothing about the size.
+        let base = if increment.size < 0.5 * self.size { self.size } else { increment.size };
+        self.size = (base * factor).clamp(self.limits.min, self.limits.max);
+    }
+
+    /// The increment was refused: try `factor` of it.
+    ///
+    /// # Errors
+    /// [`TooSmall`] if that is below the smallest increment.
+    pub fn cut(&mut self, increment: Increment, factor: f64) -> Result<(), TooSmall> {
+        self.size = increment.size * factor;
+        if self.size < self.limits.min { Err(TooSmall) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_covered_whole() {
+        let mut schedule = Schedule::new(Increments { initial: 0.07, max: 0.2, min: 1e-6 });
+        let mut end = 0.0;
+        while let Some(increment) = schedule.next() {
+            assert_eq!(increment.start, end);
+            end = increment.end();
+            schedule.accept(increment, 1.5);
+        }
+        // Sums of fractions of one: a few roundings.
+        assert!((end - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn cutting_below_the_smallest_increment_is_refused() {
+        let mut schedule = Schedule::new(Increments { initial: 0.1, max: 0.2, min: 0.03 });
+        let Some(first) = schedule.next() else { panic!("a step has an increment") };
+        assert_eq!(schedule.cut(first, 0.4), Ok(()));
+        let Some(second) = schedule.next() else { panic!("a cut step has an increment") };
+        assert!((second.size - 0.04).abs() < 1e-15);
+        assert_eq!(schedule.cut(second, 0.4), Err(TooSmall));
+    }
+}

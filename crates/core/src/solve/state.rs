@@ -1,0 +1,53 @@
+//! What a run changes, and no more than that: exactly one checkpoint.
+
+use serde::{Deserialize, Serialize};
+use wythe_contact::{InterfaceHistory, PointPair};
+
+use crate::material::MaterialHistory;
+
+/// Energies since the start [N mm].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energies {
+    /// Work of reactions and loads.
+    pub external: f64,
+    /// Elastic energy of solids and interfaces now.
+    pub elastic: f64,
+    /// Plastic work and damage of the solids.
+    pub plastic_damage: f64,
+    /// Dissipation of the interfaces.
+    pub interface: f64,
+    /// Viscous dissipation.
+    pub viscous: f64,
+}
+
+/// The last committed increment: what extrapolation starts from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LastIncrement {
+    /// Change of the generalised displacements [mm]. `[slot]`
+    pub dq: Vec<f64>,
+    /// Its step time [s].
+    pub dt: f64,
+}
+
+/// Converged state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Increments done.
+    pub increments: usize,
+    /// Step time since the start of the run [s].
+    pub time: f64,
+    /// Generalised displacements [mm]. `[slot]`
+    pub q: Vec<f64>,
+    /// Generalised internal forces at the last commit [N]. `[slot]`
+    pub force: Vec<f64>,
+    /// Histories of the solids. `[element][gauss point]`, eight to an element
+    pub material: Vec<MaterialHistory>,
+    /// Histories of the interfaces. `[slave facet][point]`, four to a facet
+    pub interface: Vec<InterfaceHistory>,
+    /// Which master facet each contact point faces. `[slave facet][point]`
+    pub pairs: Vec<PointPair>,
+    /// Last increment, none after a change of the boundary conditions.
+    pub last: Option<LastIncrement>,
+    /// Energies.
+    pub energies: Energies,
+}

@@ -1,0 +1,229 @@
+//! The solids: every element's forces and stiffness, in parallel, each in its own slot.
+
+use nalgebra::{Matrix6, Vector6};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+use super::pattern::CELL;
+use super::{Evaluation, Trial};
+use crate::element::{Corotated, ElementShape, ShapeError};
+use crate::material::{
+    LocalFailure, Material, MaterialHistory, PointEnergy, TableError, TableWarning,
+};
+use crate::model::Model;
+use crate::solve::State;
+
+/// How the solids answer within an increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solids {
+    /// The law itself.
+    Implicit,
+    /// Plastic strain and damage extrapolated with the last step's change times `ratio` = Δt/Δt_n.
+    Extrapolated {
+        /// Δt/Δt_n.
+        ratio: f64,
+    },
+}
+
+/// An element or its material cannot be prepared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BulkError {
+    /// Bad geometry.
+    #[error("element {element}: {why}")]
+    Shape {
+        /// Element.
+        element: usize,
+        /// What is wrong.
+        why: ShapeError,
+    },
+    /// The tables do not fit the size of an element.
+    #[error("material {material} in element {element} (l_eq = {l_eq:.1} mm): {why}")]
+    Table {
+        /// Name of the material.
+        material: String,
+        /// Element.
+        element: usize,
+        /// Its equivalent length [mm].
+        l_eq: f64,
+        /// What is wrong.
+        why: TableError,
+    },
+}
+
+/// Elements, their shapes and their laws. Equal elements share both.
+#[derive(Clone, Debug)]
+pub struct Bulk {
+    /// Connectivity. `[element]`
+    pub elements: Vec<[u32; 8]>,
+    /// Reference positions [mm]. `[node]`
+    pub reference: Vec<[f64; 3]>,
+    shapes: Vec<ElementShape>,
+    shape_of: Vec<u32>,
+    laws: Vec<Material>,
+    law_of: Vec<u32>,
+    /// What was changed in the tables, by material, each once.
+    pub warnings: Vec<(String, TableWarning)>,
+}
+
+/// Geometries closer than this fraction of the element's size are one shape.
+const SAME: f64 = 1e-9;
+
+impl Bulk {
+    /// Prepares the shapes and laws of a model.
+    ///
+    /// # Errors
+    /// [`BulkError`], naming the element.
+    pub fn new(model: &Model) -> Result<Self, BulkError> {
+        let mesh = &model.mesh;
+        let mut bulk = Self {
+            elements: mesh.elements.clone(),
+            reference: mesh.nodes.clone(),
+            shapes: Vec::new(),
+            shape_of: Vec::with_capacity(mesh.elements.len()),
+            laws: Vec::new(),
+            law_of: Vec::with_capacity(mesh.elements.len()),
+            warnings: Vec::new(),
+        };
+        let mut known: HashMap<(Vec<i64>, u16), u32> = HashMap::new();
+        for (e, &material) in mesh.material.iter().enumerate() {
+            let corners = mesh.corners(e);
+            let key = (shape_key(&corners), material);
+            let index = if let Some(&index) = known.get(&key) {
+                index
+            } else {
+                let named = &model.materials[material as usize];
+                let elastic = named.parameters.elastic();
+                let shape = ElementShape::new(&corners, model.formulation, elastic)
+                    .map_err(|why| BulkError::Shape { element: e, why })?;
+                let l_eq = shape.volume.cbrt();
+                let (law, warnings) =
+                    Material::new(&named.parameters, Some(l_eq)).map_err(|why| {
+                        BulkError::Table { material: named.name.clone(), element: e, l_eq, why }
+                    })?;
+                for warning in warnings {
+                    let entry = (named.name.clone(), warning);
+                    if !bulk.warnings.contains(&entry) {
+                        bulk.warnings.push(entry);
+                    }
+                }
+                bulk.shapes.push(shape);
+                bulk.laws.push(law);
+                let index = bulk.shapes.len() as u32 - 1;
+                known.insert(key, index);
+                index
+            };
+            bulk.shape_of.push(index);
+            bulk.law_of.push(index);
+        }
+        Ok(bulk)
+    }
+
+    /// Shape of element `e`.
+    pub fn shape(&self, e: usize) -> &ElementShape {
+        &self.shapes[self.shape_of[e] as usize]
+    }
+
+    /// Forces and, where asked for, stiffness of every element at the trial's positions.
+    ///
+    /// # Errors
+    /// The first element (by number) whose law gave no answer.
+    pub fn evaluate(
+        &self,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+    ) -> Result<(), (usize, LocalFailure)> {
+        let n = self.elements.len();
+        trial.material.resize(8 * n, MaterialHistory::default());
+        trial.element_energy.resize(n, PointEnergy::default());
+        let x = &trial.x;
+        let failure = trial.cell_force[..n]
+            .par_iter_mut()
+            .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
+            .zip(trial.material.par_chunks_exact_mut(8))
+            .zip(trial.element_energy.par_iter_mut())
+            .enumerate()
+            .with_min_len(16)
+            .filter_map(|(e, (((force, cell), new), energy))| {
+                let shape = self.shape(e);
+                let law = &self.laws[self.law_of[e] as usize];
+                let positions = self.elements[e].map(|n| x[n as usize]);
+                let old = &state.material[8 * e..8 * e + 8];
+                let slot = Slot { force, cell, new, energy };
+                element(shape, law, &positions, old, setting, slot).err().map(|why| (e, why))
+            })
+            .min_by_key(|(e, _)| *e);
+        trial.active[..n].fill(true);
+        failure.map_or(Ok(()), Err)
+    }
+}
+
+/// Where one element writes.
+struct Slot<'a> {
+    force: &'a mut [[f64; 3]; 8],
+    cell: &'a mut [f64],
+    new: &'a mut [MaterialHistory],
+    energy: &'a mut PointEnergy,
+}
+
+/// One element.
+fn element(
+    shape: &ElementShape,
+    law: &Material,
+    positions: &[[f64; 3]; 8],
+    old: &[MaterialHistory],
+    setting: Evaluation,
+    slot: Slot,
+) -> Result<(), LocalFailure> {
+    let frame = Corotated::new(shape, positions)?;
+    let strains = shape.strains(&frame.local);
+    let mut stresses = [Vector6::zeros(); 8];
+    let mut tangents = [Matrix6::zeros(); 8];
+    let mut intact = [1.0; 8];
+    match setting.solids {
+        Solids::Extrapolated { ratio } => {
+            for g in 0..8 {
+                let (stiffness, stress) = law.extrapolated(&strains[g], &old[g], ratio);
+                stresses[g] = stress;
+                intact[g] = stiffness;
+            }
+        }
+        Solids::Implicit => {
+            *slot.energy = PointEnergy::default();
+            for g in 0..8 {
+                let point = law.update(&strains[g], &old[g], setting.dt, setting.tangent)?;
+                stresses[g] = point.stress;
+                tangents[g] = point.tangent;
+                slot.new[g] = point.history;
+                slot.energy.add(&point.energy, shape.weight[g]);
+            }
+        }
+    }
+    let local_force = shape.internal_force(&stresses);
+    *slot.force = frame.force(shape, &local_force);
+    if setting.tangent {
+        let local = match setting.solids {
+            Solids::Extrapolated { .. } => shape.scaled_stiffness(&intact),
+            Solids::Implicit => shape.stiffness(&tangents),
+        };
+        frame.stiffness(shape, &local, &local_force, slot.cell);
+    }
+    Ok(())
+}
+
+/// Coordinates relative to the first corner, in units of [`SAME`] times the element's size.
+fn shape_key(corners: &[[f64; 3]; 8]) -> Vec<i64> {
+    let size = (0..3)
+        .map(|i| {
+            let values = corners.map(|c| c[i]);
+            values.iter().copied().fold(f64::MIN, f64::max)
+                - values.iter().copied().fold(f64::MAX, f64::min)
+        })
+        .fold(0.0, f64::max);
+    // A power of two keeps the unit the same for sizes that differ by rounding.
+    let unit = SAME * size.max(f64::MIN_POSITIVE).log2().ceil().exp2();
+    corners
+        .iter()
+        .flat_map(|c| (0..3).map(move |i| ((c[i] - corners[0][i]) / unit).round() as i64))
+        .collect()
+}

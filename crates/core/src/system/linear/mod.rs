@@ -1,0 +1,284 @@
+//! Sparse direct solution of A x = b, A structurally symmetric.
+//!
+//! Analyse a [`Pattern`] once, factorise many times, solve many right-hand sides. Every solution
+//! is checked against the stored matrix: residual r = b − A x, refined x ← x + A⁻¹ r at most
+//! [`Options::refinements`] times, and refused if it stays above [`Options::accept`].
+
+mod error;
+mod faer_llt;
+mod faer_lu;
+mod operator;
+mod ordering;
+mod pattern;
+#[cfg(test)]
+mod stencils;
+#[cfg(test)]
+mod tests;
+
+use std::time::Instant;
+
+pub use error::LinearError;
+pub use ordering::Ordering;
+pub use pattern::Pattern;
+
+use faer_llt::FaerLlt;
+use faer_lu::FaerLu;
+use operator::Operator;
+
+/// Which values of the matrix count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A = Aᵀ, positive definite: only the lower triangle is read.
+    Symmetric,
+    /// All values are read.
+    Unsymmetric,
+}
+
+/// Which factorisation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// faer's sparse L Lᵀ; serial.
+    FaerLlt,
+    /// faer's sparse LU, pivots anywhere in a column; slow, serial: the last refuge.
+    FaerLu,
+}
+
+impl Backend {
+    /// Which values of the matrix this factorisation reads.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::FaerLlt => Kind::Symmetric,
+            Self::FaerLu => Kind::Unsymmetric,
+        }
+    }
+}
+
+/// Choices of a [`LinearSolver`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The factorisation.
+    pub backend: Backend,
+    /// The ordering, where the back end lets itself be told.
+    pub ordering: Ordering,
+    /// Most refinement steps a solve.
+    pub refinements: usize,
+    /// Backward error below which no refinement is done.
+    pub target: f64,
+    /// Backward error above which a solution is refused.
+    pub accept: f64,
+}
+
+impl Options {
+    /// The defaults for a back end: at most two refinements, aiming at 1e-15 (a few roundings),
+    /// nothing above 1e-10 accepted.
+    pub fn new(backend: Backend) -> Self {
+        Self {
+            backend,
+            ordering: Ordering::default(),
+            refinements: 2,
+            target: 1e-15,
+            accept: 1e-10,
+        }
+    }
+}
+
+/// What a factorisation costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FactorStats {
+    /// Numbers stored in the factors (0: unknown).
+    pub nnz: usize,
+    /// Floating-point operations (0: unknown).
+    pub flops: f64,
+    /// Wall time of the last numeric factorisation [s].
+    pub seconds: f64,
+    /// Wall time of the analysis [s].
+    pub analysis_seconds: f64,
+}
+
+/// How well a system was solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveReport {
+    /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞), the largest over the right-hand sides.
+    pub residual: f64,
+    /// Refinement steps done.
+    pub refinements: usize,
+}
+
+/// The closed family of factorisations.
+#[derive(Debug)]
+enum Engine {
+    FaerLlt(FaerLlt),
+    FaerLu(FaerLu),
+}
+
+impl Engine {
+    fn solve(&mut self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
+        match self {
+            Self::FaerLlt(f) => f.solve(x, columns),
+            Self::FaerLu(f) => f.solve(x, columns),
+        }
+    }
+}
+
+/// One matrix pattern, its symbolic analysis, the last matrix and its factors.
+#[derive(Debug)]
+pub struct LinearSolver {
+    options: Options,
+    operator: Operator,
+    engine: Engine,
+    factorised: bool,
+    stats: FactorStats,
+    rhs: Vec<f64>,      // [column][equation], b kept for the residual
+    residual: Vec<f64>, // [column][equation]
+    previous: Vec<f64>, // [column][equation], x before a refinement
+}
+
+impl LinearSolver {
+    /// Orders and analyses a pattern.
+    ///
+    /// # Errors
+    /// [`LinearError::TooLarge`] if memory or 32-bit indices run out.
+    pub fn analyse(pattern: &Pattern, options: Options) -> Result<Self, LinearError> {
+        let start = Instant::now();
+        let mut stats = FactorStats::default();
+        let engine = match options.backend {
+            Backend::FaerLlt => {
+                let order = ordering::order(pattern, options.ordering)?;
+                let llt = FaerLlt::analyse(pattern, ordering::expand(pattern, &order))?;
+                (stats.nnz, stats.flops) = (llt.factor_nnz(), llt.flops());
+                Engine::FaerLlt(llt)
+            }
+            Backend::FaerLu => Engine::FaerLu(FaerLu::analyse(pattern)?),
+        };
+        stats.analysis_seconds = start.elapsed().as_secs_f64();
+        let operator = Operator::new(pattern.clone(), options.backend.kind());
+        Ok(Self {
+            options,
+            operator,
+            engine,
+            factorised: false,
+            stats,
+            rhs: Vec::new(),
+            residual: Vec::new(),
+            previous: Vec::new(),
+        })
+    }
+
+    /// Number of equations.
+    pub fn n(&self) -> usize {
+        self.operator.pattern().n()
+    }
+
+    /// The pattern that was analysed.
+    pub fn pattern(&self) -> &Pattern {
+        self.operator.pattern()
+    }
+
+    /// What the factorisation costs.
+    pub fn stats(&self) -> FactorStats {
+        self.stats
+    }
+
+    /// The choices this solver was made with.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
+    /// Factorises the matrix with these values `[entry]`, in the pattern's order; they are kept
+    /// for the residual check.
+    ///
+    /// # Errors
+    /// [`LinearError::Length`], [`LinearError::NotFinite`], [`LinearError::Singular`] or, from a
+    /// symmetric back end, [`LinearError::NotPositiveDefinite`]. No pivot is ever perturbed. After
+    /// an error there is no factorisation to solve with.
+    pub fn factorise(&mut self, values: &[f64]) -> Result<FactorStats, LinearError> {
+        let start = Instant::now();
+        self.factorised = false;
+        self.operator.store(values)?;
+        let pattern = self.operator.pattern();
+        match &mut self.engine {
+            Engine::FaerLlt(f) => f.factorise(pattern, values)?,
+            Engine::FaerLu(f) => {
+                f.factorise(pattern, values)?;
+                self.probe()?;
+            }
+        }
+        self.factorised = true;
+        self.stats.seconds = start.elapsed().as_secs_f64();
+        Ok(self.stats)
+    }
+
+    /// A back end that divides by (nearly) zero in silence is found out by solving for a vector of
+    /// ±1: a vanished pivot lets ‖A‖ ‖x‖ / ‖b‖ grow to the reciprocal of a rounding.
+    fn probe(&mut self) -> Result<(), LinearError> {
+        let mut x: Vec<f64> = (0..self.n() as u64)
+            // Signs without a pattern a null vector could be orthogonal to.
+            .map(|i| if (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 61) & 1 == 0 { 1.0 } else { -1.0 })
+            .collect();
+        self.engine.solve(&mut x, 1)?;
+        let growth = |v: f64| v.abs() * self.operator.norm();
+        let worst = (0..x.len()).max_by(|&i, &j| f64::total_cmp(&growth(x[i]), &growth(x[j])));
+        match worst {
+            // 1/(64 ε) = 7e13; `<` is false for NaN.
+            Some(equation) if !(growth(x[equation]) < 1.0 / (64.0 * f64::EPSILON)) => {
+                Err(LinearError::Singular { equation })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// x = A⁻¹ b for the columns of `rhs`, `[column][equation]`, in place.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFactorised`], [`LinearError::Length`], [`LinearError::NotFinite`], or
+    /// [`LinearError::Inaccurate`] (then `rhs` holds the best solution found).
+    pub fn solve(&mut self, rhs: &mut [f64]) -> Result<SolveReport, LinearError> {
+        if !self.factorised {
+            return Err(LinearError::NotFactorised);
+        }
+        let n = self.n();
+        if n == 0 || rhs.is_empty() {
+            return Ok(SolveReport::default());
+        }
+        let columns = rhs.len() / n;
+        if columns * n != rhs.len() {
+            let expected = (columns + 1) * n;
+            return Err(LinearError::Length { what: "right-hand side", expected, got: rhs.len() });
+        }
+        if let Some(k) = rhs.iter().position(|b| !b.is_finite()) {
+            return Err(LinearError::NotFinite { equation: k % n });
+        }
+        self.rhs.clear();
+        self.rhs.extend_from_slice(rhs);
+        self.residual.resize(rhs.len(), 0.0);
+        self.engine.solve(rhs, columns)?;
+
+        let mut report = SolveReport::default();
+        report.residual = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+        while report.residual > self.options.target && report.refinements < self.options.refinements
+        {
+            // x' = x + A⁻¹ (b − A x), kept only if it is better.
+            self.previous.clear();
+            self.previous.extend_from_slice(rhs);
+            self.engine.solve(&mut self.residual, columns)?;
+            for (x, d) in rhs.iter_mut().zip(&self.residual) {
+                *x += d;
+            }
+            let refined = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+            if refined < report.residual {
+                report.residual = refined;
+                report.refinements += 1;
+            } else {
+                rhs.copy_from_slice(&self.previous);
+                break;
+            }
+        }
+        // A NaN residual is not below the limit.
+        if report.residual <= self.options.accept {
+            Ok(report)
+        } else {
+            let (residual, limit) = (report.residual, self.options.accept);
+            Err(LinearError::Inaccurate { residual, limit })
+        }
+    }
+}

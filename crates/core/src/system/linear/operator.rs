@@ -1,0 +1,117 @@
+//! The matrix itself, kept for residuals.
+
+use super::{Kind, LinearError, Pattern};
+
+/// A pattern with the last values, read as its kind says.
+#[derive(Debug)]
+pub(super) struct Operator {
+    pattern: Pattern,
+    kind: Kind,
+    diagonal: Vec<usize>, // [equation] → entry
+    values: Vec<f64>,     // [entry]
+    norm: f64,
+    row_sums: Vec<f64>,
+}
+
+impl Operator {
+    pub fn new(pattern: Pattern, kind: Kind) -> Self {
+        let n = pattern.n();
+        // `Pattern` has every diagonal entry.
+        let diagonal = (0..n).filter_map(|j| pattern.find(j, j)).collect();
+        Self { pattern, kind, diagonal, values: Vec::new(), norm: 0.0, row_sums: vec![0.0; n] }
+    }
+
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// ‖A‖∞ of the last values.
+    pub fn norm(&self) -> f64 {
+        self.norm
+    }
+
+    /// Copies the values and refuses those that are not finite.
+    pub fn store(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        let expected = self.pattern.nnz();
+        if values.len() != expected {
+            return Err(LinearError::Length { what: "matrix values", expected, got: values.len() });
+        }
+        self.values.clear();
+        self.values.extend_from_slice(values);
+        self.row_sums.fill(0.0);
+        let sums = &mut self.row_sums;
+        for j in 0..self.pattern.n() {
+            let end = self.pattern.col_ptr()[j + 1];
+            let start = match self.kind {
+                Kind::Symmetric => self.diagonal[j],
+                Kind::Unsymmetric => self.pattern.col_ptr()[j],
+            };
+            let rows = &self.pattern.row_idx()[start..end];
+            let mut mirrored = 0.0;
+            for (&i, a) in rows.iter().zip(&values[start..end]) {
+                sums[i as usize] += a.abs();
+                mirrored += a.abs();
+            }
+            if self.kind == Kind::Symmetric {
+                sums[j] += mirrored - values[start].abs();
+            }
+        }
+        self.norm = 0.0;
+        for (equation, &sum) in sums.iter().enumerate() {
+            if !sum.is_finite() {
+                return Err(LinearError::NotFinite { equation });
+            }
+            self.norm = self.norm.max(sum);
+        }
+        Ok(())
+    }
+
+    /// y ← y − A x for one column.
+    fn subtract(&self, x: &[f64], y: &mut [f64]) {
+        let (col_ptr, row_idx) = (self.pattern.col_ptr(), self.pattern.row_idx());
+        for j in 0..self.pattern.n() {
+            let end = col_ptr[j + 1];
+            match self.kind {
+                Kind::Unsymmetric => {
+                    let range = col_ptr[j]..end;
+                    for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
+                        y[i as usize] -= a * x[j];
+                    }
+                }
+                Kind::Symmetric => {
+                    // (i, j) with i > j stands for (j, i) too.
+                    let mut sum = self.values[self.diagonal[j]] * x[j];
+                    let range = self.diagonal[j] + 1..end;
+                    for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
+                        y[i as usize] -= a * x[j];
+                        sum += a * x[i as usize];
+                    }
+                    y[j] -= sum;
+                }
+            }
+        }
+    }
+
+    /// r = b − A x, and the largest ‖r‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞) over the columns, NaN if any is NaN.
+    pub fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64]) -> f64 {
+        let n = self.pattern.n();
+        // f64::max drops NaN; this must not.
+        let norm = |v: &[f64]| {
+            v.iter().fold(0.0, |m: f64, a| if a.is_nan() { f64::NAN } else { m.max(a.abs()) + 0.0 * m })
+        };
+        let mut worst = 0.0;
+        for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks_mut(n)) {
+            r.copy_from_slice(b);
+            self.subtract(x, r);
+            let (top, scale) = (norm(r), self.norm * norm(x) + norm(b));
+            let relative = if top == 0.0 { 0.0 } else { top / scale };
+            if relative.is_nan() || relative > worst {
+                worst = relative;
+            }
+            if worst.is_nan() {
+                return worst;
+            }
+        }
+        worst
+    }
+}

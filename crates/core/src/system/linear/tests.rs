@@ -1,0 +1,191 @@
+//! All back ends against dense LU.
+
+use faer::prelude::Solve;
+use faer::{Mat, MatRef};
+
+use super::stencils::{Case, Noise, assemble, solid};
+use super::*;
+
+const ALL: [Backend; 2] = [Backend::FaerLlt, Backend::FaerLu];
+
+/// The matrix as the kind reads it, dense.
+fn dense(pattern: &Pattern, values: &[f64], kind: Kind) -> Mat<f64> {
+    let mut a = Mat::zeros(pattern.n(), pattern.n());
+    for j in 0..pattern.n() {
+        for k in pattern.col_ptr()[j]..pattern.col_ptr()[j + 1] {
+            let i = pattern.row_idx()[k] as usize;
+            match kind {
+                Kind::Unsymmetric => a[(i, j)] = values[k],
+                Kind::Symmetric if i >= j => {
+                    a[(i, j)] = values[k];
+                    a[(j, i)] = values[k];
+                }
+                Kind::Symmetric => {}
+            }
+        }
+    }
+    a
+}
+
+fn rhs(n: usize, columns: usize) -> Vec<f64> {
+    let mut noise = Noise(7);
+    (0..n * columns).map(|_| noise.next()).collect()
+}
+
+/// Largest difference relative to the largest reference value.
+fn distance(x: &[f64], reference: &[f64]) -> f64 {
+    let scale = reference.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    x.iter().zip(reference).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
+}
+
+fn compare(case: &Case, options: Options, columns: usize) {
+    let n = case.pattern.n();
+    let mut solver = LinearSolver::analyse(&case.pattern, options).unwrap();
+    let a = dense(&case.pattern, &case.values, options.backend.kind());
+    let b = rhs(n, columns);
+    let reference = a.partial_piv_lu().solve(MatRef::from_column_major_slice(&b, n, columns));
+    let reference: Vec<f64> =
+        (0..columns).flat_map(|j| (0..n).map(move |i| (i, j))).map(|ij| reference[ij]).collect();
+    // Twice: the second factorisation must find clean buffers.
+    for _ in 0..2 {
+        solver.factorise(&case.values).unwrap();
+        let mut x = b.clone();
+        let report = solver.solve(&mut x).unwrap();
+        let d = distance(&x, &reference);
+        // Condition numbers here are below 1e5, times 2e-16 for dense LU and for us.
+        assert!(d < 1e-10, "{} {:?}: {d:e}, {report:?}", case.name, options.backend);
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut add = |name, (pattern, values)| cases.push(Case { name, pattern, values });
+    for (name, n) in [("1", 1), ("2", 2), ("3", 3), ("4", 4), ("5", 5)] {
+        let all: Vec<Vec<usize>> = vec![(0..n).collect(); n];
+        let here = vec![[0.0; 3]; n];
+        let value = &mut |i: usize, j: usize| if i == j { 4.0 } else { -0.3 / (i + j) as f64 };
+        add(name, assemble(&all, 1, &here, value));
+    }
+    add("wall", solid([9, 3, 10], 5.0, 0.0, 1));
+    add("cube", solid([6, 6, 6], 5.0, 0.0, 2));
+    add("skew wall", solid([9, 3, 10], 5.0, 1e-3, 3));
+    add("blocks", blocks());
+    add("level beam", beam(5.0));
+    cases
+}
+
+/// Two grids and a lone node that do not touch.
+fn blocks() -> (Pattern, Vec<f64>) {
+    let (a, av) = solid([4, 3, 3], 5.0, 1e-3, 4);
+    let (b, bv) = solid([3, 3, 5], 5.0, 1e-3, 5);
+    let shift = a.n() as u32;
+    let mut col_ptr = a.col_ptr().to_vec();
+    let mut row_idx = a.row_idx().to_vec();
+    col_ptr.extend(b.col_ptr()[1..].iter().map(|p| p + a.nnz()));
+    row_idx.extend(b.row_idx().iter().map(|r| r + shift));
+    row_idx.push(shift + b.n() as u32);
+    col_ptr.push(row_idx.len());
+    let n = a.n() + b.n() + 1;
+    (Pattern::new(n, col_ptr, row_idx).unwrap(), [av, bv, vec![2.0]].concat())
+}
+
+/// A grid whose top is held level by one more equation, which couples to every node of the top.
+fn beam(ground: f64) -> (Pattern, Vec<f64>) {
+    let nodes = [12, 3, 6];
+    let (body, values) = solid(nodes, ground, 1e-3, 6);
+    let n = body.n();
+    let top = |i: usize| i < n && i >= n - 3 * nodes[0] * nodes[1];
+    let (mut col_ptr, mut row_idx, mut out) = (vec![0], Vec::new(), Vec::new());
+    for j in 0..n {
+        let range = body.col_ptr()[j]..body.col_ptr()[j + 1];
+        row_idx.extend_from_slice(&body.row_idx()[range.clone()]);
+        out.extend_from_slice(&values[range]);
+        if top(j) {
+            row_idx.push(n as u32);
+            out.push(-0.05);
+        }
+        col_ptr.push(row_idx.len());
+    }
+    for j in (0..n).filter(|&j| top(j)) {
+        row_idx.push(j as u32);
+        out.push(-0.05);
+    }
+    row_idx.push(n as u32);
+    out.push(8.0);
+    col_ptr.push(row_idx.len());
+    // The shared equation is a node of its own, without a place.
+    let node: Vec<u32> = (0..=n).map(|j| (j / 3) as u32).collect();
+    let (_, mut places) = super::stencils::grid(nodes);
+    places.push([f64::NAN; 3]);
+    let pattern = Pattern::new(n + 1, col_ptr, row_idx).unwrap();
+    (pattern.with_nodes(&node, &places).unwrap(), out)
+}
+
+#[test]
+fn every_back_end_agrees_with_dense_lu() {
+    for case in cases() {
+        for backend in ALL {
+            for columns in [1, 3] {
+                compare(&case, Options::new(backend), columns);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_floating_body_is_reported_never_solved() {
+    let (pattern, values) = solid([8, 3, 8], 0.0, 0.0, 9);
+    for backend in ALL {
+        let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
+        match solver.factorise(&values) {
+            Err(
+                LinearError::Singular { equation } | LinearError::NotPositiveDefinite { equation },
+            ) => assert!(equation < pattern.n()),
+            other => panic!("{backend:?}: {other:?}"),
+        }
+        let mut x = rhs(pattern.n(), 1);
+        assert_eq!(solver.solve(&mut x), Err(LinearError::NotFactorised));
+    }
+}
+
+#[test]
+fn an_indefinite_matrix_is_refused_by_cholesky_and_taken_by_lu() {
+    let (pattern, mut values) = solid([4, 3, 4], 5.0, 0.0, 10);
+    let entry = pattern.find(70, 70).unwrap();
+    values[entry] -= 500.0;
+    for backend in ALL {
+        let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
+        let result = solver.factorise(&values);
+        match backend.kind() {
+            Kind::Symmetric => {
+                assert!(matches!(result, Err(LinearError::NotPositiveDefinite { .. })), "{result:?}");
+            }
+            Kind::Unsymmetric => {
+                result.unwrap();
+                solver.solve(&mut rhs(pattern.n(), 1)).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_numbers_and_lengths_are_named() {
+    let (pattern, mut values) = solid([3, 3, 3], 5.0, 0.0, 11);
+    for backend in ALL {
+        let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
+        assert!(matches!(solver.factorise(&values[1..]), Err(LinearError::Length { .. })));
+        let entry = pattern.find(40, 7).unwrap();
+        let good = std::mem::replace(&mut values[entry], f64::NAN);
+        let refused = solver.factorise(&values);
+        assert!(
+            matches!(refused, Err(LinearError::NotFinite { equation: 40 | 7 })),
+            "{refused:?}"
+        );
+        values[entry] = good;
+        solver.factorise(&values).unwrap();
+        let mut x = rhs(pattern.n(), 1);
+        assert!(matches!(solver.solve(&mut x[1..]), Err(LinearError::Length { .. })));
+        x[5] = f64::INFINITY;
+        assert_eq!(solver.solve(&mut x), Err(LinearError::NotFinite { equation: 5 }));
+    }
+}
