@@ -34,8 +34,15 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Finds all pairs of facets of different bodies that face each other within `radius` [mm].
-    pub fn find(slave: &Surface, master: &Surface, x: &[[f64; 3]], radius: f64) -> Self {
+    /// Finds all pairs of facets of different bodies that face each other, where the box of a slave
+    /// facet's points `[facet]` comes within `radius` of the master facet [mm].
+    pub fn find(
+        slave: &Surface,
+        points: &[Aabb],
+        master: &Surface,
+        x: &[[f64; 3]],
+        radius: f64,
+    ) -> Self {
         let boxes: Vec<Aabb> =
             (0..master.facets.len()).map(|f| Aabb::of(&master.corners(f, x))).collect();
         let bvh = Bvh::build(&boxes);
@@ -48,7 +55,7 @@ impl Candidates {
             let corners = slave.corners(f, x);
             let normal = frame_at(&corners, [0.0; 2])[0];
             found.clear();
-            bvh.query(&boxes, &Aabb::of(&corners).fattened(radius), &mut stack, |m| {
+            bvh.query(&boxes, &points[f].fattened(radius), &mut stack, |m| {
                 let other = slave.body[f] != master.body[m as usize];
                 if other && normal.dot(&normals[m as usize]) < FACING {
                     found.push(m);

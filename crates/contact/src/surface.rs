@@ -64,3 +64,8 @@ pub fn frame_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> [Vector3<f64>; 3] {
         [Vector3::z(), Vector3::x(), Vector3::y()]
     }
 }
+
+/// Point of a facet at (ξ, η) [mm].
+pub fn point_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Vector3<f64> {
+    blend(&shape(xi).0, corners)
+}

@@ -6,5 +6,6 @@ mod newton;
 mod schedule;
 pub mod state;
 
-pub use drive::{Options, RunError, run};
+pub use drive::{RunError, run};
+pub use newton::Clock;
 pub use state::State;

@@ -12,7 +12,7 @@ use crate::material::LocalFailure;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
-use crate::system::{Bulk, Equations, Evaluation, Solids, System, Trial};
+use crate::system::{Equations, Evaluation, Solids, System, Trial};
 use std::time::Instant;
 
 /// Why an increment was refused.
@@ -435,4 +435,3 @@ pub fn explain(refusal: &Refusal, model: &Model) -> String {
     }
 }
 
-const _: fn(&Bulk) = |_| {};

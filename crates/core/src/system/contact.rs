@@ -3,10 +3,14 @@
 //! A contact cell is one slave facet with one of its candidate master facets: 4 + 4 nodes. The
 //! candidates stay fixed while surfaces move less than the skin, and the matrix pattern with them.
 
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
 use rayon::prelude::*;
+use wythe_contact::stencil::Anchor;
 use wythe_contact::{
-    Candidates, InterfaceHistory, Kinematics, PointPair, PointStatus, Shift, SlavePoint, Surface,
-    corner_points, gauss_points, pair_point, to_frame,
+    Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, PointStatus, Shift,
+    SlavePoint, Surface, corner_points, frame_at, gauss_points, pair_point, to_frame,
 };
 
 use super::pattern::CELL;
@@ -15,11 +19,14 @@ use crate::model::Model;
 use crate::model::scene::ContactPoints;
 use crate::solve::State;
 
-/// The numerical stiffness of the shifted penalty over the representative stiffness of the
-/// elements: soft enough for the tangents, stiff enough for few iterations (docs/decisions.md).
+/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough for
+/// the tangents, stiff enough for few iterations (docs/decisions.md).
 const NUMERICAL_PENALTY: f64 = 2.0;
-/// The paper's penalty factor: the physical stiffness over the representative one.
-const PHYSICAL_PENALTY: f64 = 500.0;
+/// Reach of contact across a gap, over the mean edge of the facets. A point that opens wider is
+/// free; the search finds it again when it closes.
+const REACH: f64 = 0.06;
+/// How far surfaces may move before the candidates are searched anew, over the same edge.
+const SKIN: f64 = 0.03;
 
 /// Surfaces, points and candidates.
 #[derive(Clone, Debug)]
@@ -27,13 +34,362 @@ pub struct Contact {
     slave: Surface,
     master: Surface,
     law_of: Vec<u16>,
-    /// Sampling points. `[slave facet][point]`
+    /// Normal and shear stiffness of the shifted penalty [N/mm³]. `[slave facet]`
+    numerical: Vec<[f64; 2]>,
+    /// Sampling points. `[slave facet][point]`, four to a facet
     pub points: Vec<SlavePoint>,
     candidates: Candidates,
     cells: Vec<[u32; 8]>,
     version: usize,
-    skin: f64,
     radius: f64,
-    /// Positions at the last search of candidates.
+    skin: f64,
+    /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
+}
+
+/// What one slave facet writes.
+struct Task<'a> {
+    facet: usize,
+    force: &'a mut [[[f64; 3]; 8]],
+    cells: &'a mut [f64],
+    active: &'a mut [bool],
+    history: &'a mut [InterfaceHistory],
+    energy: &'a mut [[f64; 2]],
+    status: &'a mut [PointStatus],
+    pairs: &'a mut [PointPair],
+    last: &'a [[f64; 3]],
+}
+
+impl Contact {
+    /// Prepares the surfaces of a model; nothing is searched yet.
+    pub fn new(model: &Model) -> Self {
+        let surfaces = &model.contact;
+        let slave =
+            Surface { facets: surfaces.slave_facets.clone(), body: surfaces.slave_body.clone() };
+        let master =
+            Surface { facets: surfaces.master_facets.clone(), body: surfaces.master_body.clone() };
+        let x = &model.mesh.nodes;
+        let mut points = Vec::with_capacity(4 * slave.facets.len());
+        let (mut edges, mut count) = (0.0, 0.0);
+        for f in 0..slave.facets.len() {
+            let corners = slave.corners(f, x);
+            points.extend(match surfaces.points {
+                ContactPoints::Gauss => gauss_points(&corners),
+                ContactPoints::Corner => corner_points(&corners),
+            });
+            for k in 0..4 {
+                let (a, b) = (Vector3::from(corners[k]), Vector3::from(corners[(k + 1) % 4]));
+                edges += (a - b).norm();
+                count += 1.0;
+            }
+        }
+        let edge = if count > 0.0 { edges / count } else { 1.0 };
+        Self {
+            numerical: numerical_stiffness(model),
+            slave,
+            master,
+            law_of: surfaces.slave_law.clone(),
+            points,
+            candidates: Candidates::default(),
+            cells: Vec::new(),
+            version: 0,
+            radius: REACH * edge,
+            skin: SKIN * edge,
+            searched_at: Vec::new(),
+        }
+    }
+
+    /// Histories of points that nothing has happened to.
+    pub fn virgin(&self, model: &Model) -> Vec<InterfaceHistory> {
+        let laws = &model.contact.laws;
+        self.law_of.iter().flat_map(|&l| [laws[l as usize].virgin(); 4]).collect()
+    }
+
+    /// Counts the searches of candidates.
+    pub fn version(&self) -> usize {
+        self.version
+    }
+
+    /// Contact cells: 4 slave and 4 master nodes each.
+    pub fn cells(&self) -> impl Iterator<Item = &[u32; 8]> {
+        self.cells.iter()
+    }
+
+    /// Number of contact cells.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Positions of the four points of a facet [mm].
+    fn positions(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
+        let corners = self.slave.corners(facet, x);
+        [0, 1, 2, 3].map(|p| {
+            let weights = &self.points[4 * facet + p].weights;
+            [0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum())
+        })
+    }
+
+    /// Renews the candidates if surfaces moved beyond the skin, then pairs every point.
+    pub fn search(&mut self, state: &State, trial: &mut Trial) {
+        let x = &trial.x;
+        let moved = self.searched_at.len() != x.len()
+            || self.searched_at.iter().zip(x).any(|(a, b)| {
+                let d: f64 = (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum();
+                // Both surfaces move.
+                d > 0.25 * self.skin * self.skin
+            });
+        if moved {
+            let boxes: Vec<Aabb> =
+                (0..self.slave.facets.len()).map(|f| Aabb::of(&self.positions(f, x))).collect();
+            let reach = self.radius + self.skin;
+            let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
+            self.searched_at.clone_from(x);
+            if found != self.candidates {
+                self.candidates = found;
+                self.version += 1;
+                self.cells.clear();
+                for (f, slave) in self.slave.facets.iter().enumerate() {
+                    for &m in self.candidates.of(f) {
+                        let master = self.master.facets[m as usize];
+                        let mut cell = [0; 8];
+                        cell[..4].copy_from_slice(slave);
+                        cell[4..].copy_from_slice(&master);
+                        self.cells.push(cell);
+                    }
+                }
+            }
+        }
+        if trial.pairs.len() != state.pairs.len() {
+            trial.pairs.clone_from(&state.pairs);
+        }
+        trial.pairs.par_chunks_mut(4).enumerate().for_each(|(f, pairs)| {
+            for (pair, point) in pairs.iter_mut().zip(self.positions(f, x)) {
+                let present = pair.facet.map(|facet| (facet, pair.xi));
+                let found = pair_point(
+                    &Vector3::from(point),
+                    present,
+                    self.candidates.of(f),
+                    &self.master,
+                    x,
+                    self.radius,
+                );
+                *pair = match found {
+                    Some((facet, xi)) => PointPair { facet: Some(facet), xi },
+                    None => PointPair::default(),
+                };
+            }
+        });
+    }
+
+    /// Forces and, where asked for, stiffness of every pair; cells follow those of the elements.
+    pub fn evaluate(
+        &self,
+        model: &Model,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+        first_cell: usize,
+    ) {
+        let n = self.points.len();
+        trial.interface.resize(n, InterfaceHistory::default());
+        trial.point_energy.resize(n, [0.0; 2]);
+        trial.status.resize(n, PointStatus::default());
+        let x = &trial.x;
+        let mut force = &mut trial.cell_force[first_cell..];
+        let mut cells = &mut trial.cells[first_cell * CELL..];
+        let mut active = &mut trial.active[first_cell..];
+        let per_point = trial
+            .interface
+            .chunks_exact_mut(4)
+            .zip(trial.point_energy.chunks_exact_mut(4))
+            .zip(trial.status.chunks_exact_mut(4))
+            .zip(trial.pairs.chunks_exact_mut(4))
+            .zip(trial.traction.chunks_exact(4));
+        let mut tasks = Vec::with_capacity(n / 4);
+        for (facet, ((((history, energy), status), pairs), last)) in per_point.enumerate() {
+            let count = self.candidates.range(facet).len();
+            let (f, f_rest) = force.split_at_mut(count);
+            let (c, c_rest) = cells.split_at_mut(count * CELL);
+            let (a, a_rest) = active.split_at_mut(count);
+            (force, cells, active) = (f_rest, c_rest, a_rest);
+            tasks.push(Task {
+                facet,
+                force: f,
+                cells: c,
+                active: a,
+                history,
+                energy,
+                status,
+                pairs,
+                last,
+            });
+        }
+        trial.traction_change = tasks
+            .into_par_iter()
+            .with_min_len(8)
+            .map(|task| self.facet(model, state, x, setting, task))
+            .reduce(|| 0.0, f64::max);
+    }
+
+    /// One slave facet; returns the largest change of a point's force [N].
+    fn facet(
+        &self,
+        model: &Model,
+        state: &State,
+        x: &[[f64; 3]],
+        setting: Evaluation,
+        task: Task,
+    ) -> f64 {
+        let f = task.facet;
+        let law = &model.contact.laws[self.law_of[f] as usize];
+        let slave = self.slave.corners(f, x);
+        let candidates = self.candidates.of(f);
+        task.force.fill([[0.0; 3]; 8]);
+        let mut change = 0.0_f64;
+        if setting.tangent {
+            task.active.fill(false);
+        }
+        for p in 0..4 {
+            let point = &self.points[4 * f + p];
+            let old = &state.interface[4 * f + p];
+            let committed = state.pairs[4 * f + p];
+            let pair = &mut task.pairs[p];
+            let seen = pair.facet.and_then(|facet| {
+                let cell = candidates.binary_search(&facet).ok()?;
+                let master = self.master.corners(facet as usize, x);
+                let anchor = self.anchor(committed, *pair, x);
+                let kin = Kinematics::new(&slave, &point.weights, &master, pair.xi, anchor)?;
+                Some((cell, kin))
+            });
+            let Some((cell, kin)) = seen else {
+                *pair = PointPair::default();
+                let lost = lost(law, old);
+                change = change.max(size(&lost.traction, &task.last[p]) * point.area);
+                task.history[p] = lost;
+                task.energy[p] = [0.0; 2];
+                task.status[p] = PointStatus::Open;
+                continue;
+            };
+            pair.xi = kin.xi;
+            let old = self.carried(old, committed, *pair, &kin, x);
+            let gap = [kin.gap, old.slip[0] + kin.slip[0], old.slip[1] + kin.slip[1]];
+            let response = if setting.shifted {
+                let shift = Shift { stiffness: self.numerical[f], traction: task.last[p] };
+                law.update_shifted(gap, &old, &shift)
+            } else {
+                law.update(gap, &old)
+            };
+            change = change.max(size(&response.traction, &task.last[p]) * point.area);
+            kin.add_force(&response.traction, point.area, &mut task.force[cell]);
+            if setting.tangent {
+                let to = &mut task.cells[cell * CELL..(cell + 1) * CELL];
+                if !task.active[cell] {
+                    to.fill(0.0);
+                    task.active[cell] = true;
+                }
+                if setting.shifted {
+                    kin.add_stiffness(&response.tangent, point.area, to);
+                } else {
+                    kin.add_exact_stiffness(&response.traction, &response.tangent, point.area, to);
+                }
+            }
+            task.history[p] = response.history;
+            task.energy[p] =
+                [response.elastic_energy * point.area, response.dissipation * point.area];
+            task.status[p] = response.status;
+        }
+        change
+    }
+
+    /// Where the slip of this increment starts: the foot at the last commit, wherever it is now. A
+    /// point that comes into contact starts where it is.
+    fn anchor(&self, committed: PointPair, now: PointPair, x: &[[f64; 3]]) -> Anchor {
+        match committed.facet {
+            Some(facet) if Some(facet) == now.facet => Anchor::Same(committed.xi),
+            Some(facet) => {
+                let corners = self.master.corners(facet as usize, x);
+                Anchor::At(wythe_contact::surface::point_at(&corners, committed.xi).into())
+            }
+            None => Anchor::Same(now.xi),
+        }
+    }
+
+    /// History with its tangential components in the frame of the present facet.
+    fn carried(
+        &self,
+        old: &InterfaceHistory,
+        committed: PointPair,
+        now: PointPair,
+        kin: &Kinematics,
+        x: &[[f64; 3]],
+    ) -> InterfaceHistory {
+        match committed.facet {
+            Some(facet) if Some(facet) != now.facet => {
+                let corners = self.master.corners(facet as usize, x);
+                let from = frame_at(&corners, committed.xi);
+                let shear = to_frame([old.traction[1], old.traction[2]], &from, &kin.frame);
+                InterfaceHistory {
+                    slip: to_frame(old.slip, &from, &kin.frame),
+                    plastic_slip: to_frame(old.plastic_slip, &from, &kin.frame),
+                    traction: [old.traction[0], shear[0], shear[1]],
+                    ..*old
+                }
+            }
+            _ => *old,
+        }
+    }
+}
+
+/// A point that faces nothing: no traction; if it comes back it sticks where it is.
+fn lost(law: &InterfaceLaw, old: &InterfaceHistory) -> InterfaceHistory {
+    // What left its surface has no bond to come back to.
+    let damage = if law.is_dry() { old.damage } else { 1.0 };
+    InterfaceHistory { slip: old.plastic_slip, damage, traction: [0.0; 3], opening: 0.0, ..*old }
+}
+
+/// Magnitude of a change of traction [MPa].
+fn size(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
+}
+
+/// Stiffness of the shifted penalty from the element behind each slave facet.
+fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
+    /// Faces of the hex8.
+    const FACES: [[usize; 4]; 6] =
+        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
+    for (e, nodes) in model.mesh.elements.iter().enumerate() {
+        for face in FACES {
+            let mut key = face.map(|a| nodes[a]);
+            key.sort_unstable();
+            owner.insert(key, e);
+        }
+    }
+    let contact = &model.contact;
+    contact
+        .slave_facets
+        .iter()
+        .zip(&contact.slave_law)
+        .map(|(facet, &law)| {
+            let law = &contact.laws[law as usize];
+            let mut key = *facet;
+            key.sort_unstable();
+            let Some(&e) = owner.get(&key) else {
+                return [law.normal_stiffness, law.shear_stiffness];
+            };
+            let corners = model.mesh.corners(e);
+            let elastic = model.materials[model.mesh.material[e] as usize].parameters.elastic();
+            let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
+            let factor = NUMERICAL_PENALTY / height;
+            [factor * elastic.E, factor * elastic.shear_modulus()]
+        })
+        .collect()
+}
+
+/// Size of an element normal to one of its faces: mean height of its corners over the face.
+fn thickness(corners: &[[f64; 3]; 8], face: &[[f64; 3]; 4]) -> f64 {
+    let normal = frame_at(face, [0.0; 2])[0];
+    let base: f64 = face.iter().map(|c| normal.dot(&Vector3::from(*c))).sum::<f64>() / 4.0;
+    let mean: f64 = corners.iter().map(|c| normal.dot(&Vector3::from(*c))).sum::<f64>() / 8.0;
+    2.0 * (mean - base).abs()
 }

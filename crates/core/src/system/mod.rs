@@ -157,18 +157,15 @@ impl System {
         for &slot in &equations.slot_of {
             let (node, _) = self.dofs.node_of(slot as usize);
             if node != last {
-                coordinates.push(self.bulk.reference[node]);
+                // A beam has no place.
+                let at_beam = slot as usize >= self.dofs.beam_start;
+                coordinates.push(if at_beam { [f64::NAN; 3] } else { self.bulk.reference[node] });
                 last = node;
             }
             group.push(coordinates.len() as u32 - 1);
         }
-        let pattern = Pattern::with_nodes(
-            gather.n,
-            gather.col_ptr.clone(),
-            gather.row_idx.clone(),
-            group,
-            Some(coordinates),
-        )?;
+        let pattern = Pattern::new(gather.n, gather.col_ptr.clone(), gather.row_idx.clone())?
+            .with_nodes(&group, &coordinates)?;
         let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
         let entries = gather.row_idx.len();
         self.gather = Some(gather);

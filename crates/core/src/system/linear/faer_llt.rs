@@ -1,9 +1,8 @@
 //! faer's supernodal sparse Cholesky, with an ordering of ours.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError as DenseLltError;
+use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
-use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -14,7 +13,7 @@ use super::{LinearError, Pattern};
 
 /// L Lᵀ of the lower triangle. Serial: faer's sparse `Par` threads only the dense kernels inside
 /// a serial loop, and loses by it.
-#[derive(Debug)]
+
 pub(super) struct FaerLlt {
     col_ptr: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,
@@ -91,13 +90,10 @@ impl FaerLlt {
                 Spec::default(),
             )
             .map(|_| ())
-            .map_err(|error| match error {
-                LltError::Numeric(DenseLltError::NonPositivePivot { index }) => {
-                    // faer counts the pivot within the permuted matrix.
-                    let equation = self.order.get(index).map_or(0, |&j| j as usize);
-                    LinearError::NotPositiveDefinite { equation }
-                }
-                LltError::Generic(_) => LinearError::TooLarge,
+            .map_err(|LltError::NonPositivePivot { index }| {
+                // faer counts the pivot within the permuted matrix.
+                let equation = self.order.get(index).map_or(0, |&j| j as usize);
+                LinearError::NotPositiveDefinite { equation }
             })
     }
 
@@ -112,5 +108,12 @@ impl FaerLlt {
             MemStack::new(&mut memory),
         );
         Ok(())
+    }
+}
+
+// By hand: faer's buffer has no Debug.
+impl std::fmt::Debug for FaerLlt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FaerLlt").finish_non_exhaustive()
     }
 }

@@ -1,0 +1,303 @@
+//! The run: steps, increments, commits.
+
+use std::time::Instant;
+
+use wythe_contact::PointStatus;
+
+use super::newton::{Clock, Newton, Outcome, Refusal, explain};
+use super::schedule::{Increment, Schedule};
+use super::state::{LastIncrement, State};
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step};
+use crate::results::{Frame, HistoryRow, Recorder, Sizes, Status, Summary};
+use crate::system::bulk::BulkError;
+use crate::system::{System, Trial};
+
+/// A run that could not begin, or could not be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// An element or a material does not work.
+    #[error(transparent)]
+    Bulk(#[from] BulkError),
+    /// Results could not be written.
+    #[error("results could not be written: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+/// Factor of a refused increment (lessons: 0.4).
+const CUT: f64 = 0.4;
+/// Largest growth of an increment.
+const GROW: f64 = 1.5;
+/// Solves above which an increment does not grow.
+const MANY: usize = 10;
+
+/// Runs a model from rest through all its steps.
+///
+/// # Errors
+/// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
+pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    let mut run = Run::new(model)?;
+    for step in 0..model.steps.len() {
+        if !run.step(step, recorder)? {
+            break;
+        }
+    }
+    Ok(run.summary)
+}
+
+/// A run in progress.
+struct Run<'m> {
+    model: &'m Model,
+    system: System,
+    state: State,
+    trial: Trial,
+    summary: Summary,
+    clock: Clock,
+    output_seconds: f64,
+}
+
+impl<'m> Run<'m> {
+    fn new(model: &'m Model) -> Result<Self, RunError> {
+        let system = System::new(model)?;
+        let state = system.initial_state(model);
+        let warnings = system.bulk.warnings.iter();
+        let warnings = warnings.map(|(name, w)| format!("material {name}: {w}")).collect();
+        let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
+        let sizes = Sizes {
+            units,
+            elements: model.mesh.elements.len(),
+            nodes: model.mesh.nodes.len(),
+            dofs: 0,
+            contact_points: system.contact.points.len(),
+        };
+        let summary = Summary {
+            status: Status::Completed,
+            message: String::new(),
+            sizes,
+            increments: 0,
+            iterations: 0,
+            cutbacks: 0,
+            seconds_by_phase: [0.0; 6],
+            threads: rayon::current_num_threads(),
+            warnings,
+        };
+        let (clock, trial) = (Clock::default(), Trial::default());
+        Ok(Self { model, system, state, trial, summary, clock, output_seconds: 0.0 })
+    }
+
+    /// One step; false if the run ends here.
+    fn step(&mut self, index: usize, recorder: &mut dyn Recorder) -> Result<bool, RunError> {
+        let model = self.model;
+        let step = &model.steps[index];
+        let mut newton = Newton::new(model, step, &self.system, &self.state);
+        self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
+        let mut schedule = Schedule::new(step.increments);
+        // The boundary conditions change: the last increment says nothing of the next.
+        self.state.last = None;
+        let (mut cutbacks, mut extrapolate, mut solves) = (0, true, 0);
+        while let Some(increment) = schedule.next() {
+            let outcome = newton.converge(
+                &mut self.system,
+                &self.state,
+                &mut self.trial,
+                increment,
+                extrapolate,
+            );
+            let outcome = match outcome {
+                Outcome::Converged(report) => {
+                    match newton.correct(&mut self.system, &self.state, &mut self.trial, increment)
+                    {
+                        Ok(error) => Ok((report, error)),
+                        Err(refusal) => Err((refusal, report.iterations)),
+                    }
+                }
+                Outcome::Refused(refusal, spent) => Err((refusal, spent)),
+            };
+            match outcome {
+                Ok((report, (largest, rms))) => {
+                    solves += report.iterations;
+                    self.commit(&newton, step, increment);
+                    let row = self.row(index, largest, solves, cutbacks);
+                    let end = increment.end() >= 1.0 - 1e-12;
+                    let keep = self.record(&row, recorder, end)?;
+                    self.summary.increments += 1;
+                    self.summary.iterations += solves;
+                    self.tally(&newton);
+                    if !keep {
+                        self.summary.status = Status::Interrupted;
+                        "stopped by the user".clone_into(&mut self.summary.message);
+                        return Ok(false);
+                    }
+                    schedule.accept(increment, growth(step, report.iterations, rms));
+                    (cutbacks, extrapolate, solves) = (0, true, 0);
+                }
+                Err((refusal, spent)) => {
+                    solves += spent;
+                    cutbacks += 1;
+                    self.summary.cutbacks += 1;
+                    extrapolate = false;
+                    if schedule.cut(increment, CUT).is_err() {
+                        self.summary.iterations += solves;
+                        self.tally(&newton);
+                        self.give_up(index, increment, &refusal);
+                        return Ok(false);
+                    }
+                }
+            }
+        }
+        self.clock = add(self.clock, newton.clock);
+        Ok(true)
+    }
+
+    /// The trial becomes the state.
+    fn commit(&mut self, newton: &Newton, step: &Step, increment: Increment) {
+        let (state, trial) = (&mut self.state, &mut self.trial);
+        let dq: Vec<f64> = newton.q().iter().zip(&state.q).map(|(new, old)| new - old).collect();
+        let energies = &mut state.energies;
+        for slot in self.system.dofs.beam_start..self.system.dofs.slots {
+            energies.external += 0.5 * (state.force[slot] + trial.force[slot]) * dq[slot];
+        }
+        energies.elastic = trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
+            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>();
+        energies.plastic_damage +=
+            trial.element_energy.iter().map(|e| e.plastic_damage).sum::<f64>();
+        energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
+        energies.interface += trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        let dt = increment.size * step.duration;
+        state.time += dt;
+        state.increments += 1;
+        state.q.copy_from_slice(newton.q());
+        state.force.copy_from_slice(&trial.force);
+        state.material.copy_from_slice(&trial.material);
+        state.interface.copy_from_slice(&trial.interface);
+        state.pairs.copy_from_slice(&trial.pairs);
+        state.last = Some(LastIncrement { dq, dt });
+    }
+
+    /// The row of the last commit.
+    fn row(&self, step: usize, largest: f64, solves: usize, cutbacks: usize) -> HistoryRow {
+        let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
+        let driven = self.model.steps[step]
+            .driven
+            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
+        let (displacement, force, reaction) = match driven {
+            Some((beam, direction)) => {
+                let slot = dofs.beam_slot(beam, direction);
+                let normal = self.model.beams[beam].normal;
+                let along: f64 =
+                    (0..3).map(|i| normal[i] * state.force[dofs.beam_slot(beam, i)]).sum();
+                (state.q[slot], state.force[slot], -along)
+            }
+            None => (0.0, 0.0, 0.0),
+        };
+        let count =
+            |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let e = &state.energies;
+        HistoryRow {
+            increment: state.increments,
+            step,
+            time: state.time,
+            displacement_mm: displacement,
+            force_kN: force * 1e-3,
+            reaction_kN: reaction * 1e-3,
+            iterations: solves,
+            cutbacks,
+            external_work_J: e.external * 1e-3,
+            elastic_energy_J: e.elastic * 1e-3,
+            plastic_damage_dissipation_J: e.plastic_damage * 1e-3,
+            interface_dissipation_J: e.interface * 1e-3,
+            viscous_dissipation_J: e.viscous * 1e-3,
+            open_points: count(PointStatus::Open),
+            sliding_points: count(PointStatus::Slip),
+            max_interface_damage: most(&mut state.interface.iter().map(|h| h.damage)),
+            max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
+            max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
+            out_of_balance: largest,
+        }
+    }
+
+    /// Hands the commit to the recorder; false asks to stop.
+    fn record(
+        &mut self,
+        row: &HistoryRow,
+        recorder: &mut dyn Recorder,
+        last: bool,
+    ) -> Result<bool, RunError> {
+        let start = Instant::now();
+        let every = self.model.output.every.max(1);
+        let frame = (last || row.increment % every == 0).then(|| self.frame());
+        let keep = recorder.take(self.model, row, frame.as_ref())?;
+        self.output_seconds += start.elapsed().as_secs_f64();
+        Ok(keep)
+    }
+
+    /// Fields of the last commit.
+    fn frame(&self) -> Frame {
+        let (state, mesh) = (&self.state, &self.model.mesh);
+        let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
+        self.system.dofs.spread(&state.q, &mut displacement);
+        let mut frame = Frame { time: state.time, displacement, ..Frame::default() };
+        for points in state.material.chunks_exact(8) {
+            let mean = |of: fn(&crate::material::MaterialHistory) -> nalgebra::Vector6<f64>| {
+                let sum: nalgebra::Vector6<f64> = points.iter().map(of).sum();
+                (sum / 8.0).into()
+            };
+            frame.stress.push(mean(|h| h.stress));
+            frame.plastic_strain.push(mean(|h| h.plastic_strain));
+            frame.tensile_damage.push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
+            frame
+                .compressive_damage
+                .push(points.iter().map(|h| h.compressive_damage).fold(0.0, f64::max));
+        }
+        frame
+    }
+
+    /// Wall time so far.
+    fn tally(&mut self, newton: &Newton) {
+        let c = add(self.clock, newton.clock);
+        self.summary.seconds_by_phase =
+            [c.elements, c.contact, c.assembly, c.factorise, c.solve, self.output_seconds];
+    }
+
+    fn give_up(&mut self, step: usize, increment: Increment, refusal: &Refusal) {
+        self.summary.status = Status::NotConverged;
+        self.summary.message = format!(
+            "step {step}, {:.4} of it done, increment {:.2e}: {}",
+            increment.start,
+            increment.size,
+            explain(refusal, self.model)
+        );
+    }
+}
+
+/// How much larger the next increment may be.
+fn growth(step: &Step, iterations: usize, rms: f64) -> f64 {
+    let by_iterations = if iterations > 2 * MANY {
+        0.7
+    } else if iterations > MANY {
+        1.0
+    } else {
+        GROW
+    };
+    if step.procedure != Procedure::Implex {
+        return by_iterations;
+    }
+    // The extrapolation leaves an imbalance of first order in the increment.
+    let by_error = (IMBALANCE / rms.max(f64::MIN_POSITIVE)).sqrt().clamp(0.3, GROW);
+    by_iterations.min(by_error)
+}
+
+/// Aimed-at root mean square of the imbalance that the extrapolated solids leave, over the mean
+/// nodal force (docs/decisions.md).
+const IMBALANCE: f64 = 2e-3;
+
+fn add(a: Clock, b: Clock) -> Clock {
+    Clock {
+        elements: a.elements + b.elements,
+        contact: a.contact + b.contact,
+        assembly: a.assembly + b.assembly,
+        factorise: a.factorise + b.factorise,
+        solve: a.solve + b.solve,
+    }
+}
