@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod element;
+pub mod error;
 pub mod material;
 pub mod model;
 pub mod results;

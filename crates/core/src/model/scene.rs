@@ -80,6 +80,8 @@ pub struct ContactSurfaces {
     pub law_names: Vec<String>,
     /// Sampling of the slave facets.
     pub points: ContactPoints,
+    /// How far a point looks for its master facet [mm]; none = the solver chooses.
+    pub search_radius: Option<f64>,
 }
 
 /// Nodes that move as one, without rotation: the level loading beam of a test.

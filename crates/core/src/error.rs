@@ -1,0 +1,183 @@
+//! What is wrong with a model, said so that it can be mended: where, why, and how.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Wrong input: a deck that cannot be read, or says something impossible.
+///
+/// It names the key by its dotted path (`materials.brick.E`, `steps.1.displacement`), the place in
+/// the text, and the fix. Further errors of the same deck hang below it.
+#[derive(Clone, Debug)]
+pub struct ModelError(Box<Details>);
+
+#[derive(Clone, Debug)]
+struct Details {
+    message: String,
+    key: String,
+    help: String,
+    source: NamedSource<String>,
+    span: Option<Range<usize>>,
+    others: Vec<ModelError>,
+}
+
+impl ModelError {
+    /// An error at `span` (bytes) of the text of the file `file`.
+    pub fn new(
+        file: &str,
+        text: &str,
+        span: Option<Range<usize>>,
+        key: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self(Box::new(Details {
+            message: message.into(),
+            key: key.into(),
+            help: help.into(),
+            source: NamedSource::new(file, text.to_owned()),
+            span: span.map(|s| s.start.min(text.len())..s.end.min(text.len())),
+            others: Vec::new(),
+        }))
+    }
+
+    /// Several errors as one: the first leads, the others follow. `None` if there is none.
+    pub fn gather(errors: Vec<Self>) -> Option<Self> {
+        let mut errors = errors.into_iter();
+        let mut first = errors.next()?;
+        first.0.others.extend(errors);
+        Some(first)
+    }
+
+    /// What is wrong, without the place.
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// Dotted path of the key, arrays counted from zero; empty for the file as a whole.
+    pub fn key(&self) -> &str {
+        &self.0.key
+    }
+
+    /// How to mend it.
+    pub fn advice(&self) -> &str {
+        &self.0.help
+    }
+
+    /// Name of the file, or `--set KEY` for an override.
+    pub fn file(&self) -> &str {
+        self.0.source.name()
+    }
+
+    /// Line from 1, if the error has a place.
+    pub fn line(&self) -> Option<usize> {
+        self.position().map(|p| p.0)
+    }
+
+    /// Column from 1, in characters.
+    pub fn column(&self) -> Option<usize> {
+        self.position().map(|p| p.1)
+    }
+
+    /// The other errors of the same deck.
+    pub fn others(&self) -> &[Self] {
+        &self.0.others
+    }
+
+    fn position(&self) -> Option<(usize, usize)> {
+        let start = self.0.span.as_ref()?.start;
+        let before = self.0.source.inner().get(..start)?;
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let line = before.matches('\n').count() + 1;
+        Some((line, before[line_start..].chars().count() + 1))
+    }
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.key().is_empty() {
+            write!(f, "{}", self.message())
+        } else {
+            write!(f, "{}: {}", self.key(), self.message())
+        }
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+impl Diagnostic for ModelError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        (!self.0.help.is_empty()).then(|| Box::new(&self.0.help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.0.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.0.span.clone()?;
+        let label = LabeledSpan::new_with_span(Some("here".to_owned()), SourceSpan::from(span));
+        Some(Box::new(std::iter::once(label)))
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        if self.0.others.is_empty() {
+            return None;
+        }
+        Some(Box::new(self.0.others.iter().map(|e| e as &dyn Diagnostic)))
+    }
+}
+
+/// A file that could not be read or written (exit code 4 of the command).
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{}: {source}", path.display())]
+#[diagnostic(help("{}", io_advice(source)))]
+pub struct IoError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: std::io::Error,
+}
+
+fn io_advice(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "check the path; it is relative to the current folder",
+        std::io::ErrorKind::PermissionDenied => "check the permissions of the file and its folder",
+        std::io::ErrorKind::InvalidData => "a deck is text in UTF-8: save it so",
+        _ => "the file system refused",
+    }
+}
+
+/// Reading a deck from disk: either the file or what it says is wrong.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum DeckError {
+    /// The file could not be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Io(#[from] IoError),
+    /// The deck is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// Something that a model may do but its author should know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Dotted path of the key it concerns.
+    pub key: String,
+    /// Line of the deck, from 1, if the key is written there.
+    pub line: Option<usize>,
+    /// What, and what it means.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{} (line {line}): {}", self.key, self.message),
+            None => write!(f, "{}: {}", self.key, self.message),
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Deck → [`Model`].
+
+use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
+use super::findings;
+use super::layout;
+use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
+use super::supports::unheld_bodies;
+use super::wall::{self, WallParts};
+use crate::error::{ModelError, Warning};
+
+impl Model {
+    /// Builds the model that a deck describes, with what its author should know.
+    ///
+    /// # Errors
+    /// A missing wall or step, softening that would snap back in the elements of this mesh, bodies
+    /// that nothing holds.
+    pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
+        let Some(wall) = &deck.wall else {
+            return Err(deck.error(
+                "wall",
+                "the table [wall] is missing: there is nothing to load",
+                "add [wall] with unit, joints, length, courses, materials and interface",
+            ));
+        };
+        if deck.steps.is_empty() {
+            return Err(deck.error(
+                "steps",
+                "there are no steps: nothing happens to the wall",
+                "add [[steps]] with kind = \"drive\", direction and displacement",
+            ));
+        }
+        let names = [&wall.unit_material, &wall.mortar_material];
+        let materials = [deck.material(names[0])?, deck.material(names[1])?];
+        let Some(interface) = deck.interfaces.get(&wall.interface) else {
+            return Err(deck.error("wall.interface", "there is no such interface", "name one"));
+        };
+        let pattern = layout::course_pattern(wall)
+            .map_err(|refusal| deck.error(refusal.key, refusal.message, &refusal.help))?;
+        let elastic = [materials[0].elastic(), materials[1].elastic()];
+        let parts = wall::build(wall, &pattern, interface, elastic);
+        require_held(deck, wall, &parts)?;
+
+        let WallParts { mesh, mut contact, supports, beams, .. } = parts;
+        contact.points = deck.contact.points;
+        contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
+        let model = Self {
+            title: deck.title.clone(),
+            mesh,
+            materials: names
+                .into_iter()
+                .zip(materials.clone())
+                .map(|(name, parameters)| NamedMaterial { name: name.clone(), parameters })
+                .collect(),
+            formulation: deck.element.formulation,
+            contact,
+            supports,
+            steps: steps(&deck.steps, &beams[0]),
+            beams,
+            output: Output { every: deck.output.every },
+        };
+        let warnings = findings::findings(deck, &model)?;
+        Ok((model, warnings))
+    }
+}
+
+/// Steps of the only beam. During a preload it moves vertically and no other way.
+fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
+    let mut load = 0.0; // vertical force on the beam [N], upwards
+    let mut steps = Vec::with_capacity(deck.len());
+    for (i, step) in deck.iter().enumerate() {
+        let mut motion = [BeamMotion::Locked; 3];
+        match step.kind {
+            StepKind::Preload => {
+                load = -step.top_pressure.map_or(0.0, super::quantity::Pressure::get) * beam.area;
+                motion[2] = BeamMotion::Force(load);
+            }
+            StepKind::Drive => {
+                let (axis, sign) = drive_axis(step);
+                if step.vertical == Some(Vertical::Free) {
+                    motion[2] = BeamMotion::Force(load);
+                }
+                let displacement = step.displacement.map_or(0.0, super::quantity::Length::get);
+                motion[axis] = BeamMotion::Driven(sign * displacement);
+            }
+        }
+        // A preload is told in the direction of the drive that follows, so that the history keeps
+        // one meaning of displacement and force.
+        let axis = deck[i..].iter().find(|s| s.kind == StepKind::Drive).map_or(2, |s| drive_axis(s).0);
+        steps.push(Step {
+            name: step.name().to_owned(),
+            duration: step.duration.get(),
+            motion: vec![motion],
+            driven: Some((0, axis)),
+            increments: step.increments(),
+            procedure: step.procedure,
+            tolerance: step.tolerance(),
+        });
+    }
+    steps
+}
+
+fn drive_axis(step: &DeckStep) -> (usize, f64) {
+    step.direction.map_or((0, 1.0), Direction::axis)
+}
+
+/// Refuses a wall some units of which nothing holds: joints that slide freely, or dry joints that
+/// nothing presses before the wall is moved.
+fn require_held(deck: &Deck, wall: &Wall, parts: &WallParts) -> Result<(), ModelError> {
+    let interface = &deck.interfaces[&wall.interface];
+    let path = format!("interfaces.{}", wall.interface);
+    let (friction, dry) = (interface.mu.get(), interface.is_dry());
+    let pressed = deck.steps.first().is_some_and(|s| {
+        let pressure = s.top_pressure.is_some_and(|p| p.get() > 0.0);
+        let (axis, sign) = drive_axis(s);
+        let down = s.displacement.is_some_and(|d| sign * d.get() < 0.0) && axis == 2;
+        pressure || down
+    });
+    let slides = dry && friction == 0.0;
+    let holds = !slides && (!dry || pressed);
+    let pairs = parts.contact.slave_body.iter().copied().zip(parts.facing_body.iter().copied());
+    let unheld = unheld_bodies(&parts.held, pairs.filter(|_| holds));
+    let Some(&body) = unheld.first() else {
+        return Ok(());
+    };
+    let course = parts.mesh.unit.iter().position(|&u| u as usize == body);
+    let course = course.map_or(0, |e| parts.mesh.course[e]);
+    let who = format!("unit {body} in course {course} is held by nothing ({} units are)", unheld.len());
+    Err(if slides {
+        deck.error(
+            &path,
+            format!("{who}: the joint has neither bond nor friction"),
+            "give mu above 0, or f_t and c",
+        )
+    } else {
+        deck.error(
+            "steps.0",
+            format!("{who}: the joints are dry and no load presses them together"),
+            "begin with a preload: kind = \"preload\", top_pressure = \"0.3 MPa\"",
+        )
+    })
+}

@@ -1,0 +1,174 @@
+//! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
+
+use super::deck::{Deck, Subdivision};
+use super::findings;
+use super::scene::{BeamMotion, ContactPoints};
+use super::{Model, layout};
+use crate::error::Warning;
+use crate::material::{MaterialHistory, MaterialParameters};
+use crate::results::Sizes;
+use std::fmt;
+
+/// The checker's findings about a deck that is free of errors.
+#[derive(Clone, Debug)]
+pub struct CheckReport {
+    /// Title of the deck.
+    pub title: String,
+    /// What its author should know.
+    pub warnings: Vec<Warning>,
+    /// What follows from the deck, a line each.
+    pub notes: Vec<String>,
+    /// Sizes of the model.
+    pub sizes: Sizes,
+    /// Estimated peak memory [MB].
+    pub memory_mb: f64,
+}
+
+impl fmt::Display for CheckReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: syntax, units and ranges are right", self.title)?;
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
+        for note in &self.notes {
+            writeln!(f, "note: {note}")?;
+        }
+        let Sizes { units, elements, nodes, dofs, contact_points } = self.sizes;
+        writeln!(f, "{units} units, {elements} elements, {nodes} nodes, {dofs} unknowns")?;
+        writeln!(f, "{contact_points} contact points, about {:.0} MB", self.memory_mb)
+    }
+}
+
+/// Judges a model and the deck it was made from.
+pub fn check(deck: &Deck, model: &Model) -> CheckReport {
+    let sizes = sizes(model);
+    CheckReport {
+        title: model.title.clone(),
+        // a model that could be built has no errors left to find
+        warnings: findings::findings(deck, model).unwrap_or_default(),
+        notes: notes(deck, model),
+        sizes,
+        memory_mb: memory_mb(model, sizes),
+    }
+}
+
+/// Units, elements, nodes, unknowns, contact points.
+pub fn sizes(model: &Model) -> Sizes {
+    let units = model.mesh.unit.iter().max().map_or(0, |&u| u as usize + 1);
+    let nodes = model.mesh.nodes.len();
+    let mut free = vec![[true; 3]; nodes];
+    for support in &model.supports {
+        for &n in &support.nodes {
+            for (free, fixed) in free[n as usize].iter_mut().zip(support.fixed) {
+                *free &= !fixed;
+            }
+        }
+    }
+    for &n in model.beams.iter().flat_map(|b| &b.nodes) {
+        free[n as usize] = [false; 3];
+    }
+    // A direction of a beam is unknown if some step leaves it free under a force.
+    let beam_dofs: usize = (0..model.beams.len())
+        .flat_map(|b| (0..3).map(move |d| (b, d)))
+        .filter(|&(b, d)| {
+            model.steps.iter().any(|s| matches!(s.motion[b][d], BeamMotion::Force(_)))
+        })
+        .count();
+    Sizes {
+        units,
+        elements: model.mesh.elements.len(),
+        nodes,
+        dofs: free.iter().flatten().filter(|f| **f).count() + beam_dofs,
+        contact_points: 4 * model.contact.slave_facets.len(),
+    }
+}
+
+/// Rough peak memory [MB]: two histories of 8 points an element, element matrices, and a sparse
+/// factor of about 10 times the half matrix of 81 entries a row.
+fn memory_mb(model: &Model, sizes: Sizes) -> f64 {
+    let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
+    let contact = 24 * 24 * 8 + 2 * size_of::<wythe_contact::InterfaceHistory>();
+    let matrix = 81 / 2 * (8 + 8);
+    let bytes = model.mesh.elements.len() * element
+        + sizes.contact_points * contact
+        + sizes.dofs * matrix * (1 + 10);
+    bytes as f64 / 1e6
+}
+
+fn notes(deck: &Deck, model: &Model) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (m, material) in model.materials.iter().enumerate() {
+        let name = &material.name;
+        let Some((low, high)) = findings::equivalent_lengths(model, m) else { continue };
+        let kind = match &material.parameters {
+            MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
+            MaterialParameters::DamagePlasticity(p) => {
+                let limit = [&p.tension, &p.compression]
+                    .map(|rows| findings::snap_back_ratio(p.elastic.E, rows));
+                let reference =
+                    p.reference_length.map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
+                format!(
+                    "reference length {reference}, snap-back above {:.2} (tension) and {:.2} \
+                     (compression) times it",
+                    limit[0], limit[1]
+                )
+            }
+        };
+        notes.push(format!("material {name}: l_eq {low:.1} to {high:.1} mm; {kind}"));
+    }
+    if let Some(wall) = &deck.wall {
+        if let Some(f) = deck.interfaces.get(&wall.interface) {
+            let name = &wall.interface;
+            if f.is_dry() {
+                notes.push(format!("interface {name}: dry, friction {}", f.mu.get()));
+            } else {
+                notes.push(format!(
+                    "interface {name}: u_k = {:.4} mm <=> G_I = {:.2} N/m; delta_k = {:.4} mm <=> G_II = \
+                     {:.2} N/m without normal stress, {:.2} N/m under 1 MPa",
+                    f.ultimate_opening(),
+                    1e3 * f.mode_1_energy(),
+                    f.ultimate_slip(),
+                    1e3 * f.mode_2_energy(0.0),
+                    1e3 * f.mode_2_energy(-1.0),
+                ));
+            }
+            for law in &model.contact.laws {
+                let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
+                notes.push(format!("interface {name}: k_n = {normal:.0}, k_s = {shear:.0} N/mm^3"));
+            }
+        }
+        if let Ok(pattern) = layout::course_pattern(wall) {
+            let (shortest, lap) = layout::bat_and_lap(&pattern);
+            if lap.is_finite() {
+                notes.push(format!("bond: shortest unit {shortest:.2} mm, lap {lap:.2} mm"));
+            }
+        }
+        if wall.mesh == Subdivision::COARSE {
+            notes.push("mesh: coarse, 20 hex8 a representative element".to_owned());
+        }
+    }
+    notes.extend(pivot_note(model));
+    notes
+}
+
+/// Gauss points lie (1 − 1/√3)/2 = 0.211 of a facet inside its edge, and with them every pivot about
+/// which blocks can rock (theory C.8).
+fn pivot_note(model: &Model) -> Option<String> {
+    if model.contact.points == ContactPoints::Corner {
+        return None;
+    }
+    let longest = model.contact.slave_facets.iter().flat_map(|facet| {
+        let corner = |i: usize| model.mesh.nodes[facet[i % 4] as usize];
+        (0..4).map(move |i| {
+            let (a, b) = (corner(i), corner(i + 1));
+            (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+        })
+    });
+    let longest = longest.reduce(f64::max)?;
+    let inset = (1.0 - 1.0 / 3.0_f64.sqrt()) / 2.0;
+    Some(format!(
+        "contact: Gauss points move pivots inwards by {inset:.3} of a facet, up to {:.1} mm; for dry \
+         joints and rigid-like blocks take points = \"corner\"",
+        inset * longest
+    ))
+}

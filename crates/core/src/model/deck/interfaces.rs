@@ -1,0 +1,162 @@
+//! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory C).
+
+use crate::model::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
+use serde::{Deserialize, Serialize};
+use wythe_contact::{Coupling, InterfaceLaw};
+
+/// An interface as written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(non_snake_case, reason = "G_I and G_II are spelt in the deck as in the theory")]
+pub struct Interface {
+    /// Tensile strength f_t [MPa].
+    pub f_t: Pressure,
+    /// Cohesion c [MPa].
+    pub c: Pressure,
+    /// Initial friction tan φ [-].
+    pub tan_phi: Number,
+    /// Residual friction μ [-].
+    pub mu: Number,
+    /// Brittleness in tension ζ [-]; not needed by a dry joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zeta: Option<Number>,
+    /// Brittleness in shear ξ [-]; not needed by a dry joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xi: Option<Number>,
+    /// Ultimate opening u_k [mm]; or `G_I`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub u_k: Option<Length>,
+    /// Fracture energy in tension G_I [N/mm]; or `u_k`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_I: Option<FractureEnergy>,
+    /// Ultimate slip δ_k [mm]; or `G_II`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delta_k: Option<Length>,
+    /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_II: Option<FractureEnergy>,
+    /// Stiffness over the representative stiffness of the facing elements [-].
+    #[serde(default = "penalty_factor")]
+    pub penalty_factor: Number,
+    /// Explicit normal stiffness k_n [N/mm³].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_stiffness: Option<InterfaceStiffness>,
+    /// Explicit shear stiffness k_s [N/mm³].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness: Option<InterfaceStiffness>,
+    /// Coupling of the modes.
+    #[serde(default)]
+    pub coupling: Coupling,
+}
+
+/// Theory C.8: 500 × E/h.
+fn penalty_factor() -> Number {
+    Number::new(500.0)
+}
+
+/// Area below the softening curve on the unit square, 1/z − 1/(eᶻ − 1) (theory C.7).
+pub fn softening_area(z: f64) -> f64 {
+    if z.abs() < 1e-4 {
+        // the two terms cancel: ½ − z/12 + z³/720, whose error here is below 1e-20
+        return 0.5 - z / 12.0 + z.powi(3) / 720.0;
+    }
+    1.0 / z - 1.0 / z.exp_m1()
+}
+
+impl Interface {
+    /// Without bond: a dry joint, damaged from the start (theory C.8, last line).
+    pub fn is_dry(&self) -> bool {
+        self.f_t.get() == 0.0 && self.c.get() == 0.0
+    }
+
+    /// ζ, or 1 where a dry joint leaves it out (it is not used there).
+    fn zeta(&self) -> f64 {
+        self.zeta.map_or(1.0, Number::get)
+    }
+
+    /// ξ, or 1 where a dry joint leaves it out (it is not used there).
+    fn xi(&self) -> f64 {
+        self.xi.map_or(1.0, Number::get)
+    }
+
+    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory C.7).
+    /// Zero for a dry joint, which does not use it.
+    pub fn ultimate_opening(&self) -> f64 {
+        match (self.u_k, self.G_I) {
+            (Some(u_k), _) => u_k.get(),
+            (None, Some(g)) if self.f_t.get() > 0.0 => {
+                g.get() / (self.f_t.get() * softening_area(self.zeta()))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Ultimate slip δ_k [mm], given or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without
+    /// normal stress (theory C.7). Zero for a dry joint, which does not use it.
+    pub fn ultimate_slip(&self) -> f64 {
+        match (self.delta_k, self.G_II) {
+            (Some(delta_k), _) => delta_k.get(),
+            (None, Some(g)) if self.c.get() > 0.0 => {
+                g.get() / (self.c.get() * softening_area(self.xi()))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Fracture energy in tension G_I [N/mm] (theory C.7).
+    pub fn mode_1_energy(&self) -> f64 {
+        self.f_t.get() * self.ultimate_opening() * softening_area(self.zeta())
+    }
+
+    /// Fracture energy in shear [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the residual
+    /// friction: G_II = (c + (tan φ − μ)|σ|) δ_k (1/ξ − 1/(e^ξ − 1)) (theory C.7).
+    pub fn mode_2_energy(&self, sigma: f64) -> f64 {
+        let drop = self.c.get() + (self.tan_phi.get() - self.mu.get()) * sigma.abs();
+        drop * self.ultimate_slip() * softening_area(self.xi())
+    }
+
+    /// Stiffnesses below which the softening snaps back in the interface itself [N/mm³]:
+    /// k_n = f_t ζ/(u_k (1 − e^−ζ)), k_s = c ξ/(δ_k (1 − e^−ξ)) (theory C.5). Zero without bond.
+    pub fn snap_back_stiffness(&self) -> [f64; 2] {
+        let least = |strength: f64, z: f64, ultimate: f64| {
+            if strength > 0.0 { strength * z / (ultimate * -(-z).exp_m1()) } else { 0.0 }
+        };
+        [
+            least(self.f_t.get(), self.zeta(), self.ultimate_opening()),
+            least(self.c.get(), self.xi(), self.ultimate_slip()),
+        ]
+    }
+
+    /// The law with these stiffnesses [N/mm³].
+    pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
+        InterfaceLaw {
+            f_t: self.f_t.get(),
+            c: self.c.get(),
+            tan_phi: self.tan_phi.get(),
+            mu: self.mu.get(),
+            u_k: self.ultimate_opening(),
+            delta_k: self.ultimate_slip(),
+            zeta: self.zeta(),
+            xi: self.xi(),
+            normal_stiffness,
+            shear_stiffness,
+            coupling: self.coupling,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn softening_areas_of_the_theory() {
+        // theory C.7 prints six digits
+        assert!((softening_area(4.38) - 0.215626).abs() < 5e-7);
+        assert!((softening_area(1.1) - 0.410130).abs() < 5e-7);
+        // continuous where the series takes over: both sides agree to the cancellation error of the
+        // closed form there, 1e-16/1e-4
+        assert!((softening_area(0.99999e-4) - softening_area(1.00001e-4)).abs() < 1e-9 / 12.0 + 1e-11);
+        assert_eq!(softening_area(0.0), 0.5);
+    }
+}

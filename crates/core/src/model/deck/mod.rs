@@ -1,0 +1,231 @@
+//! The deck: a TOML text as written, with its units resolved and its ranges checked.
+//!
+//! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
+
+mod interfaces;
+mod materials;
+mod steps;
+mod validate;
+mod wall;
+
+pub use interfaces::Interface;
+pub use materials::{Material, Row};
+pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
+pub use wall::{Bond, Clamped, Subdivision, Wall};
+
+use super::overrides;
+use super::quantity::Length;
+use super::scene::{ContactPoints, Formulation};
+use super::source::Source;
+use crate::error::{DeckError, IoError, ModelError};
+use crate::material::MaterialParameters;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::de::DeTable;
+use wythe_contact::InterfaceLaw;
+
+/// Everything that a model file says.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Deck {
+    /// Version of the format: 1.
+    pub format: u32,
+    /// Title; the name of the file if absent.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// Materials by name.
+    #[serde(default)]
+    pub materials: BTreeMap<String, Material>,
+    /// Interfaces by name.
+    #[serde(default)]
+    pub interfaces: BTreeMap<String, Interface>,
+    /// The wall. A deck without one serves only to drive single points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall: Option<Wall>,
+    /// Element formulation.
+    #[serde(default)]
+    pub element: Element,
+    /// Contact sampling.
+    #[serde(default)]
+    pub contact: Contact,
+    /// Steps, in order.
+    #[serde(default)]
+    pub steps: Vec<DeckStep>,
+    /// What is written, and how often.
+    #[serde(default)]
+    pub output: DeckOutput,
+    #[serde(skip)]
+    source: Source,
+}
+
+/// `[element]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Element {
+    /// How the hex8 interpolates strain.
+    pub formulation: Formulation,
+}
+
+/// `[contact]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Where an interface is sampled on a slave facet.
+    pub points: ContactPoints,
+    /// How far a point looks for its master facet [mm]; the solver chooses if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search_radius: Option<Length>,
+}
+
+/// `[output]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckOutput {
+    /// A frame of fields every so many increments; the last one always.
+    pub every: usize,
+}
+
+impl Default for DeckOutput {
+    fn default() -> Self {
+        Self { every: 5 }
+    }
+}
+
+impl Deck {
+    /// Reads a deck from a text. `file` names it in errors.
+    ///
+    /// # Errors
+    /// Syntax, unknown or missing keys, wrong types and units (the first), values out of range (all).
+    pub fn from_str(text: &str, file: &str) -> Result<Self, ModelError> {
+        Self::from_str_with(text, file, &[])
+    }
+
+    /// Reads a deck from a text, then says the keys of `overrides` (dotted path, value) anew.
+    ///
+    /// A value is TOML, or else taken as a string (`2.12 MPa` needs no quotes). Of `u_k` and `G_I`,
+    /// and of `delta_k` and `G_II`, the override replaces whichever the file has.
+    ///
+    /// # Errors
+    /// As [`Deck::from_str`]; errors about an override name it.
+    pub fn from_str_with(
+        text: &str,
+        file: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Self, ModelError> {
+        let mut source = Source::new(file, text);
+        let padded: Vec<(usize, String)> = overrides
+            .iter()
+            .map(|(key, value)| {
+                let start = source.append_override(key, value);
+                (start, overrides::padded(value, start))
+            })
+            .collect();
+        let mut root = DeTable::parse(text).map_err(|e| source.toml_error(&e))?;
+        for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
+            let value = overrides::parse(padded, *start);
+            overrides::set(root.get_mut(), key, &source.override_key(i), value)
+                .map_err(|message| source.override_error(i, message))?;
+        }
+        source.locate(root.get_ref());
+        let mut deck = Self::deserialize(toml::Deserializer::from(root))
+            .map_err(|e| source.toml_error(&e))?;
+        deck.source = source;
+        if deck.title.is_empty() {
+            deck.title = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into();
+        }
+        validate::validate(&deck)?;
+        Ok(deck)
+    }
+
+    /// Reads the deck in the file `path`, then says the keys of `overrides` anew.
+    ///
+    /// # Errors
+    /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
+    pub fn load(path: impl AsRef<Path>, overrides: &[(String, String)]) -> Result<Self, DeckError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| IoError { path: path.to_owned(), source })?;
+        Ok(Self::from_str_with(&text, &path.display().to_string(), overrides)?)
+    }
+
+    /// The deck as TOML, in base units and with every default said.
+    ///
+    /// # Errors
+    /// None that a deck which was read can cause.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+
+    /// Parameters of the material `name`, its tables as given.
+    ///
+    /// # Errors
+    /// No such material.
+    pub fn material(&self, name: &str) -> Result<MaterialParameters, ModelError> {
+        match self.materials.get(name) {
+            Some(material) => Ok(material.parameters()),
+            None => Err(self.unknown("materials", "material", name, "materials")),
+        }
+    }
+
+    /// The law of the interface `name` at a single point. A point has no neighbours from which
+    /// stiffnesses could be derived: both must be explicit.
+    ///
+    /// # Errors
+    /// No such interface, or stiffnesses not given.
+    pub fn interface(&self, name: &str) -> Result<InterfaceLaw, ModelError> {
+        let Some(interface) = self.interfaces.get(name) else {
+            return Err(self.unknown("interfaces", "interface", name, "interfaces"));
+        };
+        match (interface.normal_stiffness, interface.shear_stiffness) {
+            (Some(normal), Some(shear)) => Ok(interface.law(normal.get(), shear.get())),
+            _ => Err(self.error(
+                &format!("interfaces.{name}"),
+                "a single point needs explicit stiffnesses: a penalty factor multiplies the stiffness \
+                 of elements, and here are none",
+                "give both, e.g. normal_stiffness = 34000 and shear_stiffness = 14783 (N/mm^3), here \
+                 or by --set",
+            )),
+        }
+    }
+
+    /// An error about the key `path` of this deck.
+    pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
+        self.source.error(path, message, help)
+    }
+
+    /// A warning about the key `path` of this deck.
+    pub fn warning(&self, path: &str, message: impl Into<String>) -> crate::error::Warning {
+        self.source.warning(path, message)
+    }
+
+    /// `name` is asked for at `path`, but `[table.name]` is not there.
+    fn unknown(&self, path: &str, kind: &str, name: &str, table: &str) -> ModelError {
+        let names: Vec<&str> = if table == "materials" {
+            self.materials.keys().map(String::as_str).collect()
+        } else {
+            self.interfaces.keys().map(String::as_str).collect()
+        };
+        let help = match super::keys::nearest(name, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if names.is_empty() => format!("add a table [{table}.{name}]"),
+            None => format!("the deck has {}; or add [{table}.{name}]", names.join(", ")),
+        };
+        self.error(path, format!("there is no {kind} named `{name}`"), &help)
+    }
+}
+
+/// Two decks are equal if they say the same, wherever and however it is written.
+impl PartialEq for Deck {
+    fn eq(&self, other: &Self) -> bool {
+        self.format == other.format
+            && self.title == other.title
+            && self.materials == other.materials
+            && self.interfaces == other.interfaces
+            && self.wall == other.wall
+            && self.element == other.element
+            && self.contact == other.contact
+            && self.steps == other.steps
+            && self.output == other.output
+    }
+}

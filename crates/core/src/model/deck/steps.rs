@@ -1,0 +1,169 @@
+//! `[[steps]]`: what is done to the wall, in order.
+
+use crate::model::quantity::{Length, Number, Pressure, Time};
+use crate::model::scene::{Increments, Procedure, Tolerance};
+use serde::{Deserialize, Serialize};
+
+/// A step as written. Keys that belong to the other kind are refused when the deck is checked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckStep {
+    /// Name; the kind if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// What the step does.
+    pub kind: StepKind,
+    /// Preload: pressure on the top [MPa], compression positive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub top_pressure: Option<Pressure>,
+    /// Drive: direction of the top beam.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<Direction>,
+    /// Drive: displacement of the top beam in this step [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Length>,
+    /// Drive in x or y: what the beam does vertically meanwhile; locked if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vertical: Option<Vertical>,
+    /// Duration [s]; viscosity is measured in it.
+    #[serde(default = "one_second")]
+    pub duration: Time,
+    /// Procedure.
+    #[serde(default)]
+    pub procedure: Procedure,
+    /// Sizes of increments as fractions of the step.
+    #[serde(default)]
+    pub increments: DeckIncrements,
+    /// When an increment counts as converged.
+    #[serde(default)]
+    pub tolerance: DeckTolerance,
+}
+
+/// What a step does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepKind {
+    /// Presses the top, free to move vertically and nowhere else.
+    Preload,
+    /// Drives the top beam.
+    Drive,
+}
+
+/// A direction of the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// Along the wall.
+    #[serde(rename = "x")]
+    X,
+    /// Through the wall.
+    #[serde(rename = "y")]
+    Y,
+    /// Upwards.
+    #[serde(rename = "z")]
+    Z,
+    /// Along the wall, backwards.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// Through the wall, backwards.
+    #[serde(rename = "-y")]
+    MinusY,
+    /// Downwards.
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+impl Direction {
+    /// Index of the axis and sign along it.
+    pub fn axis(self) -> (usize, f64) {
+        match self {
+            Self::X => (0, 1.0),
+            Self::Y => (1, 1.0),
+            Self::Z => (2, 1.0),
+            Self::MinusX => (0, -1.0),
+            Self::MinusY => (1, -1.0),
+            Self::MinusZ => (2, -1.0),
+        }
+    }
+}
+
+/// What the level beam does vertically while it is driven sideways.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Vertical {
+    /// Held where the preload left it, as in the tests of the paper.
+    #[default]
+    Locked,
+    /// Free under the load of the preload.
+    Free,
+}
+
+/// `increments`; what is not said depends on the kind of the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckIncrements {
+    /// First.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<Number>,
+    /// Largest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<Number>,
+    /// Smallest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<Number>,
+}
+
+/// `tolerance`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckTolerance {
+    /// Largest out-of-balance force over the mean nodal force [-].
+    pub residual: Number,
+    /// Iterations before the increment is cut.
+    pub max_iterations: usize,
+}
+
+impl Default for DeckTolerance {
+    /// Theory F and lessons: 5e-3 of the mean nodal force, 25 iterations.
+    fn default() -> Self {
+        Self { residual: Number::new(5e-3), max_iterations: 25 }
+    }
+}
+
+fn one_second() -> Time {
+    Time::new(1.0)
+}
+
+impl DeckStep {
+    /// Sizes of increments with the defaults of this kind of step.
+    ///
+    /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area
+    /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic.
+    pub fn increments(&self) -> Increments {
+        let [initial, max, min] = match self.kind {
+            StepKind::Preload => [0.25, 0.5, 1e-4],
+            StepKind::Drive => [0.005, 0.0125, 1e-6],
+        };
+        let max = self.increments.max.map_or(max, Number::get);
+        // A default yields to what is said: never a first increment above the largest.
+        let initial = self.increments.initial.map_or(initial.min(max), Number::get);
+        let min = self.increments.min.map_or(min.min(initial), Number::get);
+        Increments { initial, max, min }
+    }
+
+    /// Tolerance of the model.
+    pub fn tolerance(&self) -> Tolerance {
+        Tolerance {
+            residual: self.tolerance.residual.get(),
+            max_iterations: self.tolerance.max_iterations,
+        }
+    }
+
+    /// Name, or the kind where none is given.
+    pub fn name(&self) -> &str {
+        match (&self.name, self.kind) {
+            (Some(name), _) => name,
+            (None, StepKind::Preload) => "preload",
+            (None, StepKind::Drive) => "drive",
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! One example for every key of a deck: what an error shows when the key is missing or misread.
+
+/// Last part of the path, and a line that would be right.
+pub const EXAMPLES: [(&str, &str); 68] = [
+    ("format", "format = 1"),
+    ("title", "title = \"Wall J7D\""),
+    ("materials", "[materials.brick]"),
+    ("E", "E = \"16.7 GPa\""),
+    ("nu", "nu = 0.15"),
+    ("density", "density = \"1900 kg/m^3\""),
+    ("tension", "tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]  # stress, inelastic strain, damage"),
+    ("compression", "compression = [[11, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]"),
+    ("dilation_angle", "dilation_angle = \"10 deg\""),
+    ("eccentricity", "eccentricity = 0.1"),
+    ("fb0_fc0", "fb0_fc0 = 1.16"),
+    ("K_c", "K_c = 0.6667"),
+    ("tension_recovery", "tension_recovery = 0"),
+    ("compression_recovery", "compression_recovery = 1"),
+    ("viscosity", "viscosity = \"0.01 s\"  # in step time"),
+    ("reference_length", "reference_length = \"50 mm\""),
+    ("interpolation", "interpolation = \"eff1\"  # or \"lit\""),
+    ("interfaces", "[interfaces.joint]"),
+    ("f_t", "f_t = \"0.2 MPa\""),
+    ("c", "c = \"0.22 MPa\""),
+    ("tan_phi", "tan_phi = 0.75"),
+    ("mu", "mu = 0.75"),
+    ("zeta", "zeta = 4.38"),
+    ("xi", "xi = 1.1"),
+    ("u_k", "u_k = \"0.36 mm\"  # or G_I"),
+    ("G_I", "G_I = \"12 N/m\"  # or u_k"),
+    ("delta_k", "delta_k = \"0.4 mm\"  # or G_II"),
+    ("G_II", "G_II = \"36 N/m\"  # or delta_k"),
+    ("penalty_factor", "penalty_factor = 500"),
+    ("normal_stiffness", "normal_stiffness = \"34000 N/mm^3\""),
+    ("shear_stiffness", "shear_stiffness = \"14783 N/mm^3\""),
+    ("coupling", "coupling = \"max\"  # or \"additive\""),
+    ("wall", "[wall]"),
+    ("unit", "unit = [\"204 mm\", \"98 mm\", \"50 mm\"]  # length, thickness, height"),
+    ("bed_joint", "bed_joint = \"12.5 mm\""),
+    ("head_joint", "head_joint = \"12.5 mm\""),
+    ("length", "length = \"990 mm\""),
+    ("courses", "courses = 18"),
+    ("bond", "bond = \"stretcher\""),
+    ("unit_material", "unit_material = \"brick\""),
+    ("mortar_material", "mortar_material = \"mortar\""),
+    ("interface", "interface = \"joint\""),
+    ("mesh", "mesh = \"coarse\"  # or \"fine\", or [length, height, thickness] such as [5, 2, 2]"),
+    ("clamped", "clamped = { bottom_courses = 1, top_courses = 1 }"),
+    ("bottom_courses", "bottom_courses = 1"),
+    ("top_courses", "top_courses = 1"),
+    ("element", "[element]"),
+    ("formulation", "formulation = \"incompatible\"  # or \"full\", \"b-bar\""),
+    ("contact", "[contact]"),
+    ("points", "points = \"gauss\"  # or \"corner\""),
+    ("search_radius", "search_radius = \"5 mm\""),
+    ("steps", "[[steps]]"),
+    ("name", "name = \"push\""),
+    ("kind", "kind = \"preload\"  # or \"drive\""),
+    ("top_pressure", "top_pressure = \"2.12 MPa\""),
+    ("direction", "direction = \"x\"  # or \"y\", \"z\", \"-x\", \"-y\", \"-z\""),
+    ("displacement", "displacement = \"4 mm\""),
+    ("vertical", "vertical = \"locked\"  # or \"free\""),
+    ("increments", "increments = { initial = 0.005, max = 0.0125, min = 1e-6 }"),
+    ("initial", "initial = 0.005"),
+    ("max", "max = 0.0125"),
+    ("min", "min = 1e-6"),
+    ("duration", "duration = \"1 s\""),
+    ("procedure", "procedure = \"implex\"  # or \"implicit\", \"direct\""),
+    ("tolerance", "tolerance = { residual = 5e-3, max_iterations = 25 }"),
+    ("residual", "residual = 5e-3"),
+    ("max_iterations", "max_iterations = 25"),
+    ("every", "every = 5"),
+];
+
+/// Advice for the key `name`: write it like this.
+pub(super) fn example(name: &str) -> String {
+    match EXAMPLES.iter().find(|(key, _)| *key == name) {
+        Some((_, line)) => format!("write it like this: {line}"),
+        None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
+    }
+}
+
+/// The known name nearest to a misspelt one, if it is near enough to be meant.
+pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let allowed = (name.chars().count() / 3).max(1);
+    known
+        .map(|k| (edit_distance(&name.to_lowercase(), &k.to_lowercase()), k))
+        .filter(|(distance, _)| *distance <= allowed)
+        .min()
+        .map(|(_, k)| k)
+}
+
+/// Levenshtein's distance: insertions, deletions, substitutions.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,98 @@
+//! `--set KEY=VALUE`: one key of the deck said anew, typed and checked like the file.
+
+use std::borrow::Cow;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Pairs of which exactly one may stand: saying one anew takes the other away.
+const EITHER_OR: [(&str, &str); 2] = [("u_k", "G_I"), ("delta_k", "G_II")];
+
+/// A TOML text whose only value, `value`, begins at byte `start`: its spans are then those of the
+/// source to which the override was appended.
+pub(super) fn padded(value: &str, start: usize) -> String {
+    format!("{}v={value}", "\n".repeat(start - 2))
+}
+
+/// The value of a [`padded`] text; what is no TOML is taken as a string.
+pub(super) fn parse<'a>(padded: &'a str, start: usize) -> Spanned<DeValue<'a>> {
+    let text = || Spanned::new(start..padded.len(), DeValue::String(padded[start..].into()));
+    match DeTable::parse(padded) {
+        // a line break in the value could smuggle in further keys
+        Ok(table) if table.get_ref().len() == 1 => {
+            table.into_inner().remove("v").unwrap_or_else(text)
+        }
+        _ => text(),
+    }
+}
+
+/// Sets the key at the dotted path (arrays counted from zero) below `table`.
+///
+/// # Errors
+/// A sentence, where the path leads through something that is no table or to an entry that an array
+/// does not have.
+pub(super) fn set<'a>(
+    table: &mut DeTable<'a>,
+    path: &'a str,
+    key_span: &Range<usize>,
+    value: Spanned<DeValue<'a>>,
+) -> Result<(), String> {
+    let (part, below) = match path.split_once('.') {
+        Some((part, below)) => (part, Some(below)),
+        None => (path, None),
+    };
+    if part.is_empty() {
+        return Err("the key is not a dotted path".to_owned());
+    }
+    let name = Spanned::new(key_span.clone(), Cow::Borrowed(part));
+    let Some(below) = below else {
+        for (a, b) in EITHER_OR {
+            if part == a {
+                table.remove(b);
+            } else if part == b {
+                table.remove(a);
+            }
+        }
+        table.remove(part);
+        table.insert(name, value);
+        return Ok(());
+    };
+    if !table.contains_key(part) {
+        let empty = DeValue::Table(DeTable::new());
+        table.insert(name, Spanned::new(key_span.clone(), empty));
+    }
+    match table.get_mut(part) {
+        Some(inner) => set_value(inner, part, below, key_span, value),
+        None => Err(format!("`{part}` could not be made")),
+    }
+}
+
+fn set_value<'a>(
+    inside: &mut Spanned<DeValue<'a>>,
+    name: &str,
+    path: &'a str,
+    key_span: &Range<usize>,
+    value: Spanned<DeValue<'a>>,
+) -> Result<(), String> {
+    match inside.get_mut() {
+        DeValue::Table(table) => set(table, path, key_span, value),
+        DeValue::Array(array) => {
+            let (part, below) = match path.split_once('.') {
+                Some((part, below)) => (part, Some(below)),
+                None => (path, None),
+            };
+            let count = array.len();
+            let entry = part.parse::<usize>().ok().and_then(|i| array.get_mut(i)).ok_or_else(|| {
+                format!("`{name}` has {count} entries, counted from 0: there is no `{name}.{part}`")
+            })?;
+            match below {
+                Some(below) => set_value(entry, part, below, key_span, value),
+                None => {
+                    *entry = value;
+                    Ok(())
+                }
+            }
+        }
+        other => Err(format!("`{name}` is a {} and has no `{path}`", other.type_str())),
+    }
+}

@@ -1,0 +1,181 @@
+//! Where each key of a deck is written, so that an error can point at it.
+
+use super::keys;
+use crate::error::{ModelError, Warning};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Text of a deck and the place of every key in it.
+///
+/// Overrides are appended to the text as lines of their own, so that one range of bytes says both
+/// which source and where in it.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// Name of the file.
+    pub(super) file: String,
+    /// The file, then one line an override.
+    pub(super) text: String,
+    /// Length of the file's own text [bytes].
+    pub(super) file_length: usize,
+    /// Lines of the overrides: bytes of the line, and of its key. `[override]`
+    pub(super) overrides: Vec<(Range<usize>, String)>,
+    /// Bytes of the key and of its value, by dotted path.
+    places: BTreeMap<String, Place>,
+}
+
+#[derive(Clone, Debug)]
+struct Place {
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+impl Source {
+    /// Nothing located yet.
+    pub(super) fn new(file: &str, text: &str) -> Self {
+        let (file, text, file_length) = (file.to_owned(), text.to_owned(), text.len());
+        Self { file, text, file_length, overrides: Vec::new(), places: BTreeMap::new() }
+    }
+
+    /// Appends the line of an override and returns the byte at which its value begins.
+    pub(super) fn append_override(&mut self, key: &str, value: &str) -> usize {
+        self.text.push('\n');
+        let start = self.text.len();
+        self.text.push_str(key);
+        self.text.push('=');
+        let value_start = self.text.len();
+        self.text.push_str(value);
+        self.overrides.push((start..self.text.len(), key.to_owned()));
+        value_start
+    }
+
+    /// Notes the place of every key below `table`.
+    pub(super) fn locate(&mut self, table: &DeTable<'_>) {
+        self.places.clear();
+        self.locate_table(table, "");
+    }
+
+    fn locate_table(&mut self, table: &DeTable<'_>, prefix: &str) {
+        for (key, value) in table {
+            self.locate_value(value, join(prefix, key.get_ref()), key.span());
+        }
+    }
+
+    fn locate_value(&mut self, value: &Spanned<DeValue<'_>>, path: String, key: Range<usize>) {
+        match value.get_ref() {
+            DeValue::Table(table) => self.locate_table(table, &path),
+            DeValue::Array(array) => {
+                for (i, item) in array.iter().enumerate() {
+                    self.locate_value(item, join(&path, &i.to_string()), item.span());
+                }
+            }
+            _ => {}
+        }
+        self.places.insert(path, Place { key, value: value.span() });
+    }
+
+    /// Bytes of the value at `path`, or of the nearest table above that is written.
+    fn span(&self, path: &str) -> Option<Range<usize>> {
+        let mut path = path;
+        loop {
+            if let Some(place) = self.places.get(path) {
+                return Some(place.value.clone());
+            }
+            path = path.rsplit_once('.')?.0;
+        }
+    }
+
+    /// Line of the file, from 1, at which `path` itself is written.
+    fn line(&self, path: &str) -> Option<usize> {
+        let start = self.places.get(path)?.value.start;
+        (start < self.file_length).then(|| self.text[..start].matches('\n').count() + 1)
+    }
+
+    /// Dotted path of the key or value at these bytes: the narrowest that contains them.
+    fn path_at(&self, span: &Range<usize>) -> Option<&str> {
+        let contains = |r: &Range<usize>| r.start <= span.start && span.end <= r.end;
+        self.places
+            .iter()
+            .filter_map(|(path, place)| {
+                let hit = [&place.key, &place.value].into_iter().filter(|r| contains(r));
+                hit.map(|r| r.end - r.start).min().map(|width| (width, path))
+            })
+            .min_by_key(|(width, path)| (*width, std::cmp::Reverse(path.len())))
+            .map(|(_, path)| path.as_str())
+    }
+
+    /// An error about the key `path`.
+    pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
+        self.error_at(self.span(path), path, message.into(), help)
+    }
+
+    /// A warning about the key `path`.
+    pub fn warning(&self, path: &str, message: impl Into<String>) -> Warning {
+        Warning { key: path.to_owned(), line: self.line(path), message: message.into() }
+    }
+
+    fn error_at(
+        &self,
+        span: Option<Range<usize>>,
+        path: &str,
+        message: String,
+        help: &str,
+    ) -> ModelError {
+        if let Some(span) = &span
+            && let Some((line, key)) = self.overrides.iter().find(|(l, _)| {
+                l.start <= span.start && span.start <= l.end && span.end <= l.end.max(span.start)
+            })
+        {
+            let within = span.start - line.start..span.end - line.start;
+            let text = &self.text[line.clone()];
+            return ModelError::new(&format!("--set {key}"), text, Some(within), path, message, help);
+        }
+        ModelError::new(&self.file, &self.text[..self.file_length], span, path, message, help)
+    }
+
+    /// Bytes of the key of the `i`-th override.
+    pub(super) fn override_key(&self, i: usize) -> Range<usize> {
+        let (line, key) = &self.overrides[i];
+        line.start..line.start + key.len()
+    }
+
+    /// The `i`-th override could not be applied.
+    pub(super) fn override_error(&self, i: usize, message: String) -> ModelError {
+        let help = "the path is dotted, arrays count from 0: --set steps.1.increments.max=0.02";
+        self.error_at(Some(self.override_key(i)), &self.overrides[i].1, message, help)
+    }
+
+    /// What serde or the TOML parser says, with the path of the key and advice.
+    pub(super) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
+        let span = error.span();
+        let message = error.message().trim_end().replace('\n', ", ");
+        let at = span.as_ref().and_then(|s| self.path_at(s)).unwrap_or_default();
+        if let Some(name) = quoted(&message).filter(|_| message.starts_with("missing field")) {
+            let path = join(at, name);
+            let message = format!("the key `{name}` is missing");
+            return self.error_at(span, &path, message, &keys::example(name));
+        }
+        if let Some(name) = quoted(&message).filter(|_| message.starts_with("unknown")) {
+            let known = message.split('`').skip(3).step_by(2);
+            let help = match keys::nearest(name, known.clone()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("known here: {}", known.collect::<Vec<_>>().join(", ")),
+            };
+            let kind = if message.starts_with("unknown field") { "key" } else { "choice" };
+            return self.error_at(span, at, format!("`{name}` is not a known {kind}"), &help);
+        }
+        let name = at.split('.').rfind(|s| s.parse::<usize>().is_err()).unwrap_or_default();
+        self.error_at(span, at, message, &keys::example(name))
+    }
+}
+
+/// `prefix.key`, or `key` at the root.
+fn join(prefix: &str, key: &str) -> String {
+    if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") }
+}
+
+/// The first word of a message in back quotes.
+fn quoted(message: &str) -> Option<&str> {
+    message.split('`').nth(1)
+}
