@@ -102,13 +102,20 @@ impl InterfaceLaw {
             trial
         };
         history.damage = damage;
-        let (sigma, slope) = self.shifted_normal(u, opening_max, damage, shift);
+        let (sigma, slope) = self.shifted_normal(u, damage, old, shift);
         tangent[(0, 0)] = slope;
         self.respond(sigma, shear, tangent, history, old, slides)
     }
 
-    /// σ and its non-negative slope.
-    fn shifted_normal(&self, u: f64, opening_max: f64, damage: f64, shift: &Shift) -> (f64, f64) {
+    /// σ and its non-negative slope. The secant of an opened point is that of the step's start: the
+    /// soft iterates open farther than the law will, and must not be taken for failed.
+    fn shifted_normal(
+        &self,
+        u: f64,
+        damage: f64,
+        old: &InterfaceHistory,
+        shift: &Shift,
+    ) -> (f64, f64) {
         let k_n = self.normal_stiffness;
         let k = shift.stiffness[0].min(k_n);
         let last = shift.traction[0];
@@ -116,18 +123,20 @@ impl InterfaceLaw {
         if mixed <= 0.0 {
             return (mixed, k);
         }
-        let secant = self.secant_stiffness(opening_max, damage);
         let envelope = (1.0 - damage).max(0.0) * self.f_t;
-        if secant <= k {
-            // On the envelope σ = secant · u = (1−D) f_t falls with u: no stiffness.
-            let loading = u >= opening_max;
-            return ((secant * u).max(0.0), if loading || u <= 0.0 { 0.0 } else { secant });
-        }
-        let traction = k * u + (1.0 - k / secant) * last;
-        if traction >= envelope {
-            (envelope, 0.0)
+        let secant = self.secant_stiffness(old.opening_max, damage);
+        let (traction, slope) = if secant <= k {
+            (secant * u, secant)
         } else {
-            (traction.max(0.0), k)
+            (k * u + (1.0 - k / secant) * last, k)
+        };
+        if traction >= envelope {
+            // On the envelope σ falls with u: no stiffness.
+            (envelope, 0.0)
+        } else if traction <= 0.0 {
+            (0.0, 0.0)
+        } else {
+            (traction, slope)
         }
     }
 }

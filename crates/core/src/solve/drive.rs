@@ -58,7 +58,7 @@ struct Run<'m> {
 
 impl<'m> Run<'m> {
     fn new(model: &'m Model) -> Result<Self, RunError> {
-        let system = System::new(model)?;
+        let mut system = System::new(model)?;
         let state = system.initial_state(model);
         let warnings = system.bulk.warnings.iter();
         let warnings = warnings.map(|(name, w)| format!("material {name}: {w}")).collect();
@@ -171,6 +171,7 @@ impl<'m> Run<'m> {
         state.material.copy_from_slice(&trial.material);
         state.interface.copy_from_slice(&trial.interface);
         state.pairs.copy_from_slice(&trial.pairs);
+        state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
         state.last = Some(LastIncrement { dq, dt });
     }
 

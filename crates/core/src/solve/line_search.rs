@@ -16,7 +16,7 @@ pub enum Probe {
 /// State of the search: a bracket of the root.
 #[derive(Clone, Copy, Debug)]
 pub struct LineSearch {
-    start: f64,
+    pub start: f64,
     low: (f64, f64),
     high: Option<(f64, f64)>,
     evaluations: usize,

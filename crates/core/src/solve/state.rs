@@ -48,6 +48,9 @@ pub struct State {
     pub pairs: Vec<PointPair>,
     /// Last increment, none after a change of the boundary conditions.
     pub last: Option<LastIncrement>,
+    /// Largest mean nodal force of any commit [N]: what is left of it when all forces vanish scales
+    /// the tolerance.
+    pub largest_mean_force: f64,
     /// Energies.
     pub energies: Energies,
 }

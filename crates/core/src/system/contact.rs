@@ -57,6 +57,7 @@ struct Task<'a> {
     energy: &'a mut [[f64; 2]],
     status: &'a mut [PointStatus],
     pairs: &'a mut [PointPair],
+    anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
 }
 
@@ -130,7 +131,7 @@ impl Contact {
     }
 
     /// Renews the candidates if surfaces moved beyond the skin, then pairs every point.
-    pub fn search(&mut self, state: &State, trial: &mut Trial) {
+    pub fn search(&mut self, trial: &mut Trial) {
         let x = &trial.x;
         let moved = self.searched_at.len() != x.len()
             || self.searched_at.iter().zip(x).any(|(a, b)| {
@@ -159,11 +160,10 @@ impl Contact {
                 }
             }
         }
-        if trial.pairs.len() != state.pairs.len() {
-            trial.pairs.clone_from(&state.pairs);
-        }
-        trial.pairs.par_chunks_mut(4).enumerate().for_each(|(f, pairs)| {
-            for (pair, point) in pairs.iter_mut().zip(self.positions(f, x)) {
+        let anchors = trial.anchors.par_chunks_mut(4);
+        trial.pairs.par_chunks_mut(4).zip(anchors).enumerate().for_each(|(f, (pairs, anchors))| {
+            let points = self.positions(f, x);
+            for ((pair, anchor), point) in pairs.iter_mut().zip(anchors).zip(points) {
                 let present = pair.facet.map(|facet| (facet, pair.xi));
                 let found = pair_point(
                     &Vector3::from(point),
@@ -177,6 +177,9 @@ impl Contact {
                     Some((facet, xi)) => PointPair { facet: Some(facet), xi },
                     None => PointPair::default(),
                 };
+                if anchor.facet.is_none() {
+                    *anchor = *pair;
+                }
             }
         });
     }
@@ -204,9 +207,10 @@ impl Contact {
             .zip(trial.point_energy.chunks_exact_mut(4))
             .zip(trial.status.chunks_exact_mut(4))
             .zip(trial.pairs.chunks_exact_mut(4))
+            .zip(trial.anchors.chunks_exact(4))
             .zip(trial.traction.chunks_exact(4));
         let mut tasks = Vec::with_capacity(n / 4);
-        for (facet, ((((history, energy), status), pairs), last)) in per_point.enumerate() {
+        for (facet, (((((history, energy), status), pairs), anchors), last)) in per_point.enumerate() {
             let count = self.candidates.range(facet).len();
             let (f, f_rest) = force.split_at_mut(count);
             let (c, c_rest) = cells.split_at_mut(count * CELL);
@@ -221,6 +225,7 @@ impl Contact {
                 energy,
                 status,
                 pairs,
+                anchors,
                 last,
             });
         }
@@ -252,7 +257,7 @@ impl Contact {
         for p in 0..4 {
             let point = &self.points[4 * f + p];
             let old = &state.interface[4 * f + p];
-            let committed = state.pairs[4 * f + p];
+            let committed = task.anchors[p];
             let pair = &mut task.pairs[p];
             let seen = pair.facet.and_then(|facet| {
                 let cell = candidates.binary_search(&facet).ok()?;
@@ -307,6 +312,7 @@ impl Contact {
         match committed.facet {
             Some(facet) if Some(facet) == now.facet => Anchor::Same(committed.xi),
             Some(facet) => {
+                // The point has crossed to another facet in this increment.
                 let corners = self.master.corners(facet as usize, x);
                 Anchor::At(wythe_contact::surface::point_at(&corners, committed.xi).into())
             }
@@ -380,7 +386,7 @@ fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
             let corners = model.mesh.corners(e);
             let elastic = model.materials[model.mesh.material[e] as usize].parameters.elastic();
             let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
-            let factor = NUMERICAL_PENALTY / height;
+            let factor = std::env::var("KNUM").map_or(NUMERICAL_PENALTY, |v| v.parse().unwrap()) / height;
             [factor * elastic.E, factor * elastic.shear_modulus()]
         })
         .collect()

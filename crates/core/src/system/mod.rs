@@ -56,8 +56,11 @@ pub struct Trial {
     pub point_energy: Vec<[f64; 2]>,
     /// What each point does. `[point]`
     pub status: Vec<PointStatus>,
-    /// Master facet and anchor of each point in this increment. `[point]`
+    /// Master facet of each point now, and the foot of its perpendicular. `[point]`
     pub pairs: Vec<PointPair>,
+    /// Where the slip of this increment is measured from: the pair at the last commit, or where a
+    /// point came into contact. `[point]`
+    pub anchors: Vec<PointPair>,
     /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
     pub traction: Vec<[f64; 3]>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -72,6 +75,7 @@ impl Trial {
         self.material.clone_from(&state.material);
         self.interface.clone_from(&state.interface);
         self.pairs.clone_from(&state.pairs);
+        self.anchors.clone_from(&state.pairs);
         self.traction.clear();
         self.traction.extend(state.interface.iter().map(|h| h.traction));
     }
@@ -112,8 +116,8 @@ impl System {
     }
 
     /// State of rest.
-    pub fn initial_state(&self, model: &Model) -> State {
-        State {
+    pub fn initial_state(&mut self, model: &Model) -> State {
+        let mut state = State {
             increments: 0,
             time: 0.0,
             q: vec![0.0; self.dofs.slots],
@@ -122,16 +126,23 @@ impl System {
             interface: self.contact.virgin(model),
             pairs: vec![PointPair::default(); self.contact.points.len()],
             last: None,
+            largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
-        }
+        };
+        // What touches at rest sticks where it is.
+        let mut trial = Trial::default();
+        trial.start(&state);
+        self.search(&mut trial);
+        state.pairs = trial.pairs;
+        state
     }
 
     /// Pairs the contact points with master facets at the trial's positions.
-    pub fn search(&mut self, state: &State, trial: &mut Trial) {
+    pub fn search(&mut self, trial: &mut Trial) {
         if trial.x.is_empty() {
             trial.x.clone_from(&self.bulk.reference);
         }
-        self.contact.search(state, trial);
+        self.contact.search(trial);
     }
 
     /// True if the candidates of contact changed since the last analysis.
@@ -168,6 +179,7 @@ impl System {
             .with_nodes(&group, &coordinates)?;
         let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
         let entries = gather.row_idx.len();
+        eprintln!("analysed {} eq, {} nnz, cells {}, {:?}", gather.n, entries, cells.len(), solver.stats());
         self.gather = Some(gather);
         self.analysed_version = self.contact.version();
         Ok((entries, solver))
