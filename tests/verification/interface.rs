@@ -90,7 +90,7 @@ fn softening_curves_of_the_data() {
         let u = w + law.f_t / law.normal_stiffness;
         let sigma = law.update([u, 0.0, 0.0], &law.virgin()).traction[0];
         // Six printed digits.
-        assert!((sigma - table["sigma_T1_MPa"][i]).abs() < 1e-6);
+        assert!((sigma - table["sigma_T1_MPa"][i]).abs() < 6e-7);
     }
     let table = csv("exact/daltri_interface_shear.csv");
     for (column, sigma) in [("tau_s0.1", 0.1), ("tau_s0.5", 0.5), ("tau_s1.0", 1.0)] {
@@ -99,7 +99,7 @@ fn softening_curves_of_the_data() {
             let d = slip + golden / law.shear_stiffness;
             let tau = law.update([-sigma / law.normal_stiffness, d, 0.0], &law.virgin()).traction[1];
             // Six printed digits; slip measured without its elastic part.
-            assert!((tau - golden).abs() < 2e-6, "{tau} {golden}");
+            assert!((tau - golden).abs() < 6e-6, "{tau} {golden}");
         }
     }
 }
@@ -187,7 +187,8 @@ fn every_walk_dissipates_and_balances() {
                         rate += new.traction[1 + k] * (new.plastic_slip[k] - old.plastic_slip[k]);
                     }
                     // C.5: slip works against friction, and the secant stiffness never grows.
-                    assert!(rate >= -1e-18);
+                    // Rounding of slips of 1e-2 mm times tractions of 1e2 MPa.
+                    assert!(rate >= -1e-15, "{rate:e}");
                     assert!(new.damage >= old.damage && new.damage <= 1.0);
                     for (k, from) in [old.opening, old.slip[0], old.slip[1]].iter().enumerate() {
                         let d = gap[k] - from;

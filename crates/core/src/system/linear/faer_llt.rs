@@ -40,13 +40,14 @@ impl FaerLlt {
         let symbolic = factorize_symbolic_cholesky(
             SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, pattern.row_idx()),
             Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)),
+            if std::env::var("FAMD").is_ok() { SymmetricOrdering::Amd } else { SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)) },
             faer::sparse::linalg::cholesky::CholeskySymbolicParams::default(),
         )
         .map_err(|_| LinearError::TooLarge)?;
         let scratch =
             symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let memory = MemBuffer::try_new(scratch).map_err(|_| LinearError::TooLarge)?;
+        match symbolic.raw() { SymbolicCholeskyRaw::Simplicial(_) => eprintln!("simplicial"), SymbolicCholeskyRaw::Supernodal(s) => eprintln!("supernodes {}", s.n_supernodes()) }
         let factor = vec![0.0; symbolic.len_val()];
         Ok(Self { col_ptr, symbolic, order, factor, memory })
     }

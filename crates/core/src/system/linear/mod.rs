@@ -205,6 +205,7 @@ impl LinearSolver {
         }
         self.factorised = true;
         self.stats.seconds = start.elapsed().as_secs_f64();
+        if std::env::var("TRACE").is_ok() { eprintln!("factor {:.4}", self.stats.seconds); }
         Ok(self.stats)
     }
 
