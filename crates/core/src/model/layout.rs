@@ -85,8 +85,10 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
                  begins at {} mm",
                 below + joint
             ),
-            help: format!("take {below} mm for {whole} whole units, or {} mm for a half unit more",
-                below + joint + (unit - joint) / 2.0),
+            help: format!(
+                "take {below} mm for {whole} whole units, or {} mm for a half unit more",
+                below + joint + (unit - joint) / 2.0
+            ),
         });
     }
     let mut even = units;
@@ -101,7 +103,11 @@ fn slots(lengths: &[f64], joint: f64) -> Vec<Slot> {
     let mut slots = Vec::with_capacity(lengths.len());
     for (i, &length) in lengths.iter().enumerate() {
         let head_joint = if i + 1 < lengths.len() { joint } else { 0.0 };
-        slots.push(Slot { start, length, head_joint });
+        slots.push(Slot {
+            start,
+            length,
+            head_joint,
+        });
         start += length + head_joint;
     }
     slots
@@ -112,10 +118,20 @@ fn slots(lengths: &[f64], joint: f64) -> Vec<Slot> {
 pub fn bat_and_lap(pattern: &[Vec<Slot>; 2]) -> (f64, f64) {
     let middle = |s: &Slot| s.start + s.length + s.head_joint / 2.0;
     let heads = |course: &[Slot]| -> Vec<f64> {
-        course.iter().filter(|s| s.head_joint > 0.0).map(middle).collect()
+        course
+            .iter()
+            .filter(|s| s.head_joint > 0.0)
+            .map(middle)
+            .collect()
     };
     let (even, odd) = (heads(&pattern[0]), heads(&pattern[1]));
-    let distances = even.iter().flat_map(|a| odd.iter().map(move |b| (a - b).abs()));
-    let shortest = pattern.iter().flatten().map(|s| s.length).fold(f64::INFINITY, f64::min);
+    let distances = even
+        .iter()
+        .flat_map(|a| odd.iter().map(move |b| (a - b).abs()));
+    let shortest = pattern
+        .iter()
+        .flatten()
+        .map(|s| s.length)
+        .fold(f64::INFINITY, f64::min);
     (shortest, distances.fold(f64::INFINITY, f64::min))
 }

@@ -16,7 +16,10 @@ struct Checks<'a> {
 /// # Errors
 /// All values out of range and all contradictions, as one error.
 pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
-    let mut checks = Checks { deck, errors: Vec::new() };
+    let mut checks = Checks {
+        deck,
+        errors: Vec::new(),
+    };
     checks.require(
         deck.format == 1,
         "format",
@@ -60,7 +63,12 @@ impl Checks<'_> {
         value: Quantity<L, M, T, A>,
     ) {
         let value = value.get();
-        self.require(value > 0.0, path, || format!("{value} is not positive"), "give a value above 0");
+        self.require(
+            value > 0.0,
+            path,
+            || format!("{value} is not positive"),
+            "give a value above 0",
+        );
     }
 
     fn not_negative<const L: i8, const M: i8, const T: i8, const A: i8>(
@@ -69,7 +77,12 @@ impl Checks<'_> {
         value: Quantity<L, M, T, A>,
     ) {
         let value = value.get();
-        self.require(value >= 0.0, path, || format!("{value} is negative"), "give 0 or more");
+        self.require(
+            value >= 0.0,
+            path,
+            || format!("{value} is negative"),
+            "give 0 or more",
+        );
     }
 
     fn within(&mut self, path: &str, value: Number, range: std::ops::RangeInclusive<f64>) {
@@ -118,20 +131,30 @@ impl Checks<'_> {
             "2/3 is usual",
         );
         self.within(&key("tension_recovery"), m.tension_recovery, 0.0..=1.0);
-        self.within(&key("compression_recovery"), m.compression_recovery, 0.0..=1.0);
+        self.within(
+            &key("compression_recovery"),
+            m.compression_recovery,
+            0.0..=1.0,
+        );
         self.not_negative(&key("viscosity"), m.viscosity);
         if let Some(length) = m.reference_length {
             self.positive(&key("reference_length"), length);
         }
         let (t, c) = (m.tension.is_empty(), m.compression.is_empty());
         if t != c {
-            let (given, missing) =
-                if c { ("tension", "compression") } else { ("compression", "tension") };
+            let (given, missing) = if c {
+                ("tension", "compression")
+            } else {
+                ("compression", "tension")
+            };
             self.require(
                 false,
                 &key(given),
                 || format!("the table `{given}` is given, the table `{missing}` is missing"),
-                &format!("{}; or leave out both for linear elasticity", super::super::keys::example(missing)),
+                &format!(
+                    "{}; or leave out both for linear elasticity",
+                    super::super::keys::example(missing)
+                ),
             );
         }
         self.table(&key("tension"), &m.tension);
@@ -202,16 +225,20 @@ impl Checks<'_> {
         self.not_negative(&key("tan_phi"), f.tan_phi);
         self.not_negative(&key("mu"), f.mu);
         self.positive(&key("penalty_factor"), f.penalty_factor);
-        for (name, value) in
-            [("normal_stiffness", f.normal_stiffness), ("shear_stiffness", f.shear_stiffness)]
-        {
+        for (name, value) in [
+            ("normal_stiffness", f.normal_stiffness),
+            ("shear_stiffness", f.shear_stiffness),
+        ] {
             if let Some(value) = value {
                 self.positive(&key(name), value);
             }
         }
         if f.normal_stiffness.is_some() != f.shear_stiffness.is_some() {
-            let given =
-                if f.normal_stiffness.is_some() { "normal_stiffness" } else { "shear_stiffness" };
+            let given = if f.normal_stiffness.is_some() {
+                "normal_stiffness"
+            } else {
+                "shear_stiffness"
+            };
             self.require(
                 false,
                 &key(given),
@@ -234,7 +261,13 @@ impl Checks<'_> {
         let (u_k, delta_k) = (f.u_k.map(Quantity::get), f.delta_k.map(Quantity::get));
         let (g_1, g_2) = (f.G_I.map(Quantity::get), f.G_II.map(Quantity::get));
         self.either(path, ["u_k", "G_I"], [u_k, g_1], ("f_t", f.f_t.get()), dry);
-        self.either(path, ["delta_k", "G_II"], [delta_k, g_2], ("c", f.c.get()), dry);
+        self.either(
+            path,
+            ["delta_k", "G_II"],
+            [delta_k, g_2],
+            ("c", f.c.get()),
+            dry,
+        );
     }
 
     /// An ultimate displacement or the energy below the curve: exactly one, unless the joint is dry.
@@ -262,7 +295,7 @@ impl Checks<'_> {
                 false,
                 &key(energy),
                 || format!("both `{length}` and `{energy}` are given"),
-                &format!("each follows from the other: leave out one (`wythe check` prints both)"),
+                "each follows from the other: leave out one (`wythe check` prints both)",
             ),
             [None, None] => self.require(
                 dry,
@@ -305,33 +338,41 @@ impl Checks<'_> {
              mesh is [5, 2, 2]",
         );
         let (bottom, top) = (wall.clamped.bottom_courses, wall.clamped.top_courses);
-        self.require(
-            u64::from(bottom) + u64::from(top) <= u64::from(wall.courses),
-            "wall.clamped",
-            || format!("{bottom} courses held and {top} driven are more than {} courses", wall.courses),
-            "clamp fewer courses; 0 holds only the face",
-        );
-        self.require(
-            bottom < wall.courses.max(1) && top < wall.courses.max(1),
-            "wall.clamped",
-            || "all courses are clamped: the same nodes would be held and driven".to_owned(),
-            "clamp fewer courses; 0 holds only the face",
-        );
-        for (path, name) in
-            [("unit_material", &wall.unit_material), ("mortar_material", &wall.mortar_material)]
-        {
+        let courses = wall.courses;
+        if courses > 0 {
+            // Held and driven nodes must differ: neither may be all of them, nor both overlap.
+            let apart = u64::from(bottom) + u64::from(top) <= u64::from(courses);
+            self.require(
+                apart && bottom < courses && top < courses,
+                "wall.clamped",
+                || format!("{bottom} courses held and {top} driven are too many of {courses}"),
+                "clamp fewer courses; 0 holds only the face",
+            );
+        }
+        for (path, name) in [
+            ("unit_material", &wall.unit_material),
+            ("mortar_material", &wall.mortar_material),
+        ] {
             if !self.deck.materials.contains_key(name) {
                 let error =
-                    self.deck.unknown(&format!("wall.{path}"), "material", name, "materials");
+                    self.deck
+                        .unknown(&format!("wall.{path}"), "material", name, "materials");
                 self.errors.push(error);
             }
         }
         if !self.deck.interfaces.contains_key(&wall.interface) {
             let error =
-                self.deck.unknown("wall.interface", "interface", &wall.interface, "interfaces");
+                self.deck
+                    .unknown("wall.interface", "interface", &wall.interface, "interfaces");
             self.errors.push(error);
         }
-        let sizes = [wall.bed_joint, wall.head_joint, wall.length, wall.unit[0], wall.unit[2]];
+        let sizes = [
+            wall.bed_joint,
+            wall.head_joint,
+            wall.length,
+            wall.unit[0],
+            wall.unit[2],
+        ];
         if sizes.iter().all(|s| s.get() > 0.0)
             && let Err(refusal) = layout::course_pattern(wall)
         {
@@ -345,7 +386,11 @@ impl Checks<'_> {
         let drive = step.kind == StepKind::Drive;
         let horizontal = !matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
         let other = |name: &str| {
-            let (kind, own) = if drive { ("drive", "preload") } else { ("preload", "drive") };
+            let (kind, own) = if drive {
+                ("drive", "preload")
+            } else {
+                ("preload", "drive")
+            };
             format!("`{name}` belongs to a {own}, and this step is a {kind}")
         };
         for (name, given, allowed) in [
