@@ -481,3 +481,23 @@ fn the_documentation_lists_every_key() {
         );
     }
 }
+
+#[test]
+fn absurd_sizes_are_refused_before_they_are_built() {
+    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
+    for (key, value, at) in [
+        ("wall.length", "1e300", "wall.length"),
+        ("wall.courses", "4000000000", "wall.courses"),
+        (
+            "wall.mesh",
+            "[4000000000, 4000000000, 4000000000]",
+            "wall.mesh",
+        ),
+    ] {
+        let error = Deck::from_str_with(&text, "j7d.toml", &[(key.into(), value.into())])
+            .and_then(|deck| Model::from_deck(&deck))
+            .unwrap_err();
+        assert_eq!(error.key(), at, "{error}");
+        assert_eq!(error.file(), format!("--set {key}"));
+    }
+}

@@ -36,6 +36,7 @@ impl Model {
         };
         let pattern = layout::course_pattern(wall)
             .map_err(|refusal| deck.error(refusal.key, refusal.message, &refusal.help))?;
+        require_countable(deck, wall, pattern[0].len().max(pattern[1].len()))?;
         let elastic = [materials[0].elastic(), materials[1].elastic()];
         let parts = wall::build(wall, &pattern, interface, elastic);
         require_held(deck, wall, &parts)?;
@@ -72,6 +73,30 @@ impl Model {
         let warnings = findings::findings(deck, &model)?;
         Ok((model, warnings))
     }
+}
+
+/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
+const MOST_ELEMENTS: f64 = 1e7;
+
+/// Refuses a mesh that is too large before it is made.
+fn require_countable(deck: &Deck, wall: &Wall, units: usize) -> Result<(), ModelError> {
+    let m = wall.mesh;
+    let per_unit = f64::from(m.length) * f64::from(m.height) * f64::from(m.thickness);
+    let elements = units as f64 * f64::from(wall.courses) * per_unit;
+    if elements <= MOST_ELEMENTS && u16::try_from(wall.courses).is_ok() {
+        return Ok(());
+    }
+    let courses = wall.courses;
+    let key = if per_unit > 1e5 {
+        "wall.mesh"
+    } else {
+        "wall.courses"
+    };
+    Err(deck.error(
+        key,
+        format!("{courses} courses of {units} units of {per_unit} elements are too many"),
+        "at most 1e7 elements and 65535 courses: coarsen wall.mesh or build a part of the wall",
+    ))
 }
 
 /// Steps of the only beam. During a preload it moves vertically and no other way.

@@ -33,6 +33,9 @@ pub struct Refusal {
 /// Lengths agree to this fraction of a unit: decks round to 0.01 mm, arithmetic to much less.
 const TOLERANCE: f64 = 1e-6;
 
+/// More units than this in a course are a slip of the unit of length.
+const MOST_UNITS: f64 = 1e4;
+
 /// Units of the even courses (0, 2, …) and of the odd ones.
 ///
 /// Even courses: whole units from the left, the last one cut to the length. Odd courses: the mirror
@@ -56,6 +59,13 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
     // n pitches and the rest: n units with their head joints, then what is left for the bat.
     let pitch = unit + joint;
     let whole = ((length + joint + tolerance) / pitch).floor();
+    if whole > MOST_UNITS {
+        return Err(Refusal {
+            key: "wall.length",
+            message: format!("{length} mm are {whole} units of {unit} mm in a course"),
+            help: format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
+        });
+    }
     let bat = length - whole * pitch;
     let units = vec![unit; whole as usize];
     if (bat + joint).abs() <= tolerance {

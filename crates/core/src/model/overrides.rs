@@ -14,7 +14,7 @@ pub(super) fn padded(value: &str, start: usize) -> String {
 }
 
 /// The value of a [`padded`] text; what is no TOML is taken as a string.
-pub(super) fn parse<'a>(padded: &'a str, start: usize) -> Spanned<DeValue<'a>> {
+pub(super) fn parse(padded: &str, start: usize) -> Spanned<DeValue<'_>> {
     let text = || Spanned::new(start..padded.len(), DeValue::String(padded[start..].into()));
     match DeTable::parse(padded) {
         // a line break in the value could smuggle in further keys
@@ -92,12 +92,11 @@ fn set_value<'a>(
                         "`{name}` has {count} entries, counted from 0: there is no `{name}.{part}`"
                     )
                 })?;
-            match below {
-                Some(below) => set_value(entry, part, below, at + part.len() + 1, value),
-                None => {
-                    *entry = value;
-                    Ok(())
-                }
+            if let Some(below) = below {
+                set_value(entry, part, below, at + part.len() + 1, value)
+            } else {
+                *entry = value;
+                Ok(())
             }
         }
         _ => Err(format!("`{name}` is no table: it has no `{path}`")),
