@@ -48,7 +48,7 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "wrong_unit",
         "materials.mortar.E",
         "E = \"4 mm\"",
-        "expected a pressure (MPa), found \"4 mm\" (a length",
+        "expected a pressure (MPa), found \"4 mm\" (a length)",
         "E = \"16.7 GPa\"",
     ),
     (
@@ -283,6 +283,7 @@ fn broken_toml_is_told_with_its_place() {
     let text = include_str!("../data/bad/syntax.toml");
     let line = 1 + text.lines().position(|l| l == "mu = ").unwrap();
     assert_eq!(error.line(), Some(line), "{error}");
+    assert!(error.advice().contains("no TOML"));
 }
 
 #[test]

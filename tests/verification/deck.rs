@@ -205,7 +205,7 @@ fn wrong_overrides_name_themselves() {
             "materials.brick.E",
             "4 mm",
             "materials.brick.E",
-            "found \"4 mm\" (a length",
+            "found \"4 mm\" (a length)",
         ),
         (
             "materials.brick.E",

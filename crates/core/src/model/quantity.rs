@@ -85,7 +85,8 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> Visitor<'_>
         match unit::parse(text) {
             Ok((value, found)) if found == wanted => self.visit_f64(value),
             Ok((_, found)) => Err(E::custom(format_args!(
-                "expected {wanted}, found \"{text}\" ({found})"
+                "expected {wanted}, found \"{text}\" ({})",
+                found.name()
             ))),
             Err(why) => Err(E::custom(format_args!(
                 "expected {wanted}, found \"{text}\": {why}"

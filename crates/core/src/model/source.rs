@@ -231,6 +231,11 @@ impl Source {
             };
             return self.error_at(span, at, format!("`{name}` is not a known {kind}"), &help);
         }
+        if self.places.is_empty() {
+            // nothing is located before the text has been parsed
+            let help = "the text is no TOML here: strings want quotes, each key its own line";
+            return self.error_at(span, "", message, help);
+        }
         let name = at
             .split('.')
             .rfind(|s| s.parse::<usize>().is_err())

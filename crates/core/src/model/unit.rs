@@ -7,34 +7,47 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension(pub [i8; 4]);
 
-const NAMES: [([i8; 4], &str); 13] = [
-    ([0, 0, 0, 0], "a number without a unit"),
-    ([1, 0, 0, 0], "a length (mm)"),
-    ([2, 0, 0, 0], "an area (mm^2)"),
-    ([3, 0, 0, 0], "a volume (mm^3)"),
-    ([0, 1, 0, 0], "a mass (tonne)"),
-    ([0, 0, 1, 0], "a time (s)"),
-    ([0, 0, 0, 1], "an angle (deg)"),
-    ([1, 1, -2, 0], "a force (N)"),
-    ([-1, 1, -2, 0], "a pressure (MPa)"),
-    ([-3, 1, 0, 0], "a density (tonne/mm^3)"),
-    ([0, 1, -2, 0], "an energy per area (N/mm)"),
-    ([-2, 1, -2, 0], "a stiffness per area (N/mm^3)"),
-    ([2, 1, -2, 0], "an energy (N mm)"),
+/// Dimension, what it is called, its base unit.
+const NAMES: [([i8; 4], &str, &str); 13] = [
+    ([0, 0, 0, 0], "a number without a unit", ""),
+    ([1, 0, 0, 0], "a length", "mm"),
+    ([2, 0, 0, 0], "an area", "mm^2"),
+    ([3, 0, 0, 0], "a volume", "mm^3"),
+    ([0, 1, 0, 0], "a mass", "tonne"),
+    ([0, 0, 1, 0], "a time", "s"),
+    ([0, 0, 0, 1], "an angle", "deg"),
+    ([1, 1, -2, 0], "a force", "N"),
+    ([-1, 1, -2, 0], "a pressure", "MPa"),
+    ([-3, 1, 0, 0], "a density", "tonne/mm^3"),
+    ([0, 1, -2, 0], "an energy per area", "N/mm"),
+    ([-2, 1, -2, 0], "a stiffness per area", "N/mm^3"),
+    ([2, 1, -2, 0], "an energy", "N mm"),
 ];
 
+impl Dimension {
+    /// What it is called, without its unit.
+    pub fn name(self) -> String {
+        if let Some((_, name, _)) = NAMES.iter().find(|n| n.0 == self.0) {
+            return (*name).to_owned();
+        }
+        let powers = ["mm", "tonne", "s", "deg"]
+            .iter()
+            .zip(self.0)
+            .filter(|p| p.1 != 0);
+        let factors: Vec<String> = powers
+            .map(|(unit, power)| format!("{unit}^{power}"))
+            .collect();
+        format!("a quantity in {}", factors.join(" "))
+    }
+}
+
+/// The name with the base unit: `a pressure (MPa)`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((_, name)) = NAMES.iter().find(|(d, _)| *d == self.0) {
-            return f.write_str(name);
+        match NAMES.iter().find(|n| n.0 == self.0) {
+            Some((_, name, unit)) if !unit.is_empty() => write!(f, "{name} ({unit})"),
+            _ => f.write_str(&self.name()),
         }
-        f.write_str("a quantity in")?;
-        for (unit, power) in ["mm", "tonne", "s", "deg"].iter().zip(self.0) {
-            if power != 0 {
-                write!(f, " {unit}^{power}")?;
-            }
-        }
-        Ok(())
     }
 }
 
