@@ -192,6 +192,20 @@ fn an_override_replaces_the_other_of_a_pair() {
     // theory C.7: G_I = f_t u_k × 0.215626 (six digits)
     assert!((joint.ultimate_opening() - 0.012 / (0.28 * 0.215626)).abs() < 1e-6);
     assert!((joint.mode_1_energy() - 0.012).abs() < 1e-15);
+    // and the other way round, in both modes
+    let text = std::fs::read_to_string(path("01_couplet_tension")).unwrap();
+    let energies = text
+        .replace("u_k = \"0.20 mm\"", "G_I = \"12 N/m\"")
+        .replace("delta_k = \"0.4 mm\"", "G_II = \"58 N/m\"");
+    let lengths = [("u_k", "0.1"), ("delta_k", "0.3 mm")]
+        .map(|(k, v)| (format!("interfaces.joint.{k}"), v.to_owned()));
+    let deck = Deck::from_str_with(&energies, "energies.toml", &lengths).unwrap();
+    let joint = &deck.interfaces["joint"];
+    assert_eq!((joint.G_I, joint.G_II), (None, None));
+    assert_eq!(
+        (joint.ultimate_opening(), joint.ultimate_slip()),
+        (0.1, 0.3)
+    );
 }
 
 #[test]
