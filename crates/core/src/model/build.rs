@@ -36,11 +36,18 @@ impl Model {
         };
         let pattern = layout::course_pattern(wall)
             .map_err(|refusal| deck.error(refusal.key, refusal.message, &refusal.help))?;
+        require_countable(deck, wall, pattern[0].len().max(pattern[1].len()))?;
         let elastic = [materials[0].elastic(), materials[1].elastic()];
         let parts = wall::build(wall, &pattern, interface, elastic);
         require_held(deck, wall, &parts)?;
 
-        let WallParts { mesh, mut contact, supports, beams, .. } = parts;
+        let WallParts {
+            mesh,
+            mut contact,
+            supports,
+            beams,
+            ..
+        } = parts;
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
         let model = Self {
@@ -49,18 +56,47 @@ impl Model {
             materials: names
                 .into_iter()
                 .zip(materials.clone())
-                .map(|(name, parameters)| NamedMaterial { name: name.clone(), parameters })
+                .map(|(name, parameters)| NamedMaterial {
+                    name: name.clone(),
+                    parameters,
+                })
                 .collect(),
             formulation: deck.element.formulation,
             contact,
             supports,
             steps: steps(&deck.steps, &beams[0]),
             beams,
-            output: Output { every: deck.output.every },
+            output: Output {
+                every: deck.output.every,
+            },
         };
         let warnings = findings::findings(deck, &model)?;
         Ok((model, warnings))
     }
+}
+
+/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
+const MOST_ELEMENTS: f64 = 1e7;
+
+/// Refuses a mesh that is too large before it is made.
+fn require_countable(deck: &Deck, wall: &Wall, units: usize) -> Result<(), ModelError> {
+    let m = wall.mesh;
+    let per_unit = f64::from(m.length) * f64::from(m.height) * f64::from(m.thickness);
+    let elements = units as f64 * f64::from(wall.courses) * per_unit;
+    if elements <= MOST_ELEMENTS && u16::try_from(wall.courses).is_ok() {
+        return Ok(());
+    }
+    let courses = wall.courses;
+    let key = if per_unit > 1e5 {
+        "wall.mesh"
+    } else {
+        "wall.courses"
+    };
+    Err(deck.error(
+        key,
+        format!("{courses} courses of {units} units of {per_unit} elements are too many"),
+        "at most 1e7 elements and 65535 courses: coarsen wall.mesh or build a part of the wall",
+    ))
 }
 
 /// Steps of the only beam. During a preload it moves vertically and no other way.
@@ -71,7 +107,10 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
         let mut motion = [BeamMotion::Locked; 3];
         match step.kind {
             StepKind::Preload => {
-                load = -step.top_pressure.map_or(0.0, super::quantity::Pressure::get) * beam.area;
+                load = -step
+                    .top_pressure
+                    .map_or(0.0, super::quantity::Pressure::get)
+                    * beam.area;
                 motion[2] = BeamMotion::Force(load);
             }
             StepKind::Drive => {
@@ -85,7 +124,10 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
         }
         // A preload is told in the direction of the drive that follows, so that the history keeps
         // one meaning of displacement and force.
-        let axis = deck[i..].iter().find(|s| s.kind == StepKind::Drive).map_or(2, |s| drive_axis(s).0);
+        let axis = deck[i..]
+            .iter()
+            .find(|s| s.kind == StepKind::Drive)
+            .map_or(2, |s| drive_axis(s).0);
         steps.push(Step {
             name: step.name().to_owned(),
             duration: step.duration.get(),
@@ -117,14 +159,22 @@ fn require_held(deck: &Deck, wall: &Wall, parts: &WallParts) -> Result<(), Model
     });
     let slides = dry && friction == 0.0;
     let holds = !slides && (!dry || pressed);
-    let pairs = parts.contact.slave_body.iter().copied().zip(parts.facing_body.iter().copied());
+    let pairs = parts
+        .contact
+        .slave_body
+        .iter()
+        .copied()
+        .zip(parts.facing_body.iter().copied());
     let unheld = unheld_bodies(&parts.held, pairs.filter(|_| holds));
     let Some(&body) = unheld.first() else {
         return Ok(());
     };
     let course = parts.mesh.unit.iter().position(|&u| u as usize == body);
     let course = course.map_or(0, |e| parts.mesh.course[e]);
-    let who = format!("unit {body} in course {course} is held by nothing ({} units are)", unheld.len());
+    let who = format!(
+        "unit {body} in course {course} is held by nothing ({} units are)",
+        unheld.len()
+    );
     Err(if slides {
         deck.error(
             &path,

@@ -33,9 +33,22 @@ impl fmt::Display for CheckReport {
         for note in &self.notes {
             writeln!(f, "note: {note}")?;
         }
-        let Sizes { units, elements, nodes, dofs, contact_points } = self.sizes;
-        writeln!(f, "{units} units, {elements} elements, {nodes} nodes, {dofs} unknowns")?;
-        writeln!(f, "{contact_points} contact points, about {:.0} MB", self.memory_mb)
+        let Sizes {
+            units,
+            elements,
+            nodes,
+            dofs,
+            contact_points,
+        } = self.sizes;
+        writeln!(
+            f,
+            "{units} units, {elements} elements, {nodes} nodes, {dofs} unknowns"
+        )?;
+        writeln!(
+            f,
+            "{contact_points} contact points, about {:.0} MB",
+            self.memory_mb
+        )
     }
 }
 
@@ -71,7 +84,10 @@ pub fn sizes(model: &Model) -> Sizes {
     let beam_dofs: usize = (0..model.beams.len())
         .flat_map(|b| (0..3).map(move |d| (b, d)))
         .filter(|&(b, d)| {
-            model.steps.iter().any(|s| matches!(s.motion[b][d], BeamMotion::Force(_)))
+            model
+                .steps
+                .iter()
+                .any(|s| matches!(s.motion[b][d], BeamMotion::Force(_)))
         })
         .count();
     Sizes {
@@ -99,14 +115,17 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
     for (m, material) in model.materials.iter().enumerate() {
         let name = &material.name;
-        let Some((low, high)) = findings::equivalent_lengths(model, m) else { continue };
+        let Some((low, high)) = findings::equivalent_lengths(model, m) else {
+            continue;
+        };
         let kind = match &material.parameters {
             MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
             MaterialParameters::DamagePlasticity(p) => {
                 let limit = [&p.tension, &p.compression]
                     .map(|rows| findings::snap_back_ratio(p.elastic.E, rows));
-                let reference =
-                    p.reference_length.map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
+                let reference = p
+                    .reference_length
+                    .map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
                 format!(
                     "reference length {reference}, snap-back above {:.2} (tension) and {:.2} \
                      (compression) times it",
@@ -114,7 +133,9 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
                 )
             }
         };
-        notes.push(format!("material {name}: l_eq {low:.1} to {high:.1} mm; {kind}"));
+        notes.push(format!(
+            "material {name}: l_eq {low:.1} to {high:.1} mm; {kind}"
+        ));
     }
     if let Some(wall) = &deck.wall {
         if let Some(f) = deck.interfaces.get(&wall.interface) {
@@ -134,13 +155,17 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
             }
             for law in &model.contact.laws {
                 let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
-                notes.push(format!("interface {name}: k_n = {normal:.0}, k_s = {shear:.0} N/mm^3"));
+                notes.push(format!(
+                    "interface {name}: k_n = {normal:.0}, k_s = {shear:.0} N/mm^3"
+                ));
             }
         }
         if let Ok(pattern) = layout::course_pattern(wall) {
             let (shortest, lap) = layout::bat_and_lap(&pattern);
             if lap.is_finite() {
-                notes.push(format!("bond: shortest unit {shortest:.2} mm, lap {lap:.2} mm"));
+                notes.push(format!(
+                    "bond: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
+                ));
             }
         }
         if wall.mesh == Subdivision::COARSE {

@@ -9,11 +9,14 @@ use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
 /// Smallest and largest equivalent length l_eq = V^(1/3) of the elements of material `m` [mm]
 /// (theory A.8, α_h = 1 for hex8); none if no element has it.
 pub(super) fn equivalent_lengths(model: &Model, m: usize) -> Option<(f64, f64)> {
-    let of_material = (0..model.mesh.elements.len()).filter(|&e| model.mesh.material[e] as usize == m);
-    of_material.map(|e| box_volume(&model.mesh.corners(e)).cbrt()).fold(None, |range, l| {
-        let (low, high) = range.unwrap_or((l, l));
-        Some((l.min(low), l.max(high)))
-    })
+    let of_material =
+        (0..model.mesh.elements.len()).filter(|&e| model.mesh.material[e] as usize == m);
+    of_material
+        .map(|e| box_volume(&model.mesh.corners(e)).cbrt())
+        .fold(None, |range, l| {
+            let (low, high) = range.unwrap_or((l, l));
+            Some((l.min(low), l.max(high)))
+        })
 }
 
 /// Volume of a hex8 that is a parallelepiped.
@@ -94,7 +97,9 @@ fn check_material(
                  beyond it the softening of this table (for {l_ref} mm) snaps back within an element",
                 limit * l_ref
             ),
-            None => "the table falls more steeply than the elastic modulus: it snaps back".to_owned(),
+            None => {
+                "the table falls more steeply than the elastic modulus: it snaps back".to_owned()
+            }
         };
         let help = "refine wall.mesh, or give the last row a larger inelastic strain";
         errors.push(deck.error(&format!("{path}.{branch}"), message, help));
@@ -105,7 +110,13 @@ fn check_material(
 /// Largest l_eq/l_ref without snap-back, min E Δε_in/Δσ over the rows beyond the peak (theory A.8).
 /// Infinite without softening.
 pub(super) fn snap_back_ratio(modulus: f64, rows: &[TableRow]) -> f64 {
-    let peak = (0..rows.len()).fold(0, |p, i| if rows[i].stress >= rows[p].stress { i } else { p });
+    let peak = (0..rows.len()).fold(0, |p, i| {
+        if rows[i].stress >= rows[p].stress {
+            i
+        } else {
+            p
+        }
+    });
     rows[peak..]
         .windows(2)
         .filter(|w| w[1].stress < w[0].stress)
@@ -119,7 +130,11 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     let path = format!("interfaces.{name}");
     let mut warnings = Vec::new();
     let mut warn = |key: &str, message: String| {
-        let path = if key.is_empty() { path.clone() } else { format!("{path}.{key}") };
+        let path = if key.is_empty() {
+            path.clone()
+        } else {
+            format!("{path}.{key}")
+        };
         warnings.push(deck.warning(&path, message));
     };
     let (mu, tan_phi, c, f_t) = (f.mu.get(), f.tan_phi.get(), f.c.get(), f.f_t.get());
@@ -137,14 +152,24 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
         let limit = c / tan_phi;
         warn(
             "f_t",
-            format!("the Coulomb line ends at c/tan_phi = {limit:.4} MPa, below f_t: a joint pulled \
-                 beyond it slides without resistance before it opens"),
+            format!(
+                "the Coulomb line ends at c/tan_phi = {limit:.4} MPa, below f_t: a joint pulled \
+                 beyond it slides without resistance before it opens"
+            ),
         );
     }
     let least = f.snap_back_stiffness();
     for (key, stiffness, least) in [
-        ("normal_stiffness", smallest(model, |l| l.normal_stiffness), least[0]),
-        ("shear_stiffness", smallest(model, |l| l.shear_stiffness), least[1]),
+        (
+            "normal_stiffness",
+            smallest(model, |l| l.normal_stiffness),
+            least[0],
+        ),
+        (
+            "shear_stiffness",
+            smallest(model, |l| l.shear_stiffness),
+            least[1],
+        ),
     ] {
         if stiffness <= least {
             warn(
@@ -157,20 +182,32 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
         }
     }
     if f.normal_stiffness.is_some() && f.penalty_factor.get() != 500.0 {
-        warn("penalty_factor", "not used: explicit stiffnesses are given".to_owned());
+        warn(
+            "penalty_factor",
+            "not used: explicit stiffnesses are given".to_owned(),
+        );
     }
     warnings
 }
 
 /// Smallest stiffness of the model's laws; infinite without interfaces.
 fn smallest(model: &Model, of: impl Fn(&wythe_contact::InterfaceLaw) -> f64) -> f64 {
-    model.contact.laws.iter().map(of).fold(f64::INFINITY, f64::min)
+    model
+        .contact
+        .laws
+        .iter()
+        .map(of)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Slivers and joints that run through.
 fn check_bond(deck: &Deck) -> Vec<Warning> {
-    let Some(wall) = &deck.wall else { return Vec::new() };
-    let Ok(pattern) = layout::course_pattern(wall) else { return Vec::new() };
+    let Some(wall) = &deck.wall else {
+        return Vec::new();
+    };
+    let Ok(pattern) = layout::course_pattern(wall) else {
+        return Vec::new();
+    };
     let (shortest, lap) = layout::bat_and_lap(&pattern);
     let [unit, joint] = [wall.unit[0].get(), wall.head_joint.get()];
     let mut warnings = Vec::new();
@@ -184,7 +221,9 @@ fn check_bond(deck: &Deck) -> Vec<Warning> {
     if wall.courses > 1 && lap < unit / 8.0 {
         warnings.push(deck.warning(
             "wall.length",
-            format!("head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"),
+            format!(
+                "head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"
+            ),
         ));
     }
     warnings

@@ -8,8 +8,14 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("E", "E = \"16.7 GPa\""),
     ("nu", "nu = 0.15"),
     ("density", "density = \"1900 kg/m^3\""),
-    ("tension", "tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]  # stress, inelastic strain, damage"),
-    ("compression", "compression = [[11, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]"),
+    (
+        "tension",
+        "tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]  # stress, inelastic strain, damage",
+    ),
+    (
+        "compression",
+        "compression = [[11, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]",
+    ),
     ("dilation_angle", "dilation_angle = \"10 deg\""),
     ("eccentricity", "eccentricity = 0.1"),
     ("fb0_fc0", "fb0_fc0 = 1.16"),
@@ -35,7 +41,10 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("shear_stiffness", "shear_stiffness = \"14783 N/mm^3\""),
     ("coupling", "coupling = \"max\"  # or \"additive\""),
     ("wall", "[wall]"),
-    ("unit", "unit = [\"204 mm\", \"98 mm\", \"50 mm\"]  # length, thickness, height"),
+    (
+        "unit",
+        "unit = [\"204 mm\", \"98 mm\", \"50 mm\"]  # length, thickness, height",
+    ),
     ("bed_joint", "bed_joint = \"12.5 mm\""),
     ("head_joint", "head_joint = \"12.5 mm\""),
     ("length", "length = \"990 mm\""),
@@ -44,12 +53,21 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("unit_material", "unit_material = \"brick\""),
     ("mortar_material", "mortar_material = \"mortar\""),
     ("interface", "interface = \"joint\""),
-    ("mesh", "mesh = \"coarse\"  # or \"fine\", or [length, height, thickness] such as [5, 2, 2]"),
-    ("clamped", "clamped = { bottom_courses = 1, top_courses = 1 }"),
+    (
+        "mesh",
+        "mesh = \"coarse\"  # or \"fine\", or [length, height, thickness] such as [5, 2, 2]",
+    ),
+    (
+        "clamped",
+        "clamped = { bottom_courses = 1, top_courses = 1 }",
+    ),
     ("bottom_courses", "bottom_courses = 1"),
     ("top_courses", "top_courses = 1"),
     ("element", "[element]"),
-    ("formulation", "formulation = \"incompatible\"  # or \"full\", \"b-bar\""),
+    (
+        "formulation",
+        "formulation = \"incompatible\"  # or \"full\", \"b-bar\"",
+    ),
     ("contact", "[contact]"),
     ("points", "points = \"gauss\"  # or \"corner\""),
     ("search_radius", "search_radius = \"5 mm\""),
@@ -57,16 +75,28 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("name", "name = \"push\""),
     ("kind", "kind = \"preload\"  # or \"drive\""),
     ("top_pressure", "top_pressure = \"2.12 MPa\""),
-    ("direction", "direction = \"x\"  # or \"y\", \"z\", \"-x\", \"-y\", \"-z\""),
+    (
+        "direction",
+        "direction = \"x\"  # or \"y\", \"z\", \"-x\", \"-y\", \"-z\"",
+    ),
     ("displacement", "displacement = \"4 mm\""),
     ("vertical", "vertical = \"locked\"  # or \"free\""),
-    ("increments", "increments = { initial = 0.005, max = 0.0125, min = 1e-6 }"),
+    (
+        "increments",
+        "increments = { initial = 0.005, max = 0.0125, min = 1e-6 }",
+    ),
     ("initial", "initial = 0.005"),
     ("max", "max = 0.0125"),
     ("min", "min = 1e-6"),
     ("duration", "duration = \"1 s\""),
-    ("procedure", "procedure = \"implex\"  # or \"implicit\", \"direct\""),
-    ("tolerance", "tolerance = { residual = 5e-3, max_iterations = 25 }"),
+    (
+        "procedure",
+        "procedure = \"implex\"  # or \"implicit\", \"direct\"",
+    ),
+    (
+        "tolerance",
+        "tolerance = { residual = 5e-3, max_iterations = 25 }",
+    ),
     ("residual", "residual = 5e-3"),
     ("max_iterations", "max_iterations = 25"),
     ("every", "every = 5"),
@@ -82,7 +112,7 @@ pub(super) fn example(name: &str) -> String {
 
 /// The known name nearest to a misspelt one, if it is near enough to be meant.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = (name.chars().count() / 3).max(1);
+    let allowed = ((name.chars().count() + 1) / 3).max(1);
     known
         .map(|k| (edit_distance(&name.to_lowercase(), &k.to_lowercase()), k))
         .filter(|(distance, _)| *distance <= allowed)

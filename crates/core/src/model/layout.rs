@@ -33,6 +33,9 @@ pub struct Refusal {
 /// Lengths agree to this fraction of a unit: decks round to 0.01 mm, arithmetic to much less.
 const TOLERANCE: f64 = 1e-6;
 
+/// More units than this in a course are a slip of the unit of length.
+const MOST_UNITS: f64 = 1e4;
+
 /// Units of the even courses (0, 2, …) and of the odd ones.
 ///
 /// Even courses: whole units from the left, the last one cut to the length. Odd courses: the mirror
@@ -56,6 +59,13 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
     // n pitches and the rest: n units with their head joints, then what is left for the bat.
     let pitch = unit + joint;
     let whole = ((length + joint + tolerance) / pitch).floor();
+    if whole > MOST_UNITS {
+        return Err(Refusal {
+            key: "wall.length",
+            message: format!("{length} mm are {whole} units of {unit} mm in a course"),
+            help: format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
+        });
+    }
     let bat = length - whole * pitch;
     let units = vec![unit; whole as usize];
     if (bat + joint).abs() <= tolerance {
@@ -85,8 +95,10 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
                  begins at {} mm",
                 below + joint
             ),
-            help: format!("take {below} mm for {whole} whole units, or {} mm for a half unit more",
-                below + joint + (unit - joint) / 2.0),
+            help: format!(
+                "take {below} mm for {whole} whole units, or {} mm for a half unit more",
+                below + joint + (unit - joint) / 2.0
+            ),
         });
     }
     let mut even = units;
@@ -101,7 +113,11 @@ fn slots(lengths: &[f64], joint: f64) -> Vec<Slot> {
     let mut slots = Vec::with_capacity(lengths.len());
     for (i, &length) in lengths.iter().enumerate() {
         let head_joint = if i + 1 < lengths.len() { joint } else { 0.0 };
-        slots.push(Slot { start, length, head_joint });
+        slots.push(Slot {
+            start,
+            length,
+            head_joint,
+        });
         start += length + head_joint;
     }
     slots
@@ -112,10 +128,20 @@ fn slots(lengths: &[f64], joint: f64) -> Vec<Slot> {
 pub fn bat_and_lap(pattern: &[Vec<Slot>; 2]) -> (f64, f64) {
     let middle = |s: &Slot| s.start + s.length + s.head_joint / 2.0;
     let heads = |course: &[Slot]| -> Vec<f64> {
-        course.iter().filter(|s| s.head_joint > 0.0).map(middle).collect()
+        course
+            .iter()
+            .filter(|s| s.head_joint > 0.0)
+            .map(middle)
+            .collect()
     };
     let (even, odd) = (heads(&pattern[0]), heads(&pattern[1]));
-    let distances = even.iter().flat_map(|a| odd.iter().map(move |b| (a - b).abs()));
-    let shortest = pattern.iter().flatten().map(|s| s.length).fold(f64::INFINITY, f64::min);
+    let distances = even
+        .iter()
+        .flat_map(|a| odd.iter().map(move |b| (a - b).abs()));
+    let shortest = pattern
+        .iter()
+        .flatten()
+        .map(|s| s.length)
+        .fold(f64::INFINITY, f64::min);
     (shortest, distances.fold(f64::INFINITY, f64::min))
 }

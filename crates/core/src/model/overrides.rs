@@ -1,7 +1,6 @@
 //! `--set KEY=VALUE`: one key of the deck said anew, typed and checked like the file.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -15,7 +14,7 @@ pub(super) fn padded(value: &str, start: usize) -> String {
 }
 
 /// The value of a [`padded`] text; what is no TOML is taken as a string.
-pub(super) fn parse<'a>(padded: &'a str, start: usize) -> Spanned<DeValue<'a>> {
+pub(super) fn parse(padded: &str, start: usize) -> Spanned<DeValue<'_>> {
     let text = || Spanned::new(start..padded.len(), DeValue::String(padded[start..].into()));
     match DeTable::parse(padded) {
         // a line break in the value could smuggle in further keys
@@ -26,7 +25,8 @@ pub(super) fn parse<'a>(padded: &'a str, start: usize) -> Spanned<DeValue<'a>> {
     }
 }
 
-/// Sets the key at the dotted path (arrays counted from zero) below `table`.
+/// Sets the key at the dotted path (arrays counted from zero) below `table`. The path stands at byte
+/// `at` of the source.
 ///
 /// # Errors
 /// A sentence, where the path leads through something that is no table or to an entry that an array
@@ -34,7 +34,7 @@ pub(super) fn parse<'a>(padded: &'a str, start: usize) -> Spanned<DeValue<'a>> {
 pub(super) fn set<'a>(
     table: &mut DeTable<'a>,
     path: &'a str,
-    key_span: &Range<usize>,
+    at: usize,
     value: Spanned<DeValue<'a>>,
 ) -> Result<(), String> {
     let (part, below) = match path.split_once('.') {
@@ -44,7 +44,8 @@ pub(super) fn set<'a>(
     if part.is_empty() {
         return Err("the key is not a dotted path".to_owned());
     }
-    let name = Spanned::new(key_span.clone(), Cow::Borrowed(part));
+    let span = at..at + part.len();
+    let name = Spanned::new(span.clone(), Cow::Borrowed(part));
     let Some(below) = below else {
         for (a, b) in EITHER_OR {
             if part == a {
@@ -59,10 +60,10 @@ pub(super) fn set<'a>(
     };
     if !table.contains_key(part) {
         let empty = DeValue::Table(DeTable::new());
-        table.insert(name, Spanned::new(key_span.clone(), empty));
+        table.insert(name, Spanned::new(span.clone(), empty));
     }
     match table.get_mut(part) {
-        Some(inner) => set_value(inner, part, below, key_span, value),
+        Some(inner) => set_value(inner, part, below, span.end + 1, value),
         None => Err(format!("`{part}` could not be made")),
     }
 }
@@ -71,28 +72,33 @@ fn set_value<'a>(
     inside: &mut Spanned<DeValue<'a>>,
     name: &str,
     path: &'a str,
-    key_span: &Range<usize>,
+    at: usize,
     value: Spanned<DeValue<'a>>,
 ) -> Result<(), String> {
     match inside.get_mut() {
-        DeValue::Table(table) => set(table, path, key_span, value),
+        DeValue::Table(table) => set(table, path, at, value),
         DeValue::Array(array) => {
             let (part, below) = match path.split_once('.') {
                 Some((part, below)) => (part, Some(below)),
                 None => (path, None),
             };
             let count = array.len();
-            let entry = part.parse::<usize>().ok().and_then(|i| array.get_mut(i)).ok_or_else(|| {
-                format!("`{name}` has {count} entries, counted from 0: there is no `{name}.{part}`")
-            })?;
-            match below {
-                Some(below) => set_value(entry, part, below, key_span, value),
-                None => {
-                    *entry = value;
-                    Ok(())
-                }
+            let entry = part
+                .parse::<usize>()
+                .ok()
+                .and_then(|i| array.get_mut(i))
+                .ok_or_else(|| {
+                    format!(
+                        "`{name}` has {count} entries, counted from 0: there is no `{name}.{part}`"
+                    )
+                })?;
+            if let Some(below) = below {
+                set_value(entry, part, below, at + part.len() + 1, value)
+            } else {
+                *entry = value;
+                Ok(())
             }
         }
-        other => Err(format!("`{name}` is a {} and has no `{path}`", other.type_str())),
+        _ => Err(format!("`{name}` is no table: it has no `{path}`")),
     }
 }

@@ -66,7 +66,9 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> Visitor<'_>
             Ok(Quantity(value))
         } else {
             let dimension = Quantity::<L, M, T, A>::DIMENSION;
-            Err(E::custom(format_args!("expected {dimension}, found {value}, which is not finite")))
+            Err(E::custom(format_args!(
+                "expected {dimension}, found {value}, which is not finite"
+            )))
         }
     }
 
@@ -82,10 +84,13 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> Visitor<'_>
         let wanted = Quantity::<L, M, T, A>::DIMENSION;
         match unit::parse(text) {
             Ok((value, found)) if found == wanted => self.visit_f64(value),
-            Ok((_, found)) => {
-                Err(E::custom(format_args!("expected {wanted}, found \"{text}\" ({found})")))
-            }
-            Err(why) => Err(E::custom(format_args!("expected {wanted}, found \"{text}\": {why}"))),
+            Ok((_, found)) => Err(E::custom(format_args!(
+                "expected {wanted}, found \"{text}\" ({})",
+                found.name()
+            ))),
+            Err(why) => Err(E::custom(format_args!(
+                "expected {wanted}, found \"{text}\": {why}"
+            ))),
         }
     }
 }

@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 ///
 /// Overrides are appended to the text as lines of their own, so that one range of bytes says both
 /// which source and where in it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Source {
     /// Name of the file.
     pub(super) file: String,
@@ -25,17 +25,31 @@ pub struct Source {
     places: BTreeMap<String, Place>,
 }
 
-#[derive(Clone, Debug)]
+/// Only the name: the text would drown a printed deck.
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Source({})", self.file)
+    }
+}
+
+#[derive(Clone)]
 struct Place {
     key: Range<usize>,
     value: Range<usize>,
+    is_table: bool,
 }
 
 impl Source {
     /// Nothing located yet.
     pub(super) fn new(file: &str, text: &str) -> Self {
         let (file, text, file_length) = (file.to_owned(), text.to_owned(), text.len());
-        Self { file, text, file_length, overrides: Vec::new(), places: BTreeMap::new() }
+        Self {
+            file,
+            text,
+            file_length,
+            overrides: Vec::new(),
+            places: BTreeMap::new(),
+        }
     }
 
     /// Appends the line of an override and returns the byte at which its value begins.
@@ -46,7 +60,8 @@ impl Source {
         self.text.push('=');
         let value_start = self.text.len();
         self.text.push_str(value);
-        self.overrides.push((start..self.text.len(), key.to_owned()));
+        self.overrides
+            .push((start..self.text.len(), key.to_owned()));
         value_start
     }
 
@@ -72,7 +87,15 @@ impl Source {
             }
             _ => {}
         }
-        self.places.insert(path, Place { key, value: value.span() });
+        let is_table = value.get_ref().is_table();
+        self.places.insert(
+            path,
+            Place {
+                key,
+                value: value.span(),
+                is_table,
+            },
+        );
     }
 
     /// Bytes of the value at `path`, or of the nearest table above that is written.
@@ -98,11 +121,24 @@ impl Source {
         self.places
             .iter()
             .filter_map(|(path, place)| {
-                let hit = [&place.key, &place.value].into_iter().filter(|r| contains(r));
-                hit.map(|r| r.end - r.start).min().map(|width| (width, path))
+                let hit = [&place.key, &place.value]
+                    .into_iter()
+                    .filter(|r| contains(r));
+                hit.map(|r| r.end - r.start)
+                    .min()
+                    .map(|width| (width, path))
             })
             .min_by_key(|(width, path)| (*width, std::cmp::Reverse(path.len())))
             .map(|(_, path)| path.as_str())
+    }
+
+    /// Dotted path of the table that is written at these bytes; empty for the root.
+    fn table_at(&self, span: &Range<usize>) -> &str {
+        let found = self
+            .places
+            .iter()
+            .find(|(_, p)| p.is_table && p.value == *span);
+        found.map_or("", |(path, _)| path.as_str())
     }
 
     /// An error about the key `path`.
@@ -112,7 +148,11 @@ impl Source {
 
     /// A warning about the key `path`.
     pub fn warning(&self, path: &str, message: impl Into<String>) -> Warning {
-        Warning { key: path.to_owned(), line: self.line(path), message: message.into() }
+        Warning {
+            key: path.to_owned(),
+            line: self.line(path),
+            message: message.into(),
+        }
     }
 
     fn error_at(
@@ -129,9 +169,23 @@ impl Source {
         {
             let within = span.start - line.start..span.end - line.start;
             let text = &self.text[line.clone()];
-            return ModelError::new(&format!("--set {key}"), text, Some(within), path, message, help);
+            return ModelError::new(
+                &format!("--set {key}"),
+                text,
+                Some(within),
+                path,
+                message,
+                help,
+            );
         }
-        ModelError::new(&self.file, &self.text[..self.file_length], span, path, message, help)
+        ModelError::new(
+            &self.file,
+            &self.text[..self.file_length],
+            span,
+            path,
+            message,
+            help,
+        )
     }
 
     /// Bytes of the key of the `i`-th override.
@@ -143,16 +197,24 @@ impl Source {
     /// The `i`-th override could not be applied.
     pub(super) fn override_error(&self, i: usize, message: String) -> ModelError {
         let help = "the path is dotted, arrays count from 0: --set steps.1.increments.max=0.02";
-        self.error_at(Some(self.override_key(i)), &self.overrides[i].1, message, help)
+        self.error_at(
+            Some(self.override_key(i)),
+            &self.overrides[i].1,
+            message,
+            help,
+        )
     }
 
     /// What serde or the TOML parser says, with the path of the key and advice.
     pub(super) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         let span = error.span();
         let message = error.message().trim_end().replace('\n', ", ");
-        let at = span.as_ref().and_then(|s| self.path_at(s)).unwrap_or_default();
+        let at = span
+            .as_ref()
+            .and_then(|s| self.path_at(s))
+            .unwrap_or_default();
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("missing field")) {
-            let path = join(at, name);
+            let path = join(span.as_ref().map_or("", |s| self.table_at(s)), name);
             let message = format!("the key `{name}` is missing");
             return self.error_at(span, &path, message, &keys::example(name));
         }
@@ -162,17 +224,33 @@ impl Source {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("known here: {}", known.collect::<Vec<_>>().join(", ")),
             };
-            let kind = if message.starts_with("unknown field") { "key" } else { "choice" };
+            let kind = if message.starts_with("unknown field") {
+                "key"
+            } else {
+                "choice"
+            };
             return self.error_at(span, at, format!("`{name}` is not a known {kind}"), &help);
         }
-        let name = at.split('.').rfind(|s| s.parse::<usize>().is_err()).unwrap_or_default();
+        if self.places.is_empty() {
+            // nothing is located before the text has been parsed
+            let help = "the text is no TOML here: strings want quotes, each key its own line";
+            return self.error_at(span, "", message, help);
+        }
+        let name = at
+            .split('.')
+            .rfind(|s| s.parse::<usize>().is_err())
+            .unwrap_or_default();
         self.error_at(span, at, message, &keys::example(name))
     }
 }
 
 /// `prefix.key`, or `key` at the root.
 fn join(prefix: &str, key: &str) -> String {
-    if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") }
+    if prefix.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{prefix}.{key}")
+    }
 }
 
 /// The first word of a message in back quotes.

@@ -14,7 +14,9 @@ pub(super) fn unheld_bodies(held: &[bool], joints: impl Iterator<Item = (u32, u3
         unite(&mut parent, a as usize, b as usize);
     }
     let root = find(&mut parent, ground);
-    (0..ground).filter(|&body| find(&mut parent, body) != root).collect()
+    (0..ground)
+        .filter(|&body| find(&mut parent, body) != root)
+        .collect()
 }
 
 fn find(parent: &mut [usize], mut i: usize) -> usize {
@@ -40,7 +42,13 @@ mod tests {
         // 0–2–1 hangs on the ground, 3–4 hangs on nothing
         let joints = [(2, 1), (0, 2), (3, 4)];
         assert_eq!(unheld_bodies(&held, joints.into_iter()), vec![3, 4]);
-        assert_eq!(unheld_bodies(&held, joints.into_iter().chain([(4, 1)])), Vec::<usize>::new());
-        assert_eq!(unheld_bodies(&[false, false], [(0, 1)].into_iter()), vec![0, 1]);
+        assert_eq!(
+            unheld_bodies(&held, joints.into_iter().chain([(4, 1)])),
+            Vec::<usize>::new()
+        );
+        assert_eq!(
+            unheld_bodies(&[false, false], [(0, 1)].into_iter()),
+            vec![0, 1]
+        );
     }
 }

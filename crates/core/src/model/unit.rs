@@ -7,79 +7,98 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension(pub [i8; 4]);
 
-const NAMES: [([i8; 4], &str); 13] = [
-    ([0, 0, 0, 0], "a number without a unit"),
-    ([1, 0, 0, 0], "a length (mm)"),
-    ([2, 0, 0, 0], "an area (mm^2)"),
-    ([3, 0, 0, 0], "a volume (mm^3)"),
-    ([0, 1, 0, 0], "a mass (tonne)"),
-    ([0, 0, 1, 0], "a time (s)"),
-    ([0, 0, 0, 1], "an angle (deg)"),
-    ([1, 1, -2, 0], "a force (N)"),
-    ([-1, 1, -2, 0], "a pressure (MPa)"),
-    ([-3, 1, 0, 0], "a density (tonne/mm^3)"),
-    ([0, 1, -2, 0], "an energy per area (N/mm)"),
-    ([-2, 1, -2, 0], "a stiffness per area (N/mm^3)"),
-    ([2, 1, -2, 0], "an energy (N mm)"),
+/// Dimension, what it is called, its base unit.
+const NAMES: [([i8; 4], &str, &str); 13] = [
+    ([0, 0, 0, 0], "a number without a unit", ""),
+    ([1, 0, 0, 0], "a length", "mm"),
+    ([2, 0, 0, 0], "an area", "mm^2"),
+    ([3, 0, 0, 0], "a volume", "mm^3"),
+    ([0, 1, 0, 0], "a mass", "tonne"),
+    ([0, 0, 1, 0], "a time", "s"),
+    ([0, 0, 0, 1], "an angle", "deg"),
+    ([1, 1, -2, 0], "a force", "N"),
+    ([-1, 1, -2, 0], "a pressure", "MPa"),
+    ([-3, 1, 0, 0], "a density", "tonne/mm^3"),
+    ([0, 1, -2, 0], "an energy per area", "N/mm"),
+    ([-2, 1, -2, 0], "a stiffness per area", "N/mm^3"),
+    ([2, 1, -2, 0], "an energy", "N mm"),
 ];
 
-impl fmt::Display for Dimension {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((_, name)) = NAMES.iter().find(|(d, _)| *d == self.0) {
-            return f.write_str(name);
+impl Dimension {
+    /// What it is called, without its unit.
+    pub fn name(self) -> String {
+        if let Some((_, name, _)) = NAMES.iter().find(|n| n.0 == self.0) {
+            return (*name).to_owned();
         }
-        f.write_str("a quantity in")?;
-        for (unit, power) in ["mm", "tonne", "s", "deg"].iter().zip(self.0) {
-            if power != 0 {
-                write!(f, " {unit}^{power}")?;
-            }
-        }
-        Ok(())
+        let powers = ["mm", "tonne", "s", "deg"]
+            .iter()
+            .zip(self.0)
+            .filter(|p| p.1 != 0);
+        let factors: Vec<String> = powers
+            .map(|(unit, power)| format!("{unit}^{power}"))
+            .collect();
+        format!("a quantity in {}", factors.join(" "))
     }
 }
 
-/// A unit is `numerator / denominator` of its base unit. Two integers rather than one factor, so
-/// that `"12 N/m"` is 12/1000 rounded once.
+/// The name with the base unit: `a pressure (MPa)`.
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match NAMES.iter().find(|n| n.0 == self.0) {
+            Some((_, name, unit)) if !unit.is_empty() => write!(f, "{name} ({unit})"),
+            _ => f.write_str(&self.name()),
+        }
+    }
+}
+
+/// A unit is `factor` × 10^`ten` of its base unit. Powers of ten are kept apart so that `"12 N/m"` and
+/// `"0.012 N/mm"` are the same number to the last bit: the exponent is shifted before the decimal is
+/// read.
 struct Unit {
     name: &'static str,
-    numerator: f64,
-    denominator: f64,
+    factor: f64,
+    ten: i32,
     dimension: [i8; 4],
 }
 
-const fn unit(name: &'static str, n: f64, d: f64, dimension: [i8; 4]) -> Unit {
-    Unit { name, numerator: n, denominator: d, dimension }
+const fn unit(name: &'static str, factor: f64, ten: i32, dimension: [i8; 4]) -> Unit {
+    Unit {
+        name,
+        factor,
+        ten,
+        dimension,
+    }
 }
 
 const UNITS: [Unit; 28] = [
-    unit("um", 1.0, 1e3, [1, 0, 0, 0]),
-    unit("µm", 1.0, 1e3, [1, 0, 0, 0]),
-    unit("mm", 1.0, 1.0, [1, 0, 0, 0]),
-    unit("cm", 10.0, 1.0, [1, 0, 0, 0]),
-    unit("m", 1e3, 1.0, [1, 0, 0, 0]),
-    unit("mN", 1.0, 1e3, [1, 1, -2, 0]),
-    unit("N", 1.0, 1.0, [1, 1, -2, 0]),
-    unit("kN", 1e3, 1.0, [1, 1, -2, 0]),
-    unit("MN", 1e6, 1.0, [1, 1, -2, 0]),
-    unit("Pa", 1.0, 1e6, [-1, 1, -2, 0]),
-    unit("kPa", 1.0, 1e3, [-1, 1, -2, 0]),
-    unit("MPa", 1.0, 1.0, [-1, 1, -2, 0]),
-    unit("GPa", 1e3, 1.0, [-1, 1, -2, 0]),
-    unit("bar", 1.0, 10.0, [-1, 1, -2, 0]),
-    unit("J", 1e3, 1.0, [2, 1, -2, 0]),
-    unit("kJ", 1e6, 1.0, [2, 1, -2, 0]),
-    unit("g", 1.0, 1e6, [0, 1, 0, 0]),
-    unit("kg", 1.0, 1e3, [0, 1, 0, 0]),
-    unit("t", 1.0, 1.0, [0, 1, 0, 0]),
-    unit("tonne", 1.0, 1.0, [0, 1, 0, 0]),
-    unit("ms", 1.0, 1e3, [0, 0, 1, 0]),
-    unit("s", 1.0, 1.0, [0, 0, 1, 0]),
-    unit("min", 60.0, 1.0, [0, 0, 1, 0]),
-    unit("h", 3600.0, 1.0, [0, 0, 1, 0]),
-    unit("deg", 1.0, 1.0, [0, 0, 0, 1]),
-    unit("°", 1.0, 1.0, [0, 0, 0, 1]),
-    unit("rad", 180.0, std::f64::consts::PI, [0, 0, 0, 1]),
-    unit("%", 1.0, 1e2, [0, 0, 0, 0]),
+    unit("um", 1.0, -3, [1, 0, 0, 0]),
+    unit("µm", 1.0, -3, [1, 0, 0, 0]),
+    unit("mm", 1.0, 0, [1, 0, 0, 0]),
+    unit("cm", 1.0, 1, [1, 0, 0, 0]),
+    unit("m", 1.0, 3, [1, 0, 0, 0]),
+    unit("mN", 1.0, -3, [1, 1, -2, 0]),
+    unit("N", 1.0, 0, [1, 1, -2, 0]),
+    unit("kN", 1.0, 3, [1, 1, -2, 0]),
+    unit("MN", 1.0, 6, [1, 1, -2, 0]),
+    unit("Pa", 1.0, -6, [-1, 1, -2, 0]),
+    unit("kPa", 1.0, -3, [-1, 1, -2, 0]),
+    unit("MPa", 1.0, 0, [-1, 1, -2, 0]),
+    unit("GPa", 1.0, 3, [-1, 1, -2, 0]),
+    unit("bar", 1.0, -1, [-1, 1, -2, 0]),
+    unit("J", 1.0, 3, [2, 1, -2, 0]),
+    unit("kJ", 1.0, 6, [2, 1, -2, 0]),
+    unit("g", 1.0, -6, [0, 1, 0, 0]),
+    unit("kg", 1.0, -3, [0, 1, 0, 0]),
+    unit("t", 1.0, 0, [0, 1, 0, 0]),
+    unit("tonne", 1.0, 0, [0, 1, 0, 0]),
+    unit("ms", 1.0, -3, [0, 0, 1, 0]),
+    unit("s", 1.0, 0, [0, 0, 1, 0]),
+    unit("min", 60.0, 0, [0, 0, 1, 0]),
+    unit("h", 3600.0, 0, [0, 0, 1, 0]),
+    unit("deg", 1.0, 0, [0, 0, 0, 1]),
+    unit("°", 1.0, 0, [0, 0, 0, 1]),
+    unit("rad", 180.0 / std::f64::consts::PI, 0, [0, 0, 0, 1]),
+    unit("%", 1.0, -2, [0, 0, 0, 0]),
 ];
 
 /// Value in base units and dimension of a text such as `"30 kN/m^2"`.
@@ -88,11 +107,9 @@ const UNITS: [Unit; 28] = [
 /// A sentence saying what could not be read.
 pub fn parse(text: &str) -> Result<(f64, Dimension), String> {
     let text = text.trim();
-    let split = number_length(text);
-    let (number, mut rest) = (&text[..split], text[split..].trim_start());
-    let value: f64 =
-        number.parse().map_err(|_| "it does not begin with a number".to_owned())?;
-    let (mut numerator, mut denominator, mut dimension) = (value, 1.0, [0_i8; 4]);
+    let (mantissa, exponent, rest) = number(text);
+    let mut rest = rest.trim_start();
+    let (mut factor, mut ten, mut dimension) = (1.0, i64::from(exponent), [0_i8; 4]);
     let mut sign = 1;
     let mut first = true;
     while !rest.is_empty() {
@@ -101,44 +118,46 @@ pub fn parse(text: &str) -> Result<(f64, Dimension), String> {
         } else if let Some(after) = rest.strip_prefix(['*', '·']).filter(|_| !first) {
             rest = after.trim_start();
         }
-        let (unit, power, after) = factor(rest)?;
+        let (unit, power, after) = unit_and_power(rest)?;
         let power = sign * power;
         for (total, own) in dimension.iter_mut().zip(unit.dimension) {
             let exponent = i32::from(*total) + i32::from(own) * power;
             *total = i8::try_from(exponent).map_err(|_| "its powers are too large".to_owned())?;
         }
-        let (up, down) = if power < 0 {
-            (unit.denominator, unit.numerator)
-        } else {
-            (unit.numerator, unit.denominator)
-        };
-        numerator *= up.powi(power.abs());
-        denominator *= down.powi(power.abs());
+        factor *= unit.factor.powi(power);
+        ten += i64::from(unit.ten * power);
         (sign, first, rest) = (1, false, after.trim_start());
     }
-    Ok((numerator / denominator, Dimension(dimension)))
+    let value: f64 = format!("{mantissa}e{ten}")
+        .parse()
+        .map_err(|_| "it does not begin with a number".to_owned())?;
+    Ok((value * factor, Dimension(dimension)))
 }
 
-/// Bytes of the number at the start of `text`: sign, digits, point, exponent.
-fn number_length(text: &str) -> usize {
-    let bytes = text.as_bytes();
-    let digits = |mut i: usize| {
-        while i < bytes.len() && (bytes[i].is_ascii_digit() || bytes[i] == b'.') {
-            i += 1;
-        }
-        i
+/// Mantissa and decimal exponent of the number at the start of `text`, and what follows it.
+fn number(text: &str) -> (&str, i32, &str) {
+    let digits = |from: usize| {
+        let is_part = |c: char| c.is_ascii_digit() || c == '.';
+        text[from..]
+            .find(|c| !is_part(c))
+            .map_or(text.len(), |i| from + i)
     };
-    let mantissa = digits(usize::from(bytes.first().is_some_and(|b| b"+-".contains(b))));
-    if !bytes.get(mantissa).is_some_and(|b| b"eE".contains(b)) {
-        return mantissa;
+    let end = digits(usize::from(text.starts_with(['+', '-'])));
+    let (mantissa, rest) = text.split_at(end);
+    if let Some(after) = rest.strip_prefix(['e', 'E']) {
+        let sign = usize::from(after.starts_with(['+', '-']));
+        let count = after[sign..]
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(after.len() - sign);
+        if let Ok(exponent) = after[..sign + count].parse() {
+            return (mantissa, exponent, &after[sign + count..]);
+        }
     }
-    let sign = usize::from(bytes.get(mantissa + 1).is_some_and(|b| b"+-".contains(b)));
-    let exponent = digits(mantissa + 1 + sign);
-    if exponent > mantissa + 1 + sign { exponent } else { mantissa }
+    (mantissa, 0, rest)
 }
 
 /// One unit with its power, and what follows it.
-fn factor(text: &str) -> Result<(&'static Unit, i32, &str), String> {
+fn unit_and_power(text: &str) -> Result<(&'static Unit, i32, &str), String> {
     let is_name = |c: char| c.is_alphabetic() || c == '%' || c == '°';
     let end = text.find(|c| !is_name(c)).unwrap_or(text.len());
     let name = &text[..end];
@@ -146,7 +165,9 @@ fn factor(text: &str) -> Result<(&'static Unit, i32, &str), String> {
         if name.is_empty() {
             format!("a unit is missing before \"{text}\"")
         } else {
-            format!("\"{name}\" is not a known unit (known: N, kN, mm, m, Pa, MPa, GPa, kg, tonne, s, deg, …)")
+            format!(
+                "\"{name}\" is not a known unit (such as N, kN, mm, m, MPa, GPa, kg, tonne, s, deg)"
+            )
         }
     })?;
     let rest = &text[end..];
@@ -157,10 +178,14 @@ fn factor(text: &str) -> Result<(&'static Unit, i32, &str), String> {
         return Ok((unit, 1, rest));
     };
     let sign = usize::from(after.starts_with(['-', '+']));
-    let end = after[sign..].find(|c: char| !c.is_ascii_digit()).map_or(after.len(), |i| i + sign);
+    let end = after[sign..]
+        .find(|c: char| !c.is_ascii_digit())
+        .map_or(after.len(), |i| i + sign);
     match after[..end].parse::<i32>() {
         Ok(power) if power != 0 && power.abs() <= 6 => Ok((unit, power, &after[end..])),
-        _ => Err(format!("\"^\" after \"{name}\" wants a whole power between -6 and 6")),
+        _ => Err(format!(
+            "\"^\" after \"{name}\" wants a whole power between -6 and 6"
+        )),
     }
 }
 
@@ -169,12 +194,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_convert_and_are_rounded_once() {
-        // Exact equality: integer factors, one division.
+    fn units_convert_to_the_last_bit() {
+        // Exact: the decimal is read once, its exponent already shifted.
         for (text, value, dimension) in [
             ("2.12 MPa", 2.12, [-1, 1, -2, 0]),
             ("4 mm", 4.0, [1, 0, 0, 0]),
             ("4mm", 4.0, [1, 0, 0, 0]),
+            ("3.14 cm", 31.4, [1, 0, 0, 0]),
+            ("0.314e+2 mm", 31.4, [1, 0, 0, 0]),
             ("30 kN/m^2", 0.03, [-1, 1, -2, 0]),
             ("30 kN/m²", 0.03, [-1, 1, -2, 0]),
             ("30 kN m^-2", 0.03, [-1, 1, -2, 0]),
@@ -194,14 +221,26 @@ mod tests {
             assert_eq!(parse(text), Ok((value, Dimension(dimension))), "{text}");
         }
         let (half_turn, _) = parse("3.141592653589793 rad").unwrap();
-        // one rounding of the quotient
-        assert!((half_turn - 180.0).abs() <= 180.0 * f64::EPSILON);
+        // two roundings: 180/π and the product
+        assert!((half_turn - 180.0).abs() <= 2.0 * 180.0 * f64::EPSILON);
     }
 
     #[test]
     fn what_is_no_quantity_is_refused() {
         for text in [
-            "", "MPa", "2 Mpa", "2 MPa/", "2 /mm", "2 mm^", "2 mm^0", "2 mm^99", "2 mm^3 7", "1..2 mm",
+            "",
+            "MPa",
+            "2 Mpa",
+            "2 MPa/",
+            "2 /mm",
+            "2 mm^",
+            "2 mm^0",
+            "2 mm^99",
+            "2 mm^3 7",
+            "1..2 mm",
+            "1e mm",
+            ".",
+            "e3",
             "2 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 mm^6 \
              mm^6 mm^6 mm^6 mm^6 mm^6",
         ] {

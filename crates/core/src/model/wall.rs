@@ -74,7 +74,13 @@ impl Block {
         }
         let mut z = planes(bottom, bottom + height, unit_z);
         z.extend(top);
-        Self { x, y: planes(0.0, thickness, wall.mesh.thickness as usize), z, unit_x, unit_z }
+        Self {
+            x,
+            y: planes(0.0, thickness, wall.mesh.thickness as usize),
+            z,
+            unit_x,
+            unit_z,
+        }
     }
 
     /// Elements along x, y, z.
@@ -119,7 +125,8 @@ impl Block {
                         n(1, 1, 1),
                         n(0, 1, 1),
                     ]);
-                    mesh.material.push(if self.is_mortar(i, k) { MORTAR } else { UNIT });
+                    mesh.material
+                        .push(if self.is_mortar(i, k) { MORTAR } else { UNIT });
                     mesh.unit.push(unit);
                     mesh.course.push(course);
                 }
@@ -151,12 +158,19 @@ pub fn build(
     let rise = wall.unit[2].get() + wall.bed_joint.get();
     let course = |k: usize| -> Vec<Block> {
         let top = (k + 1 < courses).then(|| (k + 1) as f64 * rise);
-        pattern[k % 2].iter().map(|slot| Block::new(slot, k as f64 * rise, top, wall)).collect()
+        pattern[k % 2]
+            .iter()
+            .map(|slot| Block::new(slot, k as f64 * rise, top, wall))
+            .collect()
     };
     let mut builder = Builder::new(wall, interface, materials);
     let mut blocks = course(0);
     for k in 0..courses {
-        let above = if k + 1 < courses { course(k + 1) } else { Vec::new() };
+        let above = if k + 1 < courses {
+            course(k + 1)
+        } else {
+            Vec::new()
+        };
         builder.course(k, &blocks, &above);
         blocks = above;
     }
@@ -176,7 +190,14 @@ impl<'a> Builder<'a> {
     fn new(wall: &'a Wall, interface: &'a Interface, m: [&'a ElasticParameters; 2]) -> Self {
         let parts = WallParts::default();
         let (held_nodes, tied_nodes) = (Vec::new(), Vec::new());
-        Self { wall, interface, materials: m, parts, held_nodes, tied_nodes }
+        Self {
+            wall,
+            interface,
+            materials: m,
+            parts,
+            held_nodes,
+            tied_nodes,
+        }
     }
 
     fn course(&mut self, k: usize, blocks: &[Block], above: &[Block]) {
@@ -187,7 +208,14 @@ impl<'a> Builder<'a> {
             let body = (first + s) as u32;
             block.append(&mut self.parts.mesh, body, k as u16);
             let next = blocks.get(s + 1).map(|b| (b, body + 1));
-            self.slaves(block, elements, body, next, above, (first + blocks.len()) as u32);
+            self.slaves(
+                block,
+                elements,
+                body,
+                next,
+                above,
+                (first + blocks.len()) as u32,
+            );
             self.masters(block, elements, body, k > 0, s > 0);
             self.hold(block, nodes, k);
         }
@@ -206,7 +234,10 @@ impl<'a> Builder<'a> {
     ) {
         let [nx, ny, nz] = block.counts();
         if !above.is_empty() {
-            let bed = Side { material: self.materials[1], size: self.wall.bed_joint.get() };
+            let bed = Side {
+                material: self.materials[1],
+                size: self.wall.bed_joint.get(),
+            };
             for i in 0..nx {
                 let (at, column) = column_above(above, block.x[i], block.x[i + 1]);
                 let size = above[at].z[1] - above[at].z[0];
@@ -219,12 +250,27 @@ impl<'a> Builder<'a> {
             }
         }
         if let Some((right, right_body)) = next {
-            let head = Side { material: self.materials[1], size: self.wall.head_joint.get() };
+            let head = Side {
+                material: self.materials[1],
+                size: self.wall.head_joint.get(),
+            };
             for k in 0..nz {
                 let material = self.materials[usize::from(right.is_mortar(0, k))];
-                let law = self.law(head, Side { material, size: right.x[1] - right.x[0] });
+                let law = self.law(
+                    head,
+                    Side {
+                        material,
+                        size: right.x[1] - right.x[0],
+                    },
+                );
                 for j in 0..ny {
-                    self.slave(base + block.element(nx - 1, j, k), RIGHT, body, law, right_body);
+                    self.slave(
+                        base + block.element(nx - 1, j, k),
+                        RIGHT,
+                        body,
+                        law,
+                        right_body,
+                    );
                 }
             }
         }
@@ -273,7 +319,10 @@ impl<'a> Builder<'a> {
         let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
         let normal = self.interface.penalty_factor.get() * stiffness(&softer);
         let shear = normal / (2.0 * (1.0 + softer.material.nu));
-        let law = match (self.interface.normal_stiffness, self.interface.shear_stiffness) {
+        let law = match (
+            self.interface.normal_stiffness,
+            self.interface.shear_stiffness,
+        ) {
             (Some(normal), Some(shear)) => self.interface.law(normal.get(), shear.get()),
             _ => self.interface.law(normal, shear),
         };
@@ -293,7 +342,10 @@ impl<'a> Builder<'a> {
 
     /// Notes the nodes of `block` (which begin at `base`) that are held or tied to the beam.
     fn hold(&mut self, block: &Block, base: usize, course: usize) {
-        let (bottom, top) = (self.wall.clamped.bottom_courses, self.wall.clamped.top_courses);
+        let (bottom, top) = (
+            self.wall.clamped.bottom_courses,
+            self.wall.clamped.top_courses,
+        );
         let courses = self.wall.courses as usize;
         let layer = block.x.len() * block.y.len();
         // Layers of nodes of unit and head joint; the bed joint stays free.
@@ -308,17 +360,19 @@ impl<'a> Builder<'a> {
             (k, t) if k + t > courses => unit,
             _ => (0, 0),
         };
-        let nodes = |(from, to): (usize, usize)| {
-            (base + from * layer..base + to * layer).map(|n| n as u32)
-        };
+        let nodes =
+            |(from, to): (usize, usize)| (base + from * layer..base + to * layer).map(|n| n as u32);
         self.held_nodes.extend(nodes(held));
         self.tied_nodes.extend(nodes(tied));
         self.parts.held.push(held.1 > 0 || tied.1 > 0);
     }
 
     fn finish(mut self) -> WallParts {
-        self.parts.supports =
-            vec![Support { name: "bottom".into(), nodes: self.held_nodes, fixed: [true; 3] }];
+        self.parts.supports = vec![Support {
+            name: "bottom".into(),
+            nodes: self.held_nodes,
+            fixed: [true; 3],
+        }];
         self.parts.beams = vec![Beam {
             name: "top".into(),
             nodes: self.tied_nodes,
@@ -335,7 +389,10 @@ fn column_above(above: &[Block], a: f64, b: f64) -> (usize, usize) {
     let mut most = f64::NEG_INFINITY;
     for (s, block) in above.iter().enumerate() {
         // Units and head joints count as wholes: their columns are equal.
-        let columns = [(0, 0, block.unit_x), (block.unit_x, block.unit_x, block.x.len() - 1)];
+        let columns = [
+            (0, 0, block.unit_x),
+            (block.unit_x, block.unit_x, block.x.len() - 1),
+        ];
         for (column, from, to) in columns {
             if from < to {
                 let overlap = block.x[to].min(b) - block.x[from].max(a);

@@ -9,7 +9,10 @@ use serde::{Deserialize, Serialize};
 /// A material as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(non_snake_case, reason = "E and K_c are spelt in the deck as in the theory")]
+#[expect(
+    non_snake_case,
+    reason = "E and K_c are spelt in the deck as in the theory"
+)]
 pub struct Material {
     /// Young's modulus E [MPa].
     pub E: Pressure,
@@ -78,8 +81,11 @@ fn one() -> Number {
 impl Material {
     /// Parameters of the law: elastic without tables, else concrete damaged plasticity.
     pub fn parameters(&self) -> MaterialParameters {
-        let elastic =
-            ElasticParameters { E: self.E.get(), nu: self.nu.get(), density: self.density.get() };
+        let elastic = ElasticParameters {
+            E: self.E.get(),
+            nu: self.nu.get(),
+            density: self.density.get(),
+        };
         if self.tension.is_empty() || self.compression.is_empty() {
             return MaterialParameters::Elastic(elastic);
         }

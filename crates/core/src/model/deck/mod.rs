@@ -124,15 +124,19 @@ impl Deck {
         let mut root = DeTable::parse(text).map_err(|e| source.toml_error(&e))?;
         for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
             let value = overrides::parse(padded, *start);
-            overrides::set(root.get_mut(), key, &source.override_key(i), value)
+            overrides::set(root.get_mut(), key, source.override_key(i).start, value)
                 .map_err(|message| source.override_error(i, message))?;
         }
         source.locate(root.get_ref());
-        let mut deck = Self::deserialize(toml::Deserializer::from(root))
-            .map_err(|e| source.toml_error(&e))?;
+        let mut deck =
+            Self::deserialize(toml::Deserializer::from(root)).map_err(|e| source.toml_error(&e))?;
         deck.source = source;
         if deck.title.is_empty() {
-            deck.title = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into();
+            deck.title = Path::new(file)
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into();
         }
         validate::validate(&deck)?;
         Ok(deck)
@@ -144,9 +148,15 @@ impl Deck {
     /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
     pub fn load(path: impl AsRef<Path>, overrides: &[(String, String)]) -> Result<Self, DeckError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| IoError { path: path.to_owned(), source })?;
-        Ok(Self::from_str_with(&text, &path.display().to_string(), overrides)?)
+        let text = std::fs::read_to_string(path).map_err(|source| IoError {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self::from_str_with(
+            &text,
+            &path.display().to_string(),
+            overrides,
+        )?)
     }
 
     /// The deck as TOML, in base units and with every default said.

@@ -125,7 +125,10 @@ pub struct DeckTolerance {
 impl Default for DeckTolerance {
     /// Theory F and lessons: 5e-3 of the mean nodal force, 25 iterations.
     fn default() -> Self {
-        Self { residual: Number::new(5e-3), max_iterations: 25 }
+        Self {
+            residual: Number::new(5e-3),
+            max_iterations: 25,
+        }
     }
 }
 
@@ -145,7 +148,10 @@ impl DeckStep {
         };
         let max = self.increments.max.map_or(max, Number::get);
         // A default yields to what is said: never a first increment above the largest.
-        let initial = self.increments.initial.map_or(initial.min(max), Number::get);
+        let initial = self
+            .increments
+            .initial
+            .map_or(initial.min(max), Number::get);
         let min = self.increments.min.map_or(min.min(initial), Number::get);
         Increments { initial, max, min }
     }

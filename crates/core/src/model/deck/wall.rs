@@ -58,7 +58,10 @@ pub struct Clamped {
 
 impl Default for Clamped {
     fn default() -> Self {
-        Self { bottom_courses: 1, top_courses: 1 }
+        Self {
+            bottom_courses: 1,
+            top_courses: 1,
+        }
     }
 }
 
@@ -76,9 +79,17 @@ pub struct Subdivision {
 
 impl Subdivision {
     /// 20 hex8: the paper's coarse mesh.
-    pub const COARSE: Self = Self { length: 5, height: 2, thickness: 2 };
+    pub const COARSE: Self = Self {
+        length: 5,
+        height: 2,
+        thickness: 2,
+    };
     /// 108 hex8: the paper's fine mesh.
-    pub const FINE: Self = Self { length: 9, height: 4, thickness: 3 };
+    pub const FINE: Self = Self {
+        length: 9,
+        height: 4,
+        thickness: 3,
+    };
 }
 
 impl Default for Subdivision {
@@ -116,7 +127,11 @@ impl<'de> Visitor<'de> for SubdivisionVisitor {
             counts.push(count);
         }
         match counts[..] {
-            [length, height, thickness] => Ok(Subdivision { length, height, thickness }),
+            [length, height, thickness] => Ok(Subdivision {
+                length,
+                height,
+                thickness,
+            }),
             _ => Err(de::Error::invalid_length(counts.len(), &self)),
         }
     }

@@ -1,0 +1,169 @@
+//! Ranges of a deck, and what its keys demand of each other. Every error is found, not the first.
+
+mod interfaces;
+mod materials;
+mod steps;
+
+use super::{Deck, Wall};
+use crate::error::ModelError;
+use crate::model::layout;
+use crate::model::quantity::{Number, Quantity};
+
+/// Errors found so far.
+struct Checks<'a> {
+    deck: &'a Deck,
+    errors: Vec<ModelError>,
+}
+
+/// Checks all that needs no mesh.
+///
+/// # Errors
+/// All values out of range and all contradictions, as one error.
+pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
+    let mut checks = Checks {
+        deck,
+        errors: Vec::new(),
+    };
+    checks.require(
+        deck.format == 1,
+        "format",
+        || format!("format {} is not known", deck.format),
+        "this version reads format = 1",
+    );
+    for (name, material) in &deck.materials {
+        checks.material(&format!("materials.{name}"), material);
+    }
+    for (name, interface) in &deck.interfaces {
+        checks.interface(&format!("interfaces.{name}"), interface);
+    }
+    if let Some(wall) = &deck.wall {
+        checks.wall(wall);
+    }
+    for (i, step) in deck.steps.iter().enumerate() {
+        checks.step(&format!("steps.{i}"), step);
+    }
+    checks.require(
+        deck.output.every > 0,
+        "output.every",
+        || "a frame every 0 increments means nothing".to_owned(),
+        "1 writes every increment",
+    );
+    if let Some(radius) = deck.contact.search_radius {
+        checks.positive("contact.search_radius", radius);
+    }
+    ModelError::gather(checks.errors).map_or(Ok(()), Err)
+}
+
+impl Checks<'_> {
+    fn require(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
+        if !ok {
+            self.errors.push(self.deck.error(path, message(), help));
+        }
+    }
+
+    fn positive<const L: i8, const M: i8, const T: i8, const A: i8>(
+        &mut self,
+        path: &str,
+        value: Quantity<L, M, T, A>,
+    ) {
+        let value = value.get();
+        self.require(
+            value > 0.0,
+            path,
+            || format!("{value} is not positive"),
+            "give a value above 0",
+        );
+    }
+
+    fn not_negative<const L: i8, const M: i8, const T: i8, const A: i8>(
+        &mut self,
+        path: &str,
+        value: Quantity<L, M, T, A>,
+    ) {
+        let value = value.get();
+        self.require(
+            value >= 0.0,
+            path,
+            || format!("{value} is negative"),
+            "give 0 or more",
+        );
+    }
+
+    fn within(&mut self, path: &str, value: Number, range: std::ops::RangeInclusive<f64>) {
+        let value = value.get();
+        let (low, high) = (*range.start(), *range.end());
+        self.require(
+            range.contains(&value),
+            path,
+            || format!("{value} is not between {low} and {high}"),
+            &format!("give a value from {low} to {high}"),
+        );
+    }
+
+    fn wall(&mut self, wall: &Wall) {
+        for (i, size) in wall.unit.into_iter().enumerate() {
+            self.positive(&format!("wall.unit.{i}"), size);
+        }
+        self.positive("wall.bed_joint", wall.bed_joint);
+        self.positive("wall.head_joint", wall.head_joint);
+        self.positive("wall.length", wall.length);
+        self.require(
+            wall.courses > 0,
+            "wall.courses",
+            || "a wall has at least one course".to_owned(),
+            "courses = 18",
+        );
+        let m = wall.mesh;
+        self.require(
+            m.length >= 2 && m.height >= 2 && m.thickness >= 1,
+            "wall.mesh",
+            || {
+                let [l, h, t] = [m.length, m.height, m.thickness];
+                format!("the subdivision [{l}, {h}, {t}] leaves no element for the unit")
+            },
+            "length and height count one joint element each: at least [2, 2, 1]; the paper's coarse \
+             mesh is [5, 2, 2]",
+        );
+        let (bottom, top) = (wall.clamped.bottom_courses, wall.clamped.top_courses);
+        let courses = wall.courses;
+        if courses > 0 {
+            // Held and driven nodes must differ: neither may be all of them, nor both overlap.
+            let apart = u64::from(bottom) + u64::from(top) <= u64::from(courses);
+            self.require(
+                apart && bottom < courses && top < courses,
+                "wall.clamped",
+                || format!("{bottom} courses held and {top} driven are too many of {courses}"),
+                "clamp fewer courses; 0 holds only the face",
+            );
+        }
+        for (path, name) in [
+            ("unit_material", &wall.unit_material),
+            ("mortar_material", &wall.mortar_material),
+        ] {
+            if !self.deck.materials.contains_key(name) {
+                let error =
+                    self.deck
+                        .unknown(&format!("wall.{path}"), "material", name, "materials");
+                self.errors.push(error);
+            }
+        }
+        if !self.deck.interfaces.contains_key(&wall.interface) {
+            let error =
+                self.deck
+                    .unknown("wall.interface", "interface", &wall.interface, "interfaces");
+            self.errors.push(error);
+        }
+        let sizes = [
+            wall.bed_joint,
+            wall.head_joint,
+            wall.length,
+            wall.unit[0],
+            wall.unit[2],
+        ];
+        if sizes.iter().all(|s| s.get() > 0.0)
+            && let Err(refusal) = layout::course_pattern(wall)
+        {
+            self.require(false, refusal.key, || refusal.message, &refusal.help);
+        }
+    }
+}
