@@ -12,6 +12,7 @@ use super::{
     elevation, plot, usage,
 };
 use crate::model::Model;
+use crate::model::scene::{BeamMotion, Step};
 
 /// Name of the history in the folder.
 pub const HISTORY: &str = "history.csv";
@@ -183,6 +184,13 @@ fn writing<T>(
     write(&path).map_err(|source| OutputError::Write { path, source })
 }
 
+/// A step drives if its beam moves. A preload merely names the direction in which it is told.
+fn drives(step: &Step) -> bool {
+    step.driven.is_some_and(|(beam, direction)| {
+        matches!(step.motion[beam][direction], BeamMotion::Driven(_))
+    })
+}
+
 impl Recorder for RunDirectory {
     fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
         let Self {
@@ -192,11 +200,8 @@ impl Recorder for RunDirectory {
             ..
         } = self;
         writing(path, HISTORY, |_| history.append(row))?;
-        let driven = model
-            .steps
-            .get(row.step)
-            .is_some_and(|step| step.driven.is_some());
-        self.curve.push(row, driven);
+        self.curve
+            .push(row, model.steps.get(row.step).is_some_and(drives));
         self.energy.push(row);
         if let Some(frame) = frame {
             writing(path, FIELDS, |_| fields.append(frame))?;

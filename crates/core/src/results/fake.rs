@@ -33,11 +33,11 @@ pub fn model() -> Model {
         name: name.to_owned(),
         parameters: MaterialParameters::Elastic(elastic),
     };
-    let step = |name: &str, driven| Step {
+    let step = |name: &str, x: BeamMotion| Step {
         name: name.to_owned(),
         duration: 1.0,
-        motion: vec![[BeamMotion::Locked; 3]],
-        driven,
+        motion: vec![[x, BeamMotion::Locked, BeamMotion::Locked]],
+        driven: Some((0, 0)),
         increments: Increments {
             initial: 0.1,
             max: 0.1,
@@ -57,7 +57,10 @@ pub fn model() -> Model {
         contact: ContactSurfaces::default(),
         beams: Vec::new(),
         supports: Vec::new(),
-        steps: vec![step("preload", None), step("drive", Some((0, 0)))],
+        steps: vec![
+            step("preload", BeamMotion::Locked),
+            step("drive", BeamMotion::Driven(3.0)),
+        ],
         output: Output { every: 1 },
     }
 }
