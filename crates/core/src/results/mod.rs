@@ -1,5 +1,28 @@
 //! What a run leaves behind.
+//!
+//! ```text
+//! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
+//!                                               ├─▶ results.vtkhdf       a step an output increment
+//!                                               ├─▶ load_displacement.svg, crack_pattern.svg
+//!                                               └─▶ summary.json         last: its presence says "whole"
+//! ```
 
+pub mod curve;
+pub mod directory;
+pub mod elevation;
 pub mod frame;
+pub mod history;
+pub mod plot;
+pub mod summary;
+pub mod usage;
+pub mod vtkhdf;
 
+#[cfg(test)]
+mod fake;
+
+pub use curve::Curve;
+pub use directory::{OutputError, RunDirectory};
 pub use frame::{Frame, HistoryRow, Recorder, Sizes, Status, Summary};
+pub use history::HistoryWriter;
+pub use summary::SummaryFile;
+pub use vtkhdf::VtkHdfWriter;

@@ -1,0 +1,164 @@
+//! `wythe drive`: one material or interface point along a prescribed path.
+
+mod path;
+mod point;
+mod table;
+
+use std::fs;
+use std::path::Path as FilePath;
+
+use miette::Diagnostic;
+use nalgebra::{Matrix3, Vector3};
+use wythe_contact::InterfaceLaw;
+use wythe_core::error::IoError;
+use wythe_core::material::{Material, MaterialHistory};
+use wythe_core::model::Deck;
+use wythe_core::results::summary::write_whole;
+
+use crate::arguments::{Drive, DrivePoint, Point};
+use crate::check::print;
+use crate::failure::Failure;
+use path::{INTERFACE, Layout, MATERIAL, Path};
+use point::{Answer, PointFailure, State};
+
+/// What an interface point adds to its path after its tractions.
+const INTERFACE_STATE: [&str; 1] = ["D"];
+/// What a material point adds to its path after its stresses.
+const MATERIAL_STATE: [&str; 5] = ["kt", "kc", "dt", "dc", "d"];
+
+/// Drives the point and writes what it answers.
+pub fn drive(arguments: &Drive) -> Result<(), Failure> {
+    match &arguments.point {
+        Point::Material(point) => material(point),
+        Point::Interface(point) => interface(point),
+    }
+}
+
+fn material(arguments: &DrivePoint) -> Result<(), Failure> {
+    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
+    let parameters = deck.material(&arguments.name)?;
+    // A point has no size: tables as given.
+    let (law, warnings) = Material::new(&parameters, None).map_err(|error| {
+        let key = format!("materials.{}", arguments.name);
+        Failure::from(deck.error(&key, error.to_string(), "mend the table"))
+    })?;
+    for warning in warnings {
+        eprintln!("warning: material {}: {warning}", arguments.name);
+    }
+    let update = |strain: &_, old: &MaterialHistory, dt| {
+        let response = law.update(strain, old, dt, true)?;
+        Ok(Answer {
+            stress: response.stress,
+            tangent: response.tangent,
+            history: response.history,
+        })
+    };
+    walk(
+        arguments,
+        &MATERIAL,
+        MaterialHistory::default(),
+        update,
+        &MATERIAL_STATE,
+        |h| {
+            vec![
+                h.kappa_t,
+                h.kappa_c,
+                h.tensile_damage,
+                h.compressive_damage,
+                h.damage,
+            ]
+        },
+    )
+}
+
+fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
+    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
+    let law: InterfaceLaw = deck.interface(&arguments.name)?;
+    let update = |gap: &Vector3<f64>, old: &_, _dt| {
+        let response = law.update((*gap).into(), old);
+        let (stress, tangent): (Vector3<f64>, Matrix3<f64>) =
+            (response.traction.into(), response.tangent);
+        Ok(Answer {
+            stress,
+            tangent,
+            history: response.history,
+        })
+    };
+    walk(
+        arguments,
+        &INTERFACE,
+        law.virgin(),
+        update,
+        &INTERFACE_STATE,
+        |h| vec![h.damage],
+    )
+}
+
+/// A point that found no answer, and where.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{file}:{line}: {why}")]
+#[diagnostic(help(
+    "the rows before are written; drive by strain where the point softens, or take smaller steps \
+     (--substeps)"
+))]
+struct NoAnswer {
+    file: String,
+    line: u64,
+    why: PointFailure,
+}
+
+/// Takes the point along its path, and writes path and answers.
+fn walk<const N: usize, H: Copy>(
+    arguments: &DrivePoint,
+    layout: &Layout<N>,
+    virgin: H,
+    update: impl Fn(
+        &nalgebra::SVector<f64, N>,
+        &H,
+        f64,
+    ) -> Result<Answer<N, H>, wythe_core::material::LocalFailure>,
+    state_columns: &[&str],
+    state_values: impl Fn(&H) -> Vec<f64>,
+) -> Result<(), Failure> {
+    let file = arguments.path.display().to_string();
+    let text = fs::read_to_string(&arguments.path).map_err(|source| IoError {
+        path: arguments.path.clone(),
+        source,
+    })?;
+    let path = Path::read(&file, &text, layout, &arguments.stress).map_err(Failure::model)?;
+    let mut table = table::Table::new(&path, layout, state_columns);
+    let mut state = State::at_rest(virgin);
+    let mut failure = None;
+    for (index, row) in path.rows.iter().enumerate() {
+        match point::advance(&update, &state, row, arguments.substeps.get()) {
+            Ok(next) => state = next,
+            Err(why) => {
+                failure = Some(NoAnswer {
+                    file,
+                    line: row.line,
+                    why,
+                });
+                break;
+            }
+        }
+        table.push(&path, index, &state, &state_values(&state.history));
+    }
+    let text = table.finish();
+    match &arguments.out {
+        Some(out) => write(out, &text)?,
+        None => print(&text)?,
+    }
+    failure.map_or(Ok(()), |failure| {
+        Err(Failure::NotConverged(miette::Report::new(failure)))
+    })
+}
+
+fn write(out: &FilePath, text: &str) -> Result<(), Failure> {
+    write_whole(out, text.as_bytes()).map_err(|source| {
+        IoError {
+            path: out.to_owned(),
+            source,
+        }
+        .into()
+    })
+}

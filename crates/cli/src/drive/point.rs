@@ -1,0 +1,272 @@
+//! The point driver: strains given, or found for given stresses, one implicit step a row.
+//!
+//! Of the components some are driven by strain, the others (free, index f) by stress. A step solves
+//!
+//! r_f = σ_f(ε) − σ̂_f = 0,   Δε_f = −D_ff⁻¹ r_f
+//!
+//! with D the consistent tangent of the law. Only the search is cut back where Newton fails, by
+//! going to the target in parts; the history always steps once from the old state to the new.
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use wythe_core::material::LocalFailure;
+
+use super::path::{Row, Target};
+
+/// Largest |σ_f − σ̂_f| [MPa]. Stresses of some 10 MPa come from strains times 10⁴ MPa in f64, which
+/// leaves about 1e-14.
+const TOLERANCE: f64 = 1e-10;
+const ITERATIONS: usize = 50;
+/// Halvings of one Newton step.
+const HALVINGS: i32 = 12;
+/// Parts into which the search may cut the way to the target.
+const PARTS: usize = 64;
+
+/// What a law answers to a strain.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer<const N: usize, H> {
+    /// Stress or traction [MPa].
+    pub stress: SVector<f64, N>,
+    /// Its derivative by the strain or gap.
+    pub tangent: SMatrix<f64, N, N>,
+    /// History at the end of the step.
+    pub history: H,
+}
+
+/// A point between two steps.
+#[derive(Clone, Copy, Debug)]
+pub struct State<const N: usize, H> {
+    /// Strain or gap.
+    pub strain: SVector<f64, N>,
+    /// Stress or traction [MPa].
+    pub stress: SVector<f64, N>,
+    /// History.
+    pub history: H,
+    /// Time [s].
+    pub time: f64,
+}
+
+impl<const N: usize, H> State<N, H> {
+    /// Nothing has happened yet.
+    pub fn at_rest(history: H) -> Self {
+        Self {
+            strain: SVector::zeros(),
+            stress: SVector::zeros(),
+            history,
+            time: 0.0,
+        }
+    }
+}
+
+/// No answer to a row.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PointFailure {
+    /// The law itself had none.
+    #[error("the law has no answer: {0}")]
+    Law(#[from] LocalFailure),
+    /// No strain gives the stresses asked for.
+    #[error(
+        "no strain was found that gives the stress asked for (closest by {residual:.3e} MPa): it may \
+         be beyond the strength"
+    )]
+    NoStrain {
+        /// Largest |σ_f − σ̂_f| of the best try [MPa].
+        residual: f64,
+    },
+}
+
+/// Takes the point through one row in `substeps` implicit steps, targets and time growing linearly
+/// from where the point is.
+pub fn advance<const N: usize, H: Copy>(
+    law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
+    from: &State<N, H>,
+    row: &Row<N>,
+    substeps: usize,
+) -> Result<State<N, H>, PointFailure> {
+    let dt = (row.time - from.time) / substeps as f64;
+    let mut state = *from;
+    for k in 1..=substeps {
+        let targets = between(from, &row.targets, k as f64 / substeps as f64);
+        let update = |strain: &SVector<f64, N>| law(strain, &state.history, dt);
+        let (strain, answer) = step(&update, &state, &targets)?;
+        state = State {
+            strain,
+            stress: answer.stress,
+            history: answer.history,
+            time: if k == substeps {
+                row.time
+            } else {
+                state.time + dt
+            },
+        };
+    }
+    Ok(state)
+}
+
+/// Targets at the fraction `t` of the way from the state.
+fn between<const N: usize, H>(from: &State<N, H>, targets: &[Target; N], t: f64) -> [Target; N] {
+    std::array::from_fn(|i| match targets[i] {
+        // At the end exactly what the path says.
+        target if t == 1.0 => target,
+        Target::Strain(e) => Target::Strain(from.strain[i] + t * (e - from.strain[i])),
+        Target::Stress(s) => Target::Stress(from.stress[i] + t * (s - from.stress[i])),
+    })
+}
+
+/// One implicit step: the search goes straight to the target, then in 2, 4, … parts.
+fn step<const N: usize, H: Copy>(
+    update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
+    from: &State<N, H>,
+    targets: &[Target; N],
+) -> Result<(SVector<f64, N>, Answer<N, H>), PointFailure> {
+    let mut parts = 1;
+    loop {
+        let mut strain = from.strain;
+        let mut outcome = Err(PointFailure::NoStrain {
+            residual: f64::INFINITY,
+        });
+        for k in 1..=parts {
+            let targets = between(from, targets, k as f64 / parts as f64);
+            outcome = search(update, strain, &targets);
+            match &outcome {
+                Ok((found, _)) => strain = *found,
+                Err(_) => break,
+            }
+        }
+        if outcome.is_ok() || parts == PARTS {
+            return outcome;
+        }
+        parts *= 2;
+    }
+}
+
+/// Newton with halving from `strain`.
+fn search<const N: usize, H: Copy>(
+    update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
+    mut strain: SVector<f64, N>,
+    targets: &[Target; N],
+) -> Result<(SVector<f64, N>, Answer<N, H>), PointFailure> {
+    let free: Vec<(usize, f64)> = (0..N)
+        .filter_map(|i| match targets[i] {
+            Target::Strain(e) => {
+                strain[i] = e;
+                None
+            }
+            Target::Stress(s) => Some((i, s)),
+        })
+        .collect();
+    let residual = |answer: &Answer<N, H>| {
+        DVector::from_iterator(free.len(), free.iter().map(|&(i, s)| answer.stress[i] - s))
+    };
+    let mut answer = update(&strain)?;
+    let mut r = residual(&answer);
+    for _ in 0..ITERATIONS {
+        if r.amax() <= TOLERANCE {
+            return Ok((strain, answer));
+        }
+        let tangent = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            answer.tangent[(free[a].0, free[b].0)]
+        });
+        let Some(direction) = tangent.lu().solve(&r) else {
+            break;
+        };
+        let mut accepted = false;
+        for halving in 0..=HALVINGS {
+            let mut trial = strain;
+            for (a, &(i, _)) in free.iter().enumerate() {
+                trial[i] -= 0.5_f64.powi(halving) * direction[a];
+            }
+            let Ok(new) = update(&trial) else { continue };
+            let new_r = residual(&new);
+            // NaN is not smaller.
+            if new_r.norm() < r.norm() {
+                (strain, answer, r, accepted) = (trial, new, new_r, true);
+                break;
+            }
+        }
+        if !accepted {
+            break;
+        }
+    }
+    // Rounding may stop the descent just there.
+    if r.amax() <= TOLERANCE {
+        return Ok((strain, answer));
+    }
+    Err(PointFailure::NoStrain { residual: r.amax() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix2, Vector2};
+
+    /// A stiff spring beside a hardening one that yields at 1 MPa, weakly coupled.
+    fn law(strain: &Vector2<f64>, yielded: &f64, dt: f64) -> Result<Answer<2, f64>, LocalFailure> {
+        let (stiff, hardened) = (1000.0, 10.0);
+        let trial = stiff * strain[1];
+        let (second, slope) = if trial.abs() > 1.0 {
+            (
+                trial.signum() + hardened * (strain[1] - trial.signum() / stiff),
+                hardened,
+            )
+        } else {
+            (trial, stiff)
+        };
+        Ok(Answer {
+            stress: Vector2::new(
+                stiff * strain[0] + 5.0 * strain[1],
+                second + 5.0 * strain[0],
+            ),
+            tangent: Matrix2::new(stiff, 5.0, 5.0, slope),
+            history: yielded + dt,
+        })
+    }
+
+    fn row(time: f64, targets: [Target; 2]) -> Row<2> {
+        Row {
+            line: 2,
+            time,
+            targets,
+        }
+    }
+
+    #[test]
+    fn strains_are_taken_and_stresses_are_met() {
+        let targets = [Target::Strain(0.01), Target::Stress(3.0)];
+        let state = advance(&law, &State::at_rest(0.0), &row(2.0, targets), 1).unwrap();
+        assert_eq!(state.strain[0], 0.01);
+        assert!((state.stress[1] - 3.0).abs() <= TOLERANCE);
+        // 3 = 1 + 10 (e − 0.001) + 0.05
+        assert!((state.strain[1] - 0.196).abs() < 1e-11); // TOLERANCE over the slope of 10
+        assert_eq!((state.history, state.time), (2.0, 2.0));
+    }
+
+    #[test]
+    fn substeps_share_the_way_and_the_time() {
+        let targets = [Target::Strain(0.01), Target::Stress(3.0)];
+        let from = State::at_rest(0.0);
+        let once = advance(&law, &from, &row(2.0, targets), 1).unwrap();
+        let often = advance(&law, &from, &row(2.0, targets), 4).unwrap();
+        // The law keeps no memory: both ends agree within the solver's tolerance over the slope.
+        assert!((often.strain - once.strain).amax() < 1e-10);
+        assert!((often.history - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stress_beyond_the_strength_is_refused() {
+        let perfect = |strain: &Vector2<f64>, h: &f64, _dt: f64| {
+            let trial = 1000.0 * strain[1];
+            let elastic = trial.abs() <= 1.0;
+            Ok(Answer {
+                stress: Vector2::new(strain[0], if elastic { trial } else { trial.signum() }),
+                tangent: Matrix2::new(1.0, 0.0, 0.0, if elastic { 1000.0 } else { 0.0 }),
+                history: *h,
+            })
+        };
+        let targets = [Target::Strain(0.0), Target::Stress(1.5)];
+        let failure = advance(&perfect, &State::at_rest(0.0), &row(1.0, targets), 1).unwrap_err();
+        assert!(
+            matches!(failure, PointFailure::NoStrain { .. }),
+            "{failure}"
+        );
+    }
+}

@@ -1,0 +1,126 @@
+//! What ends the command early, and with which exit code.
+
+use miette::{Diagnostic, Report};
+use wythe_core::error::{DeckError, IoError, ModelError};
+use wythe_core::results::OutputError;
+use wythe_core::solve::RunError;
+
+/// Exit code of our own mistakes.
+pub const BUG: u8 = 1;
+const MODEL: u8 = 2;
+const NOT_CONVERGED: u8 = 3;
+const INPUT_OUTPUT: u8 = 4;
+/// 128 + SIGINT, as shells have it.
+pub const INTERRUPTED: u8 = 130;
+
+/// Why the command does not end with 0.
+#[derive(Debug)]
+pub enum Failure {
+    /// The model, the path of a point or the usage is wrong.
+    Model(Report),
+    /// Equilibrium or a stress-driven point was not found; everything before it is kept.
+    NotConverged(Report),
+    /// A file could not be read or written.
+    InputOutput(Report),
+    /// The user stopped it; everything up to there is kept.
+    Interrupted,
+}
+
+impl Failure {
+    /// A wrong model or usage.
+    pub fn model(error: impl Diagnostic + Send + Sync + 'static) -> Self {
+        Self::Model(Report::new(error))
+    }
+
+    /// A file that could not be read or written.
+    pub fn input_output(error: impl Diagnostic + Send + Sync + 'static) -> Self {
+        Self::InputOutput(Report::new(error))
+    }
+
+    /// The exit code of the command.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Model(_) => MODEL,
+            Self::NotConverged(_) => NOT_CONVERGED,
+            Self::InputOutput(_) => INPUT_OUTPUT,
+            Self::Interrupted => INTERRUPTED,
+        }
+    }
+
+    /// Says on standard error what there is to say.
+    pub fn report(&self) {
+        match self {
+            Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
+                eprintln!("{report:?}");
+            }
+            Self::Interrupted => {}
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Self::model(error)
+    }
+}
+
+impl From<IoError> for Failure {
+    fn from(error: IoError) -> Self {
+        Self::input_output(error)
+    }
+}
+
+impl From<DeckError> for Failure {
+    fn from(error: DeckError) -> Self {
+        match error {
+            DeckError::Io(error) => error.into(),
+            DeckError::Model(error) => error.into(),
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::input_output(error)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            // The recorder's own error comes back wrapped: it names the file.
+            RunError::Output(error) => match error.downcast::<OutputError>() {
+                Ok(error) => error.into(),
+                Err(error) => Self::InputOutput(Report::msg(format!(
+                    "results could not be written: {error}"
+                ))),
+            },
+            other => Self::Model(Report::msg(other.to_string())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    #[test]
+    fn an_output_error_comes_back_out_of_the_solver_with_its_file() {
+        let source = io::Error::from(io::ErrorKind::StorageFull);
+        let error = OutputError::Write {
+            path: "wall.out/history.csv".into(),
+            source,
+        };
+        let failure = Failure::from(RunError::Output(io::Error::from(error)));
+        assert_eq!(failure.exit_code(), 4);
+        let Failure::InputOutput(report) = failure else {
+            panic!("{failure:?}")
+        };
+        assert!(
+            report.to_string().contains("wall.out/history.csv"),
+            "{report}"
+        );
+        assert!(report.help().is_some());
+    }
+}

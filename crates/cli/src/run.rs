@@ -1,0 +1,117 @@
+//! `wythe run`: from a TOML file to its folder of results.
+
+use std::io;
+use std::path::Path;
+
+use wythe_core::model::{Deck, Model};
+use wythe_core::results::{
+    Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
+};
+use wythe_core::solve::{self, RunError};
+
+use crate::arguments::Run;
+use crate::check::print;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::Terminal;
+
+/// Runs the model and writes its folder.
+pub fn run(arguments: &Run) -> Result<(), Failure> {
+    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
+    let (model, warnings) = Model::from_deck(&deck)?;
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    if let Some(threads) = arguments.threads {
+        // Only a second call could fail, and this is the only one.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        pool.build_global()
+            .map_err(|error| Failure::Model(miette::Report::msg(error)))?;
+    }
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| arguments.model.with_extension("out"));
+    for warning in &warnings {
+        eprintln!("warning: {warning}");
+    }
+    let interrupt = Interrupt::listen();
+    record(&model, &warnings, &out, &interrupt, |recorder| {
+        solve::run(&model, recorder)
+    })
+}
+
+/// Runs `solve` on a new folder at `out`, and says how it ended.
+fn record(
+    model: &Model,
+    warnings: &[String],
+    out: &Path,
+    interrupt: &Interrupt,
+    solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
+) -> Result<(), Failure> {
+    let directory = RunDirectory::create(out, model)?;
+    let mut watched = Watched {
+        directory,
+        terminal: Terminal::new(model),
+        interrupt,
+    };
+    let ended = solve(&mut watched);
+    watched.terminal.finish();
+    let summary = watched.directory.finish(model, &ended?, warnings)?;
+    // Those of the model were told at the start.
+    let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
+    print(&conclusion(&summary, new_warnings, out))?;
+    match summary.status {
+        Status::Completed => Ok(()),
+        Status::Interrupted => Err(Failure::Interrupted),
+        Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
+            help = "everything up to there is in the folder of results",
+            "not converged: {}",
+            summary.message
+        ))),
+    }
+}
+
+/// Writes, shows, and listens to Ctrl-C.
+struct Watched<'a> {
+    directory: RunDirectory,
+    terminal: Terminal,
+    interrupt: &'a Interrupt,
+}
+
+impl Recorder for Watched<'_> {
+    fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
+        let go_on = self.directory.take(model, row, frame)?;
+        self.terminal.increment(model, row);
+        Ok(go_on && !self.interrupt.requested())
+    }
+
+    fn progress(&mut self, _step: usize, _time: f64, iterations: usize) {
+        self.terminal.iteration(iterations);
+    }
+}
+
+fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> String {
+    let mut text = String::new();
+    for warning in new_warnings {
+        text += &format!("warning: {warning}\n");
+    }
+    if let (Some(force), Some(at)) = (summary.peak_force_kN, summary.displacement_at_peak_mm) {
+        text += &format!("peak {force:.2} kN at {at:.3} mm");
+        if let Some(stiffness) = summary.initial_stiffness_kN_per_mm {
+            text += &format!(", initial stiffness {stiffness:.1} kN/mm");
+        }
+        text.push('\n');
+    }
+    text + &format!(
+        "{} increments, {} iterations, {} cut-backs, {:.1} s; energy balance {:.1e}; results in \
+         {}\n",
+        summary.increments,
+        summary.iterations,
+        summary.cutbacks,
+        summary.wall_s,
+        summary.energy_balance_error,
+        out.display()
+    )
+}
+
+#[cfg(test)]
+mod tests;

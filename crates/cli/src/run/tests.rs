@@ -1,0 +1,186 @@
+//! A solver that is told what to do drives the recorder.
+
+use super::*;
+use std::path::PathBuf;
+use wythe_core::results::Sizes;
+
+const COUPLET: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/01_couplet_tension.toml"
+);
+
+fn couplet() -> Model {
+    Model::from_deck(&Deck::load(COUPLET, &[]).unwrap())
+        .unwrap()
+        .0
+}
+
+fn frame(model: &Model, time: f64) -> Frame {
+    let elements = model.mesh.elements.len();
+    Frame {
+        time,
+        displacement: vec![[0.0, 0.0, time]; model.mesh.nodes.len()],
+        stress: vec![[0.0; 6]; elements],
+        tensile_damage: vec![0.5; elements],
+        compressive_damage: vec![0.0; elements],
+        plastic_strain: vec![[0.0; 6]; elements],
+    }
+}
+
+/// Converges `increments` times unless it is asked to stop, then ends with `status`.
+fn solve(
+    model: &Model,
+    recorder: &mut dyn Recorder,
+    increments: usize,
+    status: Status,
+) -> Result<Summary, RunError> {
+    let mut summary = Summary {
+        status,
+        message: "step 0, unit 1: the joint has gone".to_owned(),
+        sizes: Sizes::default(),
+        increments: 0,
+        iterations: 0,
+        cutbacks: 0,
+        seconds_by_phase: [0.0; 6],
+        threads: 1,
+        warnings: Vec::new(),
+    };
+    for increment in 1..=increments {
+        let t = increment as f64 / increments as f64;
+        recorder.progress(0, t, 1);
+        let row = HistoryRow {
+            increment,
+            time: t,
+            displacement_mm: t,
+            force_kN: 10.0 * t,
+            ..HistoryRow::default()
+        };
+        summary.increments = increment;
+        if !recorder.take(model, &row, Some(&frame(model, t)))? {
+            summary.status = Status::Interrupted;
+            break;
+        }
+    }
+    Ok(summary)
+}
+
+fn status_in(out: &Path) -> (String, u64) {
+    let text = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let warnings = value["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), 1);
+    (
+        value["status"].as_str().unwrap().to_owned(),
+        value["increments"].as_u64().unwrap(),
+    )
+}
+
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("wall.out");
+    (folder, out)
+}
+
+fn warnings() -> Vec<String> {
+    vec!["materials.brick: beware".to_owned()]
+}
+
+#[test]
+fn a_run_that_completes_leaves_everything() {
+    let (model, (_folder, out)) = (couplet(), folder());
+    let ended = record(
+        &model,
+        &warnings(),
+        &out,
+        &Interrupt::default(),
+        |recorder| solve(&model, recorder, 3, Status::Completed),
+    );
+    assert!(ended.is_ok());
+    assert_eq!(status_in(&out), ("completed".to_owned(), 3));
+    for name in [
+        "history.csv",
+        "results.vtkhdf",
+        "load_displacement.svg",
+        "crack_pattern.svg",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn lost_convergence_keeps_what_was_found_and_says_why() {
+    let (model, (_folder, out)) = (couplet(), folder());
+    let ended = record(
+        &model,
+        &warnings(),
+        &out,
+        &Interrupt::default(),
+        |recorder| solve(&model, recorder, 2, Status::NotConverged),
+    );
+    let failure = ended.unwrap_err();
+    assert_eq!(failure.exit_code(), 3);
+    let Failure::NotConverged(report) = failure else {
+        panic!("{failure:?}")
+    };
+    assert!(report.to_string().contains("the joint has gone"));
+    assert_eq!(status_in(&out), ("not_converged".to_owned(), 2));
+    assert_eq!(
+        std::fs::read_to_string(out.join("history.csv"))
+            .unwrap()
+            .lines()
+            .count(),
+        3
+    );
+}
+
+#[test]
+fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
+    let (model, (_folder, out)) = (couplet(), folder());
+    let interrupt = Interrupt::default();
+    interrupt.request();
+    let ended = record(&model, &warnings(), &out, &interrupt, |recorder| {
+        solve(&model, recorder, 5, Status::Completed)
+    });
+    assert_eq!(ended.unwrap_err().exit_code(), 130);
+    assert_eq!(status_in(&out), ("interrupted".to_owned(), 1));
+    assert_eq!(
+        std::fs::read_to_string(out.join("history.csv"))
+            .unwrap()
+            .lines()
+            .count(),
+        2
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_input_output_and_nothing_is_solved() {
+    let (model, (_folder, out)) = (couplet(), folder());
+    std::fs::write(&out, "mine").unwrap();
+    let ended = record(&model, &warnings(), &out, &Interrupt::default(), |_| {
+        panic!("must not be reached")
+    });
+    assert_eq!(ended.unwrap_err().exit_code(), 4);
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_input_output_and_leaves_no_summary() {
+    let (model, (_folder, out)) = (couplet(), folder());
+    std::fs::create_dir(&out).unwrap();
+    std::os::unix::fs::symlink("/dev/full", out.join("history.csv")).unwrap();
+    let ended = record(
+        &model,
+        &warnings(),
+        &out,
+        &Interrupt::default(),
+        |recorder| solve(&model, recorder, 3, Status::Completed),
+    );
+    let failure = ended.unwrap_err();
+    assert_eq!(failure.exit_code(), 4);
+    let Failure::InputOutput(report) = failure else {
+        panic!("{failure:?}")
+    };
+    assert!(report.to_string().contains("history.csv"), "{report}");
+    assert!(!out.join("summary.json").exists());
+}

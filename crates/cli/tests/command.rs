@@ -1,0 +1,338 @@
+//! The command as a user meets it: exit codes, messages, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A file of the repository.
+fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(path)
+}
+
+fn wythe(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_wythe"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    // miette wraps lines and draws boxes: compare words only.
+    let text = String::from_utf8_lossy(&output.stderr);
+    text.split(|c: char| c.is_whitespace() || "│×╭─╰▶╮╯·".contains(c))
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// A column of a CSV text.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let index = header
+        .iter()
+        .position(|h| *h == name)
+        .unwrap_or_else(|| panic!("{name}"));
+    rows.map(|row| row.split(',').nth(index).unwrap().parse().unwrap())
+        .collect()
+}
+
+/// A couplet whose joint has the explicit stiffnesses that a single point needs.
+fn couplet() -> String {
+    repository("examples/01_couplet_tension.toml")
+        .display()
+        .to_string()
+}
+
+const STIFFNESSES: [&str; 4] = [
+    "--set",
+    "interfaces.joint.normal_stiffness=99000",
+    "--set",
+    "interfaces.joint.shear_stiffness=43043.47826",
+];
+
+#[test]
+fn usage_errors_exit_with_2() {
+    assert_eq!(code(&wythe(&[])), 2);
+    assert_eq!(code(&wythe(&["run"])), 2);
+    assert_eq!(code(&wythe(&["run", "a.toml", "--threads", "0"])), 2);
+    assert_eq!(code(&wythe(&["check", "a.toml", "--set", "novalue"])), 2);
+    assert_eq!(code(&wythe(&["--version"])), 0);
+    assert_eq!(code(&wythe(&["drive", "material", "--help"])), 0);
+}
+
+#[test]
+fn a_missing_model_exits_with_4_and_a_bad_one_with_2() {
+    let missing = wythe(&["check", "no/such/model.toml"]);
+    assert_eq!(code(&missing), 4);
+    assert!(stderr(&missing).contains("no/such/model.toml"));
+    let bad = repository("tests/data/bad/negative_modulus.toml");
+    let bad = wythe(&["check", &bad.display().to_string()]);
+    assert_eq!(code(&bad), 2);
+    assert!(
+        stderr(&bad).contains("materials.brick.E"),
+        "{}",
+        stderr(&bad)
+    );
+    let set = wythe(&["check", &couplet(), "--set", "wall.courses=0"]);
+    assert_eq!(code(&set), 2);
+    assert!(
+        stderr(&set).contains("--set wall.courses"),
+        "{}",
+        stderr(&set)
+    );
+}
+
+#[test]
+fn check_prints_the_sizes() {
+    let output = wythe(&["check", &couplet()]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("2 units") && text.contains("contact points"),
+        "{text}"
+    );
+}
+
+#[test]
+fn results_that_cannot_be_written_exit_with_4() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("wall.out");
+    std::fs::write(&out, "mine").unwrap();
+    let output = wythe(&["run", &couplet(), "--out", &out.display().to_string()]);
+    assert_eq!(code(&output), 4);
+    assert!(
+        stderr(&output).contains("this is a file"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory C.
+#[test]
+fn an_interface_point_follows_its_stored_curve() {
+    let path = repository("tests/data/golden/itf_T1_mode2_sig0.5.csv");
+    let golden = std::fs::read_to_string(&path).unwrap();
+    let (path, model) = (path.display().to_string(), couplet());
+    let mut arguments = vec![
+        "drive",
+        "interface",
+        "joint",
+        "--model",
+        &model,
+        "--path",
+        &path,
+    ];
+    arguments.extend(STIFFNESSES);
+    let output = wythe(&arguments);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let answer = String::from_utf8(output.stdout).unwrap();
+    for (name, reference) in [
+        ("sig_MPa", "sig_be_MPa"),
+        ("tau1_MPa", "tau1_be_MPa"),
+        ("tau2_MPa", "tau2_be_MPa"),
+        ("D", "D_be"),
+    ] {
+        for (row, (a, b)) in column(&answer, name)
+            .iter()
+            .zip(column(&golden, reference))
+            .enumerate()
+        {
+            // The stiffness has ten digits in the file, and the curve is good to 1e-12.
+            assert!((a - b).abs() < 1e-9, "{name} in row {row}: {a} against {b}");
+        }
+    }
+    // The path is repeated.
+    assert_eq!(column(&answer, "d1_mm"), column(&golden, "d1_mm"));
+}
+
+/// The same shear, the pressure held by stress: its opening is solved for.
+#[test]
+fn a_component_is_driven_by_its_stress_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shear.csv");
+    let rows: String = (0..=40)
+        .map(|i| format!("{},0,-0.5\n", 0.02 * f64::from(i)))
+        .collect();
+    std::fs::write(
+        &path,
+        format!("# pressure first\nd1_mm,d2_mm,sig_MPa\n{rows}"),
+    )
+    .unwrap();
+    let (path, model) = (path.display().to_string(), couplet());
+    let out = folder.path().join("out.csv").display().to_string();
+    let mut arguments = vec![
+        "drive",
+        "interface",
+        "joint",
+        "--model",
+        &model,
+        "--path",
+        &path,
+        "--out",
+        &out,
+        "--stress",
+        "normal",
+    ];
+    arguments.extend(STIFFNESSES);
+    let output = wythe(&arguments);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let answer = std::fs::read_to_string(&out).unwrap();
+    for sigma in column(&answer, "sig_MPa") {
+        assert!((sigma + 0.5).abs() < 1e-10, "{sigma}"); // the driver's tolerance
+    }
+    for u in column(&answer, "u_mm") {
+        // u = σ/k_n; the tolerance over k_n is 1e-15.
+        assert!((u + 0.5 / 99000.0).abs() < 1e-14, "{u}");
+    }
+    // Beyond delta_k nothing but friction: μ·0.5.
+    let tau = column(&answer, "tau1_MPa");
+    assert!((tau.last().unwrap() - 0.73 * 0.5).abs() < 1e-9, "{tau:?}");
+}
+
+/// Uniaxial tension with free sides gives back the table of the deck (theory A.5, eff1).
+#[test]
+fn a_material_point_in_uniaxial_tension_follows_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tension.csv");
+    let rows: String = (1..=60)
+        .map(|i| format!("{},0,0,0,0,0\n", 4e-5 * f64::from(i)))
+        .collect();
+    let header = "eps_xx,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx\n";
+    std::fs::write(&path, format!("{header}{rows}")).unwrap();
+    let model = repository("examples/03_shear_wall_j7d.toml")
+        .display()
+        .to_string();
+    let path = path.display().to_string();
+    let output = wythe(&[
+        "drive",
+        "material",
+        "brick",
+        "--model",
+        &model,
+        "--path",
+        &path,
+        "--stress",
+        "yy",
+        "--stress",
+        "zz",
+        // The table is that of the inviscid law.
+        "--set",
+        "materials.brick.viscosity=0",
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let answer = String::from_utf8(output.stdout).unwrap();
+    // (3.5 MPa, 0) and (0.3 MPa, 0.002) with E = 16700 MPa, constant afterwards.
+    let table = |strain: f64| {
+        let e = 16700.0;
+        let elastic = e * strain;
+        if elastic <= 3.5 {
+            return elastic;
+        }
+        let end = 0.002 + 0.3 / e;
+        let fraction = ((strain - 3.5 / e) / (end - 3.5 / e)).min(1.0);
+        3.5 + fraction * (0.3 - 3.5)
+    };
+    let (strains, stresses) = (column(&answer, "eps_xx"), column(&answer, "sig_xx_MPa"));
+    assert_eq!(strains.len(), 60);
+    for (strain, stress) in strains.iter().zip(&stresses) {
+        // The polyline is exact for eff1; the lateral stresses are zero to 1e-10 MPa only, and the
+        // step is first order only in the small lateral plastic flow that follows from it.
+        assert!(
+            (stress - table(*strain)).abs() < 1e-6,
+            "{stress} at {strain}"
+        );
+    }
+    for name in ["sig_yy_MPa", "sig_zz_MPa"] {
+        assert!(column(&answer, name).iter().all(|s| s.abs() <= 1e-10));
+    }
+}
+
+#[test]
+fn bad_paths_exit_with_2_and_name_file_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = couplet();
+    for (name, text, expected) in [
+        (
+            "missing.csv",
+            "u_mm,d1_mm\n0,0\n",
+            "missing.csv:1: the column d2_mm is missing",
+        ),
+        (
+            "nan.csv",
+            "u_mm,d1_mm,d2_mm\n0,0,0\n0,NaN,0\n",
+            "nan.csv:3, column d1_mm: NaN",
+        ),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let out = folder.path().join("out.csv");
+        let (path, out_text) = (path.display().to_string(), out.display().to_string());
+        let mut arguments = vec![
+            "drive",
+            "interface",
+            "joint",
+            "--model",
+            &model,
+            "--path",
+            &path,
+            "--out",
+            &out_text,
+        ];
+        arguments.extend(STIFFNESSES);
+        let output = wythe(&arguments);
+        assert_eq!(code(&output), 2);
+        // The folder's name may be wrapped in the middle: joined words lose nothing else.
+        let said = stderr(&output).replace(' ', "");
+        assert!(said.contains(&expected.replace(' ', "")), "{said}");
+        assert!(!out.exists());
+    }
+    let output = wythe(&[
+        "drive",
+        "interface",
+        "joint",
+        "--model",
+        &model,
+        "--path",
+        "no/such.csv",
+    ]);
+    assert_eq!(
+        code(&output),
+        2,
+        "stiffnesses are missing: the model comes first"
+    );
+}
+
+#[test]
+fn a_point_beyond_its_strength_exits_with_3_and_keeps_the_rows_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pull.csv");
+    std::fs::write(&path, "sig_MPa,d1_mm,d2_mm\n0.1,0,0\n0.2,0,0\n0.9,0,0\n").unwrap();
+    let (path, model) = (path.display().to_string(), couplet());
+    let mut arguments = vec![
+        "drive",
+        "interface",
+        "joint",
+        "--model",
+        &model,
+        "--path",
+        &path,
+        "--stress",
+        "normal",
+    ];
+    arguments.extend(STIFFNESSES);
+    let output = wythe(&arguments);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let answer = String::from_utf8(output.stdout.clone()).unwrap();
+    assert_eq!(column(&answer, "sig_MPa").len(), 2);
+    assert!(
+        stderr(&output).replace(' ', "").contains("pull.csv:4"),
+        "{}",
+        stderr(&output)
+    );
+}

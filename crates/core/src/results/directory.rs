@@ -1,0 +1,298 @@
+//! The folder of a run.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use miette::Diagnostic;
+
+use super::summary::{EnergyBalance, Measured, write_whole};
+use super::{
+    Curve, Frame, HistoryRow, HistoryWriter, Recorder, Summary, SummaryFile, VtkHdfWriter,
+    elevation, plot, usage,
+};
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Step};
+
+/// Name of the history in the folder.
+pub const HISTORY: &str = "history.csv";
+/// Name of the fields in the folder.
+pub const FIELDS: &str = "results.vtkhdf";
+/// Name of the summary in the folder.
+pub const SUMMARY: &str = "summary.json";
+/// Name of the load-displacement curve in the folder.
+pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
+/// Name of the elevation in the folder.
+pub const CRACK_PATTERN: &str = "crack_pattern.svg";
+
+/// Results that could not be written.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum OutputError {
+    /// Where the folder should be there is a file.
+    #[error("{}: this is a file, but the results need a folder", .0.display())]
+    #[diagnostic(help("name another folder for the results, or move the file away"))]
+    NotADirectory(PathBuf),
+    /// The folder could not be made.
+    #[error("{}: the folder for the results cannot be created: {source}", path.display())]
+    #[diagnostic(help("check the permissions of the folder above it, or name another one"))]
+    Create {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file could not be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    #[diagnostic(help(
+        "check the free space of the disk and the permissions of the folder; a folder without \
+         summary.json is not whole"
+    ))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl From<OutputError> for io::Error {
+    fn from(error: OutputError) -> Self {
+        let (OutputError::Create { source, .. } | OutputError::Write { source, .. }) = &error
+        else {
+            return Self::other(error);
+        };
+        Self::new(source.kind(), error)
+    }
+}
+
+/// Writes everything that a run leaves behind: [`HISTORY`] and [`FIELDS`] as the increments come,
+/// the pictures and last of all [`SUMMARY`] at the end. A folder without a summary is that of a run
+/// which goes on, was killed, or could not write.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    history: HistoryWriter,
+    fields: VtkHdfWriter,
+    curve: Curve,
+    energy: EnergyBalance,
+    last_frame: Option<Frame>,
+    started: Instant,
+    cpu_at_start: Option<f64>,
+}
+
+impl RunDirectory {
+    /// Makes the folder if need be, removes the results of an earlier run from it, and begins the
+    /// files that grow. Other files in it are left alone.
+    ///
+    /// # Errors
+    /// [`OutputError`]: there is a file of that name, or it cannot be made or written in.
+    pub fn create(path: &Path, model: &Model) -> Result<Self, OutputError> {
+        if path.exists() && !path.is_dir() {
+            return Err(OutputError::NotADirectory(path.to_owned()));
+        }
+        std::fs::create_dir_all(path).map_err(|source| OutputError::Create {
+            path: path.to_owned(),
+            source,
+        })?;
+        // The summary goes first: it says that the rest is whole.
+        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN] {
+            let old = path.join(name);
+            match std::fs::remove_file(&old) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(OutputError::Write { path: old, source });
+                }
+                _ => {}
+            }
+        }
+        let history = writing(path, HISTORY, HistoryWriter::create)?;
+        let fields = writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?;
+        Ok(Self {
+            path: path.to_owned(),
+            history,
+            fields,
+            curve: Curve::default(),
+            energy: EnergyBalance::default(),
+            last_frame: None,
+            started: Instant::now(),
+            cpu_at_start: usage::cpu_seconds(),
+        })
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The load-displacement curve so far.
+    pub fn curve(&self) -> &Curve {
+        &self.curve
+    }
+
+    /// Writes the pictures and then the summary, whichever way the run ended.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`]; there is no summary then.
+    pub fn finish(
+        self,
+        model: &Model,
+        run: &Summary,
+        model_warnings: &[String],
+    ) -> Result<SummaryFile, OutputError> {
+        let Self {
+            path,
+            curve,
+            energy,
+            last_frame,
+            started,
+            cpu_at_start,
+            ..
+        } = self;
+        writing(&path, LOAD_DISPLACEMENT, |file| {
+            let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
+            write_whole(file, svg.as_bytes())
+        })?;
+        if let Some(frame) = last_frame {
+            let svg = elevation::crack_pattern(model, &frame);
+            writing(&path, CRACK_PATTERN, |file| {
+                write_whole(file, svg.as_bytes())
+            })?;
+        }
+        let cpu_now = usage::cpu_seconds();
+        let summary = SummaryFile::new(
+            run,
+            &Measured {
+                curve: &curve,
+                energy: &energy,
+                wall_s: started.elapsed().as_secs_f64(),
+                cpu_s: cpu_now.zip(cpu_at_start).map(|(now, then)| now - then),
+                peak_rss_megabytes: usage::peak_memory_megabytes(),
+                model_warnings,
+            },
+        );
+        writing(&path, SUMMARY, |file| summary.write(file))?;
+        Ok(summary)
+    }
+}
+
+/// Does something to a file of the folder and names the file if it fails.
+fn writing<T>(
+    folder: &Path,
+    name: &str,
+    write: impl FnOnce(&Path) -> io::Result<T>,
+) -> Result<T, OutputError> {
+    let path = folder.join(name);
+    write(&path).map_err(|source| OutputError::Write { path, source })
+}
+
+/// A step drives if its beam moves. A preload merely names the direction in which it is told.
+fn drives(step: &Step) -> bool {
+    step.driven.is_some_and(|(beam, direction)| {
+        matches!(step.motion[beam][direction], BeamMotion::Driven(_))
+    })
+}
+
+impl Recorder for RunDirectory {
+    fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
+        let Self {
+            path,
+            history,
+            fields,
+            ..
+        } = self;
+        writing(path, HISTORY, |_| history.append(row))?;
+        self.curve
+            .push(row, model.steps.get(row.step).is_some_and(drives));
+        self.energy.push(row);
+        if let Some(frame) = frame {
+            writing(path, FIELDS, |_| fields.append(frame))?;
+            self.last_frame = Some(frame.clone());
+        }
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{Status, fake};
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_run_leaves_its_files_and_the_summary_last() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/wall.out");
+        let model = fake::model();
+        let mut run = RunDirectory::create(&path, &model).unwrap();
+        assert!(run.take(&model, &fake::row(1, 0, 0.0, 0.0), None).unwrap());
+        for (i, (d, f)) in [(1.0, 10.0), (2.0, 20.0), (3.0, 10.0)]
+            .into_iter()
+            .enumerate()
+        {
+            let frame = fake::frame(&model, d);
+            assert!(
+                run.take(&model, &fake::row(i + 2, 1, d, f), Some(&frame))
+                    .unwrap()
+            );
+            assert_eq!(
+                names(&path),
+                [HISTORY, FIELDS],
+                "nothing that says whole while it runs"
+            );
+        }
+        let summary = run
+            .finish(&model, &fake::summary(Status::Completed), &[])
+            .unwrap();
+        assert_eq!(
+            names(&path),
+            [CRACK_PATTERN, HISTORY, LOAD_DISPLACEMENT, FIELDS, SUMMARY]
+        );
+        assert_eq!(summary.peak_force_kN, Some(20.0));
+        assert_eq!(summary.displacement_at_80_percent_mm, Some(2.4));
+        assert_eq!(summary.initial_stiffness_kN_per_mm, Some(10.0));
+        let history = std::fs::read_to_string(path.join(HISTORY)).unwrap();
+        assert_eq!(history.lines().count(), 5);
+
+        // The next run into the same folder begins by removing what says "whole".
+        std::fs::write(path.join("notes.txt"), "mine").unwrap();
+        let _next = RunDirectory::create(&path, &model).unwrap();
+        assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS]);
+        assert_eq!(std::fs::read_to_string(path.join(HISTORY)).unwrap(), "");
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wall.out");
+        std::fs::write(&path, "mine").unwrap();
+        let error = RunDirectory::create(&path, &fake::model()).unwrap_err();
+        assert!(matches!(&error, OutputError::NotADirectory(p) if *p == path));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+        let below = RunDirectory::create(&path.join("below"), &fake::model()).unwrap_err();
+        assert!(matches!(below, OutputError::Create { .. }));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_stops_the_run_and_names_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = fake::model();
+        let history = folder.path().join(HISTORY);
+        std::os::unix::fs::symlink("/dev/full", &history).unwrap();
+        let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+        let error = run
+            .take(&model, &fake::row(1, 1, 1.0, 1.0), None)
+            .unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(error.to_string().contains(HISTORY), "{error}");
+        drop(run);
+        assert_eq!(names(folder.path()), [HISTORY, FIELDS]);
+    }
+}

@@ -1,0 +1,120 @@
+//! A small model with invented fields, for the tests of this room.
+
+use super::{Frame, HistoryRow, Sizes, Status, Summary};
+use crate::material::{ElasticParameters, MaterialParameters};
+use crate::model::scene::{
+    BeamMotion, ContactSurfaces, Formulation, Increments, NamedMaterial, Output, Procedure, Step,
+    Tolerance,
+};
+use crate::model::{Mesh, Model};
+
+/// Two cubes of 100 mm side by side, a gap of 2 mm between them, a preload and a driven step.
+pub fn model() -> Model {
+    let mut mesh = Mesh::default();
+    for cube in 0..2_u32 {
+        let x = 102.0 * f64::from(cube);
+        for z in [0.0, 100.0] {
+            for (dx, y) in [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)] {
+                mesh.nodes.push([x + dx, y, z]);
+            }
+        }
+        mesh.elements
+            .push(std::array::from_fn(|i| 8 * cube + i as u32));
+        mesh.material.push(cube as u16);
+        mesh.unit.push(cube);
+        mesh.course.push(0);
+    }
+    let elastic = ElasticParameters {
+        E: 1000.0,
+        nu: 0.2,
+        density: 1.9e-9,
+    };
+    let material = |name: &str| NamedMaterial {
+        name: name.to_owned(),
+        parameters: MaterialParameters::Elastic(elastic),
+    };
+    let step = |name: &str, x: BeamMotion| Step {
+        name: name.to_owned(),
+        duration: 1.0,
+        motion: vec![[x, BeamMotion::Locked, BeamMotion::Locked]],
+        driven: Some((0, 0)),
+        increments: Increments {
+            initial: 0.1,
+            max: 0.1,
+            min: 1e-6,
+        },
+        procedure: Procedure::Direct,
+        tolerance: Tolerance {
+            residual: 5e-3,
+            max_iterations: 25,
+        },
+    };
+    Model {
+        title: "Two cubes & a <gap>".to_owned(),
+        mesh,
+        materials: vec![material("brick"), material("mortar")],
+        formulation: Formulation::Full,
+        contact: ContactSurfaces::default(),
+        beams: Vec::new(),
+        supports: Vec::new(),
+        steps: vec![
+            step("preload", BeamMotion::Locked),
+            step("drive", BeamMotion::Driven(3.0)),
+        ],
+        output: Output { every: 1 },
+    }
+}
+
+/// Fields that differ from node to node, element to element and time to time.
+pub fn frame(model: &Model, time: f64) -> Frame {
+    let elements = 0..model.mesh.elements.len();
+    let tensor = |e: usize| std::array::from_fn(|i| time * (10 * e + i) as f64);
+    Frame {
+        time,
+        displacement: model
+            .mesh
+            .nodes
+            .iter()
+            .map(|x| x.map(|x| 1e-3 * time * (x + 1.0)))
+            .collect(),
+        stress: elements.clone().map(tensor).collect(),
+        tensile_damage: elements
+            .clone()
+            .map(|e| 0.3 * time + 0.1 * e as f64)
+            .collect(),
+        compressive_damage: elements.clone().map(|e| 0.4 * e as f64).collect(),
+        plastic_strain: elements.map(tensor).collect(),
+    }
+}
+
+/// A row of the driven step at this displacement and force.
+pub fn row(increment: usize, step: usize, displacement: f64, force: f64) -> HistoryRow {
+    HistoryRow {
+        increment,
+        step,
+        displacement_mm: displacement,
+        force_kN: force,
+        ..HistoryRow::default()
+    }
+}
+
+/// What a solver says of a small run.
+pub fn summary(status: Status) -> Summary {
+    Summary {
+        status,
+        message: String::new(),
+        sizes: Sizes {
+            units: 2,
+            elements: 2,
+            nodes: 16,
+            dofs: 48,
+            contact_points: 4,
+        },
+        increments: 3,
+        iterations: 7,
+        cutbacks: 1,
+        seconds_by_phase: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+        threads: 1,
+        warnings: Vec::new(),
+    }
+}

@@ -1,0 +1,320 @@
+//! `summary.json`: one run in one page.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::{Curve, HistoryRow, Status, Summary};
+
+/// The content of `summary.json`. Field names are its keys.
+#[derive(Clone, Debug, serde::Serialize)]
+#[allow(non_snake_case)]
+pub struct SummaryFile {
+    /// How the run ended.
+    pub status: Status,
+    /// Where, why and what to try, if it did not complete.
+    pub message: String,
+    /// Largest force along the motion [kN], see [`Curve::peak`].
+    pub peak_force_kN: Option<f64>,
+    /// Displacement there [mm].
+    pub displacement_at_peak_mm: Option<f64>,
+    /// Displacement after the peak at which the force is down to 0.8 of it [mm].
+    pub displacement_at_80_percent_mm: Option<f64>,
+    /// Last displacement [mm].
+    pub final_displacement_mm: Option<f64>,
+    /// Secant up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
+    pub initial_stiffness_kN_per_mm: Option<f64>,
+    /// Units (bodies).
+    pub units: usize,
+    /// Hex8 elements.
+    pub elements: usize,
+    /// Nodes.
+    pub nodes: usize,
+    /// Unknowns.
+    pub dofs: usize,
+    /// Contact points.
+    pub contact_points: usize,
+    /// Converged increments.
+    pub increments: usize,
+    /// Linear solves.
+    pub iterations: usize,
+    /// Cut-backs.
+    pub cutbacks: usize,
+    /// Wall-clock time from the creation of the folder to its end [s].
+    pub wall_s: f64,
+    /// CPU time of the process meanwhile [s], where the system tells.
+    pub cpu_s: Option<f64>,
+    /// Where the time went.
+    pub seconds_by_phase: SecondsByPhase,
+    /// Largest resident memory [MB], where the system tells.
+    pub peak_rss_MB: Option<f64>,
+    /// See [`EnergyBalance`] [-].
+    pub energy_balance_error: f64,
+    /// Threads.
+    pub threads: usize,
+    /// Version of wythe.
+    pub version: String,
+    /// Warnings of the model, then of the run.
+    pub warnings: Vec<String>,
+}
+
+/// Wall-clock seconds of the phases of a run.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct SecondsByPhase {
+    /// Strains, stresses, tangents and forces of the elements.
+    pub elements: f64,
+    /// Search and law of the contact.
+    pub contact: f64,
+    /// Gathering of matrix and residual.
+    pub assembly: f64,
+    /// Numeric and symbolic factorisation.
+    pub factorise: f64,
+    /// Substitution and refinement.
+    pub solve: f64,
+    /// Writing.
+    pub output: f64,
+}
+
+impl From<[f64; 6]> for SecondsByPhase {
+    fn from([elements, contact, assembly, factorise, solve, output]: [f64; 6]) -> Self {
+        Self {
+            elements,
+            contact,
+            assembly,
+            factorise,
+            solve,
+            output,
+        }
+    }
+}
+
+/// How well the energies close (theory F): every term is integrated where it arises and none is
+/// found by difference, so that
+///
+/// error = maxᵢ |W − (E + D_pd + D_i + D_v)|ᵢ / maxᵢ |W|ᵢ over all increments i,
+///
+/// with W the work of reactions and loads, E the elastic energy, and D the plastic and damage,
+/// interface and viscous dissipations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// maxᵢ |W − (E + ΣD)|ᵢ [J].
+    gap: f64,
+    /// maxᵢ |W|ᵢ [J].
+    work: f64,
+}
+
+impl EnergyBalance {
+    /// Adds an increment.
+    pub fn push(&mut self, row: &HistoryRow) {
+        let inside = row.elastic_energy_J
+            + row.plastic_damage_dissipation_J
+            + row.interface_dissipation_J
+            + row.viscous_dissipation_J;
+        self.gap = larger(self.gap, (row.external_work_J - inside).abs());
+        self.work = larger(self.work, row.external_work_J.abs());
+    }
+
+    /// The error [-]; zero before any work is done.
+    pub fn error(&self) -> f64 {
+        if self.work == 0.0 {
+            0.0
+        } else {
+            self.gap / self.work
+        }
+    }
+}
+
+/// The larger of two; a NaN wins, since a balance that cannot be computed does not close.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
+/// What the summary needs beside the solver's own [`Summary`].
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The load-displacement curve.
+    pub curve: &'a Curve,
+    /// The energies.
+    pub energy: &'a EnergyBalance,
+    /// Wall-clock seconds of the run.
+    pub wall_s: f64,
+    /// CPU seconds of the run.
+    pub cpu_s: Option<f64>,
+    /// Largest resident memory [MB].
+    pub peak_rss_megabytes: Option<f64>,
+    /// Warnings of the model.
+    pub model_warnings: &'a [String],
+}
+
+impl SummaryFile {
+    /// Puts together what the solver knows and what was measured beside it.
+    pub fn new(run: &Summary, measured: &Measured<'_>) -> Self {
+        let peak = measured.curve.peak();
+        let warnings = measured
+            .model_warnings
+            .iter()
+            .chain(&run.warnings)
+            .cloned()
+            .collect();
+        Self {
+            status: run.status,
+            message: run.message.clone(),
+            peak_force_kN: peak.map(|p| p.force),
+            displacement_at_peak_mm: peak.map(|p| p.displacement),
+            displacement_at_80_percent_mm: measured.curve.displacement_at_80_percent(),
+            final_displacement_mm: measured.curve.final_displacement(),
+            initial_stiffness_kN_per_mm: measured.curve.initial_stiffness(),
+            units: run.sizes.units,
+            elements: run.sizes.elements,
+            nodes: run.sizes.nodes,
+            dofs: run.sizes.dofs,
+            contact_points: run.sizes.contact_points,
+            increments: run.increments,
+            iterations: run.iterations,
+            cutbacks: run.cutbacks,
+            wall_s: measured.wall_s,
+            cpu_s: measured.cpu_s,
+            seconds_by_phase: run.seconds_by_phase.into(),
+            peak_rss_MB: measured.peak_rss_megabytes,
+            energy_balance_error: measured.energy.error(),
+            threads: run.threads,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            warnings,
+        }
+    }
+
+    /// Writes the file whole or not at all.
+    ///
+    /// # Errors
+    /// The file, or its temporary neighbour, cannot be written.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        write_whole(path, text.as_bytes())
+    }
+}
+
+/// Writes a file by way of a temporary neighbour and a rename, so that under its own name it is
+/// either whole or not there.
+///
+/// # Errors
+/// The temporary file cannot be written or renamed; it is removed again.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(".tmp");
+    let temporary = Path::new(&temporary);
+    let written = File::create(temporary)
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(temporary, path));
+    if written.is_err() {
+        // Best effort: the error that matters is the first.
+        let _ = std::fs::remove_file(temporary);
+    }
+    written
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::fake;
+    use approx::assert_relative_eq;
+
+    fn row(work: f64, elastic: f64, dissipations: [f64; 3]) -> HistoryRow {
+        HistoryRow {
+            external_work_J: work,
+            elastic_energy_J: elastic,
+            plastic_damage_dissipation_J: dissipations[0],
+            interface_dissipation_J: dissipations[1],
+            viscous_dissipation_J: dissipations[2],
+            ..HistoryRow::default()
+        }
+    }
+
+    #[test]
+    fn the_energy_error_is_the_largest_gap_over_the_largest_work() {
+        let mut balance = EnergyBalance::default();
+        assert_eq!(balance.error(), 0.0);
+        balance.push(&row(10.0, 6.0, [1.0, 2.0, 0.5])); // gap 0.5
+        balance.push(&row(-50.0, -50.0, [0.0; 3])); // the largest work, no gap
+        balance.push(&row(20.0, 5.0, [5.0, 5.0, 5.25])); // gap 0.25
+        assert_relative_eq!(balance.error(), 0.01, max_relative = 1e-14); // one division
+        balance.push(&row(f64::NAN, 0.0, [0.0; 3]));
+        balance.push(&row(10.0, 10.0, [0.0; 3]));
+        assert!(balance.error().is_nan());
+    }
+
+    #[test]
+    fn the_keys_are_those_promised_in_their_order() {
+        let (curve, energy) = (Curve::default(), EnergyBalance::default());
+        let measured = Measured {
+            curve: &curve,
+            energy: &energy,
+            wall_s: 1.5,
+            cpu_s: Some(3.0),
+            peak_rss_megabytes: None,
+            model_warnings: &["of the model".to_owned()],
+        };
+        let mut run = fake::summary(Status::NotConverged);
+        run.warnings = vec!["of the run".to_owned()];
+        let text = serde_json::to_string(&SummaryFile::new(&run, &measured)).unwrap();
+        let keys = [
+            "status",
+            "message",
+            "peak_force_kN",
+            "displacement_at_peak_mm",
+            "displacement_at_80_percent_mm",
+            "final_displacement_mm",
+            "initial_stiffness_kN_per_mm",
+            "units",
+            "elements",
+            "nodes",
+            "dofs",
+            "contact_points",
+            "increments",
+            "iterations",
+            "cutbacks",
+            "wall_s",
+            "cpu_s",
+            "seconds_by_phase",
+            "elements",
+            "contact",
+            "assembly",
+            "factorise",
+            "solve",
+            "output",
+            "peak_rss_MB",
+            "energy_balance_error",
+            "threads",
+            "version",
+            "warnings",
+        ];
+        let mut rest = text.as_str();
+        for key in keys {
+            let quoted = format!("\"{key}\":");
+            let at = rest
+                .find(&quoted)
+                .unwrap_or_else(|| panic!("{key} is missing in {text}"));
+            rest = &rest[at + quoted.len()..];
+        }
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(value.as_object().unwrap().len(), keys.len() - 6);
+        assert_eq!(value["status"], "not_converged");
+        assert!(value["displacement_at_80_percent_mm"].is_null());
+        assert_eq!(
+            value["warnings"],
+            serde_json::json!(["of the model", "of the run"])
+        );
+    }
+
+    #[test]
+    fn a_file_is_whole_or_absent() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("summary.json");
+        write_whole(&path, b"whole").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+        // A folder in the way of the temporary file: the old content must stay.
+        std::fs::create_dir(folder.path().join("summary.json.tmp")).unwrap();
+        assert!(write_whole(&path, b"half").is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+    }
+}
