@@ -6,21 +6,30 @@ use std::path::Path;
 
 use nalgebra::Vector6;
 use wythe::contact::{Coupling, InterfaceLaw};
-use wythe::material::{
-    DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow,
-};
+use wythe::material::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
 
 /// A CSV file with `#` comments: column name → values.
 pub fn csv(path: &str) -> HashMap<String, Vec<f64>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(path);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let mut lines = text.lines().filter(|l| !l.starts_with('#') && !l.trim().is_empty());
-    let names: Vec<String> =
-        lines.next().expect("a header").split(',').map(|n| n.trim().to_owned()).collect();
+    let mut lines = text
+        .lines()
+        .filter(|l| !l.starts_with('#') && !l.trim().is_empty());
+    let names: Vec<String> = lines
+        .next()
+        .expect("a header")
+        .split(',')
+        .map(|n| n.trim().to_owned())
+        .collect();
     let mut columns: HashMap<String, Vec<f64>> = HashMap::new();
     for line in lines {
         for (name, field) in names.iter().zip(line.split(',')) {
-            columns.entry(name.clone()).or_default().push(field.trim().parse().unwrap_or(f64::NAN));
+            columns
+                .entry(name.clone())
+                .or_default()
+                .push(field.trim().parse().unwrap_or(f64::NAN));
         }
     }
     columns
@@ -37,15 +46,27 @@ pub fn strains(table: &HashMap<String, Vec<f64>>) -> Vec<Vector6<f64>> {
 fn rows(table: &[[f64; 3]]) -> Vec<TableRow> {
     table
         .iter()
-        .map(|r| TableRow { stress: r[0], inelastic_strain: r[1], damage: r[2] })
+        .map(|r| TableRow {
+            stress: r[0],
+            inelastic_strain: r[1],
+            damage: r[2],
+        })
         .collect()
 }
 
 /// Table 2 and Table 3 of the paper.
 #[allow(non_snake_case)]
-fn quasi_brittle(E: f64, tension: &[[f64; 3]], compression: &[[f64; 3]]) -> DamagePlasticityParameters {
+fn quasi_brittle(
+    E: f64,
+    tension: &[[f64; 3]],
+    compression: &[[f64; 3]],
+) -> DamagePlasticityParameters {
     DamagePlasticityParameters {
-        elastic: ElasticParameters { E, nu: 0.15, density: 0.0 },
+        elastic: ElasticParameters {
+            E,
+            nu: 0.15,
+            density: 0.0,
+        },
         tension: rows(tension),
         compression: rows(compression),
         dilation_angle: 10.0_f64.to_radians(),

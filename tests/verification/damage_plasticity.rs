@@ -14,7 +14,9 @@ use wythe::sym6;
 const STRESS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
 fn law(parameters: &DamagePlasticityParameters) -> DamagePlasticity {
-    DamagePlasticity::new(parameters, None).expect("the tables are sound").0
+    DamagePlasticity::new(parameters, None)
+        .expect("the tables are sound")
+        .0
 }
 
 fn drive(
@@ -28,7 +30,10 @@ fn drive(
     for strain in path {
         for k in 1..=substeps {
             let at = last + (strain - last) * (k as f64 / substeps as f64);
-            history = law.update(&at, &history, 1.0, false).expect("an answer").history;
+            history = law
+                .update(&at, &history, 1.0, false)
+                .expect("an answer")
+                .history;
         }
         last = *strain;
         stresses.push(history.stress);
@@ -44,13 +49,18 @@ fn golden(name: &str, parameters: &DamagePlasticityParameters) {
         (0..path.len())
             .map(|i| {
                 Vector6::from_iterator(
-                    STRESS.iter().map(|c| table[&format!("{prefix}_{c}_MPa")][i]),
+                    STRESS
+                        .iter()
+                        .map(|c| table[&format!("{prefix}_{c}_MPa")][i]),
                 )
             })
             .collect()
     };
     let worst = |a: &[Vector6<f64>], b: &[Vector6<f64>]| {
-        a.iter().zip(b).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max)
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).amax())
+            .fold(0.0, f64::max)
     };
     let (one, _) = drive(&law, &path, 1);
     let error = worst(&one, &columns("sigBE"));
@@ -89,8 +99,12 @@ fn tables_of_the_golden_curves() {
     for (name, parameters) in [("brick", brick()), ("mortar850", mortar(850.0))] {
         let table = csv(&format!("golden/tables_{name}_eff1.csv"));
         let law = law(&parameters);
-        let nodes: Vec<_> =
-            law.tension().nodes().iter().chain(law.compression().nodes()).collect();
+        let nodes: Vec<_> = law
+            .tension()
+            .nodes()
+            .iter()
+            .chain(law.compression().nodes())
+            .collect();
         assert_eq!(nodes.len(), table["kappa"].len());
         for (i, node) in nodes.iter().enumerate() {
             // Fifteen printed digits.
@@ -109,7 +123,12 @@ fn inadmissible_damage_of_the_mortar_is_capped_and_reported() {
     // Theory A.5 prints five digits.
     assert_eq!(*row, 2);
     assert!((to - 0.93865).abs() < 5e-6, "{to}");
-    assert!(DamagePlasticity::new(&mortar(2300.0), None).expect("sound").1.is_empty());
+    assert!(
+        DamagePlasticity::new(&mortar(2300.0), None)
+            .expect("sound")
+            .1
+            .is_empty()
+    );
 }
 
 #[test]
@@ -128,7 +147,11 @@ fn first_yield_of_the_paper_is_exact() {
             fields.next().and_then(|v| v.parse::<f64>().ok()),
         );
         let Some(value) = value else { continue };
-        let law = law(&if material == "brick" { brick() } else { mortar(850.0) });
+        let law = law(&if material == "brick" {
+            brick()
+        } else {
+            mortar(850.0)
+        });
         let ratio = |s: &str| s.trim().parse::<f64>().expect("a ratio");
         let direction = if let Some(r) = path.strip_prefix("CC 1:") {
             Vector6::new(-1.0, -ratio(r), 0.0, 0.0, 0.0, 0.0)
@@ -148,7 +171,10 @@ fn first_yield_of_the_paper_is_exact() {
         let scale = direction.amax();
         let found = -f0 / f1 * scale;
         // The file prints six digits.
-        assert!((found - value).abs() <= 1e-6 * value + 5e-5, "{line}: {found}");
+        assert!(
+            (found - value).abs() <= 1e-6 * value + 5e-5,
+            "{line}: {found}"
+        );
         checked += 1;
     }
     assert_eq!(checked, 22);
@@ -190,8 +216,16 @@ fn lee_and_fenves_uniaxial_laws_through_tables() {
         parameters.elastic.nu = 0.0;
         let other = if tension { [18.3, 18.3] } else { [3.48, 3.48] };
         let flat = vec![
-            TableRow { stress: other[0], inelastic_strain: 0.0, damage: 0.0 },
-            TableRow { stress: other[1], inelastic_strain: 0.01, damage: 0.0 },
+            TableRow {
+                stress: other[0],
+                inelastic_strain: 0.0,
+                damage: 0.0,
+            },
+            TableRow {
+                stress: other[1],
+                inelastic_strain: 0.01,
+                damage: 0.0,
+            },
         ];
         if tension {
             parameters.tension = coarse;
@@ -224,7 +258,9 @@ fn lee_and_fenves_uniaxial_laws_through_tables() {
 fn uniaxial(law: &DamagePlasticity, axial: f64, old: &MaterialHistory) -> (MaterialHistory, f64) {
     let at = |lateral: f64| {
         let strain = Vector6::new(axial, lateral, lateral, 0.0, 0.0, 0.0);
-        law.update(&strain, old, 1.0, false).expect("an answer").history
+        law.update(&strain, old, 1.0, false)
+            .expect("an answer")
+            .history
     };
     // Effective lateral stress rises with the lateral strain.
     let (mut low, mut high) = (-0.1, 0.1);
@@ -385,7 +421,10 @@ fn dissipation_and_balance_on_random_walks() {
             }
             // The identity of the trapezoidal rule: rounding of sums of some 0.1 N/mm².
             let error = (work - elastic - dissipated).abs();
-            assert!(error < 1e-12 * (1.0 + work.abs()), "{error:.2e} of {work:.2e}");
+            assert!(
+                error < 1e-12 * (1.0 + work.abs()),
+                "{error:.2e} of {work:.2e}"
+            );
         }
     }
 }
@@ -401,7 +440,10 @@ fn uniaxial_cycles_dissipate() {
         let old = history;
         let (new, lateral) = uniaxial(&law, axial, &old);
         let strain = Vector6::new(axial, lateral, lateral, 0.0, 0.0, 0.0);
-        let energy = law.update(&strain, &old, 1.0, false).expect("an answer").energy;
+        let energy = law
+            .update(&strain, &old, 1.0, false)
+            .expect("an answer")
+            .energy;
         total += energy.plastic_damage;
         history = new;
     }
@@ -418,7 +460,10 @@ fn cold_random_steps_always_find_their_root() {
             let size = 10.0_f64.powf(-5.0 + 4.0 * random.uniform());
             let strain = Vector6::from_fn(|_, _| random.signed() * size);
             let old = MaterialHistory::default();
-            let new = law.update(&strain, &old, 1.0, false).expect("a root").history;
+            let new = law
+                .update(&strain, &old, 1.0, false)
+                .expect("a root")
+                .history;
             let c0 = wythe::material::elastic_stiffness(&parameters.elastic);
             let effective = c0 * (strain - new.plastic_strain);
             let f = law.yield_function(&effective, new.kappa_t, new.kappa_c);
@@ -430,12 +475,17 @@ fn cold_random_steps_always_find_their_root() {
 
 #[test]
 fn viscosity_vanishes_with_its_coefficient_and_delays_otherwise() {
-    let path: Vec<_> =
-        (1..=40).map(|k| Vector6::new(2e-5 * f64::from(k), 0.0, 0.0, 0.0, 0.0, 0.0)).collect();
+    let path: Vec<_> = (1..=40)
+        .map(|k| Vector6::new(2e-5 * f64::from(k), 0.0, 0.0, 0.0, 0.0, 0.0))
+        .collect();
     let with = |viscosity: f64| {
         let mut p = brick();
         p.viscosity = viscosity;
-        drive(&law(&p), &path, 1).0.iter().map(|s| s[0]).fold(0.0, f64::max)
+        drive(&law(&p), &path, 1)
+            .0
+            .iter()
+            .map(|s| s[0])
+            .fold(0.0, f64::max)
     };
     let peak = with(0.0);
     // First order in μ.

@@ -8,10 +8,20 @@ use wythe::contact::{Coupling, InterfaceHistory, InterfaceLaw, Shift};
 
 fn laws() -> Vec<InterfaceLaw> {
     let mut all = vec![table_1(), table_3()];
-    let hardening = InterfaceLaw { mu: 1.4, zeta: 0.2, xi: 6.0, ..table_1() };
+    let hardening = InterfaceLaw {
+        mu: 1.4,
+        zeta: 0.2,
+        xi: 6.0,
+        ..table_1()
+    };
     all.push(hardening);
-    let additive: Vec<_> =
-        all.iter().map(|l| InterfaceLaw { coupling: Coupling::Additive, ..*l }).collect();
+    let additive: Vec<_> = all
+        .iter()
+        .map(|l| InterfaceLaw {
+            coupling: Coupling::Additive,
+            ..*l
+        })
+        .collect();
     all.extend(additive);
     all.push(InterfaceLaw::dry(0.65, 5000.0, 2000.0));
     all
@@ -66,13 +76,21 @@ fn golden_curves() {
 fn figure_7_tension_and_shear() {
     let law = table_1();
     assert!((law.mode_1_energy() * 1e3 - 12.08).abs() < 5e-3);
-    for (sigma, peak, residual) in [(0.1, 0.971, 0.073), (0.5, 1.375, 0.365), (1.0, 1.880, 0.730)] {
+    for (sigma, peak, residual) in [
+        (0.1, 0.971, 0.073),
+        (0.5, 1.375, 0.365),
+        (1.0, 1.880, 0.730),
+    ] {
         let u = -sigma / law.normal_stiffness;
         let mut history = law.virgin();
         let mut top: f64 = 0.0;
         for k in 1..=4500 {
             // Elastic slip is 2e-5 mm at k_s: finer at first.
-            let d = if k <= 500 { 1e-7 * f64::from(k) } else { 1e-4 * f64::from(k - 500) + 5e-5 };
+            let d = if k <= 500 {
+                1e-7 * f64::from(k)
+            } else {
+                1e-4 * f64::from(k - 500) + 5e-5
+            };
             history = law.update([u, d, 0.0], &history).history;
             top = top.max(history.traction[1]);
         }
@@ -97,7 +115,9 @@ fn softening_curves_of_the_data() {
         for (i, slip) in table["slip_mm"].iter().enumerate() {
             let golden = table[column][i];
             let d = slip + golden / law.shear_stiffness;
-            let tau = law.update([-sigma / law.normal_stiffness, d, 0.0], &law.virgin()).traction[1];
+            let tau = law
+                .update([-sigma / law.normal_stiffness, d, 0.0], &law.virgin())
+                .traction[1];
             // Six printed digits; slip measured without its elastic part.
             assert!((tau - golden).abs() < 6e-6, "{tau} {golden}");
         }
@@ -117,7 +137,11 @@ fn walk(random: &mut Random, law: &InterfaceLaw, steps: usize) -> Vec<[f64; 3]> 
                 gap[k] += unit * (drift[k] + 0.3 * random.signed());
             }
             // Closed contact lives on the scale of the penetration.
-            let u = if gap[0] < 0.0 { gap[0] * 2.0 / (law.normal_stiffness * unit) } else { gap[0] };
+            let u = if gap[0] < 0.0 {
+                gap[0] * 2.0 / (law.normal_stiffness * unit)
+            } else {
+                gap[0]
+            };
             [u, gap[1], gap[2]]
         })
         .collect()
@@ -156,7 +180,10 @@ fn tangents_match_central_differences() {
                     if central > 1e-4 * scale {
                         kinks += 1;
                         let nearest = one_sided[0].min(one_sided[1]);
-                        assert!(nearest < 1e-3 * scale, "{nearest:.2e} {central:.2e} {law:?}");
+                        assert!(
+                            nearest < 1e-3 * scale,
+                            "{nearest:.2e} {central:.2e} {law:?}"
+                        );
                     }
                     checked += 1;
                 }
@@ -244,7 +271,14 @@ fn the_shifted_law_converges_to_the_law() {
                 let stiffness = [law.normal_stiffness / 4.0, law.shear_stiffness / 4.0];
                 let mut shifted = direct;
                 for _ in 0..400 {
-                    shifted = law.update_shifted(gap, &old, &Shift { stiffness, traction });
+                    shifted = law.update_shifted(
+                        gap,
+                        &old,
+                        &Shift {
+                            stiffness,
+                            traction,
+                        },
+                    );
                     traction = shifted.traction;
                 }
                 for k in 0..3 {

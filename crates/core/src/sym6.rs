@@ -12,10 +12,7 @@ pub fn mean(s: &Vector6<f64>) -> f64 {
 
 /// s:s of a stress-like tensor (shear components as they are).
 pub fn norm_squared(s: &Vector6<f64>) -> f64 {
-    s[0] * s[0]
-        + s[1] * s[1]
-        + s[2] * s[2]
-        + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
+    s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
 }
 
 /// As a matrix; stress-like.
@@ -25,7 +22,14 @@ pub fn matrix(s: &Vector6<f64>) -> Matrix3<f64> {
 
 /// n ⊗ n, stress-like.
 pub fn dyad(n: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.y * n.z, n.z * n.x)
+    Vector6::new(
+        n.x * n.x,
+        n.y * n.y,
+        n.z * n.z,
+        n.x * n.y,
+        n.y * n.z,
+        n.z * n.x,
+    )
 }
 
 /// Principal values in descending order and their directions (columns), by Jacobi's rotations:

@@ -115,8 +115,14 @@ impl ElementShape {
         let inverse = |p: [f64; 3], point: usize| {
             let j = jacobian(&relative, &derivatives(p));
             let determinant = j.determinant();
-            let inverse = if determinant > 0.0 { j.try_inverse() } else { None };
-            inverse.map(|i| (i, determinant)).ok_or(ShapeError::Jacobian { point, determinant })
+            let inverse = if determinant > 0.0 {
+                j.try_inverse()
+            } else {
+                None
+            };
+            inverse
+                .map(|i| (i, determinant))
+                .ok_or(ShapeError::Jacobian { point, determinant })
         };
         let (inverse0, det0) = inverse([0.0; 3], 8)?;
         let at_centre = derivatives([0.0; 3]);
@@ -173,7 +179,15 @@ impl ElementShape {
                 }
             }
         }
-        Ok(Self { relative, operator, weight, gradient, volume, point_stiffness, stiffness })
+        Ok(Self {
+            relative,
+            operator,
+            weight,
+            gradient,
+            volume,
+            point_stiffness,
+            stiffness,
+        })
     }
 
     /// Strains at the Gauss points of local displacements [mm].
@@ -262,7 +276,12 @@ fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
 fn constant_dilatation(b: &mut [SMatrix<f64, 6, 24>; 8], weight: &[f64; 8], volume: f64) {
     for column in 0..24 {
         let dilatation = |b: &SMatrix<f64, 6, 24>| b[(0, column)] + b[(1, column)] + b[(2, column)];
-        let mean = b.iter().zip(weight).map(|(b, w)| dilatation(b) * w).sum::<f64>() / volume;
+        let mean = b
+            .iter()
+            .zip(weight)
+            .map(|(b, w)| dilatation(b) * w)
+            .sum::<f64>()
+            / volume;
         for b in b.iter_mut() {
             let shift = (mean - dilatation(b)) / 3.0;
             for i in 0..3 {

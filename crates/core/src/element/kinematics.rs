@@ -49,7 +49,10 @@ fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
         }
     }
     // The last digits may alternate.
-    (r.transpose() * r - Matrix3::identity()).amax().le(&1e-13).then_some(r)
+    (r.transpose() * r - Matrix3::identity())
+        .amax()
+        .le(&1e-13)
+        .then_some(r)
 }
 
 impl Corotated {
@@ -89,7 +92,13 @@ impl Corotated {
                 local[3 * a + i] = position[a][i] - shape.relative[a][i];
             }
         }
-        Ok(Self { rotation, local, stretch, position, spin })
+        Ok(Self {
+            rotation,
+            local,
+            stretch,
+            position,
+            spin,
+        })
     }
 
     /// p = W⁻¹ Σ x̄_a × f̄_a.

@@ -51,9 +51,7 @@ impl DamagePlasticity {
     ) -> Result<(Self, Vec<TableWarning>), TableError> {
         let p = parameters;
         let scaling = p.reference_length.zip(l_eq);
-        let curve = |branch, rows| {
-            Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation)
-        };
+        let curve = |branch, rows| Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation);
         let (tension, mut warnings) = curve(Branch::Tension, &p.tension)?;
         let (compression, more) = curve(Branch::Compression, &p.compression)?;
         warnings.extend(more);
@@ -112,11 +110,19 @@ impl DamagePlasticity {
             kappa_c: inviscid.point.kappa_c,
             damage: inviscid.damage,
             tensile_damage: inviscid.point.tension.damage.max(old.tensile_damage),
-            compressive_damage: inviscid.point.compression.damage.max(old.compressive_damage),
+            compressive_damage: inviscid
+                .point
+                .compression
+                .damage
+                .max(old.compressive_damage),
             ..*old
         };
         // Theory A.7: backward Euler of Duvaut–Lions, θ = Δt/(μ+Δt).
-        let theta = if self.viscosity > 0.0 { dt / (self.viscosity + dt) } else { 1.0 };
+        let theta = if self.viscosity > 0.0 {
+            dt / (self.viscosity + dt)
+        } else {
+            1.0
+        };
         history.viscous_strain =
             history.plastic_strain * theta + old.viscous_strain * (1.0 - theta);
         history.viscous_damage = theta * history.damage + (1.0 - theta) * old.viscous_damage;
@@ -142,7 +148,12 @@ impl DamagePlasticity {
         } else {
             Matrix6::zeros()
         };
-        Ok(Response { stress, tangent, history, energy })
+        Ok(Response {
+            stress,
+            tangent,
+            history,
+            energy,
+        })
     }
 
     /// Intact part and stress with extrapolated viscous strain and damage.
@@ -155,7 +166,10 @@ impl DamagePlasticity {
         let most = MOST_DAMAGE.max(old.viscous_damage);
         let damage = (old.viscous_damage + ratio * old.viscous_damage_step).clamp(0.0, most);
         let viscous = old.viscous_strain + old.viscous_strain_step * ratio;
-        (1.0 - damage, hooke(&self.elastic, &(strain - viscous)) * (1.0 - damage))
+        (
+            1.0 - damage,
+            hooke(&self.elastic, &(strain - viscous)) * (1.0 - damage),
+        )
     }
 
     /// The inviscid step from a trial stress.
@@ -170,7 +184,13 @@ impl DamagePlasticity {
         let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
         let virgin = old.kappa_t == 0.0 && old.kappa_c == 0.0;
         if virgin && self.surely_elastic(mean, q) {
-            let trial = TrialStress { mean, q, s: [0.0; 3], kappa_t: 0.0, kappa_c: 0.0 };
+            let trial = TrialStress {
+                mean,
+                q,
+                s: [0.0; 3],
+                kappa_t: 0.0,
+                kappa_c: 0.0,
+            };
             let tangent = if want_tangent {
                 super::elastic_stiffness(&self.elastic)
             } else {
@@ -186,7 +206,13 @@ impl DamagePlasticity {
             });
         }
         let (s, directions) = sym6::principal(&deviator);
-        let trial = TrialStress { mean, q, s, kappa_t: old.kappa_t, kappa_c: old.kappa_c };
+        let trial = TrialStress {
+            mean,
+            q,
+            s,
+            kappa_t: old.kappa_t,
+            kappa_c: old.kappa_c,
+        };
         let mut point = self.point(&trial, 0.0);
         let plastic = point.f > YIELD * point.compression.effective;
         if plastic {
@@ -195,7 +221,11 @@ impl DamagePlasticity {
         // ε_p from the flow rule: N = (3/2) s/A + (T/3) 1, s = η s_tr; shear components doubled.
         let mut flow = Vector6::zeros();
         if plastic {
-            let factor = if point.a > 0.0 { 1.5 * point.eta / point.a } else { 0.0 };
+            let factor = if point.a > 0.0 {
+                1.5 * point.eta / point.a
+            } else {
+                0.0
+            };
             for i in 0..3 {
                 flow[i] = point.lambda * (factor * deviator[i] + self.dilation / 3.0);
                 flow[3 + i] = point.lambda * factor * deviator[3 + i] * 2.0;
@@ -248,7 +278,10 @@ impl DamagePlasticity {
             directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
         average_repeated(&trial.s, &mut grad_s);
 
-        let along = Variation { lambda: 1.0, ..Variation::default() };
+        let along = Variation {
+            lambda: 1.0,
+            ..Variation::default()
+        };
         let by_lambda = self.slope(trial, &p, &along);
         let mut eta = Vector6::zeros();
         let mut mean = Vector6::zeros();
@@ -266,7 +299,11 @@ impl DamagePlasticity {
             let slope = self.slope(trial, &p, &v);
             eta[k] = slope.eta;
             mean[k] = slope.mean;
-            let (kt, kc) = if plastic { (slope.kappa_t, slope.kappa_c) } else { (0.0, 0.0) };
+            let (kt, kc) = if plastic {
+                (slope.kappa_t, slope.kappa_c)
+            } else {
+                (0.0, 0.0)
+            };
             damage[k] = self.damage_slope(&p, kt, kc, slope.r);
         }
         let mut tangent = Matrix6::zeros();
@@ -343,7 +380,13 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
     let mean = sym6::mean(stress);
     let deviator = stress - sym6::UNIT * mean;
     let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
-    TrialStress { mean, q, s: sym6::principal(&deviator).0, kappa_t, kappa_c }
+    TrialStress {
+        mean,
+        q,
+        s: sym6::principal(&deviator).0,
+        kappa_t,
+        kappa_c,
+    }
 }
 
 /// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no

@@ -105,7 +105,10 @@ pub(crate) fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f6
     )
 }
 
-fn elastic(parameters: &ElasticParameters, strain: &Vector6<f64>) -> Result<Response, LocalFailure> {
+fn elastic(
+    parameters: &ElasticParameters,
+    strain: &Vector6<f64>,
+) -> Result<Response, LocalFailure> {
     if !strain.iter().all(|e| e.is_finite()) {
         return Err(LocalFailure::StrainNotFinite);
     }
@@ -113,7 +116,13 @@ fn elastic(parameters: &ElasticParameters, strain: &Vector6<f64>) -> Result<Resp
     Ok(Response {
         stress,
         tangent: elastic_stiffness(parameters),
-        history: MaterialHistory { stress, ..MaterialHistory::default() },
-        energy: PointEnergy { elastic: 0.5 * stress.dot(strain), ..PointEnergy::default() },
+        history: MaterialHistory {
+            stress,
+            ..MaterialHistory::default()
+        },
+        energy: PointEnergy {
+            elastic: 0.5 * stress.dot(strain),
+            ..PointEnergy::default()
+        },
     })
 }

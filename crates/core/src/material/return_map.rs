@@ -74,7 +74,11 @@ pub(super) struct Slope {
 /// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory A.4).
 pub(super) fn weight(stress: &[f64; 3]) -> f64 {
     let sum: f64 = stress.iter().map(|s| s.abs()).sum();
-    if sum > 0.0 { stress.iter().map(|s| s.max(0.0)).sum::<f64>() / sum } else { 0.0 }
+    if sum > 0.0 {
+        stress.iter().map(|s| s.max(0.0)).sum::<f64>() / sum
+    } else {
+        0.0
+    }
 }
 
 impl DamagePlasticity {
@@ -119,8 +123,8 @@ impl DamagePlasticity {
         let kappa_c = trial.kappa_c + lambda * (1.0 - r) * (-n_min).max(0.0);
         let tension = self.tension.at(kappa_t);
         let compression = self.compression.at(kappa_c);
-        let beta = (1.0 - self.alpha) * compression.effective / tension.effective
-            - (1.0 + self.alpha);
+        let beta =
+            (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha);
         let largest = stress[0];
         let slope = if largest >= 0.0 { beta } else { self.gamma };
         let f = q + 3.0 * self.alpha * mean + slope * largest
@@ -167,16 +171,24 @@ impl DamagePlasticity {
             }
         }
         let dn = |i: usize| {
-            if p.a > 0.0 { 1.5 * (ds(i) / p.a - p.eta * trial.s[i] * p.q * dq / cubed) } else { 0.0 }
+            if p.a > 0.0 {
+                1.5 * (ds(i) / p.a - p.eta * trial.s[i] * p.q * dq / cubed)
+            } else {
+                0.0
+            }
         };
-        let mut slope = Slope { eta: deta, mean: dmean, r: dr, ..Slope::default() };
+        let mut slope = Slope {
+            eta: deta,
+            mean: dmean,
+            r: dr,
+            ..Slope::default()
+        };
         if p.n_max > 0.0 {
-            slope.kappa_t =
-                p.r * p.n_max * v.lambda + lambda * (p.n_max * dr + p.r * dn(0));
+            slope.kappa_t = p.r * p.n_max * v.lambda + lambda * (p.n_max * dr + p.r * dn(0));
         }
         if p.n_min < 0.0 {
-            slope.kappa_c = -(1.0 - p.r) * p.n_min * v.lambda
-                + lambda * (p.n_min * dr - (1.0 - p.r) * dn(2));
+            slope.kappa_c =
+                -(1.0 - p.r) * p.n_min * v.lambda + lambda * (p.n_min * dr - (1.0 - p.r) * dn(2));
         }
         let dsc = p.compression.effective_slope * slope.kappa_c;
         let dst = p.tension.effective_slope * slope.kappa_t;
@@ -188,10 +200,7 @@ impl DamagePlasticity {
         } else {
             (self.gamma, 0.0)
         };
-        slope.f = dq
-            + 3.0 * self.alpha * dmean
-            + dbeta * largest.max(0.0)
-            + factor * stress[0]
+        slope.f = dq + 3.0 * self.alpha * dmean + dbeta * largest.max(0.0) + factor * stress[0]
             - (1.0 - self.alpha) * dsc;
         slope
     }
@@ -199,7 +208,10 @@ impl DamagePlasticity {
     /// Root of f(λ) beyond a trial state with f(0) > 0: Newton inside a bracket.
     pub(super) fn solve(&self, trial: &TrialStress) -> Result<Point, LocalFailure> {
         let tolerance = 1e-12 * self.compression.first_yield();
-        let along = Variation { lambda: 1.0, ..Variation::default() };
+        let along = Variation {
+            lambda: 1.0,
+            ..Variation::default()
+        };
         let start = self.point(trial, 0.0);
         let (mut low, mut high) = (0.0, start.f / (3.0 * self.shear));
         // f → −∞: doubling ends.

@@ -93,7 +93,13 @@ pub enum TableWarning {
 
 impl fmt::Display for TableWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::DamageCapped { branch, row, from, to, l_eq } = self;
+        let Self::DamageCapped {
+            branch,
+            row,
+            from,
+            to,
+            l_eq,
+        } = self;
         write!(
             f,
             "{branch} row {row}: damage {from} is inadmissible with this E, stress and strain (the \
@@ -157,9 +163,17 @@ impl Curve {
         let rows = scale(branch, rows, e, scaling)?;
         let l_eq = scaling.map(|(_, l_eq)| l_eq);
         let mut warnings: Vec<TableWarning> = Vec::new();
-        let mut nodes = vec![Node { kappa: 0.0, stress: rows[0].stress, effective: rows[0].stress }];
+        let mut nodes = vec![Node {
+            kappa: 0.0,
+            stress: rows[0].stress,
+            effective: rows[0].stress,
+        }];
         let mut before = (0.0, 0.0, 0.0); // ε_in, ε_pl, d of the last node
-        let pieces = if interpolation == Interpolation::Lit { PIECES } else { 1 };
+        let pieces = if interpolation == Interpolation::Lit {
+            PIECES
+        } else {
+            1
+        };
         for (i, pair) in rows.windows(2).enumerate() {
             for piece in 1..=pieces {
                 let s = piece as f64 / pieces as f64;
@@ -184,12 +198,22 @@ impl Curve {
                     }
                     if piece == pieces {
                         let (row, from, to) = (i + 2, given, damage);
-                        warnings.push(TableWarning::DamageCapped { branch, row, from, to, l_eq });
+                        warnings.push(TableWarning::DamageCapped {
+                            branch,
+                            row,
+                            from,
+                            to,
+                            l_eq,
+                        });
                     }
                 }
                 before = (inelastic, plastic, damage);
                 let effective = stress + e * (inelastic - plastic);
-                nodes.push(Node { kappa: plastic, stress, effective });
+                nodes.push(Node {
+                    kappa: plastic,
+                    stress,
+                    effective,
+                });
             }
         }
         Ok((Self { nodes }, warnings))
@@ -219,8 +243,10 @@ impl Curve {
         let upper = self.nodes.partition_point(|n| n.kappa <= kappa).max(1);
         let (a, b) = (self.nodes[upper - 1], self.nodes[upper]);
         let width = b.kappa - a.kappa;
-        let (slope, effective_slope) =
-            ((b.stress - a.stress) / width, (b.effective - a.effective) / width);
+        let (slope, effective_slope) = (
+            (b.stress - a.stress) / width,
+            (b.effective - a.effective) / width,
+        );
         let ahead = kappa - a.kappa;
         let stress = a.stress + slope * ahead;
         let effective = a.effective + effective_slope * ahead;
@@ -238,21 +264,40 @@ pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
     if rows.len() < 2 {
         return Err(TableError::TooShort { branch });
     }
-    let wrong = |row: usize, what: String| Err(TableError::Row { branch, row: row + 1, what });
+    let wrong = |row: usize, what: String| {
+        Err(TableError::Row {
+            branch,
+            row: row + 1,
+            what,
+        })
+    };
     for (i, row) in rows.iter().enumerate() {
-        let TableRow { stress, inelastic_strain, damage } = *row;
+        let TableRow {
+            stress,
+            inelastic_strain,
+            damage,
+        } = *row;
         if !(stress.is_finite() && stress > 0.0) {
-            return wrong(i, format!("stress {stress} must be positive (a residual keeps it so)"));
+            return wrong(
+                i,
+                format!("stress {stress} must be positive (a residual keeps it so)"),
+            );
         }
         if !(damage >= 0.0 && damage < 1.0) {
             return wrong(i, format!("damage {damage} must be at least 0 and below 1"));
         }
         if !inelastic_strain.is_finite() {
-            return wrong(i, format!("inelastic strain {inelastic_strain} must be finite"));
+            return wrong(
+                i,
+                format!("inelastic strain {inelastic_strain} must be finite"),
+            );
         }
         if i == 0 {
             if inelastic_strain != 0.0 || damage != 0.0 {
-                return wrong(0, "the first row is first yield: strain 0 and damage 0".to_owned());
+                return wrong(
+                    0,
+                    "the first row is first yield: strain 0 and damage 0".to_owned(),
+                );
             }
         } else {
             let before = rows[i - 1];
@@ -268,7 +313,10 @@ pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
             if damage < before.damage {
                 return wrong(
                     i,
-                    format!("damage {damage} must not be below {} of the row before", before.damage),
+                    format!(
+                        "damage {damage} must not be below {} of the row before",
+                        before.damage
+                    ),
                 );
             }
         }
@@ -308,7 +356,12 @@ fn scale(
         let width = rows[i].inelastic_strain - rows[i - 1].inelastic_strain;
         let l_max = l_ref * e * width / fall;
         if fall > 0.0 && l_eq >= l_max {
-            return Err(TableError::SnapBack { branch, row: i + 1, l_eq, l_max });
+            return Err(TableError::SnapBack {
+                branch,
+                row: i + 1,
+                l_eq,
+                l_max,
+            });
         }
     }
     Ok(scaled)

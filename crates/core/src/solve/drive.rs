@@ -61,7 +61,9 @@ impl<'m> Run<'m> {
         let mut system = System::new(model)?;
         let state = system.initial_state(model);
         let warnings = system.bulk.warnings.iter();
-        let warnings = warnings.map(|(name, w)| format!("material {name}: {w}")).collect();
+        let warnings = warnings
+            .map(|(name, w)| format!("material {name}: {w}"))
+            .collect();
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
         let sizes = Sizes {
             units,
@@ -82,7 +84,15 @@ impl<'m> Run<'m> {
             warnings,
         };
         let (clock, trial) = (Clock::default(), Trial::default());
-        Ok(Self { model, system, state, trial, summary, clock, output_seconds: 0.0 })
+        Ok(Self {
+            model,
+            system,
+            state,
+            trial,
+            summary,
+            clock,
+            output_seconds: 0.0,
+        })
     }
 
     /// One step; false if the run ends here.
@@ -128,7 +138,7 @@ impl<'m> Run<'m> {
                         "stopped by the user".clone_into(&mut self.summary.message);
                         return Ok(false);
                     }
-                    schedule.accept(increment, growth(step, report.iterations, rms));
+                    schedule.accept(increment, growth(step, increment, report.iterations, rms));
                     (cutbacks, extrapolate, solves) = (0, true, 0);
                 }
                 Err((refusal, spent)) => {
@@ -152,15 +162,23 @@ impl<'m> Run<'m> {
     /// The trial becomes the state.
     fn commit(&mut self, newton: &Newton, step: &Step, increment: Increment) {
         let (state, trial) = (&mut self.state, &mut self.trial);
-        let dq: Vec<f64> = newton.q().iter().zip(&state.q).map(|(new, old)| new - old).collect();
+        let dq: Vec<f64> = newton
+            .q()
+            .iter()
+            .zip(&state.q)
+            .map(|(new, old)| new - old)
+            .collect();
         let energies = &mut state.energies;
         for slot in self.system.dofs.beam_start..self.system.dofs.slots {
             energies.external += 0.5 * (state.force[slot] + trial.force[slot]) * dq[slot];
         }
         energies.elastic = trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
             + trial.point_energy.iter().map(|e| e[0]).sum::<f64>();
-        energies.plastic_damage +=
-            trial.element_energy.iter().map(|e| e.plastic_damage).sum::<f64>();
+        energies.plastic_damage += trial
+            .element_energy
+            .iter()
+            .map(|e| e.plastic_damage)
+            .sum::<f64>();
         energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
         energies.interface += trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
         let dt = increment.size * step.duration;
@@ -185,14 +203,14 @@ impl<'m> Run<'m> {
             Some((beam, direction)) => {
                 let slot = dofs.beam_slot(beam, direction);
                 let normal = self.model.beams[beam].normal;
-                let along: f64 =
-                    (0..3).map(|i| normal[i] * state.force[dofs.beam_slot(beam, i)]).sum();
+                let along: f64 = (0..3)
+                    .map(|i| normal[i] * state.force[dofs.beam_slot(beam, i)])
+                    .sum();
                 (state.q[slot], state.force[slot], -along)
             }
             None => (0.0, 0.0, 0.0),
         };
-        let count =
-            |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
+        let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let e = &state.energies;
         HistoryRow {
@@ -238,7 +256,11 @@ impl<'m> Run<'m> {
         let (state, mesh) = (&self.state, &self.model.mesh);
         let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
         self.system.dofs.spread(&state.q, &mut displacement);
-        let mut frame = Frame { time: state.time, displacement, ..Frame::default() };
+        let mut frame = Frame {
+            time: state.time,
+            displacement,
+            ..Frame::default()
+        };
         for points in state.material.chunks_exact(8) {
             let mean = |of: fn(&crate::material::MaterialHistory) -> nalgebra::Vector6<f64>| {
                 let sum: nalgebra::Vector6<f64> = points.iter().map(of).sum();
@@ -246,10 +268,15 @@ impl<'m> Run<'m> {
             };
             frame.stress.push(mean(|h| h.stress));
             frame.plastic_strain.push(mean(|h| h.plastic_strain));
-            frame.tensile_damage.push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
             frame
-                .compressive_damage
-                .push(points.iter().map(|h| h.compressive_damage).fold(0.0, f64::max));
+                .tensile_damage
+                .push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
+            frame.compressive_damage.push(
+                points
+                    .iter()
+                    .map(|h| h.compressive_damage)
+                    .fold(0.0, f64::max),
+            );
         }
         frame
     }
@@ -257,8 +284,14 @@ impl<'m> Run<'m> {
     /// Wall time so far.
     fn tally(&mut self, newton: &Newton) {
         let c = add(self.clock, newton.clock);
-        self.summary.seconds_by_phase =
-            [c.elements, c.contact, c.assembly, c.factorise, c.solve, self.output_seconds];
+        self.summary.seconds_by_phase = [
+            c.elements,
+            c.contact,
+            c.assembly,
+            c.factorise,
+            c.solve,
+            self.output_seconds,
+        ];
     }
 
     fn give_up(&mut self, step: usize, increment: Increment, refusal: &Refusal) {
@@ -273,7 +306,7 @@ impl<'m> Run<'m> {
 }
 
 /// How much larger the next increment may be.
-fn growth(step: &Step, iterations: usize, rms: f64) -> f64 {
+fn growth(step: &Step, increment: Increment, iterations: usize, rms: f64) -> f64 {
     let by_iterations = if iterations > 2 * MANY {
         0.7
     } else if iterations > MANY {
@@ -285,9 +318,16 @@ fn growth(step: &Step, iterations: usize, rms: f64) -> f64 {
         return by_iterations;
     }
     // The extrapolation leaves an imbalance of first order in the increment.
-    let by_error = (IMBALANCE / rms.max(f64::MIN_POSITIVE)).sqrt().clamp(0.3, GROW);
-    by_iterations.min(by_error)
+    let by_error = (IMBALANCE / rms.max(f64::MIN_POSITIVE))
+        .sqrt()
+        .clamp(0.3, GROW);
+    // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
+    let floor = SNAP * step.increments.initial / increment.size;
+    by_iterations.min(by_error.max(floor.min(1.0)))
 }
+
+/// Part of the first increment below which the error of the extrapolation does not cut.
+const SNAP: f64 = 0.1;
 
 /// Aimed-at root mean square of the imbalance that the extrapolated solids leave, over the mean
 /// nodal force (docs/decisions.md).

@@ -16,7 +16,7 @@ pub enum Probe {
 /// State of the search: a bracket of the root.
 #[derive(Clone, Copy, Debug)]
 pub struct LineSearch {
-    pub start: f64,
+    start: f64,
     low: (f64, f64),
     high: Option<(f64, f64)>,
     evaluations: usize,
@@ -33,7 +33,13 @@ const SMALLEST: f64 = 0.02;
 impl LineSearch {
     /// Starts from the slope at η = 0 (negative for a direction of descent).
     pub fn new(start: f64) -> Self {
-        Self { start, low: (0.0, start), high: None, evaluations: 0, side: 0 }
+        Self {
+            start,
+            low: (0.0, start),
+            high: None,
+            evaluations: 0,
+            side: 0,
+        }
     }
 
     /// Takes the slope at the last tried η.
@@ -65,14 +71,20 @@ impl LineSearch {
             }
             self.side = 1;
         }
-        let Some(high) = self.high else { return Probe::Accept(eta) };
+        let Some(high) = self.high else {
+            return Probe::Accept(eta);
+        };
         let width = high.0 - self.low.0;
         let secant = if high.1.is_finite() {
             self.low.0 + width * self.low.1 / (self.low.1 - high.1)
         } else {
             self.low.0 + 0.25 * width
         };
-        Probe::Try(secant.clamp(self.low.0 + 0.05 * width, high.0 - 0.05 * width).max(SMALLEST))
+        Probe::Try(
+            secant
+                .clamp(self.low.0 + 0.05 * width, high.0 - 0.05 * width)
+                .max(SMALLEST),
+        )
     }
 }
 

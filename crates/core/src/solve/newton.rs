@@ -200,7 +200,15 @@ impl<'m> Newton<'m> {
             shifted: self.step.procedure != Procedure::Direct,
             tangent: true,
         };
-        self.predict(system, state, trial, increment, extrapolate, setting, solves)?;
+        self.predict(
+            system,
+            state,
+            trial,
+            increment,
+            extrapolate,
+            setting,
+            solves,
+        )?;
 
         let tolerance = self.step.tolerance;
         for iteration in 0..=tolerance.max_iterations {
@@ -208,10 +216,6 @@ impl<'m> Newton<'m> {
             self.evaluate(system, state, trial, setting)?;
             let scale = scale(state, trial);
             let (residual, worst) = largest(&self.residual);
-            if std::env::var("TRACE").is_ok() {
-                let (node, dir) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
-                eprintln!("  it {iteration} res {:.3e} change {:.3e} scale {scale:.2} worst {:?} dir {dir} stick/slip/open {:?}", residual / scale, trial.traction_change / scale, self.model.mesh.nodes[node], trial.status.iter().fold([0; 3], |mut a, s| { a[*s as usize] += 1; a }));
-            }
             if !residual.is_finite() {
                 return Err(Refusal::NotFinite);
             }
@@ -219,7 +223,10 @@ impl<'m> Newton<'m> {
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
             if settled && residual <= tolerance.residual * scale {
-                return Ok(Report { iterations: *solves, residual: residual / scale });
+                return Ok(Report {
+                    iterations: *solves,
+                    residual: residual / scale,
+                });
             }
             if iteration == tolerance.max_iterations {
                 let (node, _) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
@@ -310,8 +317,12 @@ impl<'m> Newton<'m> {
             self.values = vec![0.0; gather];
             self.linear = Some(linear);
         }
-        timed(&mut self.clock.assembly, || system.fill(trial, &mut self.values));
-        let Some(linear) = &mut self.linear else { unreachable!("analysed above") };
+        timed(&mut self.clock.assembly, || {
+            system.fill(trial, &mut self.values)
+        });
+        let Some(linear) = &mut self.linear else {
+            unreachable!("analysed above")
+        };
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
         }
@@ -324,8 +335,7 @@ impl<'m> Newton<'m> {
                     | LinearError::NotFinite { equation } => Some(equation),
                     _ => None,
                 };
-                let dof = equation
-                    .map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+                let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
                 Refusal::Linear { why, dof }
             })?;
         Ok(())
@@ -339,14 +349,24 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         setting: Evaluation,
     ) -> Result<(), Refusal> {
-        let setting = Evaluation { tangent: false, ..setting };
+        let setting = Evaluation {
+            tangent: false,
+            ..setting
+        };
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
-        let origin: Vec<f64> =
-            self.equations.slot_of.iter().map(|&s| self.q[s as usize]).collect();
+        let origin: Vec<f64> = self
+            .equations
+            .slot_of
+            .iter()
+            .map(|&s| self.q[s as usize])
+            .collect();
         let mut eta = 1.0;
         loop {
-            for ((q, d), &slot) in origin.iter().zip(&self.direction).zip(&self.equations.slot_of)
+            for ((q, d), &slot) in origin
+                .iter()
+                .zip(&self.direction)
+                .zip(&self.equations.slot_of)
             {
                 self.q[slot as usize] = q + eta * d;
             }
@@ -356,11 +376,6 @@ impl<'m> Newton<'m> {
                 Err(Refusal::Local { .. }) if eta > 0.1 => f64::NAN,
                 Err(refusal) => return Err(refusal),
             };
-            if std::env::var("TRACE").is_ok() {
-                let (r, w) = largest(&self.residual);
-                let (node, dir) = system.dofs.node_of(self.equations.slot_of[w] as usize);
-                eprintln!("     ls eta {eta:.4} slope {slope:.3e} of {:.3e} res {r:.3e} at {:?} {dir}", search.start, self.model.mesh.nodes[node]);
-            }
             match search.next(eta, slope) {
                 Probe::Try(next) => eta = next,
                 Probe::Accept(_) => return Ok(()),
@@ -440,7 +455,10 @@ pub fn explain(refusal: &Refusal, model: &Model) -> String {
             "element {element} of unit {}: {why}; try smaller increments (increments.min)",
             model.mesh.unit[*element]
         ),
-        Refusal::Linear { why, dof: Some((node, direction)) } => format!(
+        Refusal::Linear {
+            why,
+            dof: Some((node, direction)),
+        } => format!(
             "{why}: {} is free to move in {}; hold its body or bring it into contact",
             place(*node),
             ["x", "y", "z"][*direction]
@@ -451,4 +469,3 @@ pub fn explain(refusal: &Refusal, model: &Model) -> String {
             .to_owned(),
     }
 }
-

@@ -36,7 +36,11 @@ const ROUNDING: f64 = 1e-12;
 impl Schedule {
     /// Starts a step.
     pub fn new(limits: Increments) -> Self {
-        Self { limits, done: 0.0, size: limits.initial.min(limits.max) }
+        Self {
+            limits,
+            done: 0.0,
+            size: limits.initial.min(limits.max),
+        }
     }
 
     /// The increment to try now, none when the step is done. A remainder that would be a sliver is
@@ -53,14 +57,21 @@ impl Schedule {
         } else {
             self.size
         };
-        Some(Increment { start: self.done, size })
+        Some(Increment {
+            start: self.done,
+            size,
+        })
     }
 
     /// The increment was committed: the next may be `factor` times as large.
     pub fn accept(&mut self, increment: Increment, factor: f64) {
         self.done = increment.end();
         // A last increment made small by the end of the step says nothing about the size.
-        let base = if increment.size < 0.5 * self.size { self.size } else { increment.size };
+        let base = if increment.size < 0.5 * self.size {
+            self.size
+        } else {
+            increment.size
+        };
         self.size = (base * factor).clamp(self.limits.min, self.limits.max);
     }
 
@@ -70,7 +81,11 @@ impl Schedule {
     /// [`TooSmall`] if that is below the smallest increment.
     pub fn cut(&mut self, increment: Increment, factor: f64) -> Result<(), TooSmall> {
         self.size = increment.size * factor;
-        if self.size < self.limits.min { Err(TooSmall) } else { Ok(()) }
+        if self.size < self.limits.min {
+            Err(TooSmall)
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -80,7 +95,11 @@ mod tests {
 
     #[test]
     fn a_step_is_covered_whole() {
-        let mut schedule = Schedule::new(Increments { initial: 0.07, max: 0.2, min: 1e-6 });
+        let mut schedule = Schedule::new(Increments {
+            initial: 0.07,
+            max: 0.2,
+            min: 1e-6,
+        });
         let mut end = 0.0;
         while let Some(increment) = schedule.next() {
             assert_eq!(increment.start, end);
@@ -93,10 +112,18 @@ mod tests {
 
     #[test]
     fn cutting_below_the_smallest_increment_is_refused() {
-        let mut schedule = Schedule::new(Increments { initial: 0.1, max: 0.2, min: 0.03 });
-        let Some(first) = schedule.next() else { panic!("a step has an increment") };
+        let mut schedule = Schedule::new(Increments {
+            initial: 0.1,
+            max: 0.2,
+            min: 0.03,
+        });
+        let Some(first) = schedule.next() else {
+            panic!("a step has an increment")
+        };
         assert_eq!(schedule.cut(first, 0.4), Ok(()));
-        let Some(second) = schedule.next() else { panic!("a cut step has an increment") };
+        let Some(second) = schedule.next() else {
+            panic!("a cut step has an increment")
+        };
         assert!((second.size - 0.04).abs() < 1e-15);
         assert_eq!(schedule.cut(second, 0.4), Err(TooSmall));
     }

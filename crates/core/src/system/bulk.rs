@@ -98,7 +98,12 @@ impl Bulk {
                 let l_eq = shape.volume.cbrt();
                 let (law, warnings) =
                     Material::new(&named.parameters, Some(l_eq)).map_err(|why| {
-                        BulkError::Table { material: named.name.clone(), element: e, l_eq, why }
+                        BulkError::Table {
+                            material: named.name.clone(),
+                            element: e,
+                            l_eq,
+                            why,
+                        }
                     })?;
                 for warning in warnings {
                     let entry = (named.name.clone(), warning);
@@ -149,8 +154,15 @@ impl Bulk {
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
                 let old = &state.material[8 * e..8 * e + 8];
-                let slot = Slot { force, cell, new, energy };
-                element(shape, law, &positions, old, setting, slot).err().map(|why| (e, why))
+                let slot = Slot {
+                    force,
+                    cell,
+                    new,
+                    energy,
+                };
+                element(shape, law, &positions, old, setting, slot)
+                    .err()
+                    .map(|why| (e, why))
             })
             .min_by_key(|(e, _)| *e);
         trial.active[..n].fill(true);

@@ -65,10 +65,14 @@ impl Contact {
     /// Prepares the surfaces of a model; nothing is searched yet.
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;
-        let slave =
-            Surface { facets: surfaces.slave_facets.clone(), body: surfaces.slave_body.clone() };
-        let master =
-            Surface { facets: surfaces.master_facets.clone(), body: surfaces.master_body.clone() };
+        let slave = Surface {
+            facets: surfaces.slave_facets.clone(),
+            body: surfaces.slave_body.clone(),
+        };
+        let master = Surface {
+            facets: surfaces.master_facets.clone(),
+            body: surfaces.master_body.clone(),
+        };
         let x = &model.mesh.nodes;
         let mut points = Vec::with_capacity(4 * slave.facets.len());
         let (mut edges, mut count) = (0.0, 0.0);
@@ -79,7 +83,10 @@ impl Contact {
                 ContactPoints::Corner => corner_points(&corners),
             });
             for k in 0..4 {
-                let (a, b) = (Vector3::from(corners[k]), Vector3::from(corners[(k + 1) % 4]));
+                let (a, b) = (
+                    Vector3::from(corners[k]),
+                    Vector3::from(corners[(k + 1) % 4]),
+                );
                 edges += (a - b).norm();
                 count += 1.0;
             }
@@ -103,7 +110,10 @@ impl Contact {
     /// Histories of points that nothing has happened to.
     pub fn virgin(&self, model: &Model) -> Vec<InterfaceHistory> {
         let laws = &model.contact.laws;
-        self.law_of.iter().flat_map(|&l| [laws[l as usize].virgin(); 4]).collect()
+        self.law_of
+            .iter()
+            .flat_map(|&l| [laws[l as usize].virgin(); 4])
+            .collect()
     }
 
     /// Counts the searches of candidates.
@@ -140,8 +150,9 @@ impl Contact {
                 d > 0.25 * self.skin * self.skin
             });
         if moved {
-            let boxes: Vec<Aabb> =
-                (0..self.slave.facets.len()).map(|f| Aabb::of(&self.positions(f, x))).collect();
+            let boxes: Vec<Aabb> = (0..self.slave.facets.len())
+                .map(|f| Aabb::of(&self.positions(f, x)))
+                .collect();
             let reach = self.radius + self.skin;
             let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
             self.searched_at.clone_from(x);
@@ -161,27 +172,35 @@ impl Contact {
             }
         }
         let anchors = trial.anchors.par_chunks_mut(4);
-        trial.pairs.par_chunks_mut(4).zip(anchors).enumerate().for_each(|(f, (pairs, anchors))| {
-            let points = self.positions(f, x);
-            for ((pair, anchor), point) in pairs.iter_mut().zip(anchors).zip(points) {
-                let present = pair.facet.map(|facet| (facet, pair.xi));
-                let found = pair_point(
-                    &Vector3::from(point),
-                    present,
-                    self.candidates.of(f),
-                    &self.master,
-                    x,
-                    self.radius,
-                );
-                *pair = match found {
-                    Some((facet, xi)) => PointPair { facet: Some(facet), xi },
-                    None => PointPair::default(),
-                };
-                if anchor.facet.is_none() {
-                    *anchor = *pair;
+        trial
+            .pairs
+            .par_chunks_mut(4)
+            .zip(anchors)
+            .enumerate()
+            .for_each(|(f, (pairs, anchors))| {
+                let points = self.positions(f, x);
+                for ((pair, anchor), point) in pairs.iter_mut().zip(anchors).zip(points) {
+                    let present = pair.facet.map(|facet| (facet, pair.xi));
+                    let found = pair_point(
+                        &Vector3::from(point),
+                        present,
+                        self.candidates.of(f),
+                        &self.master,
+                        x,
+                        self.radius,
+                    );
+                    *pair = match found {
+                        Some((facet, xi)) => PointPair {
+                            facet: Some(facet),
+                            xi,
+                        },
+                        None => PointPair::default(),
+                    };
+                    if anchor.facet.is_none() {
+                        *anchor = *pair;
+                    }
                 }
-            }
-        });
+            });
     }
 
     /// Forces and, where asked for, stiffness of every pair; cells follow those of the elements.
@@ -210,7 +229,9 @@ impl Contact {
             .zip(trial.anchors.chunks_exact(4))
             .zip(trial.traction.chunks_exact(4));
         let mut tasks = Vec::with_capacity(n / 4);
-        for (facet, (((((history, energy), status), pairs), anchors), last)) in per_point.enumerate() {
+        for (facet, (((((history, energy), status), pairs), anchors), last)) in
+            per_point.enumerate()
+        {
             let count = self.candidates.range(facet).len();
             let (f, f_rest) = force.split_at_mut(count);
             let (c, c_rest) = cells.split_at_mut(count * CELL);
@@ -277,9 +298,16 @@ impl Contact {
             };
             pair.xi = kin.xi;
             let old = self.carried(old, committed, *pair, &kin, x);
-            let gap = [kin.gap, old.slip[0] + kin.slip[0], old.slip[1] + kin.slip[1]];
+            let gap = [
+                kin.gap,
+                old.slip[0] + kin.slip[0],
+                old.slip[1] + kin.slip[1],
+            ];
             let response = if setting.shifted {
-                let shift = Shift { stiffness: self.numerical[f], traction: task.last[p] };
+                let shift = Shift {
+                    stiffness: self.numerical[f],
+                    traction: task.last[p],
+                };
                 law.update_shifted(gap, &old, &shift)
             } else {
                 law.update(gap, &old)
@@ -299,8 +327,10 @@ impl Contact {
                 }
             }
             task.history[p] = response.history;
-            task.energy[p] =
-                [response.elastic_energy * point.area, response.dissipation * point.area];
+            task.energy[p] = [
+                response.elastic_energy * point.area,
+                response.dissipation * point.area,
+            ];
             task.status[p] = response.status;
         }
         change
@@ -350,19 +380,34 @@ impl Contact {
 fn lost(law: &InterfaceLaw, old: &InterfaceHistory) -> InterfaceHistory {
     // What left its surface has no bond to come back to.
     let damage = if law.is_dry() { old.damage } else { 1.0 };
-    InterfaceHistory { slip: old.plastic_slip, damage, traction: [0.0; 3], opening: 0.0, ..*old }
+    InterfaceHistory {
+        slip: old.plastic_slip,
+        damage,
+        traction: [0.0; 3],
+        opening: 0.0,
+        ..*old
+    }
 }
 
 /// Magnitude of a change of traction [MPa].
 fn size(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
+    (0..3)
+        .map(|i| (a[i] - b[i]) * (a[i] - b[i]))
+        .sum::<f64>()
+        .sqrt()
 }
 
 /// Stiffness of the shifted penalty from the element behind each slave facet.
 fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
     /// Faces of the hex8.
-    const FACES: [[usize; 4]; 6] =
-        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    const FACES: [[usize; 4]; 6] = [
+        [0, 3, 2, 1],
+        [4, 5, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+    ];
     let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
     for (e, nodes) in model.mesh.elements.iter().enumerate() {
         for face in FACES {
@@ -384,9 +429,11 @@ fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
                 return [law.normal_stiffness, law.shear_stiffness];
             };
             let corners = model.mesh.corners(e);
-            let elastic = model.materials[model.mesh.material[e] as usize].parameters.elastic();
+            let elastic = model.materials[model.mesh.material[e] as usize]
+                .parameters
+                .elastic();
             let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
-            let factor = std::env::var("KNUM").map_or(NUMERICAL_PENALTY, |v| v.parse().unwrap()) / height;
+            let factor = NUMERICAL_PENALTY / height;
             [factor * elastic.E, factor * elastic.shear_modulus()]
         })
         .collect()
@@ -395,7 +442,15 @@ fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
 /// Size of an element normal to one of its faces: mean height of its corners over the face.
 fn thickness(corners: &[[f64; 3]; 8], face: &[[f64; 3]; 4]) -> f64 {
     let normal = frame_at(face, [0.0; 2])[0];
-    let base: f64 = face.iter().map(|c| normal.dot(&Vector3::from(*c))).sum::<f64>() / 4.0;
-    let mean: f64 = corners.iter().map(|c| normal.dot(&Vector3::from(*c))).sum::<f64>() / 8.0;
+    let base: f64 = face
+        .iter()
+        .map(|c| normal.dot(&Vector3::from(*c)))
+        .sum::<f64>()
+        / 4.0;
+    let mean: f64 = corners
+        .iter()
+        .map(|c| normal.dot(&Vector3::from(*c)))
+        .sum::<f64>()
+        / 8.0;
     2.0 * (mean - base).abs()
 }

@@ -55,7 +55,11 @@ impl DofMap {
             next += 1;
         }
         let beam_start = next;
-        for s in slot.iter_mut().flatten().filter(|s| **s != HELD && **s >= beam_start) {
+        for s in slot
+            .iter_mut()
+            .flatten()
+            .filter(|s| **s != HELD && **s >= beam_start)
+        {
             *s = beam_start + (UNSET - 1 - *s);
         }
         let slots = beam_start as usize + 3 * model.beams.len();
@@ -67,7 +71,12 @@ impl DofMap {
                 }
             }
         }
-        Self { slot, slots, beam_start: beam_start as usize, owner }
+        Self {
+            slot,
+            slots,
+            beam_start: beam_start as usize,
+            owner,
+        }
     }
 
     /// A node that the slot moves, and the direction.

@@ -77,7 +77,8 @@ impl Trial {
         self.pairs.clone_from(&state.pairs);
         self.anchors.clone_from(&state.pairs);
         self.traction.clear();
-        self.traction.extend(state.interface.iter().map(|h| h.traction));
+        self.traction
+            .extend(state.interface.iter().map(|h| h.traction));
     }
 
     /// The tractions of this iterate become those of the last.
@@ -170,7 +171,11 @@ impl System {
             if node != last {
                 // A beam has no place.
                 let at_beam = slot as usize >= self.dofs.beam_start;
-                coordinates.push(if at_beam { [f64::NAN; 3] } else { self.bulk.reference[node] });
+                coordinates.push(if at_beam {
+                    [f64::NAN; 3]
+                } else {
+                    self.bulk.reference[node]
+                });
                 last = node;
             }
             group.push(coordinates.len() as u32 - 1);
@@ -179,7 +184,6 @@ impl System {
             .with_nodes(&group, &coordinates)?;
         let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
         let entries = gather.row_idx.len();
-        eprintln!("analysed {} eq, {} nnz, cells {}, {:?}", gather.n, entries, cells.len(), solver.stats());
         self.gather = Some(gather);
         self.analysed_version = self.contact.version();
         Ok((entries, solver))
@@ -211,7 +215,12 @@ impl System {
         trial.displacement.resize(nodes, [0.0; 3]);
         self.dofs.spread(q, &mut trial.displacement);
         trial.x.resize(nodes, [0.0; 3]);
-        for ((x, u), r) in trial.x.iter_mut().zip(&trial.displacement).zip(&self.bulk.reference) {
+        for ((x, u), r) in trial
+            .x
+            .iter_mut()
+            .zip(&trial.displacement)
+            .zip(&self.bulk.reference)
+        {
             for i in 0..3 {
                 x[i] = r[i] + u[i];
             }
@@ -223,7 +232,8 @@ impl System {
         let begin = std::time::Instant::now();
         self.bulk.evaluate(state, trial, setting)?;
         let middle = std::time::Instant::now();
-        self.contact.evaluate(model, state, trial, setting, n_elements);
+        self.contact
+            .evaluate(model, state, trial, setting, n_elements);
         clock.contact += middle.elapsed().as_secs_f64();
         clock.elements += (middle - begin).as_secs_f64();
 
@@ -266,9 +276,8 @@ impl System {
                     let block = &cell[(a * 8 + b) * 9..][..9];
                     let d = du[col as usize];
                     for i in 0..3 {
-                        force[row as usize][i] += block[3 * i] * d[0]
-                            + block[3 * i + 1] * d[1]
-                            + block[3 * i + 2] * d[2];
+                        force[row as usize][i] +=
+                            block[3 * i] * d[0] + block[3 * i + 1] * d[1] + block[3 * i + 2] * d[2];
                     }
                 }
             }

@@ -97,7 +97,11 @@ impl Gather {
                     }
                 }
                 let start = sources.len() as u32;
-                blocks.push(Block { position, start, end: start });
+                blocks.push(Block {
+                    position,
+                    start,
+                    end: start,
+                });
                 columns.push(col);
             }
             sources.push(source);
@@ -106,7 +110,14 @@ impl Gather {
             }
         }
         let chunks = chunk(&blocks, &columns, &rank, &col_ptr, dofs, equations);
-        Self { n, col_ptr, row_idx, blocks, sources, chunks }
+        Self {
+            n,
+            col_ptr,
+            row_idx,
+            blocks,
+            sources,
+            chunks,
+        }
     }
 
     /// Fills the matrix from the cells' slots. Inactive cells are passed over.
@@ -179,8 +190,11 @@ fn compress(
         for j in 0..3 {
             let c = equation(col, j);
             if c != PRESCRIBED {
-                columns[c as usize]
-                    .extend((0..3).map(|i| equation(row, i)).filter(|&r| r != PRESCRIBED));
+                columns[c as usize].extend(
+                    (0..3)
+                        .map(|i| equation(row, i))
+                        .filter(|&r| r != PRESCRIBED),
+                );
             }
         }
     }
@@ -214,7 +228,11 @@ fn chunk(
         if !boundary {
             continue;
         }
-        let next_rank = if k < blocks.len() { rank[columns[k] as usize] } else { NONE };
+        let next_rank = if k < blocks.len() {
+            rank[columns[k] as usize]
+        } else {
+            NONE
+        };
         let value_end = match next_rank {
             NONE => last_value,
             r if r >= beams => col_ptr[equations.len().min(beams as usize)],
@@ -222,10 +240,11 @@ fn chunk(
         };
         let inside_beams = k < blocks.len() && rank[columns[k - 1] as usize] >= beams;
         let to_beams = next_rank != NONE && next_rank >= beams;
-        if !inside_beams
-            && (value_end - value_start >= ENTRIES || to_beams || k == blocks.len())
-        {
-            chunks.push(Chunk { blocks: block_start..k, values: value_start..value_end });
+        if !inside_beams && (value_end - value_start >= ENTRIES || to_beams || k == blocks.len()) {
+            chunks.push(Chunk {
+                blocks: block_start..k,
+                values: value_start..value_end,
+            });
             block_start = k;
             value_start = value_end;
         }

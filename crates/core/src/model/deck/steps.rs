@@ -116,17 +116,17 @@ pub struct DeckIncrements {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckTolerance {
-    /// Largest out-of-balance force over the mean nodal force [-].
-    pub residual: Number,
+    /// Largest out-of-balance force over the mean nodal force [-]; by default that of the procedure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual: Option<Number>,
     /// Iterations before the increment is cut.
     pub max_iterations: usize,
 }
 
 impl Default for DeckTolerance {
-    /// Theory F and lessons: 5e-3 of the mean nodal force, 25 iterations.
     fn default() -> Self {
         Self {
-            residual: Number::new(5e-3),
+            residual: None,
             max_iterations: 25,
         }
     }
@@ -156,10 +156,15 @@ impl DeckStep {
         Increments { initial, max, min }
     }
 
-    /// Tolerance of the model.
+    /// Tolerance of the model: 5e-3 of the mean nodal force where everything is implicit (theory F);
+    /// 2e-2 where the solids are extrapolated, whose own imbalance is larger (docs/decisions.md).
     pub fn tolerance(&self) -> Tolerance {
+        let default = match self.procedure {
+            Procedure::Implex => 2e-2,
+            Procedure::Implicit | Procedure::Direct => 5e-3,
+        };
         Tolerance {
-            residual: self.tolerance.residual.get(),
+            residual: self.tolerance.residual.map_or(default, Number::get),
             max_iterations: self.tolerance.max_iterations,
         }
     }

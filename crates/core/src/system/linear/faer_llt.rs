@@ -40,16 +40,20 @@ impl FaerLlt {
         let symbolic = factorize_symbolic_cholesky(
             SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, pattern.row_idx()),
             Side::Lower,
-            if std::env::var("FAMD").is_ok() { SymmetricOrdering::Amd } else { SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)) },
+            SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, n)),
             faer::sparse::linalg::cholesky::CholeskySymbolicParams::default(),
         )
         .map_err(|_| LinearError::TooLarge)?;
-        let scratch =
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let memory = MemBuffer::try_new(scratch).map_err(|_| LinearError::TooLarge)?;
-        match symbolic.raw() { SymbolicCholeskyRaw::Simplicial(_) => eprintln!("simplicial"), SymbolicCholeskyRaw::Supernodal(s) => eprintln!("supernodes {}", s.n_supernodes()) }
         let factor = vec![0.0; symbolic.len_val()];
-        Ok(Self { col_ptr, symbolic, order, factor, memory })
+        Ok(Self {
+            col_ptr,
+            symbolic,
+            order,
+            factor,
+            memory,
+        })
     }
 
     /// Numbers in the factor.
@@ -61,9 +65,11 @@ impl FaerLlt {
     pub fn flops(&self) -> f64 {
         let square = |rows: usize| (rows as f64).powi(2);
         match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => {
-                s.col_ptr().windows(2).map(|w| square((w[1] - w[0]) as usize)).sum()
-            }
+            SymbolicCholeskyRaw::Simplicial(s) => s
+                .col_ptr()
+                .windows(2)
+                .map(|w| square((w[1] - w[0]) as usize))
+                .sum(),
             SymbolicCholeskyRaw::Supernodal(s) => (0..s.n_supernodes())
                 .map(|k| {
                     let columns = (s.supernode_end()[k] - s.supernode_begin()[k]) as usize;
@@ -100,7 +106,9 @@ impl FaerLlt {
 
     /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`.
     pub fn solve(&self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let scratch = self
+            .symbolic
+            .solve_in_place_scratch::<f64>(columns, Par::Seq);
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| LinearError::TooLarge)?;
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,

@@ -39,7 +39,12 @@ impl FaerLu {
         .map_err(|_| LinearError::TooLarge)?;
         let scratch = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default());
         let memory = MemBuffer::try_new(scratch).map_err(|_| LinearError::TooLarge)?;
-        Ok(Self { col_ptr, symbolic, numeric: NumericLu::new(), memory })
+        Ok(Self {
+            col_ptr,
+            symbolic,
+            numeric: NumericLu::new(),
+            memory,
+        })
     }
 
     /// Numeric factorisation of `values`, in the pattern's order.
@@ -71,7 +76,9 @@ impl FaerLu {
 
     /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`.
     pub fn solve(&self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let scratch = self
+            .symbolic
+            .solve_in_place_scratch::<f64>(columns, Par::Seq);
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| LinearError::TooLarge)?;
         LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
             Conj::No,

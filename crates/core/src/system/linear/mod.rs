@@ -205,7 +205,6 @@ impl LinearSolver {
         }
         self.factorised = true;
         self.stats.seconds = start.elapsed().as_secs_f64();
-        if std::env::var("TRACE").is_ok() { eprintln!("factor {:.4}", self.stats.seconds); }
         Ok(self.stats)
     }
 
@@ -214,7 +213,13 @@ impl LinearSolver {
     fn probe(&mut self) -> Result<(), LinearError> {
         let mut x: Vec<f64> = (0..self.n() as u64)
             // Signs without a pattern a null vector could be orthogonal to.
-            .map(|i| if (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 61) & 1 == 0 { 1.0 } else { -1.0 })
+            .map(|i| {
+                if (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 61) & 1 == 0 {
+                    1.0
+                } else {
+                    -1.0
+                }
+            })
             .collect();
         self.engine.solve(&mut x, 1)?;
         let growth = |v: f64| v.abs() * self.operator.norm();
@@ -244,7 +249,11 @@ impl LinearSolver {
         let columns = rhs.len() / n;
         if columns * n != rhs.len() {
             let expected = (columns + 1) * n;
-            return Err(LinearError::Length { what: "right-hand side", expected, got: rhs.len() });
+            return Err(LinearError::Length {
+                what: "right-hand side",
+                expected,
+                got: rhs.len(),
+            });
         }
         if let Some(k) = rhs.iter().position(|b| !b.is_finite()) {
             return Err(LinearError::NotFinite { equation: k % n });

@@ -18,7 +18,14 @@ impl Operator {
         let n = pattern.n();
         // `Pattern` has every diagonal entry.
         let diagonal = (0..n).filter_map(|j| pattern.find(j, j)).collect();
-        Self { pattern, kind, diagonal, values: Vec::new(), norm: 0.0, row_sums: vec![0.0; n] }
+        Self {
+            pattern,
+            kind,
+            diagonal,
+            values: Vec::new(),
+            norm: 0.0,
+            row_sums: vec![0.0; n],
+        }
     }
 
     pub fn pattern(&self) -> &Pattern {
@@ -34,7 +41,11 @@ impl Operator {
     pub fn store(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let expected = self.pattern.nnz();
         if values.len() != expected {
-            return Err(LinearError::Length { what: "matrix values", expected, got: values.len() });
+            return Err(LinearError::Length {
+                what: "matrix values",
+                expected,
+                got: values.len(),
+            });
         }
         self.values.clear();
         self.values.extend_from_slice(values);
@@ -97,7 +108,13 @@ impl Operator {
         let n = self.pattern.n();
         // f64::max drops NaN; this must not.
         let norm = |v: &[f64]| {
-            v.iter().fold(0.0, |m: f64, a| if a.is_nan() { f64::NAN } else { m.max(a.abs()) + 0.0 * m })
+            v.iter().fold(0.0, |m: f64, a| {
+                if a.is_nan() {
+                    f64::NAN
+                } else {
+                    m.max(a.abs()) + 0.0 * m
+                }
+            })
         };
         let mut worst = 0.0;
         for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks_mut(n)) {

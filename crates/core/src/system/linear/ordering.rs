@@ -19,7 +19,7 @@ pub enum Ordering {
 /// The graph of groups (nodes) of equations that couple: sorted neighbours, without loops.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
-    pub ptr: Vec<u32>,       // [vertex + 1]
+    pub ptr: Vec<u32>,        // [vertex + 1]
     pub neighbours: Vec<u32>, // [edge], ascending within a vertex
 }
 

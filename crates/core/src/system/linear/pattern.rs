@@ -13,9 +13,9 @@ use super::LinearError;
 #[derive(Clone, Debug)]
 pub struct Pattern {
     n: usize,
-    col_ptr: Vec<usize>,  // [column + 1]
-    row_idx: Vec<u32>,    // [entry], ascending within a column
-    group: Vec<u32>,      // [equation] → group
+    col_ptr: Vec<usize>, // [column + 1]
+    row_idx: Vec<u32>,   // [entry], ascending within a column
+    group: Vec<u32>,     // [equation] → group
     n_groups: usize,
     coordinates: Vec<[f64; 3]>, // [group][xyz], or empty
 }
@@ -34,10 +34,21 @@ impl Pattern {
         let mut group = Vec::with_capacity(n);
         for j in 0..n {
             let next = seen.len() as u32;
-            group.push(*seen.entry(&row_idx[col_ptr[j]..col_ptr[j + 1]]).or_insert(next));
+            group.push(
+                *seen
+                    .entry(&row_idx[col_ptr[j]..col_ptr[j + 1]])
+                    .or_insert(next),
+            );
         }
         let n_groups = seen.len();
-        Ok(Self { n, col_ptr, row_idx, group, n_groups, coordinates: Vec::new() })
+        Ok(Self {
+            n,
+            col_ptr,
+            row_idx,
+            group,
+            n_groups,
+            coordinates: Vec::new(),
+        })
     }
 
     /// Says which node each equation belongs to and where the nodes are.
@@ -56,7 +67,11 @@ impl Pattern {
     ) -> Result<Self, LinearError> {
         let fault = |why: String| Err(LinearError::Pattern { why });
         if node_of_equation.len() != self.n {
-            return fault(format!("{} nodes for {} equations", node_of_equation.len(), self.n));
+            return fault(format!(
+                "{} nodes for {} equations",
+                node_of_equation.len(),
+                self.n
+            ));
         }
         let mut renumber: HashMap<u32, u32> = HashMap::new();
         self.coordinates.clear();
@@ -115,7 +130,9 @@ impl Pattern {
     pub fn find(&self, row: usize, column: usize) -> Option<usize> {
         let range = self.col_ptr[column]..self.col_ptr[column + 1];
         let rows = &self.row_idx[range.clone()];
-        rows.binary_search(&u32::try_from(row).ok()?).ok().map(|k| range.start + k)
+        rows.binary_search(&u32::try_from(row).ok()?)
+            .ok()
+            .map(|k| range.start + k)
     }
 }
 
@@ -146,7 +163,9 @@ fn check(n: usize, col_ptr: &[usize], row_idx: &[u32]) -> Result<(), LinearError
         for &i in &rows[..diagonal] {
             let i = i as usize;
             if cursor[i] >= col_ptr[i + 1] || row_idx[cursor[i]] as usize != j {
-                return fault(format!("entry ({i}, {j}) has no mirror, or ({j}, {i}) before it"));
+                return fault(format!(
+                    "entry ({i}, {j}) has no mirror, or ({j}, {i}) before it"
+                ));
             }
             cursor[i] += 1;
         }
@@ -196,7 +215,9 @@ mod tests {
         let p = Pattern::new(2, vec![0, 1, 2], vec![0, 1]).unwrap();
         assert!(p.clone().with_nodes(&[0], &[]).is_err());
         assert!(p.clone().with_nodes(&[0, 7], &[[0.0; 3]]).is_err());
-        let p = p.with_nodes(&[3, 3], &[[0.0; 3], [0.0; 3], [0.0; 3], [1.0, 2.0, 3.0]]).unwrap();
+        let p = p
+            .with_nodes(&[3, 3], &[[0.0; 3], [0.0; 3], [0.0; 3], [1.0, 2.0, 3.0]])
+            .unwrap();
         assert_eq!(p.n_groups(), 1);
         assert_eq!(p.coordinates(), Some(&[[1.0, 2.0, 3.0]][..]));
     }

@@ -35,7 +35,10 @@ fn rhs(n: usize, columns: usize) -> Vec<f64> {
 /// Largest difference relative to the largest reference value.
 fn distance(x: &[f64], reference: &[f64]) -> f64 {
     let scale = reference.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    x.iter().zip(reference).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
+    x.iter()
+        .zip(reference)
+        .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
+        / scale
 }
 
 fn compare(case: &Case, options: Options, columns: usize) {
@@ -43,9 +46,13 @@ fn compare(case: &Case, options: Options, columns: usize) {
     let mut solver = LinearSolver::analyse(&case.pattern, options).unwrap();
     let a = dense(&case.pattern, &case.values, options.backend.kind());
     let b = rhs(n, columns);
-    let reference = a.partial_piv_lu().solve(MatRef::from_column_major_slice(&b, n, columns));
-    let reference: Vec<f64> =
-        (0..columns).flat_map(|j| (0..n).map(move |i| (i, j))).map(|ij| reference[ij]).collect();
+    let reference = a
+        .partial_piv_lu()
+        .solve(MatRef::from_column_major_slice(&b, n, columns));
+    let reference: Vec<f64> = (0..columns)
+        .flat_map(|j| (0..n).map(move |i| (i, j)))
+        .map(|ij| reference[ij])
+        .collect();
     // Twice: the second factorisation must find clean buffers.
     for _ in 0..2 {
         solver.factorise(&case.values).unwrap();
@@ -53,13 +60,24 @@ fn compare(case: &Case, options: Options, columns: usize) {
         let report = solver.solve(&mut x).unwrap();
         let d = distance(&x, &reference);
         // Condition numbers here are below 1e5, times 2e-16 for dense LU and for us.
-        assert!(d < 1e-10, "{} {:?}: {d:e}, {report:?}", case.name, options.backend);
+        assert!(
+            d < 1e-10,
+            "{} {:?}: {d:e}, {report:?}",
+            case.name,
+            options.backend
+        );
     }
 }
 
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    let mut add = |name, (pattern, values)| cases.push(Case { name, pattern, values });
+    let mut add = |name, (pattern, values)| {
+        cases.push(Case {
+            name,
+            pattern,
+            values,
+        })
+    };
     for (name, n) in [("1", 1), ("2", 2), ("3", 3), ("4", 4), ("5", 5)] {
         let all: Vec<Vec<usize>> = vec![(0..n).collect(); n];
         let here = vec![[0.0; 3]; n];
@@ -86,7 +104,10 @@ fn blocks() -> (Pattern, Vec<f64>) {
     row_idx.push(shift + b.n() as u32);
     col_ptr.push(row_idx.len());
     let n = a.n() + b.n() + 1;
-    (Pattern::new(n, col_ptr, row_idx).unwrap(), [av, bv, vec![2.0]].concat())
+    (
+        Pattern::new(n, col_ptr, row_idx).unwrap(),
+        [av, bv, vec![2.0]].concat(),
+    )
 }
 
 /// A grid whose top is held level by one more equation, which couples to every node of the top.
@@ -158,7 +179,10 @@ fn an_indefinite_matrix_is_refused_by_cholesky_and_taken_by_lu() {
         let result = solver.factorise(&values);
         match backend.kind() {
             Kind::Symmetric => {
-                assert!(matches!(result, Err(LinearError::NotPositiveDefinite { .. })), "{result:?}");
+                assert!(
+                    matches!(result, Err(LinearError::NotPositiveDefinite { .. })),
+                    "{result:?}"
+                );
             }
             Kind::Unsymmetric => {
                 result.unwrap();
@@ -173,7 +197,10 @@ fn bad_numbers_and_lengths_are_named() {
     let (pattern, mut values) = solid([3, 3, 3], 5.0, 0.0, 11);
     for backend in ALL {
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
-        assert!(matches!(solver.factorise(&values[1..]), Err(LinearError::Length { .. })));
+        assert!(matches!(
+            solver.factorise(&values[1..]),
+            Err(LinearError::Length { .. })
+        ));
         let entry = pattern.find(40, 7).unwrap();
         let good = std::mem::replace(&mut values[entry], f64::NAN);
         let refused = solver.factorise(&values);
@@ -184,8 +211,14 @@ fn bad_numbers_and_lengths_are_named() {
         values[entry] = good;
         solver.factorise(&values).unwrap();
         let mut x = rhs(pattern.n(), 1);
-        assert!(matches!(solver.solve(&mut x[1..]), Err(LinearError::Length { .. })));
+        assert!(matches!(
+            solver.solve(&mut x[1..]),
+            Err(LinearError::Length { .. })
+        ));
         x[5] = f64::INFINITY;
-        assert_eq!(solver.solve(&mut x), Err(LinearError::NotFinite { equation: 5 }));
+        assert_eq!(
+            solver.solve(&mut x),
+            Err(LinearError::NotFinite { equation: 5 })
+        );
     }
 }

@@ -72,7 +72,9 @@ impl Checks<'_> {
             },
             "fractions of the step: 0 < min <= initial <= max <= 1",
         );
-        self.positive(&key("tolerance.residual"), step.tolerance.residual);
+        if let Some(residual) = step.tolerance.residual {
+            self.positive(&key("tolerance.residual"), residual);
+        }
         self.require(
             step.tolerance.max_iterations > 0,
             &key("tolerance.max_iterations"),
