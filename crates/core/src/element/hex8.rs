@@ -53,7 +53,7 @@ pub struct ElementShape {
     /// Volume [mm³].
     pub volume: f64,
     /// Elastic stiffness of each Gauss point's share [N/mm].
-    point_stiffness: Box<[Stiffness; 8]>,
+    point_stiffness: Box<[Stiffness]>,
     /// Elastic stiffness [N/mm].
     stiffness: Box<Stiffness>,
 }
@@ -169,7 +169,7 @@ impl ElementShape {
             }
             rows
         });
-        let mut point_stiffness = Box::new([[[0.0; 24]; 24]; 8]);
+        let mut point_stiffness = vec![[[0.0; 24]; 24]; 8].into_boxed_slice();
         let mut stiffness = Box::new([[0.0; 24]; 24]);
         for p in 0..8 {
             add_btdb(&operator[p], &c0, weight[p], &mut point_stiffness[p]);

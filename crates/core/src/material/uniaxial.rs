@@ -260,6 +260,9 @@ impl Curve {
 }
 
 /// Ranges of a table, whatever the element.
+///
+/// # Errors
+/// [`TableError`], naming the row.
 pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
     if rows.len() < 2 {
         return Err(TableError::TooShort { branch });
@@ -283,7 +286,7 @@ pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
                 format!("stress {stress} must be positive (a residual keeps it so)"),
             );
         }
-        if !(damage >= 0.0 && damage < 1.0) {
+        if !(0.0..1.0).contains(&damage) {
             return wrong(i, format!("damage {damage} must be at least 0 and below 1"));
         }
         if !inelastic_strain.is_finite() {

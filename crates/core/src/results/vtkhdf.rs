@@ -359,6 +359,10 @@ fn text<const N: usize>(group: &hdf5::Group, name: &str, value: &[u8; N]) -> hdf
         .write_scalar(&value)
 }
 
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "the shape that map_err wants"
+)]
 fn into_io(error: hdf5::Error) -> io::Error {
     io::Error::other(format!("HDF5: {error}"))
 }

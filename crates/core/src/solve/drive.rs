@@ -245,7 +245,7 @@ impl<'m> Run<'m> {
     ) -> Result<bool, RunError> {
         let start = Instant::now();
         let every = self.model.output.every.max(1);
-        let frame = (last || row.increment % every == 0).then(|| self.frame());
+        let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame());
         let keep = recorder.take(self.model, row, frame.as_ref())?;
         self.output_seconds += start.elapsed().as_secs_f64();
         Ok(keep)

@@ -58,10 +58,10 @@ impl LineSearch {
         if slope.is_finite() && slope * self.start > 0.0 {
             self.low = (eta, slope);
             // Illinois: an end that stays twice loses half its weight.
-            if self.side == -1 {
-                if let Some(high) = &mut self.high {
-                    high.1 *= 0.5;
-                }
+            if self.side == -1
+                && let Some(high) = &mut self.high
+            {
+                high.1 *= 0.5;
             }
             self.side = -1;
         } else {

@@ -318,7 +318,7 @@ impl<'m> Newton<'m> {
             self.linear = Some(linear);
         }
         timed(&mut self.clock.assembly, || {
-            system.fill(trial, &mut self.values)
+            system.fill(trial, &mut self.values);
         });
         let Some(linear) = &mut self.linear else {
             unreachable!("analysed above")

@@ -154,13 +154,13 @@ impl Bulk {
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
                 let old = &state.material[8 * e..8 * e + 8];
-                let slot = Slot {
+                let mut slot = Slot {
                     force,
                     cell,
                     new,
                     energy,
                 };
-                element(shape, law, &positions, old, setting, slot)
+                element(shape, law, &positions, old, setting, &mut slot)
                     .err()
                     .map(|why| (e, why))
             })
@@ -185,7 +185,7 @@ fn element(
     positions: &[[f64; 3]; 8],
     old: &[MaterialHistory],
     setting: Evaluation,
-    slot: Slot,
+    slot: &mut Slot,
 ) -> Result<(), LocalFailure> {
     let frame = Corotated::new(shape, positions)?;
     let strains = shape.strains(&frame.local);

@@ -253,7 +253,7 @@ impl Contact {
         trial.traction_change = tasks
             .into_par_iter()
             .with_min_len(8)
-            .map(|task| self.facet(model, state, x, setting, task))
+            .map(|mut task| self.facet(model, state, x, setting, &mut task))
             .reduce(|| 0.0, f64::max);
     }
 
@@ -264,7 +264,7 @@ impl Contact {
         state: &State,
         x: &[[f64; 3]],
         setting: Evaluation,
-        task: Task,
+        task: &mut Task,
     ) -> f64 {
         let f = task.facet;
         let law = &model.contact.laws[self.law_of[f] as usize];

@@ -13,7 +13,6 @@ use super::{LinearError, Pattern};
 
 /// L Lᵀ of the lower triangle. Serial: faer's sparse `Par` threads only the dense kernels inside
 /// a serial loop, and loses by it.
-
 pub(super) struct FaerLlt {
     col_ptr: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,

@@ -14,7 +14,6 @@ use faer::{Conj, MatMut, Par, Spec};
 use super::{LinearError, Pattern};
 
 /// P A Q = L U. The order is faer's COLAMD, which cannot be replaced from outside.
-
 pub(super) struct FaerLu {
     col_ptr: Vec<u32>,
     symbolic: SymbolicLu<u32>,

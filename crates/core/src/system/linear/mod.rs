@@ -226,7 +226,7 @@ impl LinearSolver {
         let worst = (0..x.len()).max_by(|&i, &j| f64::total_cmp(&growth(x[i]), &growth(x[j])));
         match worst {
             // 1/(64 ε) = 7e13; `<` is false for NaN.
-            Some(equation) if !(growth(x[equation]) < 1.0 / (64.0 * f64::EPSILON)) => {
+            Some(equation) if !growth(x[equation]).lt(&(1.0 / (64.0 * f64::EPSILON))) => {
                 Err(LinearError::Singular { equation })
             }
             _ => Ok(()),
@@ -263,8 +263,11 @@ impl LinearSolver {
         self.residual.resize(rhs.len(), 0.0);
         self.engine.solve(rhs, columns)?;
 
-        let mut report = SolveReport::default();
-        report.residual = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+        let residual = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+        let mut report = SolveReport {
+            residual,
+            refinements: 0,
+        };
         while report.residual > self.options.target && report.refinements < self.options.refinements
         {
             // x' = x + A⁻¹ (b − A x), kept only if it is better.

@@ -70,11 +70,6 @@ impl Graph {
         self.ptr.len() - 1
     }
 
-    /// Neighbours of `v`, ascending.
-    pub fn of_vertex(&self, v: usize) -> &[u32] {
-        &self.neighbours[self.ptr[v] as usize..self.ptr[v + 1] as usize]
-    }
-
     /// Approximate minimum degree order: `[position] → vertex`.
     ///
     /// # Errors

@@ -105,8 +105,8 @@ pub fn solid(nodes: [usize; 3], ground: f64, skew: f64, seed: u64) -> (Pattern, 
             (0..3).for_each(|p| add(3 * a + p, 3 * a + p, ground));
         }
     }
-    values
-        .iter_mut()
-        .for_each(|v| *v += skew * 10.0 * noise.next());
+    for v in &mut values {
+        *v += skew * 10.0 * noise.next();
+    }
     (pattern, values)
 }

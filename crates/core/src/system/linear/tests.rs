@@ -76,7 +76,7 @@ fn cases() -> Vec<Case> {
             name,
             pattern,
             values,
-        })
+        });
     };
     for (name, n) in [("1", 1), ("2", 2), ("3", 3), ("4", 4), ("5", 5)] {
         let all: Vec<Vec<usize>> = vec![(0..n).collect(); n];
