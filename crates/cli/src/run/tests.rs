@@ -163,24 +163,27 @@ fn a_folder_that_cannot_be_made_is_input_output_and_nothing_is_solved() {
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
 }
 
+/// Whatever the recorder cannot write ends the run; here fields of another mesh.
 #[test]
-#[cfg(target_os = "linux")]
-fn a_full_disk_is_input_output_and_leaves_no_summary() {
+fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
     let (model, (_folder, out)) = (couplet(), folder());
-    std::fs::create_dir(&out).unwrap();
-    std::os::unix::fs::symlink("/dev/full", out.join("history.csv")).unwrap();
     let ended = record(
         &model,
         &warnings(),
         &out,
         &Interrupt::default(),
-        |recorder| solve(&model, recorder, 3, Status::Completed),
+        |recorder| {
+            let mut wrong = frame(&model, 1.0);
+            wrong.stress.pop();
+            recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
+            panic!("the recorder must refuse")
+        },
     );
     let failure = ended.unwrap_err();
     assert_eq!(failure.exit_code(), 4);
     let Failure::InputOutput(report) = failure else {
         panic!("{failure:?}")
     };
-    assert!(report.to_string().contains("history.csv"), "{report}");
+    assert!(report.to_string().contains("results.vtkhdf"), "{report}");
     assert!(!out.join("summary.json").exists());
 }

@@ -126,7 +126,7 @@ fn legend(svg: &mut String, height: f64, scale: f64, time: f64) -> std::fmt::Res
         r#"<text x="{MARGIN}" y="{:.0}">tensile damage 0</text>"#,
         y + 12.0
     )?;
-    let left = MARGIN + 112.0;
+    let left = MARGIN + 122.0;
     for i in 0..cells {
         let fill = colour(0, (f64::from(i) + 0.5) / f64::from(cells));
         let x = left + 6.0 * f64::from(i);

@@ -16,41 +16,51 @@ pub struct HistoryWriter {
     file: File,
     /// Bytes of whole rows, the header included.
     whole: u64,
-    header_due: bool,
 }
 
 impl HistoryWriter {
-    /// Creates (or empties) the file at `path`. The header goes out with the first row.
+    /// Creates (or empties) the file at `path` and writes the header.
     ///
     /// # Errors
-    /// The file cannot be created.
+    /// The file cannot be created or written.
     pub fn create(path: &Path) -> io::Result<Self> {
-        Ok(Self {
+        let mut history = Self {
             file: File::create(path)?,
             whole: 0,
-            header_due: true,
-        })
+        };
+        history.write(header()?.as_bytes())?;
+        Ok(history)
     }
 
-    /// Appends one row (and before the first one the header).
+    /// Appends one row.
     ///
     /// # Errors
     /// The row could not be written; what had got to the disk of it is cut off again.
     pub fn append(&mut self, row: &HistoryRow) -> io::Result<()> {
-        let bytes = line(row, self.header_due)?;
-        if let Err(error) = self.file.write_all(&bytes).and_then(|()| self.file.flush()) {
+        self.write(&lines(row, false)?)
+    }
+
+    /// Writes whole lines or nothing.
+    fn write(&mut self, lines: &[u8]) -> io::Result<()> {
+        if let Err(error) = self.file.write_all(lines).and_then(|()| self.file.flush()) {
             // Best effort: the error that matters is the one which brought us here.
             let _ = self.file.set_len(self.whole);
             return Err(error);
         }
-        self.header_due = false;
-        self.whole += bytes.len() as u64;
+        self.whole += lines.len() as u64;
         Ok(())
     }
 }
 
-/// One row as CSV text, ending in a line feed; after the header if asked.
-fn line(row: &HistoryRow, header: bool) -> io::Result<Vec<u8>> {
+/// Names of the columns, ending in a line feed.
+fn header() -> io::Result<String> {
+    let lines =
+        String::from_utf8(lines(&HistoryRow::default(), true)?).map_err(io::Error::other)?;
+    Ok(lines.split_inclusive('\n').take(1).collect())
+}
+
+/// One row as CSV text, after the header if asked. Each line ends in a line feed.
+fn lines(row: &HistoryRow, header: bool) -> io::Result<Vec<u8>> {
     let mut writer = csv::WriterBuilder::new()
         .has_headers(header)
         .from_writer(Vec::new());
@@ -71,8 +81,8 @@ mod tests {
 
     #[test]
     fn the_columns_are_those_promised_and_later_ones_come_after() {
-        let text = String::from_utf8(line(&HistoryRow::default(), true).unwrap()).unwrap();
-        let header = text.lines().next().unwrap();
+        let header = header().unwrap();
+        let header = header.strip_suffix('\n').unwrap();
         assert!(header.starts_with(HEADER), "{header}");
         assert_eq!(header.strip_prefix(HEADER), Some(",out_of_balance"));
     }
@@ -103,8 +113,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_full_disk_is_an_error() {
-        let mut history = HistoryWriter::create(Path::new("/dev/full")).unwrap();
-        let error = history.append(&HistoryRow::default()).unwrap_err();
+        let error = HistoryWriter::create(Path::new("/dev/full")).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
     }
 }

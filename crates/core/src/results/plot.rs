@@ -57,7 +57,11 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
             MARK.filled(),
             &|at, size, style| Circle::new(at, size, style),
         ))?;
-        let label = format!("peak {:.1} kN at {:.2} mm", peak.force, peak.displacement);
+        let label = format!(
+            "peak {} kN at {} mm",
+            brief(peak.force),
+            brief(peak.displacement)
+        );
         // Beside the curve's descent there is room; left of a peak at the right end, too.
         let left =
             at.0 > chart.x_range().start + 0.7 * (chart.x_range().end - chart.x_range().start);
@@ -66,6 +70,16 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
         chart.draw_series([EmptyElement::at(at) + Text::new(label, offset, style)])?;
     }
     Ok(())
+}
+
+/// Four significant digits, never an exponent: couplets peak at micrometres, walls at millimetres.
+fn brief(value: f64) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        3 - value.abs().log10().floor() as i32
+    };
+    format!("{value:.*}", digits.clamp(0, 9) as usize)
 }
 
 /// A range around the values and zero, with a little air on the side of the values.
@@ -101,7 +115,7 @@ mod tests {
         for text in [
             "displacement [mm]",
             "force [kN]",
-            "peak 105.8 kN at 1.90 mm",
+            "peak 105.8 kN at 1.900 mm",
             "&lt;J7D&gt; &amp;",
         ] {
             assert!(svg.contains(text), "{text} is missing");
@@ -113,6 +127,18 @@ mod tests {
     fn nothing_driven_gives_empty_axes() {
         let svg = load_displacement("Preload only", &Curve::default()).unwrap();
         assert!(svg.contains("force [kN]") && !svg.contains("peak"));
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        for (value, text) in [
+            (0.003125, "0.003125"),
+            (-1.9, "-1.900"),
+            (12345.6, "12346"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(brief(value), text);
+        }
     }
 
     #[test]

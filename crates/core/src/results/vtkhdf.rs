@@ -359,12 +359,15 @@ fn text<const N: usize>(group: &hdf5::Group, name: &str, value: &[u8; N]) -> hdf
         .write_scalar(&value)
 }
 
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "the shape that map_err wants"
-)]
+/// The system's error where HDF5 names one ("…, errno = 28, …"), else what HDF5 says.
 fn into_io(error: hdf5::Error) -> io::Error {
-    io::Error::other(format!("HDF5: {error}"))
+    let text = error.to_string();
+    let digits = text.split_once("errno = ").map(|(_, rest)| rest);
+    let digits = digits.and_then(|rest| rest.split(|c: char| !c.is_ascii_digit()).next());
+    match digits.and_then(|digits| digits.parse().ok()) {
+        Some(number) if number > 0 => io::Error::from_raw_os_error(number),
+        _ => io::Error::other(format!("HDF5: {text}")),
+    }
 }
 
 #[cfg(test)]
@@ -449,6 +452,19 @@ mod tests {
             .read_raw::<f64>()
             .unwrap();
         assert_eq!(values, [1.0, 3.0]);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_error_of_the_system_comes_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing/results.vtkhdf");
+        let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound, "{error}");
+        let path = folder.path().join("results.vtkhdf");
+        std::os::unix::fs::symlink("/dev/full", &path).unwrap();
+        let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{error}");
     }
 
     #[test]
