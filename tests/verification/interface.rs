@@ -204,8 +204,8 @@ fn every_walk_dissipates_and_balances() {
             let mut last = [0.0; 3];
             let (mut work, mut dissipated, mut elastic, mut size) = (0.0, 0.0, 0.0, 0.0);
             for target in walk(&mut random, &law, 40) {
-                for s in 1..=20 {
-                    let f = f64::from(s) / 20.0;
+                for s in 1..=200 {
+                    let f = f64::from(s) / 200.0;
                     let gap = [0, 1, 2].map(|k| last[k] + f * (target[k] - last[k]));
                     let answer = law.update(gap, &old);
                     let new = answer.history;

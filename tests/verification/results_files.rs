@@ -63,6 +63,7 @@ fn model() -> Model {
                 max: 0.25,
                 min: 1e-6,
             },
+            viscosity: 0.0,
             procedure: Procedure::Direct,
             tolerance: Tolerance {
                 residual: 5e-3,

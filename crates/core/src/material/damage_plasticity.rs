@@ -32,6 +32,8 @@ pub struct DamagePlasticity {
     tension_recovery: f64,
     compression_recovery: f64,
     viscosity: f64,
+    /// Viscosity of the material itself, which a step may exceed [s].
+    own_viscosity: f64,
 }
 
 /// Yield function above which a step is plastic, over σ̄_c (theory B.1).
@@ -69,8 +71,14 @@ impl DamagePlasticity {
             tension_recovery: p.tension_recovery,
             compression_recovery: p.compression_recovery,
             viscosity: p.viscosity,
+            own_viscosity: p.viscosity,
         };
         Ok((law, warnings))
+    }
+
+    /// Takes the larger of its own viscosity and that of a step [s] from here on.
+    pub fn stabilise(&mut self, viscosity: f64) {
+        self.viscosity = self.own_viscosity.max(viscosity);
     }
 
     /// Tension curve.

@@ -134,6 +134,7 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
             motion: vec![motion],
             driven: Some((0, axis)),
             increments: step.increments(),
+            viscosity: step.viscosity.get(),
             procedure: step.procedure,
             tolerance: step.tolerance(),
         });

@@ -132,6 +132,8 @@ pub struct Step {
     pub driven: Option<(usize, usize)>,
     /// Sizes of the increments.
     pub increments: Increments,
+    /// Viscosity of all damage-plastic solids in this step, where it is above their own [s].
+    pub viscosity: f64,
     /// Procedure of this step.
     pub procedure: Procedure,
     /// When an increment counts as converged.

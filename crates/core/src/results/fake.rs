@@ -34,6 +34,7 @@ pub fn model() -> Model {
         parameters: MaterialParameters::Elastic(elastic),
     };
     let step = |name: &str, x: BeamMotion| Step {
+        viscosity: 0.0,
         name: name.to_owned(),
         duration: 1.0,
         motion: vec![[x, BeamMotion::Locked, BeamMotion::Locked]],

@@ -101,6 +101,7 @@ impl<'m> Run<'m> {
         let step = &model.steps[index];
         let mut newton = Newton::new(model, step, &self.system, &self.state);
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
+        self.system.bulk.stabilise(step.viscosity);
         let mut schedule = Schedule::new(step.increments);
         // The boundary conditions change: the last increment says nothing of the next.
         self.state.last = None;

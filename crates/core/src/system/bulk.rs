@@ -123,6 +123,15 @@ impl Bulk {
         Ok(bulk)
     }
 
+    /// Takes over the viscosity of a step [s].
+    pub fn stabilise(&mut self, viscosity: f64) {
+        for law in &mut self.laws {
+            if let Material::DamagePlasticity(law) = law {
+                law.stabilise(viscosity);
+            }
+        }
+    }
+
     /// Shape of element `e`.
     pub fn shape(&self, e: usize) -> &ElementShape {
         &self.shapes[self.shape_of[e] as usize]

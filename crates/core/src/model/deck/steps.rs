@@ -28,6 +28,9 @@ pub struct DeckStep {
     /// Duration [s]; viscosity is measured in it.
     #[serde(default = "one_second")]
     pub duration: Time,
+    /// Viscosity of all solids with tables in this step, where it is above their own [s].
+    #[serde(default = "no_time")]
+    pub viscosity: Time,
     /// Procedure.
     #[serde(default)]
     pub procedure: Procedure,
@@ -134,6 +137,10 @@ impl Default for DeckTolerance {
 
 fn one_second() -> Time {
     Time::new(1.0)
+}
+
+fn no_time() -> Time {
+    Time::new(0.0)
 }
 
 impl DeckStep {

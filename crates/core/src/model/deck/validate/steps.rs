@@ -72,6 +72,12 @@ impl Checks<'_> {
             },
             "fractions of the step: 0 < min <= initial <= max <= 1",
         );
+        self.require(
+            step.viscosity.get() >= 0.0,
+            &key("viscosity"),
+            || format!("{} is negative", step.viscosity.get()),
+            "step time, 0 for none",
+        );
         if let Some(residual) = step.tolerance.residual {
             self.positive(&key("tolerance.residual"), residual);
         }

@@ -1,0 +1,33 @@
+# Short names for what CONTRIBUTING.md asks for. `just` alone lists them.
+
+default:
+    @just --list
+
+# Set up and run all tests, Rust and Python
+test:
+    bash tests/run
+
+# Everything that a change must pass
+ci:
+    .ci/run
+
+# Format and lint
+lint:
+    cargo fmt --all
+    cargo clippy --release --workspace --all-targets -- -D warnings
+
+# The documentation of the library
+doc:
+    RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
+
+# Licences, advisories and sources of the dependencies
+deny:
+    cargo deny check
+
+# The benchmarks
+bench:
+    cargo bench
+
+# Run an example: just run 03_shear_wall_j7d
+run name:
+    cargo run --release -- run examples/{{name}}.toml
