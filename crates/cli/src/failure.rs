@@ -95,7 +95,7 @@ impl From<RunError> for Failure {
                     "results could not be written: {error}"
                 ))),
             },
-            other => Self::Model(Report::msg(other.to_string())),
+            RunError::Bulk(error) => Self::Model(Report::msg(error.to_string())),
         }
     }
 }

@@ -89,28 +89,28 @@ impl Recorder for Watched<'_> {
     }
 }
 
+/// What stands below the progress when all is written.
 fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> String {
-    let mut text = String::new();
-    for warning in new_warnings {
-        text += &format!("warning: {warning}\n");
-    }
+    let mut lines: Vec<String> = new_warnings
+        .iter()
+        .map(|w| format!("warning: {w}"))
+        .collect();
     if let (Some(force), Some(at)) = (summary.peak_force_kN, summary.displacement_at_peak_mm) {
-        text += &format!("peak {force:.2} kN at {at:.3} mm");
-        if let Some(stiffness) = summary.initial_stiffness_kN_per_mm {
-            text += &format!(", initial stiffness {stiffness:.1} kN/mm");
-        }
-        text.push('\n');
+        lines.push(format!("peak {force:.3} kN at {at:.4} mm"));
     }
-    text + &format!(
-        "{} increments, {} iterations, {} cut-backs, {:.1} s; energy balance {:.1e}; results in \
-         {}\n",
-        summary.increments,
-        summary.iterations,
-        summary.cutbacks,
-        summary.wall_s,
-        summary.energy_balance_error,
-        out.display()
-    )
+    if let Some(stiffness) = summary.initial_stiffness_kN_per_mm {
+        lines.push(format!("initial stiffness {stiffness:.2} kN/mm"));
+    }
+    lines.push(format!(
+        "{} increments, {} iterations, {} cut-backs in {:.1} s",
+        summary.increments, summary.iterations, summary.cutbacks, summary.wall_s
+    ));
+    lines.push(format!(
+        "energy balance closes to {:.1e}",
+        summary.energy_balance_error
+    ));
+    lines.push(format!("results in {}", out.display()));
+    lines.join("\n") + "\n"
 }
 
 #[cfg(test)]

@@ -156,9 +156,10 @@ fn an_interface_point_follows_its_stored_curve() {
 fn a_component_is_driven_by_its_stress_column() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shear.csv");
-    let rows: String = (0..=40)
+    let rows: Vec<_> = (0..=40)
         .map(|i| format!("{},0,-0.5\n", 0.02 * f64::from(i)))
         .collect();
+    let rows = rows.concat();
     std::fs::write(
         &path,
         format!("# pressure first\nd1_mm,d2_mm,sig_MPa\n{rows}"),
@@ -200,9 +201,10 @@ fn a_component_is_driven_by_its_stress_column() {
 fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tension.csv");
-    let rows: String = (1..=60)
+    let rows: Vec<_> = (1..=60)
         .map(|i| format!("{},0,0,0,0,0\n", 4e-5 * f64::from(i)))
         .collect();
+    let rows = rows.concat();
     let header = "eps_xx,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx\n";
     std::fs::write(&path, format!("{header}{rows}")).unwrap();
     let model = repository("examples/03_shear_wall_j7d.toml")

@@ -125,7 +125,8 @@ fn walk<const N: usize, H: Copy>(
         path: arguments.path.clone(),
         source,
     })?;
-    let path = Path::read(&file, &text, layout, &arguments.stress).map_err(Failure::model)?;
+    let path = Path::read(&file, &text, layout, &arguments.stress)
+        .map_err(|error| Failure::model(*error))?;
     let mut table = table::Table::new(&path, layout, state_columns);
     let mut state = State::at_rest(virgin);
     let mut failure = None;

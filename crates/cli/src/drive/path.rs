@@ -103,15 +103,15 @@ impl Source<'_> {
         cell: Option<(usize, &str)>,
         what: impl Into<String>,
         help: impl Into<String>,
-    ) -> PathError {
-        PathError {
+    ) -> Box<PathError> {
+        Box::new(PathError {
             line,
             column: cell.map(|(_, name)| name.to_owned()),
             what: what.into(),
             help: help.into(),
             source_code: NamedSource::new(self.file, self.text.to_owned()),
             span: self.span(line, cell.map(|(index, _)| index)),
-        }
+        })
     }
 
     /// Line of the record at `position`, which the reader counts from the comments and empty lines
@@ -162,7 +162,7 @@ impl<const N: usize> Path<N> {
         text: &str,
         layout: &Layout<N>,
         stress: &[String],
-    ) -> Result<Self, PathError> {
+    ) -> Result<Self, Box<PathError>> {
         let source = Source { file, text };
         let by_stress = chosen(&source, layout, stress)?;
         let mut reader = csv::ReaderBuilder::new()
@@ -228,7 +228,7 @@ fn chosen<const N: usize>(
     source: &Source<'_>,
     layout: &Layout<N>,
     stress: &[String],
-) -> Result<[bool; N], PathError> {
+) -> Result<[bool; N], Box<PathError>> {
     let mut by_stress = [false; N];
     for name in stress {
         let Some(i) = layout.components.iter().position(|c| c == name) else {
@@ -250,8 +250,8 @@ fn columns<const N: usize>(
     by_stress: [bool; N],
     header: &csv::StringRecord,
     line: u64,
-) -> Result<Columns<N>, PathError> {
-    let find = |name: &str| -> Result<Option<usize>, PathError> {
+) -> Result<Columns<N>, Box<PathError>> {
+    let find = |name: &str| -> Result<Option<usize>, Box<PathError>> {
         let mut places = header
             .iter()
             .enumerate()
@@ -294,7 +294,7 @@ fn number(
     record: &csv::StringRecord,
     line: u64,
     index: usize,
-) -> Result<f64, PathError> {
+) -> Result<f64, Box<PathError>> {
     let text = &record[index];
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -312,7 +312,7 @@ fn number(
 }
 
 impl Source<'_> {
-    fn csv(&self, error: &csv::Error) -> PathError {
+    fn csv(&self, error: &csv::Error) -> Box<PathError> {
         let line = error.position().map_or(1, |p| self.line(p));
         match error.kind() {
             csv::ErrorKind::UnequalLengths {
@@ -337,7 +337,7 @@ impl Source<'_> {
 mod tests {
     use super::*;
 
-    fn read(text: &str, stress: &[&str]) -> Result<Path<3>, PathError> {
+    fn read(text: &str, stress: &[&str]) -> Result<Path<3>, Box<PathError>> {
         let stress: Vec<String> = stress.iter().map(|&s| s.to_owned()).collect();
         Path::read("path.csv", text, &INTERFACE, &stress)
     }

@@ -199,8 +199,14 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix2, Vector2};
 
-    /// A stiff spring beside a hardening one that yields at 1 MPa, weakly coupled.
-    fn law(strain: &Vector2<f64>, yielded: &f64, dt: f64) -> Result<Answer<2, f64>, LocalFailure> {
+    /// A stiff spring beside a hardening one that yields at 1 MPa, weakly coupled. Its history is
+    /// the time that has passed.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        clippy::unnecessary_wraps,
+        reason = "a law's form"
+    )]
+    fn law(strain: &Vector2<f64>, passed: &f64, dt: f64) -> Result<Answer<2, f64>, LocalFailure> {
         let (stiff, hardened) = (1000.0, 10.0);
         let trial = stiff * strain[1];
         let (second, slope) = if trial.abs() > 1.0 {
@@ -217,7 +223,7 @@ mod tests {
                 second + 5.0 * strain[0],
             ),
             tangent: Matrix2::new(stiff, 5.0, 5.0, slope),
-            history: yielded + dt,
+            history: passed + dt,
         })
     }
 

@@ -75,7 +75,7 @@ impl VtkHdfWriter {
     /// # Errors
     /// The file cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
-        Self::create_hdf(path, model).map_err(into_io)
+        Self::create_hdf(path, model).map_err(|error| into_io(&error))
     }
 
     /// Appends one step, on disk on return.
@@ -84,7 +84,7 @@ impl VtkHdfWriter {
     /// A field has not as many rows as the mesh has nodes or elements, or the file cannot be
     /// written.
     pub fn append(&mut self, frame: &Frame) -> io::Result<()> {
-        self.append_hdf(frame).map_err(into_io)
+        self.append_hdf(frame).map_err(|error| into_io(&error))
     }
 
     /// Steps written so far.
@@ -132,7 +132,7 @@ impl VtkHdfWriter {
             file,
         };
         for (name, values) in labels(&model.mesh) {
-            let dataset = compressed::<i32>(&cells, elements, 1);
+            let dataset = compressed::<i64>(&cells, elements, 1);
             dataset.shape(elements).create(name)?.write_raw(&values)?;
             writer.zeros.push(series(&cell_offsets, name)?);
         }
@@ -157,7 +157,7 @@ impl VtkHdfWriter {
             &self.tensile_damage,
             &self.compressive_damage,
         ] {
-            push(&field.offsets, step, (step * field.tuples) as i64)?;
+            push(&field.offsets, step, index(step * field.tuples))?;
         }
         for zeros in &self.zeros {
             push(zeros, step, 0_i64)?;
@@ -168,7 +168,7 @@ impl VtkHdfWriter {
         }
         push(&self.parts, step, 1_i64)?;
         push(&self.values, step, frame.time)?;
-        self.step_count.write_scalar(&(step as i64 + 1))?;
+        self.step_count.write_scalar(&index(step + 1))?;
         self.file.flush()?;
         self.steps += 1;
         Ok(())
@@ -261,7 +261,7 @@ fn write_mesh(root: &hdf5::Group, mesh: &Mesh) -> hdf5::Result<()> {
         root.new_dataset::<i64>()
             .shape(1)
             .create(name)?
-            .write(&[count as i64])
+            .write(&[index(count)])
     };
     one("NumberOfPoints", nodes)?;
     one("NumberOfCells", elements)?;
@@ -278,7 +278,7 @@ fn write_mesh(root: &hdf5::Group, mesh: &Mesh) -> hdf5::Result<()> {
         .collect();
     let connectivity = compressed::<i64>(root, ids.len(), 1).shape(ids.len());
     connectivity.create("Connectivity")?.write_raw(&ids)?;
-    let offsets: Vec<i64> = (0..=elements as i64).map(|e| 8 * e).collect();
+    let offsets: Vec<i64> = (0..=elements).map(|e| index(8 * e)).collect();
     root.new_dataset::<i64>()
         .shape(offsets.len())
         .create("Offsets")?
@@ -287,17 +287,22 @@ fn write_mesh(root: &hdf5::Group, mesh: &Mesh) -> hdf5::Result<()> {
     types.write_raw(&vec![HEXAHEDRON; elements])
 }
 
+/// A count as VTK stores it; no mesh comes near the limit.
+fn index(count: usize) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}
+
 /// What an element belongs to, under the names of [`Mesh`].
-fn labels(mesh: &Mesh) -> [(&'static str, Vec<i32>); 3] {
+fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
     [
         (
             "material",
-            mesh.material.iter().map(|&m| i32::from(m)).collect(),
+            mesh.material.iter().map(|&m| i64::from(m)).collect(),
         ),
-        ("unit", mesh.unit.iter().map(|&u| u as i32).collect()),
+        ("unit", mesh.unit.iter().map(|&u| i64::from(u)).collect()),
         (
             "course",
-            mesh.course.iter().map(|&c| i32::from(c)).collect(),
+            mesh.course.iter().map(|&c| i64::from(c)).collect(),
         ),
     ]
 }
@@ -406,7 +411,7 @@ mod tests {
         );
         let offsets = steps.dataset("PointDataOffsets/displacement").unwrap();
         let offsets = offsets.read_raw::<i64>().unwrap();
-        assert_eq!(offsets, [0, nodes as i64, 2 * nodes as i64]);
+        assert_eq!(offsets, [0, index(nodes), index(2 * nodes)]);
         let stored = root
             .dataset("PointData/displacement")
             .unwrap()
@@ -430,7 +435,7 @@ mod tests {
         let unit = root
             .dataset("CellData/unit")
             .unwrap()
-            .read_raw::<i32>()
+            .read_raw::<i64>()
             .unwrap();
         assert_eq!(unit.len(), elements);
     }
