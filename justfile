@@ -18,7 +18,7 @@ lint:
 
 # The documentation of the library
 doc:
-    RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
+    RUSTDOCFLAGS="-D warnings -A rustdoc::broken_intra_doc_links" cargo doc --release --workspace --no-deps
 
 # Licences, advisories and sources of the dependencies
 deny:
