@@ -113,6 +113,9 @@ impl DamagePlasticity {
         let trial_stress = hooke(&self.elastic, &(strain - old.plastic_strain));
         let inviscid = self.inviscid(&trial_stress, old, want_tangent)?;
         let (_, damage) = self.intact(&inviscid.point);
+        if !inviscid.is_plastic() && rests(old, damage) {
+            return Ok(self.at_rest(strain, old, &inviscid, want_tangent));
+        }
         let mut history = MaterialHistory {
             plastic_strain: old.plastic_strain,
             kappa_t: inviscid.point.kappa_t,
@@ -215,6 +218,38 @@ impl DamagePlasticity {
             point = self.solve(&trial, &point)?;
         }
         Ok(Inviscid { trial, point, deviator, directions })
+    }
+
+    /// An elastic step that changes no history: that of most points of a wall.
+    fn at_rest(
+        &self,
+        strain: &Vector6<f64>,
+        old: &MaterialHistory,
+        inviscid: &Inviscid,
+        want_tangent: bool,
+    ) -> Response {
+        let elastic_strain = strain - old.plastic_strain;
+        let effective = hooke(&self.elastic, &elastic_strain);
+        let intact = 1.0 - old.damage;
+        let history = MaterialHistory {
+            viscous_strain_step: Vector6::zeros(),
+            viscous_damage_step: 0.0,
+            stress: effective * intact,
+            ..*old
+        };
+        Response {
+            stress: history.stress,
+            tangent: if want_tangent {
+                self.tangent(inviscid, 1.0, intact, &effective)
+            } else {
+                Matrix6::zeros()
+            },
+            history,
+            energy: PointEnergy {
+                elastic: 0.5 * history.stress.dot(&elastic_strain),
+                ..PointEnergy::default()
+            },
+        }
     }
 
     /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
@@ -327,6 +362,14 @@ impl DamagePlasticity {
             viscous,
         }
     }
+}
+
+/// Whether an elastic step to this damage leaves the history as it is: no recovery, and nothing
+/// that viscosity still holds back.
+fn rests(old: &MaterialHistory, damage: f64) -> bool {
+    damage == old.damage
+        && damage == old.viscous_damage
+        && old.viscous_strain == old.plastic_strain
 }
 
 /// The inviscid end of a step.
