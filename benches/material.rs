@@ -20,7 +20,10 @@ type State = (Vector6<f64>, MaterialHistory);
 /// The history after one step to `strain`, and a next strain.
 fn after(law: &DamagePlasticity, strain: [f64; 6], next: [f64; 6]) -> State {
     let old = MaterialHistory::default();
-    let history = law.update(&strain.into(), &old, 1.0, false).expect("an answer").history;
+    let history = law
+        .update(&strain.into(), &old, 1.0, false)
+        .expect("an answer")
+        .history;
     (next.into(), history)
 }
 
@@ -29,12 +32,24 @@ fn states(law: &DamagePlasticity) -> [(&'static str, State); 6] {
     let cracked = [6e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4];
     [
         // Far from yield: a bound decides.
-        ("elastic", ([5e-5, -2e-5, 1e-5, 3e-5, -2e-5, 1e-5].into(), virgin)),
+        (
+            "elastic",
+            ([5e-5, -2e-5, 1e-5, 3e-5, -2e-5, 1e-5].into(), virgin),
+        ),
         // Below yield, but only the principal stresses tell.
-        ("near_yield", ([1.5e-4, -1.2e-4, -1e-4, 2e-5, -2e-5, 1e-5].into(), virgin)),
+        (
+            "near_yield",
+            ([1.5e-4, -1.2e-4, -1e-4, 2e-5, -2e-5, 1e-5].into(), virgin),
+        ),
         // A crack that closes a little: elastic, with the damage's weight r to follow.
-        ("unloading", after(law, cracked, [4e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4])),
-        ("cracking", after(law, cracked, [7e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4])),
+        (
+            "unloading",
+            after(law, cracked, [4e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4]),
+        ),
+        (
+            "cracking",
+            after(law, cracked, [7e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4]),
+        ),
         (
             "crushing",
             after(
@@ -43,7 +58,10 @@ fn states(law: &DamagePlasticity) -> [(&'static str, State); 6] {
                 [2.5e-4, 2.5e-4, -1.8e-3, 1e-4, -1e-4, 2e-4],
             ),
         ),
-        ("first_crack", ([3e-4, -3e-5, -3e-5, 1e-4, 5e-5, 0.0].into(), virgin)),
+        (
+            "first_crack",
+            ([3e-4, -3e-5, -3e-5, 1e-4, 5e-5, 0.0].into(), virgin),
+        ),
     ]
 }
 
@@ -64,7 +82,9 @@ fn points(c: &mut Criterion) {
 
 fn principal(c: &mut Criterion) {
     let s = Vector6::new(1.0, -2.0, 3.0, 0.4, -0.5, 0.6);
-    c.bench_function("sym6/principal", |b| b.iter(|| sym6::principal(black_box(&s))));
+    c.bench_function("sym6/principal", |b| {
+        b.iter(|| sym6::principal(black_box(&s)));
+    });
 }
 
 criterion_group!(benches, points, principal);

@@ -12,7 +12,9 @@ use wythe::material::{
 use wythe::sym6;
 
 fn law(parameters: &DamagePlasticityParameters) -> DamagePlasticity {
-    DamagePlasticity::new(parameters, None).expect("the tables are sound").0
+    DamagePlasticity::new(parameters, None)
+        .expect("the tables are sound")
+        .0
 }
 
 fn step(law: &DamagePlasticity, strain: Vector6<f64>, old: &MaterialHistory) -> Response {
@@ -47,8 +49,11 @@ fn nine_residuals(
     let stress_residual = (c0 * (flow - voigt * lambda)).amax();
     // Principal values by nalgebra, not by the routine under test.
     let eigen = |s: &Vector6<f64>| {
-        let mut v: Vec<f64> =
-            sym6::matrix(s).symmetric_eigenvalues().iter().copied().collect();
+        let mut v: Vec<f64> = sym6::matrix(s)
+            .symmetric_eigenvalues()
+            .iter()
+            .copied()
+            .collect();
         v.sort_by(|a, b| b.total_cmp(a));
         v
     };
@@ -79,7 +84,10 @@ fn paper() -> Vec<DamagePlasticityParameters> {
     let mut all = Vec::new();
     for base in [brick(), mortar(850.0), mortar(2300.0)] {
         for interpolation in [Interpolation::Eff1, Interpolation::Lit] {
-            all.push(DamagePlasticityParameters { interpolation, ..base.clone() });
+            all.push(DamagePlasticityParameters {
+                interpolation,
+                ..base.clone()
+            });
         }
     }
     all
@@ -97,7 +105,10 @@ fn all_nine_equations_hold_on_random_walks() {
             let mut old = MaterialHistory::default();
             for _ in 0..40 {
                 strain += Vector6::from_fn(|_, _| random.signed()) * scale;
-                let new = law.update(&strain, &old, 1.0, false).expect("an answer").history;
+                let new = law
+                    .update(&strain, &old, 1.0, false)
+                    .expect("an answer")
+                    .history;
                 worst = worst.max(nine_residuals(&p, &law, &strain, &old, &new));
                 old = new;
             }
@@ -111,15 +122,23 @@ fn all_nine_equations_hold_on_random_walks() {
 
 /// Positive random rows that soften, harden, or stay, with any admissible damage.
 fn odd_table(random: &mut Random, e: f64, strength: f64) -> Vec<TableRow> {
-    let mut rows = vec![TableRow { stress: strength, inelastic_strain: 0.0, damage: 0.0 }];
-    for _ in 0..1 + (random.uniform() * 5.0) as usize {
+    let mut rows = vec![TableRow {
+        stress: strength,
+        inelastic_strain: 0.0,
+        damage: 0.0,
+    }];
+    for _ in 0..=(random.uniform() * 5.0) as usize {
         let last = rows[rows.len() - 1];
         let stress = strength * (0.02 + 1.3 * random.uniform());
         // Wide enough not to snap back.
         let least = 1.05 * (last.stress - stress).max(0.0) / e;
         let width = least + 10.0_f64.powf(-5.0 + 3.0 * random.uniform());
         let damage = last.damage + (0.99 - last.damage) * random.uniform().powi(2);
-        rows.push(TableRow { stress, inelastic_strain: last.inelastic_strain + width, damage });
+        rows.push(TableRow {
+            stress,
+            inelastic_strain: last.inelastic_strain + width,
+            damage,
+        });
     }
     rows
 }
@@ -143,7 +162,9 @@ fn the_map_never_fails_on_tables_that_pass_the_check() {
         let f_c = f_t * (2.0 + 10.0 * random.uniform());
         p.compression = odd_table(&mut random, p.elastic.E, f_c);
         // Tables that the check refuses are no case.
-        let Ok((law, _)) = DamagePlasticity::new(&p, None) else { continue };
+        let Ok((law, _)) = DamagePlasticity::new(&p, None) else {
+            continue;
+        };
         laws += 1;
         let mut old = MaterialHistory::default();
         for k in 0..60 {
@@ -152,16 +173,14 @@ fn the_map_never_fails_on_tables_that_pass_the_check() {
             if k % 2 == 0 {
                 old = MaterialHistory::default();
             }
-            let strain =
-                old.plastic_strain + Vector6::from_fn(|_, _| random.signed() * size);
+            let strain = old.plastic_strain + Vector6::from_fn(|_, _| random.signed() * size);
             let new = law
                 .update(&strain, &old, 1.0, true)
                 .unwrap_or_else(|why| panic!("{why} with {p:?} at {strain} from {old:?}"))
                 .history;
             assert!(new.kappa_t >= old.kappa_t && new.kappa_c >= old.kappa_c);
             assert!(new.damage >= 0.0 && new.damage < 1.0, "{}", new.damage);
-            let effective =
-                elastic_stiffness(&p.elastic) * (strain - new.plastic_strain);
+            let effective = elastic_stiffness(&p.elastic) * (strain - new.plastic_strain);
             let trial = elastic_stiffness(&p.elastic) * (strain - old.plastic_strain);
             let f = law.yield_function(&effective, new.kappa_t, new.kappa_c);
             worst = worst.max(f / trial.amax().max(f_t));
@@ -187,7 +206,10 @@ fn differences(
     for j in 0..6 {
         let mut e = Vector6::zeros();
         e[j] = h;
-        let (up, down) = (step(law, strain + e, old).stress, step(law, strain - e, old).stress);
+        let (up, down) = (
+            step(law, strain + e, old).stress,
+            step(law, strain - e, old).stress,
+        );
         d.set_column(j, &((up - down) / (2.0 * h)));
     }
     d
@@ -225,7 +247,10 @@ fn hydrostatic_tension_returns_along_its_axis_with_the_right_shear_stiffness() {
 
 #[test]
 fn without_eccentricity_the_vertex_of_the_cone_is_reached() {
-    let p = DamagePlasticityParameters { eccentricity: 0.0, ..brick() };
+    let p = DamagePlasticityParameters {
+        eccentricity: 0.0,
+        ..brick()
+    };
     let law = law(&p);
     let old = MaterialHistory::default();
     // Mostly volume, a little shear: beyond the vertex.
@@ -235,7 +260,11 @@ fn without_eccentricity_the_vertex_of_the_cone_is_reached() {
     let deviator = effective - sym6::UNIT * sym6::mean(&effective);
     // Rounding of stresses of 10 MPa.
     assert!(deviator.amax() < 1e-13, "{deviator}");
-    assert!(law.yield_function(&effective, answer.history.kappa_t, 0.0).abs() < 1e-11);
+    assert!(
+        law.yield_function(&effective, answer.history.kappa_t, 0.0)
+            .abs()
+            < 1e-11
+    );
     // All stress is gone in the deviator, so no shear stiffness is left.
     let numeric = differences(&law, &strain, &old, 1e-8);
     // Theory B.2.
@@ -261,14 +290,29 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
         let answer = step(&law, strain, &old);
         assert!(answer.history.kappa_c > 0.0);
         let effective = c0 * (strain - answer.history.plastic_strain);
-        (strain, answer.tangent, sym6::principal_values(&effective)[0])
+        (
+            strain,
+            answer.tangent,
+            sym6::principal_values(&effective)[0],
+        )
     };
     let (mut below, mut above) = (0.0, 12.0);
     while above - below > 1e-12 {
         let middle = 0.5 * (below + above);
-        if at(middle).2 < 0.0 { below = middle } else { above = middle }
+        if at(middle).2 < 0.0 {
+            below = middle;
+        } else {
+            above = middle;
+        }
     }
-    for third in [0.0, below - 1e-3, below - 1e-4, above + 1e-4, above + 1e-3, 12.0] {
+    for third in [
+        0.0,
+        below - 1e-3,
+        below - 1e-4,
+        above + 1e-4,
+        above + 1e-3,
+        12.0,
+    ] {
         let (strain, tangent, largest) = at(third);
         assert_eq!(largest >= 0.0, third >= above);
         // 1e-9 of strain are 2e-5 MPa: these differences do not reach across. Theory B.2: 5e-5 E.
@@ -294,5 +338,8 @@ fn strains_without_number_or_measure_are_refused() {
     // Finite, but its stress is not.
     let huge = Vector6::repeat(1e306);
     let refused = law.update(&huge, &old, 1.0, true).err();
-    assert!(matches!(refused, Some(LocalFailure::ReturnMap { .. })), "{refused:?}");
+    assert!(
+        matches!(refused, Some(LocalFailure::ReturnMap { .. })),
+        "{refused:?}"
+    );
 }

@@ -54,8 +54,7 @@ impl Reduced {
         let mean = mean(s);
         let deviator = s - UNIT * mean;
         let scale = deviator.amax();
-        // NaN, too, has no directions.
-        if !(scale > f64::MIN_POSITIVE) {
+        if scale <= f64::MIN_POSITIVE {
             return None;
         }
         let a = matrix(&(deviator / scale));
@@ -129,7 +128,11 @@ impl Reduced {
         let length = (x * x + y * y).sqrt();
         let (x, y) = (x / length, y / length);
         let (first, second) = (u * x + v * y, v * x - u * y);
-        if self.largest { [n, first, second] } else { [first, second, n] }
+        if self.largest {
+            [n, first, second]
+        } else {
+            [first, second, n]
+        }
     }
 }
 
@@ -164,7 +167,10 @@ mod tests {
     fn check(s: &Vector6<f64>) {
         let (values, directions) = principal(s);
         assert_eq!(values, principal_values(s));
-        assert!(values[0] >= values[1] && values[1] >= values[2], "{values:?}");
+        assert!(
+            values[0] >= values[1] && values[1] >= values[2],
+            "{values:?}"
+        );
         let mut rebuilt = Vector6::zeros();
         for i in 0..3 {
             rebuilt += dyad(&directions[i]) * values[i];
@@ -221,7 +227,10 @@ mod tests {
                 let found = principal_values(&s);
                 for i in 0..3 {
                     // Rounding of the rotation itself.
-                    assert!((found[i] - sorted[i]).abs() < 4e-15, "gap {e:.1e}: {found:?}");
+                    assert!(
+                        (found[i] - sorted[i]).abs() < 4e-15,
+                        "gap {e:.1e}: {found:?}"
+                    );
                 }
             }
         }

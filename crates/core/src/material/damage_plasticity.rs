@@ -131,8 +131,10 @@ impl DamagePlasticity {
         };
         // A.3: ε_p grows by λN = (3/2) φ s + (λT/3) 1; shear components doubled.
         if inviscid.is_plastic() {
-            let (phi, volume) =
-                (1.5 * inviscid.point.phi, inviscid.point.lambda * self.dilation / 3.0);
+            let (phi, volume) = (
+                1.5 * inviscid.point.phi,
+                inviscid.point.lambda * self.dilation / 3.0,
+            );
             for i in 0..3 {
                 history.plastic_strain[i] += phi * inviscid.deviator[i] + volume;
                 history.plastic_strain[3 + i] += 2.0 * phi * inviscid.deviator[3 + i];
@@ -150,7 +152,9 @@ impl DamagePlasticity {
         history.viscous_strain_step = history.viscous_strain - old.viscous_strain;
         history.viscous_damage_step = history.viscous_damage - old.viscous_damage;
         if !inviscid.is_plastic() && self.viscosity == 0.0 {
-            // A change of r in an elastic step is no rate to go on with.
+            // A change of r in an elastic step, or the last of a viscosity that ended, is no rate
+            // to go on with.
+            history.viscous_strain_step = Vector6::zeros();
             history.viscous_damage_step = 0.0;
         }
         let elastic_strain = strain - history.viscous_strain;
@@ -162,7 +166,12 @@ impl DamagePlasticity {
         } else {
             Matrix6::zeros()
         };
-        Ok(Response { stress: history.stress, tangent, history, energy })
+        Ok(Response {
+            stress: history.stress,
+            tangent,
+            history,
+            energy,
+        })
     }
 
     /// Intact part and stress with extrapolated viscous strain and damage.
@@ -192,7 +201,13 @@ impl DamagePlasticity {
         let deviator = trial_stress - sym6::UNIT * mean;
         let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
         let (kappa_t, kappa_c) = (old.kappa_t, old.kappa_c);
-        let mut trial = TrialStress { mean, q, s: [0.0; 3], kappa_t, kappa_c };
+        let mut trial = TrialStress {
+            mean,
+            q,
+            s: [0.0; 3],
+            kappa_t,
+            kappa_c,
+        };
         let tension = self.tension.at(kappa_t);
         let compression = self.compression.at(kappa_c);
         // Without damage to recover r has no part in the stress, and a bound of F will do that
@@ -203,7 +218,12 @@ impl DamagePlasticity {
             || self.tension_recovery * compression.damage != 0.0;
         if bound <= 0.0 && self.beta(&tension, &compression) >= 0.0 && !recovering {
             let point = Point::elastic(mean, tension, compression, kappa_t, kappa_c, bound);
-            return Ok(Inviscid { trial, point, deviator, directions: None });
+            return Ok(Inviscid {
+                trial,
+                point,
+                deviator,
+                directions: None,
+            });
         }
         let mut directions = None;
         if want_directions {
@@ -217,7 +237,12 @@ impl DamagePlasticity {
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
             point = self.solve(&trial, &point)?;
         }
-        Ok(Inviscid { trial, point, deviator, directions })
+        Ok(Inviscid {
+            trial,
+            point,
+            deviator,
+            directions,
+        })
     }
 
     /// An elastic step that changes no history: that of most points of a wall.
@@ -256,7 +281,10 @@ impl DamagePlasticity {
     fn intact(&self, p: &Point) -> ([f64; 2], f64) {
         let s_t = 1.0 - self.tension_recovery * p.r;
         let s_c = 1.0 - self.compression_recovery * (1.0 - p.r);
-        let factors = [1.0 - s_t * p.compression.damage, 1.0 - s_c * p.tension.damage];
+        let factors = [
+            1.0 - s_t * p.compression.damage,
+            1.0 - s_c * p.tension.damage,
+        ];
         (factors, 1.0 - factors[0] * factors[1])
     }
 
@@ -280,9 +308,7 @@ impl DamagePlasticity {
         let (r, kappa_t, kappa_c) = if inviscid.is_plastic() {
             let eta = gradient(slope.eta, by_lambda.eta[0]);
             d += inviscid.deviator * (theta * intact) * eta.transpose();
-            d -= sym6::UNIT
-                * (theta * intact * self.bulk * self.dilation)
-                * lambda.transpose();
+            d -= sym6::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
             (
                 gradient(slope.r, by_lambda.r[0]),
                 gradient(slope.kappa_t, by_lambda.kappa_t[0]),
@@ -309,14 +335,27 @@ impl DamagePlasticity {
         inviscid: &Inviscid,
         directions: &[Vector3<f64>; 3],
     ) -> (Slope<6>, Slope<1>, Vector6<f64>) {
-        let Inviscid { trial, point, deviator, .. } = inviscid;
+        let Inviscid {
+            trial,
+            point,
+            deviator,
+            ..
+        } = inviscid;
         // Voigt components of stress-like tensors pair with engineering shear.
-        let by_q = if trial.q > 0.0 { 3.0 * self.shear / trial.q } else { 0.0 };
-        let mut s =
-            directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
+        let by_q = if trial.q > 0.0 {
+            3.0 * self.shear / trial.q
+        } else {
+            0.0
+        };
+        let mut s = directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
         average_repeated(&trial.s, &mut s);
         let (mean, q) = (sym6::UNIT * self.bulk, deviator * by_q);
-        let by_strain = Variation { mean, q, s, lambda: Vector6::zeros() };
+        let by_strain = Variation {
+            mean,
+            q,
+            s,
+            lambda: Vector6::zeros(),
+        };
         let slope = self.slope(trial, point, &by_strain);
         let by_lambda = self.slope(trial, point, &Variation::along_lambda());
         let lambda = if inviscid.is_plastic() {
@@ -367,9 +406,7 @@ impl DamagePlasticity {
 /// Whether an elastic step to this damage leaves the history as it is: no recovery, and nothing
 /// that viscosity still holds back.
 fn rests(old: &MaterialHistory, damage: f64) -> bool {
-    damage == old.damage
-        && damage == old.viscous_damage
-        && old.viscous_strain == old.plastic_strain
+    damage == old.damage && damage == old.viscous_damage && old.viscous_strain == old.plastic_strain
 }
 
 /// The inviscid end of a step.

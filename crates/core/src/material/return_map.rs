@@ -45,7 +45,12 @@ impl Variation<1> {
     /// Along λ at constant trial stress.
     pub fn along_lambda() -> Self {
         let zero = SVector::zeros();
-        Self { mean: zero, q: zero, s: [zero; 3], lambda: SVector::<f64, 1>::new(1.0) }
+        Self {
+            mean: zero,
+            q: zero,
+            s: [zero; 3],
+            lambda: SVector::<f64, 1>::new(1.0),
+        }
     }
 }
 
@@ -163,7 +168,11 @@ impl DamagePlasticity {
         } else {
             1.0
         };
-        let phi = if a > 0.0 { lambda * eta / a } else { (1.0 - eta) / g3 };
+        let phi = if a > 0.0 {
+            lambda * eta / a
+        } else {
+            (1.0 - eta) / g3
+        };
         let mean = trial.mean - self.bulk * self.dilation * lambda;
         let stress = trial.s.map(|s| eta * s + mean);
         let r = weight(&stress);
@@ -201,8 +210,11 @@ impl DamagePlasticity {
         tension: &CurvePoint,
         compression: &CurvePoint,
     ) -> f64 {
-        let slope =
-            if largest >= 0.0 { self.beta(tension, compression) } else { self.gamma };
+        let slope = if largest >= 0.0 {
+            self.beta(tension, compression)
+        } else {
+            self.gamma
+        };
         q + 3.0 * self.alpha * mean + slope * largest - (1.0 - self.alpha) * compression.effective
     }
 
@@ -264,7 +276,13 @@ impl DamagePlasticity {
             dlargest * self.gamma
         };
         let f = dq + dmean * (3.0 * self.alpha) + by_largest - dsc * (1.0 - self.alpha);
-        Slope { eta: deta, r: dr, kappa_t, kappa_c, f }
+        Slope {
+            eta: deta,
+            r: dr,
+            kappa_t,
+            kappa_c,
+            f,
+        }
     }
 
     /// Root of f(λ) beyond a trial state `start` with f(0) > 0: Newton inside a bracket.
@@ -302,7 +320,11 @@ impl DamagePlasticity {
             if p.f.abs() <= tolerance {
                 // One more step of Newton takes off what the tolerance left.
                 let polished = self.point(trial, newton(&p).max(0.0));
-                return Ok(if polished.f.abs() < p.f.abs() { polished } else { p });
+                return Ok(if polished.f.abs() < p.f.abs() {
+                    polished
+                } else {
+                    p
+                });
             }
         }
         Err(refused(&p))

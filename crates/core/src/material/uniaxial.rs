@@ -243,7 +243,11 @@ impl Curve {
                 }
             })
             .collect();
-        let level = |from: &Node| Segment { from: *from, stress_slope: 0.0, effective_slope: 0.0 };
+        let level = |from: &Node| Segment {
+            from: *from,
+            stress_slope: 0.0,
+            effective_slope: 0.0,
+        };
         segments.extend(nodes.last().map(level));
         Ok((Self { nodes, segments }, warnings))
     }
@@ -266,7 +270,11 @@ impl Curve {
         } else {
             later.partition_point(|s| s.from.kappa <= kappa)
         };
-        let Segment { from, stress_slope, effective_slope } = self.segments[i];
+        let Segment {
+            from,
+            stress_slope,
+            effective_slope,
+        } = self.segments[i];
         let ahead = kappa - from.kappa;
         let stress = from.stress + stress_slope * ahead;
         let effective = from.effective + effective_slope * ahead;
