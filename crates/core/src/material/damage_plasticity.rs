@@ -2,12 +2,12 @@
 //! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::hooke;
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
-use super::return_map::{Point, TrialStress, Variation, weight};
+use super::return_map::{Point, Slope, TrialStress, Variation, weight};
 use super::uniaxial::{Branch, Curve, TableError, TableWarning};
 use crate::sym6;
 
@@ -112,11 +112,15 @@ impl DamagePlasticity {
         }
         let trial_stress = hooke(&self.elastic, &(strain - old.plastic_strain));
         let inviscid = self.inviscid(&trial_stress, old, want_tangent)?;
+        let (_, damage) = self.intact(&inviscid.point);
+        if !inviscid.is_plastic() && rests(old, damage) {
+            return Ok(self.at_rest(strain, old, &inviscid, want_tangent));
+        }
         let mut history = MaterialHistory {
-            plastic_strain: old.plastic_strain + inviscid.flow,
+            plastic_strain: old.plastic_strain,
             kappa_t: inviscid.point.kappa_t,
             kappa_c: inviscid.point.kappa_c,
-            damage: inviscid.damage,
+            damage,
             tensile_damage: inviscid.point.tension.damage.max(old.tensile_damage),
             compressive_damage: inviscid
                 .point
@@ -125,6 +129,17 @@ impl DamagePlasticity {
                 .max(old.compressive_damage),
             ..*old
         };
+        // A.3: ε_p grows by λN = (3/2) φ s + (λT/3) 1; shear components doubled.
+        if inviscid.is_plastic() {
+            let (phi, volume) = (
+                1.5 * inviscid.point.phi,
+                inviscid.point.lambda * self.dilation / 3.0,
+            );
+            for i in 0..3 {
+                history.plastic_strain[i] += phi * inviscid.deviator[i] + volume;
+                history.plastic_strain[3 + i] += 2.0 * phi * inviscid.deviator[3 + i];
+            }
+        }
         // Theory A.7: backward Euler of Duvaut–Lions, θ = Δt/(μ+Δt).
         let theta = if self.viscosity > 0.0 {
             dt / (self.viscosity + dt)
@@ -136,28 +151,23 @@ impl DamagePlasticity {
         history.viscous_damage = theta * history.damage + (1.0 - theta) * old.viscous_damage;
         history.viscous_strain_step = history.viscous_strain - old.viscous_strain;
         history.viscous_damage_step = history.viscous_damage - old.viscous_damage;
-        if inviscid.point.lambda == 0.0 && self.viscosity == 0.0 {
-            // A change of r in an elastic step is no rate to go on with.
+        if !inviscid.is_plastic() && self.viscosity == 0.0 {
+            // A change of r in an elastic step, or the last of a viscosity that ended, is no rate
+            // to go on with.
+            history.viscous_strain_step = Vector6::zeros();
             history.viscous_damage_step = 0.0;
         }
         let elastic_strain = strain - history.viscous_strain;
         let effective = hooke(&self.elastic, &elastic_strain);
-        let intact = 1.0 - history.viscous_damage;
-        let stress = effective * intact;
-        history.stress = stress;
+        history.stress = effective * (1.0 - history.viscous_damage);
         let energy = self.energies(old, &history, &elastic_strain, &effective, &inviscid);
         let tangent = if want_tangent {
-            // D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d
-            let mut d = inviscid.tangent * (theta * intact);
-            if theta < 1.0 {
-                d += super::elastic_stiffness(&self.elastic) * ((1.0 - theta) * intact);
-            }
-            d - effective * inviscid.damage_gradient.transpose() * theta
+            self.tangent(&inviscid, theta, 1.0 - history.viscous_damage, &effective)
         } else {
             Matrix6::zeros()
         };
         Ok(Response {
-            stress,
+            stress: history.stress,
             tangent,
             history,
             energy,
@@ -180,161 +190,180 @@ impl DamagePlasticity {
         )
     }
 
-    /// The inviscid step from a trial stress.
+    /// The inviscid step from a trial stress; principal directions only where they are wanted.
     fn inviscid(
         &self,
         trial_stress: &Vector6<f64>,
         old: &MaterialHistory,
-        want_tangent: bool,
+        want_directions: bool,
     ) -> Result<Inviscid, LocalFailure> {
         let mean = sym6::mean(trial_stress);
         let deviator = trial_stress - sym6::UNIT * mean;
         let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
-        let virgin = old.kappa_t == 0.0 && old.kappa_c == 0.0;
-        if virgin && self.surely_elastic(mean, q) {
-            let trial = TrialStress {
-                mean,
-                q,
-                s: [0.0; 3],
-                kappa_t: 0.0,
-                kappa_c: 0.0,
-            };
-            let tangent = if want_tangent {
-                super::elastic_stiffness(&self.elastic)
-            } else {
-                Matrix6::zeros()
-            };
+        let (kappa_t, kappa_c) = (old.kappa_t, old.kappa_c);
+        let mut trial = TrialStress {
+            mean,
+            q,
+            s: [0.0; 3],
+            kappa_t,
+            kappa_c,
+        };
+        let tension = self.tension.at(kappa_t);
+        let compression = self.compression.at(kappa_c);
+        // Without damage to recover r has no part in the stress, and a bound of F will do that
+        // needs no principal values: the largest is at most σ_m + (2/3) q.
+        let largest = (mean + 2.0 / 3.0 * q).max(0.0);
+        let bound = self.yield_value(q, mean, largest, &tension, &compression);
+        let recovering = self.compression_recovery * tension.damage != 0.0
+            || self.tension_recovery * compression.damage != 0.0;
+        if bound <= 0.0 && self.beta(&tension, &compression) >= 0.0 && !recovering {
+            let point = Point::elastic(mean, tension, compression, kappa_t, kappa_c, bound);
             return Ok(Inviscid {
-                point: self.point(&trial, 0.0),
-                damage: 0.0,
-                flow: Vector6::zeros(),
-                effective: *trial_stress,
-                tangent,
-                damage_gradient: Vector6::zeros(),
+                trial,
+                point,
+                deviator,
+                directions: None,
             });
         }
-        let (s, directions) = sym6::principal(&deviator);
-        let trial = TrialStress {
+        let mut directions = None;
+        if want_directions {
+            let (s, n) = sym6::principal(&deviator);
+            (trial.s, directions) = (s, Some(n));
+        } else {
+            trial.s = sym6::principal_values(&deviator);
+        }
+        let mut point = self.point(&trial, 0.0);
+        // Not finite, it has no root either.
+        if point.f > YIELD * compression.effective || !point.f.is_finite() {
+            point = self.solve(&trial, &point)?;
+        }
+        Ok(Inviscid {
+            trial,
+            point,
+            deviator,
+            directions,
+        })
+    }
+
+    /// An elastic step that changes no history: that of most points of a wall.
+    fn at_rest(
+        &self,
+        strain: &Vector6<f64>,
+        old: &MaterialHistory,
+        inviscid: &Inviscid,
+        want_tangent: bool,
+    ) -> Response {
+        let elastic_strain = strain - old.plastic_strain;
+        let effective = hooke(&self.elastic, &elastic_strain);
+        let intact = 1.0 - old.damage;
+        let history = MaterialHistory {
+            viscous_strain_step: Vector6::zeros(),
+            viscous_damage_step: 0.0,
+            stress: effective * intact,
+            ..*old
+        };
+        Response {
+            stress: history.stress,
+            tangent: if want_tangent {
+                self.tangent(inviscid, 1.0, intact, &effective)
+            } else {
+                Matrix6::zeros()
+            },
+            history,
+            energy: PointEnergy {
+                elastic: 0.5 * history.stress.dot(&elastic_strain),
+                ..PointEnergy::default()
+            },
+        }
+    }
+
+    /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
+    fn intact(&self, p: &Point) -> ([f64; 2], f64) {
+        let s_t = 1.0 - self.tension_recovery * p.r;
+        let s_c = 1.0 - self.compression_recovery * (1.0 - p.r);
+        let factors = [
+            1.0 - s_t * p.compression.damage,
+            1.0 - s_c * p.tension.damage,
+        ];
+        (factors, 1.0 - factors[0] * factors[1])
+    }
+
+    /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
+    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory A.7, B.2).
+    fn tangent(
+        &self,
+        inviscid: &Inviscid,
+        theta: f64,
+        intact: f64,
+        effective: &Vector6<f64>,
+    ) -> Matrix6<f64> {
+        let p = &inviscid.point;
+        let shear = self.shear * intact * (1.0 - theta + theta * p.eta);
+        let mut d = isotropic(self.bulk * intact, shear);
+        let Some(directions) = &inviscid.directions else {
+            return d;
+        };
+        let (slope, by_lambda, lambda) = self.gradients(inviscid, directions);
+        let gradient = |along: Vector6<f64>, over: f64| along + lambda * over;
+        let (r, kappa_t, kappa_c) = if inviscid.is_plastic() {
+            let eta = gradient(slope.eta, by_lambda.eta[0]);
+            d += inviscid.deviator * (theta * intact) * eta.transpose();
+            d -= sym6::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
+            (
+                gradient(slope.r, by_lambda.r[0]),
+                gradient(slope.kappa_t, by_lambda.kappa_t[0]),
+                gradient(slope.kappa_c, by_lambda.kappa_c[0]),
+            )
+        } else {
+            (slope.r, Vector6::zeros(), Vector6::zeros())
+        };
+        // ∇d (theory A.6): of either factor of the intact part.
+        let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
+        let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
+        let (factors, _) = self.intact(p);
+        let crushing =
+            kappa_c * (s_t * p.compression.damage_slope) - r * (w_t * p.compression.damage);
+        let cracking = kappa_t * (s_c * p.tension.damage_slope) + r * (w_c * p.tension.damage);
+        let damage = crushing * factors[1] + cracking * factors[0];
+        d -= effective * theta * damage.transpose();
+        d
+    }
+
+    /// Derivatives by the strain at constant λ, by λ, and ∇λ = −∇f/f_λ (zero in an elastic step).
+    fn gradients(
+        &self,
+        inviscid: &Inviscid,
+        directions: &[Vector3<f64>; 3],
+    ) -> (Slope<6>, Slope<1>, Vector6<f64>) {
+        let Inviscid {
+            trial,
+            point,
+            deviator,
+            ..
+        } = inviscid;
+        // Voigt components of stress-like tensors pair with engineering shear.
+        let by_q = if trial.q > 0.0 {
+            3.0 * self.shear / trial.q
+        } else {
+            0.0
+        };
+        let mut s = directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
+        average_repeated(&trial.s, &mut s);
+        let (mean, q) = (sym6::UNIT * self.bulk, deviator * by_q);
+        let by_strain = Variation {
             mean,
             q,
             s,
-            kappa_t: old.kappa_t,
-            kappa_c: old.kappa_c,
+            lambda: Vector6::zeros(),
         };
-        let mut point = self.point(&trial, 0.0);
-        let plastic = point.f > YIELD * point.compression.effective;
-        if plastic {
-            point = self.solve(&trial)?;
-        }
-        // ε_p from the flow rule: N = (3/2) s/A + (T/3) 1, s = η s_tr; shear components doubled.
-        let mut flow = Vector6::zeros();
-        if plastic {
-            let factor = if point.a > 0.0 {
-                1.5 * point.eta / point.a
-            } else {
-                0.0
-            };
-            for i in 0..3 {
-                flow[i] = point.lambda * (factor * deviator[i] + self.dilation / 3.0);
-                flow[3 + i] = point.lambda * factor * deviator[3 + i] * 2.0;
-            }
-        }
-        let effective = deviator * point.eta + sym6::UNIT * point.mean;
-        let (d_t, d_c) = (point.tension.damage, point.compression.damage);
-        let s_t = 1.0 - self.tension_recovery * point.r;
-        let s_c = 1.0 - self.compression_recovery * (1.0 - point.r);
-        let intact = (1.0 - s_t * d_c) * (1.0 - s_c * d_t);
-        let mut result = Inviscid {
-            point,
-            damage: 1.0 - intact,
-            flow,
-            effective,
-            tangent: Matrix6::zeros(),
-            damage_gradient: Vector6::zeros(),
-        };
-        if want_tangent {
-            self.differentiate(&trial, &deviator, &directions, plastic, &mut result);
-        }
-        Ok(result)
-    }
-
-    /// A bound of f that needs no principal values: the largest is at most σ_m + (2/3) q.
-    fn surely_elastic(&self, mean: f64, q: f64) -> bool {
-        let (sc, st) = (self.compression.first_yield(), self.tension.first_yield());
-        let beta = ((1.0 - self.alpha) * sc / st - (1.0 + self.alpha)).max(0.0);
-        let largest = (mean + 2.0 / 3.0 * q).max(0.0);
-        q + 3.0 * self.alpha * mean + beta * largest <= (1.0 - self.alpha) * sc
-    }
-
-    /// Effective tangent and gradient of the damage by the strain (theory B.2).
-    fn differentiate(
-        &self,
-        trial: &TrialStress,
-        deviator: &Vector6<f64>,
-        directions: &[nalgebra::Vector3<f64>; 3],
-        plastic: bool,
-        result: &mut Inviscid,
-    ) {
-        let p = result.point;
-        // Gradients of the trial invariants; Voigt components of tensors pair with engineering shear.
-        let grad_q = if trial.q > 0.0 {
-            deviator * (3.0 * self.shear / trial.q)
+        let slope = self.slope(trial, point, &by_strain);
+        let by_lambda = self.slope(trial, point, &Variation::along_lambda());
+        let lambda = if inviscid.is_plastic() {
+            slope.f * (-1.0 / by_lambda.f[0])
         } else {
             Vector6::zeros()
         };
-        let mut grad_s =
-            directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
-        average_repeated(&trial.s, &mut grad_s);
-
-        let along = Variation {
-            lambda: 1.0,
-            ..Variation::default()
-        };
-        let by_lambda = self.slope(trial, &p, &along);
-        let mut eta = Vector6::zeros();
-        let mut mean = Vector6::zeros();
-        let mut damage = Vector6::zeros();
-        for k in 0..6 {
-            let mut v = Variation {
-                mean: if k < 3 { self.bulk } else { 0.0 },
-                q: grad_q[k],
-                s: [grad_s[0][k], grad_s[1][k], grad_s[2][k]],
-                lambda: 0.0,
-            };
-            if plastic {
-                v.lambda = -self.slope(trial, &p, &v).f / by_lambda.f;
-            }
-            let slope = self.slope(trial, &p, &v);
-            eta[k] = slope.eta;
-            mean[k] = slope.mean;
-            let (kt, kc) = if plastic {
-                (slope.kappa_t, slope.kappa_c)
-            } else {
-                (0.0, 0.0)
-            };
-            damage[k] = self.damage_slope(&p, kt, kc, slope.r);
-        }
-        let mut tangent = Matrix6::zeros();
-        for i in 0..3 {
-            for j in 0..3 {
-                let unit = if i == j { 1.0 } else { 0.0 };
-                tangent[(i, j)] = 2.0 * self.shear * p.eta * (unit - 1.0 / 3.0);
-            }
-            tangent[(3 + i, 3 + i)] = self.shear * p.eta;
-        }
-        tangent += deviator * eta.transpose() + sym6::UNIT * mean.transpose();
-        result.tangent = tangent;
-        result.damage_gradient = damage;
-    }
-
-    /// dd from dκ_t, dκ_c and dr (theory A.6, B.2).
-    fn damage_slope(&self, p: &Point, kappa_t: f64, kappa_c: f64, r: f64) -> f64 {
-        let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
-        let (d_t, d_c) = (p.tension.damage, p.compression.damage);
-        let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
-        let first = s_t * p.compression.damage_slope * kappa_c - w_t * d_c * r;
-        let second = s_c * p.tension.damage_slope * kappa_t + w_c * d_t * r;
-        first * (1.0 - s_c * d_t) + second * (1.0 - s_t * d_c)
+        (slope, by_lambda, lambda)
     }
 
     /// Energies of the step. With work by the trapezoidal rule the dissipation is
@@ -355,14 +384,15 @@ impl DamagePlasticity {
         let mut viscous = 0.0;
         if self.viscosity > 0.0 {
             // Work on the overstress, stress and energy release beyond the inviscid state.
-            let relaxed = inviscid.effective * (1.0 - inviscid.damage);
+            let relaxed_effective = inviscid.effective();
+            let relaxed = relaxed_effective * (1.0 - new.damage);
             let release = |s: &Vector6<f64>| {
                 let mean = sym6::mean(s);
                 let deviatoric = sym6::norm_squared(&(s - sym6::UNIT * mean));
                 deviatoric / (4.0 * self.shear) + mean * mean / (2.0 * self.bulk)
             };
             viscous = (new.stress - relaxed).dot(&d_strain)
-                + (release(effective) - release(&inviscid.effective)) * d_damage;
+                + (release(effective) - release(&relaxed_effective)) * d_damage;
         }
         PointEnergy {
             elastic: 0.5 * new.stress.dot(elastic_strain),
@@ -373,14 +403,44 @@ impl DamagePlasticity {
     }
 }
 
+/// Whether an elastic step to this damage leaves the history as it is: no recovery, and nothing
+/// that viscosity still holds back.
+fn rests(old: &MaterialHistory, damage: f64) -> bool {
+    damage == old.damage && damage == old.viscous_damage && old.viscous_strain == old.plastic_strain
+}
+
 /// The inviscid end of a step.
 struct Inviscid {
+    trial: TrialStress,
     point: Point,
-    damage: f64,
-    flow: Vector6<f64>,
-    effective: Vector6<f64>,
-    tangent: Matrix6<f64>,
-    damage_gradient: Vector6<f64>,
+    /// Of the trial stress.
+    deviator: Vector6<f64>,
+    /// Principal directions; none where no derivative needs them.
+    directions: Option<[Vector3<f64>; 3]>,
+}
+
+impl Inviscid {
+    fn is_plastic(&self) -> bool {
+        self.point.lambda > 0.0
+    }
+
+    /// Effective stress at the end [MPa].
+    fn effective(&self) -> Vector6<f64> {
+        self.deviator * self.point.eta + sym6::UNIT * self.point.mean
+    }
+}
+
+/// K 1⊗1 + 2G dev, engineering Voigt.
+fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
+    let mut d = Matrix6::zeros();
+    for i in 0..3 {
+        for j in 0..3 {
+            d[(i, j)] = bulk - 2.0 / 3.0 * shear;
+        }
+        d[(i, i)] += 2.0 * shear;
+        d[(3 + i, 3 + i)] = shear;
+    }
+    d
 }
 
 /// Invariants of a stress taken as trial state.

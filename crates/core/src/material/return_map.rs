@@ -7,12 +7,18 @@
 //! R1: q (1 + 3Gλ/A) = q_tr, A² = a² + q²;  σ_m = σ_m,tr − K T λ;  σ_i = η s_i + σ_m, η = q/q_tr
 //! R2: f(λ) = q + 3α σ_m + β⟨σ_max⟩ − γ⟨−σ_max⟩ − (1−α) σ̄_c = 0
 //! ```
+//!
+//! With φ = λη/A = (1−η)/3G the principal plastic strains of the step, λN_i = (3/2) φ s_i + λT/3,
+//! need neither q nor A to differ from zero: no case of its own for a hydrostatic trial stress or,
+//! without eccentricity, for the vertex of the cone.
+
+use nalgebra::SVector;
 
 use super::damage_plasticity::DamagePlasticity;
 use super::law::LocalFailure;
 use super::uniaxial::CurvePoint;
 
-/// Trial state in invariants.
+/// Trial state in invariants [MPa].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrialStress {
     /// Mean stress.
@@ -26,49 +32,63 @@ pub(super) struct TrialStress {
     pub kappa_c: f64,
 }
 
-/// A change of the trial state, or of λ.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Variation {
-    pub mean: f64,
-    pub q: f64,
-    pub s: [f64; 3],
-    pub lambda: f64,
+/// Derivatives of trial state and λ by `N` variables at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Variation<const N: usize> {
+    pub mean: SVector<f64, N>,
+    pub q: SVector<f64, N>,
+    pub s: [SVector<f64, N>; 3],
+    pub lambda: SVector<f64, N>,
+}
+
+impl Variation<1> {
+    /// Along λ at constant trial stress.
+    pub fn along_lambda() -> Self {
+        let zero = SVector::zeros();
+        Self {
+            mean: zero,
+            q: zero,
+            s: [zero; 3],
+            lambda: SVector::<f64, 1>::new(1.0),
+        }
+    }
 }
 
 /// State at one λ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub lambda: f64,
-    pub q: f64,
-    /// A = √(a² + q²).
+    /// A = √(a² + q²) [MPa].
     pub a: f64,
     /// η = q/q_tr.
     pub eta: f64,
+    /// φ = λη/A = (1−η)/3G [1/MPa].
+    pub phi: f64,
+    /// Effective mean stress [MPa].
     pub mean: f64,
-    /// Effective principal stresses.
+    /// Effective principal stresses [MPa].
     pub stress: [f64; 3],
     /// r(σ̄).
     pub r: f64,
-    /// Largest and smallest flow direction N, unclipped.
-    pub n_max: f64,
-    pub n_min: f64,
+    /// Largest and smallest principal plastic strain of the step, unclipped.
+    pub strain_max: f64,
+    pub strain_min: f64,
     pub kappa_t: f64,
     pub kappa_c: f64,
     pub tension: CurvePoint,
     pub compression: CurvePoint,
-    /// (1−α) F.
+    /// (1−α) F [MPa].
     pub f: f64,
 }
 
 /// Derivatives of a [`Point`] along a [`Variation`].
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slope {
-    pub eta: f64,
-    pub mean: f64,
-    pub r: f64,
-    pub kappa_t: f64,
-    pub kappa_c: f64,
-    pub f: f64,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slope<const N: usize> {
+    pub eta: SVector<f64, N>,
+    pub r: SVector<f64, N>,
+    pub kappa_t: SVector<f64, N>,
+    pub kappa_c: SVector<f64, N>,
+    pub f: SVector<f64, N>,
 }
 
 /// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory A.4).
@@ -78,6 +98,35 @@ pub(super) fn weight(stress: &[f64; 3]) -> f64 {
         stress.iter().map(|s| s.max(0.0)).sum::<f64>() / sum
     } else {
         0.0
+    }
+}
+
+impl Point {
+    /// Elastic end of a step where r does not matter and f is at most `bound`.
+    pub fn elastic(
+        mean: f64,
+        tension: CurvePoint,
+        compression: CurvePoint,
+        kappa_t: f64,
+        kappa_c: f64,
+        bound: f64,
+    ) -> Self {
+        Self {
+            lambda: 0.0,
+            a: 0.0,
+            eta: 1.0,
+            phi: 0.0,
+            mean,
+            stress: [0.0; 3],
+            r: 0.0,
+            strain_max: 0.0,
+            strain_min: 0.0,
+            kappa_t,
+            kappa_c,
+            tension,
+            compression,
+            f: bound,
+        }
     }
 }
 
@@ -91,15 +140,16 @@ impl DamagePlasticity {
         if a == 0.0 {
             return (q_trial - g3).max(0.0);
         }
-        // The flow takes at most 3Gλ, and at least as much as at q_tr: a start from below.
+        // The flow takes at most 3Gλ off q, and at most what it takes at q = 0: a start from below.
         let mut q = (q_trial - g3).max(q_trial / (1.0 + g3 / a)).max(0.0);
         for _ in 0..60 {
-            let root = (a * a + q * q).sqrt();
-            let residual = q * (1.0 + g3 / root) - q_trial;
-            let slope = 1.0 + g3 * a * a / (root * root * root);
-            let step = residual / slope;
+            let square = a * a + q * q;
+            let share = g3 / square.sqrt();
+            let residual = q * (1.0 + share) - q_trial;
+            let step = residual / (1.0 + share * a * a / square);
             q = (q - step).clamp(0.0, q_trial);
-            if step.abs() <= 2.0 * f64::EPSILON * q_trial {
+            // Newton doubles the digits: a step of 1e-9 leaves nothing to do.
+            if step.abs() <= 1e-9 * q {
                 break;
             }
         }
@@ -110,35 +160,39 @@ impl DamagePlasticity {
     pub(super) fn point(&self, trial: &TrialStress, lambda: f64) -> Point {
         let q = self.mises(trial.q, lambda);
         let a = (self.a * self.a + q * q).sqrt();
-        let eta = if trial.q > 0.0 { q / trial.q } else { 1.0 };
+        let g3 = 3.0 * self.shear;
+        let eta = if trial.q > 0.0 {
+            q / trial.q
+        } else if a > 0.0 {
+            1.0 / (1.0 + g3 * lambda / a)
+        } else {
+            1.0
+        };
+        let phi = if a > 0.0 {
+            lambda * eta / a
+        } else {
+            (1.0 - eta) / g3
+        };
         let mean = trial.mean - self.bulk * self.dilation * lambda;
         let stress = trial.s.map(|s| eta * s + mean);
         let r = weight(&stress);
-        let flow = |s: f64| {
-            let deviatoric = if a > 0.0 { 1.5 * eta * s / a } else { 0.0 };
-            deviatoric + self.dilation / 3.0
-        };
-        let (n_max, n_min) = (flow(trial.s[0]), flow(trial.s[2]));
-        let kappa_t = trial.kappa_t + lambda * r * n_max.max(0.0);
-        let kappa_c = trial.kappa_c + lambda * (1.0 - r) * (-n_min).max(0.0);
+        let strain = |s: f64| 1.5 * phi * s + lambda * self.dilation / 3.0;
+        let (strain_max, strain_min) = (strain(trial.s[0]), strain(trial.s[2]));
+        let kappa_t = trial.kappa_t + r * strain_max.max(0.0);
+        let kappa_c = trial.kappa_c + (1.0 - r) * (-strain_min).max(0.0);
         let tension = self.tension.at(kappa_t);
         let compression = self.compression.at(kappa_c);
-        let beta =
-            (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha);
-        let largest = stress[0];
-        let slope = if largest >= 0.0 { beta } else { self.gamma };
-        let f = q + 3.0 * self.alpha * mean + slope * largest
-            - (1.0 - self.alpha) * compression.effective;
+        let f = self.yield_value(q, mean, stress[0], &tension, &compression);
         Point {
             lambda,
-            q,
             a,
             eta,
+            phi,
             mean,
             stress,
             r,
-            n_max,
-            n_min,
+            strain_max,
+            strain_min,
             kappa_t,
             kappa_c,
             tension,
@@ -147,110 +201,136 @@ impl DamagePlasticity {
         }
     }
 
+    /// (1−α) F (theory A.2) [MPa].
+    pub(super) fn yield_value(
+        &self,
+        q: f64,
+        mean: f64,
+        largest: f64,
+        tension: &CurvePoint,
+        compression: &CurvePoint,
+    ) -> f64 {
+        let slope = if largest >= 0.0 {
+            self.beta(tension, compression)
+        } else {
+            self.gamma
+        };
+        q + 3.0 * self.alpha * mean + slope * largest - (1.0 - self.alpha) * compression.effective
+    }
+
+    /// β (theory A.2).
+    pub(super) fn beta(&self, tension: &CurvePoint, compression: &CurvePoint) -> f64 {
+        (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha)
+    }
+
     /// Derivatives at a point along a change of trial state and λ (theory B.2).
-    pub(super) fn slope(&self, trial: &TrialStress, p: &Point, v: &Variation) -> Slope {
-        let (g, lambda) = (self.shear, p.lambda);
-        let cubed = p.a * p.a * p.a;
-        let (mut dq, mut deta) = (0.0, 0.0);
-        if trial.q > 0.0 && p.a > 0.0 {
-            let dr1 = 1.0 + 3.0 * g * lambda * self.a * self.a / cubed;
-            dq = (v.q - 3.0 * g * p.q / p.a * v.lambda) / dr1;
-            deta = (dq - p.eta * v.q) / trial.q;
-        }
-        let dmean = v.mean - self.bulk * self.dilation * v.lambda;
-        let ds = |i: usize| trial.s[i] * deta + p.eta * v.s[i];
-        let stress = [0, 1, 2].map(|i| ds(i) + dmean);
+    pub(super) fn slope<const N: usize>(
+        &self,
+        trial: &TrialStress,
+        p: &Point,
+        v: &Variation<N>,
+    ) -> Slope<N> {
+        let g3 = 3.0 * self.shear;
+        let q = p.eta * trial.q;
+        // R1: dη (1 + 3Gλ a²/A³) = (1−η) η q/A² dq_tr − 3Gη/A dλ; the vertex of a cone stays.
+        let deta = if p.a > 0.0 {
+            let share = self.a * self.a / (p.a * p.a);
+            let by_q = g3 * p.phi * p.eta * q / (p.a * p.a);
+            (v.q * by_q - v.lambda * (g3 * p.eta / p.a)) / (1.0 + g3 * p.lambda / p.a * share)
+        } else {
+            SVector::zeros()
+        };
+        let dphi = deta * (-1.0 / g3);
+        let dq = v.q * p.eta + deta * trial.q;
+        let dmean = v.mean - v.lambda * (self.bulk * self.dilation);
+        let stress = |i: usize| deta * trial.s[i] + v.s[i] * p.eta + dmean;
         let sum: f64 = p.stress.iter().map(|s| s.abs()).sum();
-        let mut dr = 0.0;
+        let mut dr = SVector::zeros();
         if sum > 0.0 {
             for i in 0..3 {
                 let s = p.stress[i];
                 let positive = if s > 0.0 { 1.0 } else { 0.0 };
                 let sign = if s == 0.0 { 0.0 } else { s.signum() };
-                dr += (positive - p.r * sign) * stress[i] / sum;
+                dr += stress(i) * ((positive - p.r * sign) / sum);
             }
         }
-        let dn = |i: usize| {
-            if p.a > 0.0 {
-                1.5 * (ds(i) / p.a - p.eta * trial.s[i] * p.q * dq / cubed)
-            } else {
-                0.0
-            }
+        let strain = |i: usize| {
+            (v.s[i] * p.phi + dphi * trial.s[i]) * 1.5 + v.lambda * (self.dilation / 3.0)
         };
-        let mut slope = Slope {
-            eta: deta,
-            mean: dmean,
-            r: dr,
-            ..Slope::default()
-        };
-        if p.n_max > 0.0 {
-            slope.kappa_t = p.r * p.n_max * v.lambda + lambda * (p.n_max * dr + p.r * dn(0));
+        let (mut kappa_t, mut kappa_c) = (SVector::zeros(), SVector::zeros());
+        if p.strain_max > 0.0 {
+            kappa_t = dr * p.strain_max + strain(0) * p.r;
         }
-        if p.n_min < 0.0 {
-            slope.kappa_c =
-                -(1.0 - p.r) * p.n_min * v.lambda + lambda * (p.n_min * dr - (1.0 - p.r) * dn(2));
+        if p.strain_min < 0.0 {
+            kappa_c = dr * p.strain_min - strain(2) * (1.0 - p.r);
         }
-        let dsc = p.compression.effective_slope * slope.kappa_c;
-        let dst = p.tension.effective_slope * slope.kappa_t;
-        let (sc, st) = (p.compression.effective, p.tension.effective);
+        let dst = kappa_t * p.tension.effective_slope;
+        let dsc = kappa_c * p.compression.effective_slope;
         let largest = p.stress[0];
-        let (factor, dbeta) = if largest >= 0.0 {
-            let beta = (1.0 - self.alpha) * sc / st - (1.0 + self.alpha);
-            (beta, (1.0 - self.alpha) * (dsc / st - sc * dst / (st * st)))
+        let dlargest = stress(0);
+        let by_largest = if largest >= 0.0 {
+            let (st, sc) = (p.tension.effective, p.compression.effective);
+            let dbeta = (dsc - dst * (sc / st)) * ((1.0 - self.alpha) / st);
+            dlargest * self.beta(&p.tension, &p.compression) + dbeta * largest
         } else {
-            (self.gamma, 0.0)
+            dlargest * self.gamma
         };
-        slope.f = dq + 3.0 * self.alpha * dmean + dbeta * largest.max(0.0) + factor * stress[0]
-            - (1.0 - self.alpha) * dsc;
-        slope
+        let f = dq + dmean * (3.0 * self.alpha) + by_largest - dsc * (1.0 - self.alpha);
+        Slope {
+            eta: deta,
+            r: dr,
+            kappa_t,
+            kappa_c,
+            f,
+        }
     }
 
-    /// Root of f(λ) beyond a trial state with f(0) > 0: Newton inside a bracket.
-    pub(super) fn solve(&self, trial: &TrialStress) -> Result<Point, LocalFailure> {
-        let tolerance = 1e-12 * self.compression.first_yield();
-        let along = Variation {
-            lambda: 1.0,
-            ..Variation::default()
-        };
-        let start = self.point(trial, 0.0);
-        let (mut low, mut high) = (0.0, start.f / (3.0 * self.shear));
-        // f → −∞: doubling ends.
-        let mut doublings = 0;
-        while self.point(trial, high).f > 0.0 {
-            low = high;
-            high *= 2.0;
-            doublings += 1;
-            if doublings > 200 || !high.is_finite() {
-                return Err(LocalFailure::ReturnMap { residual: start.f });
+    /// Root of f(λ) beyond a trial state `start` with f(0) > 0: Newton inside a bracket.
+    ///
+    /// f falls to −∞ for T > 0, so a bracket exists; it is closed only where Newton needs it.
+    pub(super) fn solve(&self, trial: &TrialStress, start: &Point) -> Result<Point, LocalFailure> {
+        // Theory B.1, and what rounding of the trial stress leaves.
+        let rounding = 8.0 * f64::EPSILON * (trial.q + trial.mean.abs());
+        let tolerance = (1e-12 * self.compression.first_yield()).max(rounding);
+        let along = Variation::along_lambda();
+        let newton = |p: &Point| p.lambda - p.f / self.slope(trial, p, &along).f[0];
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut p = *start;
+        for _ in 0..300 {
+            let mut next = newton(&p);
+            // NaN is not inside either.
+            if !(next > low && next < high) {
+                next = if high.is_finite() {
+                    0.5 * (low + high)
+                } else {
+                    (2.0 * low).max(start.f / (3.0 * self.shear))
+                };
             }
-        }
-        let mut p = self.point(trial, low);
-        let mut best = p;
-        for _ in 0..200 {
-            if p.f.abs() < best.f.abs() {
-                best = p;
+            if next <= low || next >= high || !next.is_finite() {
+                // Two neighbouring numbers: all there is to find.
+                let found = high.is_finite() && p.f.is_finite();
+                return if found { Ok(p) } else { Err(refused(&p)) };
             }
-            // At the sixth digit below the tolerance Newton has converged; the last bits are free.
-            if p.f.abs() <= 1e-3 * tolerance || high - low <= 4.0 * f64::EPSILON * high {
-                break;
-            }
+            p = self.point(trial, next);
             if p.f > 0.0 {
-                low = p.lambda;
+                low = next;
             } else {
-                high = p.lambda;
+                high = next;
             }
-            let next = p.lambda - p.f / self.slope(trial, &p, &along).f;
-            let inside = next > low && next < high;
-            p = self.point(trial, if inside { next } else { 0.5 * (low + high) });
+            if p.f.abs() <= tolerance {
+                // One more step of Newton takes off what the tolerance left.
+                let polished = self.point(trial, newton(&p).max(0.0));
+                return Ok(if polished.f.abs() < p.f.abs() {
+                    polished
+                } else {
+                    p
+                });
+            }
         }
-        if p.f.abs() < best.f.abs() {
-            best = p;
-        }
-        // A bracket of two neighbouring numbers is all there is to find, whatever f is there.
-        if best.f.abs() <= tolerance.max(1e-9 * trial.q) {
-            Ok(best)
-        } else {
-            Err(LocalFailure::ReturnMap { residual: best.f })
-        }
+        Err(refused(&p))
     }
+}
+
+fn refused(p: &Point) -> LocalFailure {
+    LocalFailure::ReturnMap { residual: p.f }
 }

@@ -132,7 +132,22 @@ pub struct Node {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     nodes: Vec<Node>,
+    /// One from each node; the last goes on level.
+    segments: Vec<Segment>,
 }
+
+/// The straight lines from a node to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Segment {
+    from: Node,
+    /// dσ/dκ [MPa].
+    stress_slope: f64,
+    /// dσ̄/dκ [MPa].
+    effective_slope: f64,
+}
+
+/// Segments up to which counting is faster than bisection.
+const FEW: usize = 8;
 
 /// Values of a curve at one κ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,7 +231,25 @@ impl Curve {
                 });
             }
         }
-        Ok((Self { nodes }, warnings))
+        let mut segments: Vec<Segment> = nodes
+            .windows(2)
+            .map(|pair| {
+                let (from, to) = (pair[0], pair[1]);
+                let width = to.kappa - from.kappa;
+                Segment {
+                    from,
+                    stress_slope: (to.stress - from.stress) / width,
+                    effective_slope: (to.effective - from.effective) / width,
+                }
+            })
+            .collect();
+        let level = |from: &Node| Segment {
+            from: *from,
+            stress_slope: 0.0,
+            effective_slope: 0.0,
+        };
+        segments.extend(nodes.last().map(level));
+        Ok((Self { nodes, segments }, warnings))
     }
 
     /// The nodes.
@@ -231,30 +264,26 @@ impl Curve {
 
     /// σ̄, d and their slopes at κ ≥ 0.
     pub fn at(&self, kappa: f64) -> CurvePoint {
-        let last = self.nodes[self.nodes.len() - 1];
-        if kappa >= last.kappa {
-            return CurvePoint {
-                effective: last.effective,
-                effective_slope: 0.0,
-                damage: 1.0 - last.stress / last.effective,
-                damage_slope: 0.0,
-            };
-        }
-        let upper = self.nodes.partition_point(|n| n.kappa <= kappa).max(1);
-        let (a, b) = (self.nodes[upper - 1], self.nodes[upper]);
-        let width = b.kappa - a.kappa;
-        let (slope, effective_slope) = (
-            (b.stress - a.stress) / width,
-            (b.effective - a.effective) / width,
-        );
-        let ahead = kappa - a.kappa;
-        let stress = a.stress + slope * ahead;
-        let effective = a.effective + effective_slope * ahead;
+        let later = &self.segments[1..];
+        let i = if later.len() <= FEW {
+            later.iter().take_while(|s| s.from.kappa <= kappa).count()
+        } else {
+            later.partition_point(|s| s.from.kappa <= kappa)
+        };
+        let Segment {
+            from,
+            stress_slope,
+            effective_slope,
+        } = self.segments[i];
+        let ahead = kappa - from.kappa;
+        let stress = from.stress + stress_slope * ahead;
+        let effective = from.effective + effective_slope * ahead;
+        let share = 1.0 / effective;
         CurvePoint {
             effective,
             effective_slope,
-            damage: 1.0 - stress / effective,
-            damage_slope: (stress * effective_slope - slope * effective) / (effective * effective),
+            damage: 1.0 - stress * share,
+            damage_slope: (stress * share * effective_slope - stress_slope) * share,
         }
     }
 }
