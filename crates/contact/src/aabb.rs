@@ -11,7 +11,10 @@ pub struct Aabb {
 
 impl Aabb {
     /// The box that holds nothing.
-    pub const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = Self {
+        min: [f64::INFINITY; 3],
+        max: [f64::NEG_INFINITY; 3],
+    };
 
     /// Box of points.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
@@ -39,7 +42,10 @@ impl Aabb {
     /// Larger by `margin` on all sides [mm].
     #[must_use]
     pub fn fattened(&self, margin: f64) -> Self {
-        Self { min: self.min.map(|v| v - margin), max: self.max.map(|v| v + margin) }
+        Self {
+            min: self.min.map(|v| v - margin),
+            max: self.max.map(|v| v + margin),
+        }
     }
 
     /// True if the boxes share a point.

@@ -27,7 +27,10 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the hierarchy over boxes, halving at the median of the widest axis.
     pub fn build(boxes: &[Aabb]) -> Self {
-        let mut bvh = Self { nodes: Vec::new(), order: (0..boxes.len() as u32).collect() };
+        let mut bvh = Self {
+            nodes: Vec::new(),
+            order: (0..boxes.len() as u32).collect(),
+        };
         if !boxes.is_empty() {
             let mut order = std::mem::take(&mut bvh.order);
             bvh.split(boxes, &mut order, 0);
@@ -37,16 +40,22 @@ impl Bvh {
     }
 
     fn split(&mut self, boxes: &[Aabb], order: &mut [u32], offset: u32) {
-        let aabb = order.iter().fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]));
+        let aabb = order
+            .iter()
+            .fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]));
         let at = self.nodes.len();
         if order.len() <= LEAF {
             order.sort_unstable();
-            self.nodes.push(Node { aabb, first: offset, count: order.len() as u32 });
+            self.nodes.push(Node {
+                aabb,
+                first: offset,
+                count: order.len() as u32,
+            });
             return;
         }
-        let centres = order
-            .iter()
-            .fold(Aabb::EMPTY, |b, &f| b.union(&Aabb::of([&boxes[f as usize].centre()])));
+        let centres = order.iter().fold(Aabb::EMPTY, |b, &f| {
+            b.union(&Aabb::of([&boxes[f as usize].centre()]))
+        });
         let axis = (0..3)
             .max_by(|&i, &j| {
                 (centres.max[i] - centres.min[i]).total_cmp(&(centres.max[j] - centres.min[j]))
@@ -54,10 +63,17 @@ impl Bvh {
             .unwrap_or(0);
         let half = order.len() / 2;
         order.select_nth_unstable_by(half, |&a, &b| {
-            let (ca, cb) = (boxes[a as usize].centre()[axis], boxes[b as usize].centre()[axis]);
+            let (ca, cb) = (
+                boxes[a as usize].centre()[axis],
+                boxes[b as usize].centre()[axis],
+            );
             ca.total_cmp(&cb).then(a.cmp(&b))
         });
-        self.nodes.push(Node { aabb, first: 0, count: 0 });
+        self.nodes.push(Node {
+            aabb,
+            first: 0,
+            count: 0,
+        });
         let (left, right) = order.split_at_mut(half);
         self.split(boxes, left, offset);
         self.nodes[at].first = self.nodes.len() as u32;
@@ -70,9 +86,13 @@ impl Bvh {
             let node = self.nodes[at];
             self.nodes[at].aabb = if node.count > 0 {
                 let range = node.first as usize..(node.first + node.count) as usize;
-                self.order[range].iter().fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]))
+                self.order[range]
+                    .iter()
+                    .fold(Aabb::EMPTY, |b, &f| b.union(&boxes[f as usize]))
             } else {
-                self.nodes[at + 1].aabb.union(&self.nodes[node.first as usize].aabb)
+                self.nodes[at + 1]
+                    .aabb
+                    .union(&self.nodes[node.first as usize].aabb)
             };
         }
     }

@@ -33,7 +33,11 @@ impl InterfaceLaw {
     /// D for the largest opening and slip of this step.
     pub(crate) fn damage(&self, opening_max: f64, slip_max: f64, old: &InterfaceHistory) -> Damage {
         if self.is_dry() {
-            return Damage { value: 1.0, by_opening: 0.0, by_slip: 0.0 };
+            return Damage {
+                value: 1.0,
+                by_opening: 0.0,
+                by_slip: 0.0,
+            };
         }
         let u0 = self.elastic_opening();
         let w = (opening_max - u0).max(0.0);
@@ -43,12 +47,24 @@ impl InterfaceLaw {
                 let (q, q_slope) = self.opening_curve().evaluate(w);
                 let (h, h_slope) = self.slip_curve().evaluate(slip_max);
                 if old.damage >= q.max(h) {
-                    Damage { value: old.damage, by_opening: 0.0, by_slip: 0.0 }
+                    Damage {
+                        value: old.damage,
+                        by_opening: 0.0,
+                        by_slip: 0.0,
+                    }
                 } else if q >= h {
                     let by_opening = if opens { q_slope } else { 0.0 };
-                    Damage { value: q, by_opening, by_slip: 0.0 }
+                    Damage {
+                        value: q,
+                        by_opening,
+                        by_slip: 0.0,
+                    }
                 } else {
-                    Damage { value: h, by_opening: 0.0, by_slip: h_slope }
+                    Damage {
+                        value: h,
+                        by_opening: 0.0,
+                        by_slip: h_slope,
+                    }
                 }
             }
             Coupling::Additive => {
@@ -67,10 +83,18 @@ impl InterfaceLaw {
                 let (value, by_slip) = slip.evaluate(s_first + ds.max(0.0));
                 // D(D₁) = H(H⁻¹(D₁) + Δs): dD/dD₁ = H'(s₁ + Δs)/H'(s₁).
                 let carried = slip.evaluate(s_first).1;
-                let through = if carried > 0.0 { by_slip / carried } else { 0.0 };
+                let through = if carried > 0.0 {
+                    by_slip / carried
+                } else {
+                    0.0
+                };
                 let by_opening = if opens { first_slope * through } else { 0.0 };
                 let value = value.max(old.damage);
-                Damage { value, by_opening, by_slip }
+                Damage {
+                    value,
+                    by_opening,
+                    by_slip,
+                }
             }
         }
     }
@@ -92,16 +116,32 @@ impl InterfaceLaw {
     pub(crate) fn normal(&self, u: f64, opening_max: f64, damage: f64, grows: bool) -> Normal {
         let k_n = self.normal_stiffness;
         if u <= 0.0 {
-            return Normal { traction: k_n * u, by_gap: k_n, by_damage: 0.0 };
+            return Normal {
+                traction: k_n * u,
+                by_gap: k_n,
+                by_damage: 0.0,
+            };
         }
         let left = 1.0 - damage;
         if left <= 0.0 || self.f_t <= 0.0 {
-            return Normal { traction: 0.0, by_gap: 0.0, by_damage: 0.0 };
+            return Normal {
+                traction: 0.0,
+                by_gap: 0.0,
+                by_damage: 0.0,
+            };
         }
         if opening_max <= left * self.elastic_opening() {
-            Normal { traction: k_n * u, by_gap: k_n, by_damage: 0.0 }
+            Normal {
+                traction: k_n * u,
+                by_gap: k_n,
+                by_damage: 0.0,
+            }
         } else if grows {
-            Normal { traction: left * self.f_t, by_gap: 0.0, by_damage: -self.f_t }
+            Normal {
+                traction: left * self.f_t,
+                by_gap: 0.0,
+                by_damage: -self.f_t,
+            }
         } else {
             let secant = left * self.f_t / opening_max;
             Normal {

@@ -127,17 +127,26 @@ impl InterfaceLaw {
     /// History of a point that nothing has happened to.
     pub fn virgin(&self) -> InterfaceHistory {
         let damage = if self.is_dry() { 1.0 } else { 0.0 };
-        InterfaceHistory { damage, ..InterfaceHistory::default() }
+        InterfaceHistory {
+            damage,
+            ..InterfaceHistory::default()
+        }
     }
 
     /// Q(w) over the opening after onset.
     pub fn opening_curve(&self) -> Softening {
-        Softening { ultimate: self.u_k, brittleness: self.zeta }
+        Softening {
+            ultimate: self.u_k,
+            brittleness: self.zeta,
+        }
     }
 
     /// H(s) over the plastic slip.
     pub fn slip_curve(&self) -> Softening {
-        Softening { ultimate: self.delta_k, brittleness: self.xi }
+        Softening {
+            ultimate: self.delta_k,
+            brittleness: self.xi,
+        }
     }
 
     /// Mode I energy G_I = f_t u_k (1/ζ − 1/(e^ζ−1)) [N/mm] (theory C.7).
@@ -216,8 +225,7 @@ impl InterfaceLaw {
         let m = if reach > 0.0 { new_plastic / reach } else { n };
         let projector = (nalgebra::Matrix2::identity() - n * n.transpose()) * (k_s / size);
         let den = k_s + by_damage * d_s * m.dot(&n);
-        let dg_du =
-            -(limit.by_traction * normal.by_gap + by_damage * damage.by_opening) / den;
+        let dg_du = -(limit.by_traction * normal.by_gap + by_damage * damage.by_opening) / den;
         let projected = projector * m;
         let dg_dslip = (k_s * n - by_damage * d_s * dg * projected) / den;
         let dd_du = damage.by_opening + d_s * m.dot(&n) * dg_du;
@@ -269,16 +277,23 @@ impl InterfaceLaw {
             } else {
                 high = dg;
             }
-            let d_s = if reach > old.slip_max { damage.by_slip * new.dot(&n) / reach } else { 0.0 };
-            let slope =
-                -k_s - (limit.by_traction * normal.by_damage + limit.by_damage) * d_s;
+            let d_s = if reach > old.slip_max {
+                damage.by_slip * new.dot(&n) / reach
+            } else {
+                0.0
+            };
+            let slope = -k_s - (limit.by_traction * normal.by_damage + limit.by_damage) * d_s;
             let step = -phi / slope;
             // Rounding of |τ_tr| − k_s Δγ is all that is left.
             if phi.abs() <= 4.0 * f64::EPSILON * size || high - low <= f64::EPSILON * high {
                 break;
             }
             let next = dg + step;
-            dg = if next > low && next < high { next } else { 0.5 * (low + high) };
+            dg = if next > low && next < high {
+                next
+            } else {
+                0.5 * (low + high)
+            };
         }
         dg
     }

@@ -43,13 +43,17 @@ impl Candidates {
         x: &[[f64; 3]],
         radius: f64,
     ) -> Self {
-        let boxes: Vec<Aabb> =
-            (0..master.facets.len()).map(|f| Aabb::of(&master.corners(f, x))).collect();
+        let boxes: Vec<Aabb> = (0..master.facets.len())
+            .map(|f| Aabb::of(&master.corners(f, x)))
+            .collect();
         let bvh = Bvh::build(&boxes);
         let normals: Vec<Vector3<f64>> = (0..master.facets.len())
             .map(|f| frame_at(&master.corners(f, x), [0.0; 2])[0])
             .collect();
-        let mut result = Self { start: vec![0], facets: Vec::new() };
+        let mut result = Self {
+            start: vec![0],
+            facets: Vec::new(),
+        };
         let (mut stack, mut found) = (Vec::new(), Vec::new());
         for f in 0..slave.facets.len() {
             let corners = slave.corners(f, x);
@@ -129,5 +133,9 @@ pub fn to_frame(v: [f64; 2], from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -
     let result = Vector2::new(to[1].dot(&vector), to[2].dot(&vector));
     // The projection onto a turned plane would shorten it.
     let (before, after) = (v[0].hypot(v[1]), result.norm());
-    if after > 0.0 { (result * (before / after)).into() } else { [0.0; 2] }
+    if after > 0.0 {
+        (result * (before / after)).into()
+    } else {
+        [0.0; 2]
+    }
 }

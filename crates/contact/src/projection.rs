@@ -71,7 +71,14 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
     }
     let normal = cross / area;
     let inside = xi[0].abs() <= 1.0 && xi[1].abs() <= 1.0;
-    Some(Projection { xi, point, normal, gap: r.dot(&normal), distance: r.norm(), inside })
+    Some(Projection {
+        xi,
+        point,
+        normal,
+        gap: r.dot(&normal),
+        distance: r.norm(),
+        inside,
+    })
 }
 
 /// Closest point of the facet itself, edges and corners included. Never fails: a collapsed facet
@@ -79,7 +86,10 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
 pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
     let mut best: Option<Projection> = None;
     let mut take = |candidate: Projection| {
-        if best.as_ref().is_none_or(|b| candidate.distance < b.distance) {
+        if best
+            .as_ref()
+            .is_none_or(|b| candidate.distance < b.distance)
+        {
             best = Some(candidate);
         }
     };
@@ -100,7 +110,11 @@ fn on_edge(p: &Vector3<f64>, corners: &[[f64; 3]; 4], edge: usize) -> Projection
     let (xa, xb) = (Vector3::from(corners[a]), Vector3::from(corners[b]));
     let along = xb - xa;
     let length = along.norm_squared();
-    let s = if length > 0.0 { ((p - xa).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if length > 0.0 {
+        ((p - xa).dot(&along) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let xi = [0, 1].map(|i| CORNER[a][i] + s * (CORNER[b][i] - CORNER[a][i]));
     let point = xa + s * along;
     let normal = crate::surface::frame_at(corners, xi)[0];
@@ -108,5 +122,12 @@ fn on_edge(p: &Vector3<f64>, corners: &[[f64; 3]; 4], edge: usize) -> Projection
     let distance = r.norm();
     // On the edge within rounding the point is as good as inside.
     let inside = (r - normal * r.dot(&normal)).norm() <= 1e-12 * length.sqrt();
-    Projection { xi, point, normal, gap: r.dot(&normal), distance, inside }
+    Projection {
+        xi,
+        point,
+        normal,
+        gap: r.dot(&normal),
+        distance,
+        inside,
+    }
 }

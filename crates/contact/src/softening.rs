@@ -27,7 +27,10 @@ impl Softening {
             return (x, 1.0 / self.ultimate);
         }
         let whole = -(-z).exp_m1();
-        (-(-z * x).exp_m1() / whole, z * (-z * x).exp() / (whole * self.ultimate))
+        (
+            -(-z * x).exp_m1() / whole,
+            z * (-z * x).exp() / (whole * self.ultimate),
+        )
     }
 
     /// w with S(w) = `s`, 0 ≤ s ≤ 1 [mm].
@@ -72,7 +75,10 @@ mod tests {
     #[test]
     fn inverse_and_slope() {
         for brittleness in [0.0, 1e-6, 0.3, 1.1, 4.38, -1.5] {
-            let curve = Softening { ultimate: 0.36, brittleness };
+            let curve = Softening {
+                ultimate: 0.36,
+                brittleness,
+            };
             for k in 1..20 {
                 let w = 0.36 * f64::from(k) / 20.0;
                 let (s, slope) = curve.evaluate(w);
