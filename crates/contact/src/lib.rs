@@ -7,6 +7,7 @@
 pub mod aabb;
 pub mod bvh;
 mod cohesive;
+mod friction;
 pub mod law;
 pub mod pairs;
 pub mod projection;
