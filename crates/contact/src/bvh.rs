@@ -80,6 +80,16 @@ impl Bvh {
         self.split(boxes, right, offset + half as u32);
     }
 
+    /// Number of facets.
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// True over no facets.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
     /// Fits the hierarchy to boxes that moved.
     pub fn refit(&mut self, boxes: &[Aabb]) {
         for at in (0..self.nodes.len()).rev() {
@@ -126,5 +136,48 @@ impl Bvh {
                 stack.push(at + 1);
             }
         }
+    }
+
+    /// The facet nearest to `p` by the square of the `distance` that the caller computes of a facet
+    /// [mm²], which must not be less than that of the facet's box; ties to the lowest number.
+    /// `stack` is scratch.
+    pub fn nearest(
+        &self,
+        p: &[f64; 3],
+        stack: &mut Vec<u32>,
+        mut distance: impl FnMut(u32) -> f64,
+    ) -> Option<(u32, f64)> {
+        let mut best: Option<(u32, f64)> = None;
+        stack.clear();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
+        while let Some(at) = stack.pop() {
+            let node = &self.nodes[at as usize];
+            // Rounding of the two distances must not lose a tie.
+            let beyond = |d: f64| node.aabb.distance_squared(p) > d * (1.0 + 1e-14);
+            if best.is_some_and(|(_, d)| beyond(d)) {
+                continue;
+            }
+            if node.count > 0 {
+                let range = node.first as usize..(node.first + node.count) as usize;
+                for &facet in &self.order[range] {
+                    let d = distance(facet);
+                    if best.is_none_or(|(f, b)| d < b || (d == b && facet < f)) {
+                        best = Some((facet, d));
+                    }
+                }
+            } else {
+                let (left, right) = (at + 1, node.first);
+                let far = |k: u32| self.nodes[k as usize].aabb.distance_squared(p);
+                // The nearer child is taken first.
+                if far(left) <= far(right) {
+                    stack.extend([right, left]);
+                } else {
+                    stack.extend([left, right]);
+                }
+            }
+        }
+        best
     }
 }

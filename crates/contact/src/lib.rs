@@ -7,6 +7,7 @@
 pub mod aabb;
 pub mod bvh;
 mod cohesive;
+mod friction;
 pub mod law;
 pub mod pairs;
 pub mod projection;
@@ -18,7 +19,7 @@ pub mod surface;
 pub use aabb::Aabb;
 pub use bvh::Bvh;
 pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
-pub use pairs::{Candidates, PointPair, pair_point, to_frame};
+pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
 pub use projection::{Projection, project};
 pub use shifted::Shift;
 pub use stencil::{Anchor, Kinematics, SlavePoint, corner_points, gauss_points};

@@ -1,6 +1,6 @@
 //! Which point faces which facet.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::aabb::Aabb;
@@ -33,9 +33,74 @@ pub struct Candidates {
     facets: Vec<u32>,
 }
 
+/// The search for candidates: a hierarchy over the master facets that is built once and refitted
+/// as they move, with its scratch.
+#[derive(Clone, Debug, Default)]
+pub struct Search {
+    bvh: Bvh,
+    /// `[master facet]`
+    boxes: Vec<Aabb>,
+    /// `[master facet]`
+    normals: Vec<Vector3<f64>>,
+    stack: Vec<u32>,
+    found: Vec<u32>,
+}
+
+impl Search {
+    /// All pairs of facets of different bodies that face each other, where the box of a slave
+    /// facet's points `[facet]` comes within `radius` of the master facet's box [mm].
+    ///
+    /// The answer depends on the positions only, not on what was searched before.
+    pub fn candidates(
+        &mut self,
+        slave: &Surface,
+        points: &[Aabb],
+        master: &Surface,
+        x: &[[f64; 3]],
+        radius: f64,
+    ) -> Candidates {
+        self.boxes.clear();
+        self.normals.clear();
+        for f in 0..master.facets.len() {
+            let corners = master.corners(f, x);
+            self.boxes.push(Aabb::of(&corners));
+            self.normals.push(frame_at(&corners, [0.0; 2])[0]);
+        }
+        if self.bvh.len() == self.boxes.len() {
+            self.bvh.refit(&self.boxes);
+        } else {
+            self.bvh = Bvh::build(&self.boxes);
+        }
+        let Self {
+            bvh,
+            boxes,
+            normals,
+            stack,
+            found,
+        } = self;
+        let mut result = Candidates {
+            start: vec![0],
+            facets: Vec::new(),
+        };
+        for f in 0..slave.facets.len() {
+            let normal = frame_at(&slave.corners(f, x), [0.0; 2])[0];
+            found.clear();
+            bvh.query(boxes, &points[f].fattened(radius), stack, |m| {
+                let other = slave.body[f] != master.body[m as usize];
+                if other && normal.dot(&normals[m as usize]) < FACING {
+                    found.push(m);
+                }
+            });
+            found.sort_unstable();
+            result.facets.extend_from_slice(found);
+            result.start.push(result.facets.len() as u32);
+        }
+        result
+    }
+}
+
 impl Candidates {
-    /// Finds all pairs of facets of different bodies that face each other, where the box of a slave
-    /// facet's points `[facet]` comes within `radius` of the master facet [mm].
+    /// [`Search::candidates`] once, from nothing.
     pub fn find(
         slave: &Surface,
         points: &[Aabb],
@@ -43,33 +108,7 @@ impl Candidates {
         x: &[[f64; 3]],
         radius: f64,
     ) -> Self {
-        let boxes: Vec<Aabb> = (0..master.facets.len())
-            .map(|f| Aabb::of(&master.corners(f, x)))
-            .collect();
-        let bvh = Bvh::build(&boxes);
-        let normals: Vec<Vector3<f64>> = (0..master.facets.len())
-            .map(|f| frame_at(&master.corners(f, x), [0.0; 2])[0])
-            .collect();
-        let mut result = Self {
-            start: vec![0],
-            facets: Vec::new(),
-        };
-        let (mut stack, mut found) = (Vec::new(), Vec::new());
-        for f in 0..slave.facets.len() {
-            let corners = slave.corners(f, x);
-            let normal = frame_at(&corners, [0.0; 2])[0];
-            found.clear();
-            bvh.query(&boxes, &points[f].fattened(radius), &mut stack, |m| {
-                let other = slave.body[f] != master.body[m as usize];
-                if other && normal.dot(&normals[m as usize]) < FACING {
-                    found.push(m);
-                }
-            });
-            found.sort_unstable();
-            result.facets.extend_from_slice(&found);
-            result.start.push(result.facets.len() as u32);
-        }
-        result
+        Search::default().candidates(slave, points, master, x, radius)
     }
 
     /// Candidates of a slave facet, ascending.
@@ -127,15 +166,19 @@ fn within(xi: [f64; 2], beyond: f64) -> bool {
     xi[0].abs() <= 1.0 + beyond && xi[1].abs() <= 1.0 + beyond
 }
 
-/// Components of a tangential vector in another frame (theory D: histories travel with the frame).
+/// Components of a tangential vector in another frame (theory D: histories travel with the frame):
+/// the vector is turned with the normal, by the smallest rotation that takes one into the other, so
+/// that its length stays and differences of vectors (elastic slip) travel as the vectors do.
 pub fn to_frame(v: [f64; 2], from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> [f64; 2] {
     let vector = from[1] * v[0] + from[2] * v[1];
-    let result = Vector2::new(to[1].dot(&vector), to[2].dot(&vector));
-    // The projection onto a turned plane would shorten it.
-    let (before, after) = (v[0].hypot(v[1]), result.norm());
-    if after > 0.0 {
-        (result * (before / after)).into()
+    // Rodrigues: v + w × v + w × (w × v)/(1 + cos), w = n × n'.
+    let (w, cos) = (from[0].cross(&to[0]), from[0].dot(&to[0]));
+    let turned = if cos > -1.0 + 1e-12 {
+        let once = w.cross(&vector);
+        vector + once + w.cross(&once) / (1.0 + cos)
     } else {
-        [0.0; 2]
-    }
+        // Turned over: no shortest way, take the half turn about t₁.
+        from[1] * v[0] - from[2] * v[1]
+    };
+    [to[1].dot(&turned), to[2].dot(&turned)]
 }

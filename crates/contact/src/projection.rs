@@ -27,17 +27,17 @@ pub struct Projection {
 pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Option<Projection> {
     let twist = blend(&MIXED, corners);
     let mut xi = start;
-    for _ in 0..30 {
+    for _ in 0..40 {
         let (n, by_s, by_t) = shape(xi);
         let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
         let r = p - blend(&n, corners);
         let (g11, g22) = (a1.dot(&a1), a2.dot(&a2));
         let g12 = a1.dot(&a2);
-        let m12 = g12 - r.dot(&twist);
-        let (b1, b2) = (r.dot(&a1), r.dot(&a2));
-        let mut det = g11 * g22 - m12 * m12;
-        let mut off = m12;
-        if det <= 1e-10 * g11 * g22 {
+        // Hessian of ½|r|²: g_αβ − r·∂²x/∂ξ∂η off the diagonal.
+        let mut off = g12 - r.dot(&twist);
+        let mut det = g11 * g22 - off * off;
+        let newton = det > 1e-10 * g11 * g22;
+        if !newton {
             // Far from a warped facet the curvature misleads: Gauss–Newton.
             off = g12;
             det = g11 * g22 - g12 * g12;
@@ -45,12 +45,14 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
         if det <= 1e-20 * (g11 + g22) * (g11 + g22) || !det.is_finite() {
             return None;
         }
+        let (b1, b2) = (r.dot(&a1), r.dot(&a2));
         let d = [(g22 * b1 - off * b2) / det, (g11 * b2 - off * b1) / det];
         let size = d[0].abs().max(d[1].abs());
         // Half a facet at a time: the map is only bilinear.
         let factor = if size > 1.0 { 1.0 / size } else { 1.0 };
         xi = [xi[0] + factor * d[0], xi[1] + factor * d[1]];
-        if size < 1e-14 {
+        // Newton leaves the square of its last step, Gauss–Newton a part of it.
+        if size < if newton { 1e-9 } else { 1e-14 } {
             break;
         }
         if !(xi[0].abs() < 50.0 && xi[1].abs() < 50.0) {
@@ -93,13 +95,38 @@ pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
             best = Some(candidate);
         }
     };
-    if let Some(foot) = extend(p, corners, [0.0, 0.0]).filter(|foot| foot.inside) {
-        take(foot);
+    // A flat facet has one foot at most; a warped one may have several.
+    let starts: &[[f64; 2]] = if is_flat(corners) {
+        &STARTS[..1]
+    } else {
+        &STARTS
+    };
+    for start in starts {
+        if let Some(foot) = extend(p, corners, *start).filter(|foot| foot.inside) {
+            take(foot);
+        }
     }
     for edge in 0..4 {
         take(on_edge(p, corners, edge));
     }
     best.unwrap_or_else(|| on_edge(p, corners, 0))
+}
+
+/// Where the search for a foot begins.
+const STARTS: [[f64; 2]; 5] = [
+    [0.0, 0.0],
+    [-0.7, -0.7],
+    [0.7, -0.7],
+    [0.7, 0.7],
+    [-0.7, 0.7],
+];
+
+/// True if the four corners lie in one plane, to rounding.
+fn is_flat(corners: &[[f64; 3]; 4]) -> bool {
+    let [a, b, c, d] = corners.map(Vector3::from);
+    let (diagonal, other) = (c - a, d - b);
+    let volume = diagonal.cross(&other).dot(&(b - a)).abs();
+    volume <= 1e-12 * diagonal.norm() * other.norm() * (b - a).norm()
 }
 
 /// Closest point of an edge.

@@ -3,6 +3,9 @@
 //! ```text
 //! S(w) = (1 − e^{−ζ w/w_k}) / (1 − e^{−ζ}),  S = 1 beyond w_k
 //! ```
+//!
+//! A bond of one mode only has no w_k in the other: with w_k = 0 the curve is a step, S(0) = 0 and
+//! S = 1 from the first separation on.
 
 /// One softening curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +22,9 @@ const LINEAR: f64 = 1e-8;
 impl Softening {
     /// S(w) and S'(w) [1/mm]; slope from the left at w_k is not needed: (1, 0) from there on.
     pub fn evaluate(&self, w: f64) -> (f64, f64) {
+        if self.ultimate <= 0.0 {
+            return (if w > 0.0 { 1.0 } else { 0.0 }, 0.0);
+        }
         if w >= self.ultimate {
             return (1.0, 0.0);
         }

@@ -45,7 +45,8 @@ fn sample(corners: &[[f64; 3]; 4], at: f64) -> [SlavePoint; 4] {
 pub enum Anchor {
     /// Parameters on the same facet.
     Same([f64; 2]),
-    /// A point elsewhere, at its current position [mm].
+    /// A point elsewhere, at its current position [mm]. Its nodes are not among the eight; the
+    /// stiffness takes it as moving with the foot, which is exact where both belong to one face.
     At([f64; 3]),
 }
 

@@ -57,22 +57,32 @@ pub(crate) fn blend(weights: &[f64; 4], x: &[[f64; 3]; 4]) -> Vector3<f64> {
     sum
 }
 
+/// Area |a₁ × a₂| over the square of the facet's size below which a facet has no normal at a point:
+/// a collapsed edge, to rounding of its nodes.
+const FLAT: f64 = 1e-10;
+
 /// Frame [n, t₁, t₂] of a facet at (ξ, η): outward normal, the direction of ξ, and n × t₁.
 ///
-/// A collapsed facet has no frame; then the axes of space are returned, so that nothing divides by
-/// zero (its area weighs nothing).
+/// At a collapsed edge the frame is that of the middle of the facet. A facet without area has no
+/// frame; then the axes of space are returned, so that nothing divides by zero (it weighs nothing).
 pub fn frame_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> [Vector3<f64>; 3] {
+    regular_frame(corners, xi)
+        .or_else(|| regular_frame(corners, [0.0; 2]))
+        .unwrap_or([Vector3::z(), Vector3::x(), Vector3::y()])
+}
+
+/// The frame where the facet has one.
+fn regular_frame(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Option<[Vector3<f64>; 3]> {
     let (_, by_s, by_t) = shape(xi);
     let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
-    let normal = a1.cross(&a2);
-    let (area, length) = (normal.norm(), a1.norm());
-    if area > f64::MIN_POSITIVE && length > f64::MIN_POSITIVE {
-        let n = normal / area;
-        let t1 = a1 / length;
-        [n, t1, n.cross(&t1)]
-    } else {
-        [Vector3::z(), Vector3::x(), Vector3::y()]
+    let cross = a1.cross(&a2);
+    let (area, length) = (cross.norm(), a1.norm());
+    let size = length + a2.norm();
+    if area <= FLAT * size * size || area == 0.0 {
+        return None;
     }
+    let (n, t1) = (cross / area, a1 / length);
+    Some([n, t1, n.cross(&t1)])
 }
 
 /// Point of a facet at (ξ, η) [mm].

@@ -1,0 +1,83 @@
+//! Shear limit and return of the slip (theory C.1 step 4).
+
+use nalgebra::Vector2;
+
+use crate::cohesive::Normal;
+use crate::law::{InterfaceHistory, InterfaceLaw};
+
+/// The limit g(σ, D) of the shear traction with its slopes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit {
+    /// g [MPa].
+    pub value: f64,
+    /// ∂g/∂σ [-].
+    pub by_traction: f64,
+    /// ∂g/∂D [MPa].
+    pub by_damage: f64,
+}
+
+impl InterfaceLaw {
+    /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory C.1 step 4, C.6).
+    pub(crate) fn limit(&self, sigma: f64, damage: f64) -> Limit {
+        let cohesive = self.c - self.tan_phi * sigma;
+        let bonded = if cohesive > 0.0 { 1.0 } else { 0.0 };
+        let pressed = if sigma < 0.0 { 1.0 } else { 0.0 };
+        Limit {
+            value: (1.0 - damage) * bonded * cohesive - damage * self.mu * pressed * sigma,
+            by_traction: -(1.0 - damage) * self.tan_phi * bonded - damage * self.mu * pressed,
+            by_damage: -bonded * cohesive - self.mu * pressed * sigma,
+        }
+    }
+
+    /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
+    pub(crate) fn return_slip(
+        &self,
+        size: f64,
+        n: Vector2<f64>,
+        plastic: Vector2<f64>,
+        opening_max: f64,
+        old: &InterfaceHistory,
+        normal_at: impl Fn(f64) -> Normal,
+    ) -> f64 {
+        let k_s = self.shear_stiffness;
+        let (mut low, mut high) = (0.0, size / k_s);
+        // The limit without further damage is the first guess: exact for perfect friction.
+        let mut dg = {
+            let damage = self.damage(opening_max, old.slip_max, old).value;
+            let limit = self.limit(normal_at(damage).traction, damage);
+            ((size - limit.value) / k_s).clamp(low, high)
+        };
+        for _ in 0..100 {
+            let new = plastic + dg * n;
+            let reach = new.norm();
+            let slip_max = old.slip_max.max(reach);
+            let damage = self.damage(opening_max, slip_max, old);
+            let normal = normal_at(damage.value);
+            let limit = self.limit(normal.traction, damage.value);
+            let phi = size - k_s * dg - limit.value;
+            if phi > 0.0 {
+                low = dg;
+            } else {
+                high = dg;
+            }
+            let d_s = if reach > old.slip_max {
+                damage.by_slip * new.dot(&n) / reach
+            } else {
+                0.0
+            };
+            let slope = -k_s - (limit.by_traction * normal.by_damage + limit.by_damage) * d_s;
+            let step = -phi / slope;
+            // Rounding of |τ_tr| − k_s Δγ is all that is left.
+            if phi.abs() <= 4.0 * f64::EPSILON * size || high - low <= f64::EPSILON * high {
+                break;
+            }
+            let next = dg + step;
+            dg = if next > low && next < high {
+                next
+            } else {
+                0.5 * (low + high)
+            };
+        }
+        dg
+    }
+}
