@@ -204,7 +204,9 @@ fn tangents_of_every_named_state() {
         let limit = (law.c + 0.5 * law.tan_phi) / law.shear_stiffness;
         let (just, over) = (1.0 - 1e-6, 1.0 + 1e-6);
         // Path to the state, the state, the step of the difference (a third of the way to a corner).
-        let states: [(&str, &[[f64; 3]], [f64; 3], f64); 14] = [
+        /// Name, path to the state, gap, and what the test needs of it.
+        type Case<'a> = (&'a str, &'a [[f64; 3]], [f64; 3], f64);
+        let states: [Case; 14] = [
             ("elastic, pulled", &[], [0.3 * u0, 1e-6, -2e-6], 1e-10),
             ("elastic, pressed", &[], [p, 5e-6, 3e-6], 1e-10),
             (
