@@ -237,8 +237,9 @@ fn hydrostatic_tension_returns_along_its_axis_with_the_right_shear_stiffness() {
         let numeric = differences(&law, &strain, &old, 1e-8);
         for k in 3..6 {
             let (a, b) = (answer.tangent[(k, k)], numeric[(k, k)]);
-            // The hyperbola a = 0.06 MPa against shears of 1e-4 MPa; theory B.2 allows 5e-5 E.
-            assert!((a - b).abs() < 5e-5 * p.elastic.E, "{a} {b}");
+            // Second order in shears of 1e-4 MPa over the hyperbola's a = 0.06 MPa: 3e-6, of a
+            // part of the stiffness.
+            assert!((a - b).abs() < 1e-6 * p.elastic.E, "{a} {b}");
             // Plastic flow has softened it, or the test would say nothing.
             assert!(a < 0.5 * p.elastic.shear_modulus());
         }
@@ -267,13 +268,13 @@ fn without_eccentricity_the_vertex_of_the_cone_is_reached() {
     );
     // All stress is gone in the deviator, so no shear stiffness is left.
     let numeric = differences(&law, &strain, &old, 1e-8);
-    // Theory B.2.
-    assert!((answer.tangent - numeric).amax() < 5e-5 * p.elastic.E);
+    // The law is smooth within the cone's vertex region; rounding over h leaves 1e-7 E.
+    assert!((answer.tangent - numeric).amax() < 1e-6 * p.elastic.E);
     // And a strain with more shear than volume stays on the cone.
     let strain = Vector6::new(6e-4, -4e-4, 1e-4, 1e-5, -1e-5, 2e-5);
     let answer = step(&law, strain, &old);
     let numeric = differences(&law, &strain, &old, 1e-8);
-    assert!((answer.tangent - numeric).amax() < 5e-5 * p.elastic.E);
+    assert!((answer.tangent - numeric).amax() < 1e-6 * p.elastic.E);
 }
 
 #[test]
@@ -315,9 +316,10 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
     ] {
         let (strain, tangent, largest) = at(third);
         assert_eq!(largest >= 0.0, third >= above);
-        // 1e-9 of strain are 2e-5 MPa: these differences do not reach across. Theory B.2: 5e-5 E.
+        // 1e-9 of strain are 2e-5 MPa: these differences do not reach across; rounding over
+        // h leaves 1e-7 E.
         let error = (tangent - differences(&law, &strain, &old, 1e-9)).amax();
-        assert!(error < 5e-5 * p.elastic.E, "{third}: {error}");
+        assert!(error < 1e-6 * p.elastic.E, "{third}: {error}");
     }
     let jump = (at(below).1 - at(above).1).amax();
     println!("jump of the tangent at the corner: {jump:.0} MPa");

@@ -365,7 +365,8 @@ fn scale(
 ) -> Result<Vec<TableRow>, TableError> {
     let mut peak = 0;
     for (i, row) in rows.iter().enumerate() {
-        if row.stress > rows[peak].stress {
+        // Of a plateau the end: what softens comes after it.
+        if row.stress >= rows[peak].stress {
             peak = i;
         }
     }
@@ -383,29 +384,39 @@ fn scale(
             ..*row
         })
         .collect();
-    for i in peak + 1..rows.len() {
+    // Largest l_eq/l_ref of each fall: E Δε_in/Δσ < 1 snaps back in the table itself.
+    let mut steepest: Option<(usize, f64)> = None;
+    for i in 1..rows.len() {
         let fall = rows[i - 1].stress - rows[i].stress;
         let width = rows[i].inelastic_strain - rows[i - 1].inelastic_strain;
-        let l_max = l_ref * e * width / fall;
-        if fall > 0.0 && l_eq >= l_max {
-            return Err(TableError::SnapBack {
+        if fall <= 0.0 {
+            continue;
+        }
+        let ratio = e * width / fall;
+        // Before the peak nothing scales, and without scaling no element is to blame.
+        if ratio <= 1.0 && (i <= peak || scaling.is_none()) {
+            let what = format!(
+                "the stress falls by {fall} MPa within an inelastic strain of {width:.3e}: it snaps \
+                 back below {:.3e} (the fall over E)",
+                fall / e
+            );
+            return Err(TableError::Row {
                 branch,
                 row: i + 1,
-                l_eq,
-                l_max,
+                what,
             });
         }
+        if i > peak && steepest.is_none_or(|(_, least)| ratio < least) {
+            steepest = Some((i + 1, ratio));
+        }
     }
-    Ok(scaled)
-}
-
-/// Largest equivalent length without snap-back [mm], none if nothing softens (theory A.8).
-pub fn largest_length(rows: &[TableRow], e: f64, l_ref: f64) -> Option<f64> {
-    rows.windows(2)
-        .filter(|pair| pair[0].stress > pair[1].stress)
-        .map(|pair| {
-            let width = pair[1].inelastic_strain - pair[0].inelastic_strain;
-            l_ref * e * width / (pair[0].stress - pair[1].stress)
-        })
-        .min_by(f64::total_cmp)
+    match steepest {
+        Some((row, ratio)) if l_eq >= ratio * l_ref => Err(TableError::SnapBack {
+            branch,
+            row,
+            l_eq,
+            l_max: ratio * l_ref,
+        }),
+        _ => Ok(scaled),
+    }
 }
