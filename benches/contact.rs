@@ -134,7 +134,9 @@ fn wall() -> (Surface, Vec<[f64; 3]>) {
     // As in a wall that has moved: nothing lies on planes of the axes.
     let mut random = Random(5);
     for p in &mut x {
-        p.iter_mut().for_each(|v| *v += 0.2 * random.signed());
+        for v in p.iter_mut() {
+            *v += 0.2 * random.signed();
+        }
     }
     (surface, x)
 }
