@@ -195,6 +195,9 @@ fn tangents_match_central_differences() {
     assert!(kinks * 200 < checked, "{kinks} of {checked}");
 }
 
+/// Name, path to the state, the state [mm], the step of the difference [mm].
+type Named<'a> = (&'a str, &'a [[f64; 3]], [f64; 3], f64);
+
 #[test]
 fn tangents_of_every_named_state() {
     for law in laws().into_iter().filter(|l| !l.is_dry()) {
@@ -203,10 +206,8 @@ fn tangents_of_every_named_state() {
         // Slip at which |τ| reaches the cohesion c + tanφ |σ| of a virgin point.
         let limit = (law.c + 0.5 * law.tan_phi) / law.shear_stiffness;
         let (just, over) = (1.0 - 1e-6, 1.0 + 1e-6);
-        // Path to the state, the state, the step of the difference (a third of the way to a corner).
-        /// Name, path to the state, gap, and what the test needs of it.
-        type Case<'a> = (&'a str, &'a [[f64; 3]], [f64; 3], f64);
-        let states: [Case; 14] = [
+        // The step of the difference stays on one side of a corner.
+        let states: [Named; 14] = [
             ("elastic, pulled", &[], [0.3 * u0, 1e-6, -2e-6], 1e-10),
             ("elastic, pressed", &[], [p, 5e-6, 3e-6], 1e-10),
             (

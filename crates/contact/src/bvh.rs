@@ -5,8 +5,9 @@
 
 use crate::aabb::Aabb;
 
-/// Facets in a leaf: a box test costs about as much as a step down.
-const LEAF: usize = 4;
+/// Facets in a leaf. Of 2, 4 and 8, measured on 4,800 facets, 8 builds and refits fastest and is as
+/// fast to query.
+const LEAF: usize = 8;
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -116,14 +117,16 @@ impl Bvh {
         mut found: impl FnMut(u32),
     ) {
         stack.clear();
-        if !self.nodes.is_empty() {
+        if self
+            .nodes
+            .first()
+            .is_some_and(|root| root.aabb.touches(query))
+        {
             stack.push(0);
         }
+        // Only nodes that touch the query are pushed.
         while let Some(at) = stack.pop() {
             let node = &self.nodes[at as usize];
-            if !node.aabb.touches(query) {
-                continue;
-            }
             if node.count > 0 {
                 let range = node.first as usize..(node.first + node.count) as usize;
                 for &facet in &self.order[range] {
@@ -132,8 +135,11 @@ impl Bvh {
                     }
                 }
             } else {
-                stack.push(node.first);
-                stack.push(at + 1);
+                for child in [node.first, at + 1] {
+                    if self.nodes[child as usize].aabb.touches(query) {
+                        stack.push(child);
+                    }
+                }
             }
         }
     }
