@@ -365,11 +365,7 @@ fn text<const N: usize>(group: &hdf5::Group, name: &str, value: &[u8; N]) -> hdf
 }
 
 /// The system's error where HDF5 names one ("…, errno = 28, …"), else what HDF5 says.
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "the shape that map_err wants"
-)]
-fn into_io(error: hdf5::Error) -> io::Error {
+fn into_io(error: &hdf5::Error) -> io::Error {
     let text = error.to_string();
     let digits = text.split_once("errno = ").map(|(_, rest)| rest);
     let digits = digits.and_then(|rest| rest.split(|c: char| !c.is_ascii_digit()).next());
