@@ -107,10 +107,10 @@ mod tests {
 
     #[test]
     fn an_output_error_comes_back_out_of_the_solver_with_its_file() {
-        let source = io::Error::from(io::ErrorKind::StorageFull);
+        let why = io::Error::from(io::ErrorKind::StorageFull);
         let error = OutputError::Write {
             path: "wall.out/history.csv".into(),
-            source,
+            why,
         };
         let failure = Failure::from(RunError::Output(io::Error::from(error)));
         assert_eq!(failure.exit_code(), 4);

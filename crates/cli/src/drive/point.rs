@@ -201,11 +201,6 @@ mod tests {
 
     /// A stiff spring beside a hardening one that yields at 1 MPa, weakly coupled. Its history is
     /// the time that has passed.
-    #[expect(
-        clippy::trivially_copy_pass_by_ref,
-        clippy::unnecessary_wraps,
-        reason = "a law's form"
-    )]
     fn law(strain: &Vector2<f64>, passed: &f64, dt: f64) -> Result<Answer<2, f64>, LocalFailure> {
         let (stiff, hardened) = (1000.0, 10.0);
         let trial = stiff * strain[1];

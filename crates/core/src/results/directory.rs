@@ -33,16 +33,16 @@ pub enum OutputError {
     #[diagnostic(help("name another folder for the results, or move the file away"))]
     NotADirectory(PathBuf),
     /// The folder could not be made.
-    #[error("{}: the folder for the results cannot be created: {source}", path.display())]
+    #[error("{}: the folder for the results cannot be created: {why}", path.display())]
     #[diagnostic(help("check the permissions of the folder above it, or name another one"))]
     Create {
         /// The folder.
         path: PathBuf,
         /// What the system says.
-        source: io::Error,
+        why: io::Error,
     },
     /// A file could not be written.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {why}", path.display())]
     #[diagnostic(help(
         "check the free space of the disk and the permissions of the folder; a folder without \
          summary.json is not whole"
@@ -51,17 +51,16 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
         /// What the system says.
-        source: io::Error,
+        why: io::Error,
     },
 }
 
 impl From<OutputError> for io::Error {
     fn from(error: OutputError) -> Self {
-        let (OutputError::Create { source, .. } | OutputError::Write { source, .. }) = &error
-        else {
+        let (OutputError::Create { why, .. } | OutputError::Write { why, .. }) = &error else {
             return Self::other(error);
         };
-        Self::new(source.kind(), error)
+        Self::new(why.kind(), error)
     }
 }
 
@@ -90,16 +89,16 @@ impl RunDirectory {
         if path.exists() && !path.is_dir() {
             return Err(OutputError::NotADirectory(path.to_owned()));
         }
-        std::fs::create_dir_all(path).map_err(|source| OutputError::Create {
+        std::fs::create_dir_all(path).map_err(|why| OutputError::Create {
             path: path.to_owned(),
-            source,
+            why,
         })?;
         // The summary goes first: it says that the rest is whole.
         for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN] {
             let old = path.join(name);
             match std::fs::remove_file(&old) {
-                Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                    return Err(OutputError::Write { path: old, source });
+                Err(why) if why.kind() != io::ErrorKind::NotFound => {
+                    return Err(OutputError::Write { path: old, why });
                 }
                 _ => {}
             }
@@ -181,7 +180,7 @@ fn writing<T>(
     write: impl FnOnce(&Path) -> io::Result<T>,
 ) -> Result<T, OutputError> {
     let path = folder.join(name);
-    write(&path).map_err(|source| OutputError::Write { path, source })
+    write(&path).map_err(|why| OutputError::Write { path, why })
 }
 
 /// A step drives if its beam moves. A preload merely names the direction in which it is told.
