@@ -37,6 +37,7 @@ fn law(c: &mut Criterion) {
         let shift = Shift {
             stiffness: [140.0, 60.0],
             traction: old.traction,
+            bounding: old.traction[0],
         };
         group.bench_function(format!("{name}_shifted"), |b| {
             b.iter(|| {

@@ -453,6 +453,7 @@ fn the_shifted_law_converges_to_the_law() {
                         &Shift {
                             stiffness,
                             traction,
+                            bounding: traction[0],
                         },
                     );
                     traction = shifted.traction;
@@ -488,6 +489,7 @@ fn the_shifted_law_converges_from_afar_at_the_solver_s_stiffness() {
                     &Shift {
                         stiffness,
                         traction,
+                        bounding: traction[0],
                     },
                 );
                 traction = last.traction;

@@ -9,18 +9,20 @@
 //! ```
 //!
 //! with t₋ the traction of the last iterate: an augmented Lagrangian that stops at a chosen
-//! stiffness. Its fixed point t = t₋ is t = k g exactly. Around it stands the law of theory C.1:
+//! stiffness. Its fixed point t = t₋ is t = k g exactly. Around it stands the law of theory C.1,
+//! as a return of this mixed traction T to the law's bounds:
 //!
-//! * opening, damage and softening read the physical gap, never g − a;
-//! * the compressive and the virgin branch take the mixed traction, capped by (1−D) f_t; an opened
-//!   point whose secant stiffness is below k' takes the secant itself, a stiffer one mixes with it;
-//! * the shear traction is mixed in the same way, and limited by the bound g(σ₋, D) of the last
-//!   iterate's normal traction, so that the tangent stays symmetric. Slip is implicit:
-//!   δ_p = δ − τ/k_s, and D follows it.
+//! * normal: T below zero or on the virgin branch is taken; beyond the envelope (1−D) f_t the
+//!   traction is the envelope, and the opening is what the elastic parts leave of the gap,
+//!   u = (1−D) f_t/k + (T − (1−D) f_t)/k'. A soft iterate opens by σ/k' ≫ f_t/k without having
+//!   failed: to read its gap as the opening would crack joints that hold. An opened point whose
+//!   secant stiffness is below k' takes the secant itself, a stiffer one mixes with it;
+//! * shear: T is limited by the bound g(σ₋, D) of an earlier iterate's normal traction, so that the
+//!   tangent stays symmetric. Slip is implicit: δ_p = δ_p,n + (|T| − g)/k' T/|T|, and D follows it.
 //!
-//! At the fixed point every branch is that of [`InterfaceLaw::update`], because σ₋ = σ and the
-//! direction of the mixed shear is that of δ − δ_p,n. The tangent leaves out ∂D and negative
-//! stiffness; it is symmetric and positive semidefinite, and exact for the lagged problem otherwise.
+//! At the fixed point every branch is that of [`InterfaceLaw::update`], because σ₋ = σ and both
+//! returns leave g − t/k. The tangent leaves out ∂D and negative stiffness; it is symmetric and
+//! positive semidefinite, and exact for the lagged problem otherwise.
 
 use nalgebra::{Matrix3, Vector2};
 
@@ -33,10 +35,31 @@ pub struct Shift {
     pub stiffness: [f64; 2],
     /// Traction of the last iterate [MPa].
     pub traction: [f64; 3],
+    /// Normal traction that bounds the shear [MPa]: that of the last iterate, or a mean of the last
+    /// ones where it swings.
+    pub bounding: f64,
 }
 
-/// Passes for D(δ_p(D)): each gains a factor g_D H'/k_s ≈ 1e-4.
-const PASSES: usize = 6;
+/// Passes for D, the opening and the slip, which depend on one another: each gains a factor of the
+/// softening slope over k'.
+const PASSES: usize = 12;
+
+/// Normal part of an iterate.
+struct Normal {
+    /// σ [MPa].
+    traction: f64,
+    /// Non-negative slope [N/mm³].
+    slope: f64,
+    /// Opening that the law reads [mm].
+    opening: f64,
+}
+
+/// Shear part of an iterate.
+struct Shear {
+    traction: Vector2<f64>,
+    plastic: Vector2<f64>,
+    slides: bool,
+}
 
 impl InterfaceLaw {
     /// One iterate of the shifted law at the total gap `[u, δ₁, δ₂]` [mm].
@@ -46,48 +69,53 @@ impl InterfaceLaw {
         old: &InterfaceHistory,
         shift: &Shift,
     ) -> InterfaceResponse {
-        let u = gap[0];
         let slip = Vector2::new(gap[1], gap[2]);
-        let plastic = Vector2::from(old.plastic_slip);
         let k_s = self.shear_stiffness;
         let k_shear = shift.stiffness[1].min(k_s);
         let last = Vector2::new(shift.traction[1], shift.traction[2]);
-        let opening_max = old.opening_max.max(u);
-
+        let plastic = Vector2::from(old.plastic_slip);
         let trial = k_shear * (slip - plastic) + (1.0 - k_shear / k_s) * last;
         let size = trial.norm();
-        let mut damage = self.damage(opening_max, old.slip_max, old).value;
-        let bound = |damage: f64| {
-            // A tensile traction of the last iterate counts only as far as D allows it now.
-            let sigma = shift.traction[0].min((1.0 - damage) * self.f_t);
-            self.limit(sigma, damage).value
-        };
-        let mut limit = bound(damage);
-        let slides = size > limit;
-        let mut history = InterfaceHistory {
-            opening: u,
-            opening_max,
-            slip_max: old.slip_max,
-            slip: slip.into(),
-            plastic_slip: old.plastic_slip,
-            damage,
-            traction: [0.0; 3],
-        };
-        let mut tangent = Matrix3::zeros();
-        let shear = if slides {
-            let n = trial / size;
-            for _ in 0..PASSES {
-                let plastic_now = slip - n * (limit / k_s);
-                history.slip_max = old.slip_max.max(plastic_now.norm());
-                damage = self.damage(opening_max, history.slip_max, old).value;
-                let next = bound(damage);
-                let settled = (next - limit).abs() <= 1e-15 * limit;
-                limit = next;
-                if settled {
-                    break;
+
+        let mut damage = old.damage;
+        let mut passes = 0;
+        let (normal, shear, limit, opening_max, slip_max) = loop {
+            let normal = self.shifted_normal(gap[0], damage, old, shift);
+            // A tensile traction of an earlier iterate counts only as far as D allows it now.
+            let sigma = shift.bounding.min((1.0 - damage) * self.f_t);
+            let limit = self.limit(sigma, damage).value;
+            let shear = if size > limit {
+                let n = trial / size;
+                Shear {
+                    traction: n * limit,
+                    plastic: plastic + n * ((size - limit) / k_shear),
+                    slides: true,
                 }
+            } else {
+                Shear {
+                    traction: trial,
+                    plastic,
+                    slides: false,
+                }
+            };
+            let opening_max = old.opening_max.max(normal.opening);
+            let slip_max = if shear.slides {
+                old.slip_max.max(shear.plastic.norm())
+            } else {
+                old.slip_max
+            };
+            let next = self.damage(opening_max, slip_max, old).value;
+            passes += 1;
+            if (next - damage).abs() <= f64::EPSILON || passes == PASSES {
+                break (normal, shear, limit, opening_max, slip_max);
             }
-            history.plastic_slip = (slip - n * (limit / k_s)).into();
+            damage = next;
+        };
+
+        let mut tangent = Matrix3::zeros();
+        tangent[(0, 0)] = normal.slope;
+        if shear.slides {
+            let n = trial / size;
             let across = k_shear * limit / size;
             for i in 0..2 {
                 for j in 0..2 {
@@ -95,36 +123,45 @@ impl InterfaceLaw {
                     tangent[(1 + i, 1 + j)] = across * (unit - n[i] * n[j]);
                 }
             }
-            n * limit
         } else {
             tangent[(1, 1)] = k_shear;
             tangent[(2, 2)] = k_shear;
-            trial
+        }
+        let history = InterfaceHistory {
+            opening: normal.opening,
+            opening_max,
+            slip_max,
+            slip: slip.into(),
+            plastic_slip: shear.plastic.into(),
+            damage,
+            traction: [0.0; 3],
         };
-        history.damage = damage;
-        let (sigma, slope) = self.shifted_normal(u, damage, old, shift);
-        tangent[(0, 0)] = slope;
-        self.respond(sigma, shear, tangent, history, old, slides)
+        self.respond(
+            normal.traction,
+            shear.traction,
+            tangent,
+            history,
+            old,
+            shear.slides,
+        )
     }
 
-    /// σ and its non-negative slope. The secant of an opened point is that of the step's start: the
-    /// soft iterates open farther than the law will, and must not be taken for failed.
-    fn shifted_normal(
-        &self,
-        u: f64,
-        damage: f64,
-        old: &InterfaceHistory,
-        shift: &Shift,
-    ) -> (f64, f64) {
+    /// σ, its slope and the opening. The secant of an opened point is that of the step's start.
+    fn shifted_normal(&self, u: f64, damage: f64, old: &InterfaceHistory, shift: &Shift) -> Normal {
         let k_n = self.normal_stiffness;
         let k = shift.stiffness[0].min(k_n);
         let last = shift.traction[0];
         let mixed = k * u + (1.0 - k / k_n) * last;
         if mixed <= 0.0 {
-            return (mixed, k);
+            return Normal {
+                traction: mixed,
+                slope: k,
+                opening: mixed / k_n,
+            };
         }
         let envelope = (1.0 - damage).max(0.0) * self.f_t;
         let secant = self.secant_stiffness(old.opening_max, damage);
+        // (T, slope, stiffness of what the law would make of T)
         let (traction, slope) = if secant <= k {
             (secant * u, secant)
         } else {
@@ -132,11 +169,50 @@ impl InterfaceLaw {
         };
         if traction >= envelope {
             // On the envelope σ falls with u: no stiffness.
-            (envelope, 0.0)
+            let opening = if secant <= k {
+                u
+            } else {
+                envelope / secant + (traction - envelope) / k
+            };
+            Normal {
+                traction: envelope,
+                slope: 0.0,
+                opening,
+            }
         } else if traction <= 0.0 {
-            (0.0, 0.0)
+            Normal {
+                traction: 0.0,
+                slope: 0.0,
+                opening: u.max(0.0),
+            }
         } else {
-            (traction, slope)
+            let opening = if secant <= k { u } else { traction / secant };
+            Normal {
+                traction,
+                slope,
+                opening,
+            }
         }
+    }
+
+    /// A guessed traction brought within the bounds of a point's history.
+    pub fn within_bounds(&self, guess: [f64; 3], old: &InterfaceHistory) -> [f64; 3] {
+        let sigma = guess[0].min((1.0 - old.damage) * self.f_t);
+        let limit = self.limit(sigma, old.damage).value;
+        let size = guess[1].hypot(guess[2]);
+        let part = if size > limit { limit / size } else { 1.0 };
+        [sigma, part * guess[1], part * guess[2]]
+    }
+
+    /// Steepest softening, in opening and in slip [N/mm³] (theory C.5): a numerical stiffness below
+    /// it would snap back.
+    pub fn softening_slopes(&self) -> [f64; 2] {
+        if self.is_dry() {
+            return [0.0; 2];
+        }
+        [
+            self.f_t * self.opening_curve().steepest(),
+            self.c * self.slip_curve().steepest(),
+        ]
     }
 }

@@ -39,6 +39,14 @@ impl Softening {
         )
     }
 
+    /// Largest S' [1/mm]: at the start, or at w_k for a negative brittleness; 0 for a step.
+    pub fn steepest(&self) -> f64 {
+        if self.ultimate <= 0.0 {
+            return 0.0;
+        }
+        self.evaluate(0.0).1 * (-self.brittleness).exp().max(1.0)
+    }
+
     /// w with S(w) = `s`, 0 ≤ s ≤ 1 [mm].
     pub fn inverse(&self, s: f64) -> f64 {
         if s >= 1.0 {
@@ -96,6 +104,9 @@ mod tests {
                 assert!((difference - slope).abs() < 1e-8, "{brittleness} {w}");
             }
             assert_eq!(curve.evaluate(0.36), (1.0, 0.0));
+            let ends = [0.0, 0.36 * (1.0 - 1e-14)].map(|w| curve.evaluate(w).1);
+            // Rounding of an exponential, and 1e-14 of the length.
+            assert!((curve.steepest() / ends[0].max(ends[1]) - 1.0).abs() < 1e-12);
         }
     }
 }

@@ -169,6 +169,12 @@ impl<'m> Run<'m> {
             .zip(&state.q)
             .map(|(new, old)| new - old)
             .collect();
+        let dtraction = trial
+            .interface
+            .iter()
+            .zip(&state.interface)
+            .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
+            .collect();
         let energies = &mut state.energies;
         for slot in self.system.dofs.beam_start..self.system.dofs.slots {
             energies.external += 0.5 * (state.force[slot] + trial.force[slot]) * dq[slot];
@@ -191,7 +197,7 @@ impl<'m> Run<'m> {
         state.interface.copy_from_slice(&trial.interface);
         state.pairs.copy_from_slice(&trial.pairs);
         state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
-        state.last = Some(LastIncrement { dq, dt });
+        state.last = Some(LastIncrement { dq, dtraction, dt });
     }
 
     /// The row of the last commit.

@@ -269,6 +269,9 @@ impl<'m> Newton<'m> {
             for &slot in &self.equations.slot_of {
                 self.q[slot as usize] += ratio * last.dq[slot as usize];
             }
+            if setting.shifted {
+                system.extrapolate_tractions(self.model, state, trial, ratio);
+            }
             return Ok(());
         }
         let target = std::mem::replace(&mut self.q, state.q.clone());
@@ -383,8 +386,10 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Updates the solids implicitly at the converged displacements and returns the largest true
-    /// out-of-balance force and its 2-norm, both over their own scale (theory F, B.3).
+    /// Updates the solids implicitly at the converged displacements. Returns the largest true
+    /// out-of-balance force and the root mean square of what the update changed of the forces, both
+    /// over the mean nodal force (theory F, B.3): the second is the error of the extrapolation, free
+    /// of what the tolerance left.
     ///
     /// # Errors
     /// The law that gave no answer.
@@ -402,10 +407,16 @@ impl<'m> Newton<'m> {
             tangent: false,
         };
         let solved = trial.force.clone();
+        let left = self.residual.clone();
         self.evaluate(system, state, trial, setting)?;
         let scale = scale(state, trial);
         let (largest, _) = largest(&self.residual);
-        let square: f64 = self.residual.iter().map(|r| r * r).sum();
+        let square: f64 = self
+            .residual
+            .iter()
+            .zip(&left)
+            .map(|(r, left)| (r - left) * (r - left))
+            .sum();
         let count = (self.residual.len().max(1)) as f64;
         // Reactions are those of the equilibrium that was solved.
         trial.force = solved;

@@ -25,6 +25,8 @@ pub struct Energies {
 pub struct LastIncrement {
     /// Change of the generalised displacements [mm]. `[slot]`
     pub dq: Vec<f64>,
+    /// Change of the tractions of the contact points [MPa]. `[slave facet][point]`
+    pub dtraction: Vec<[f64; 3]>,
     /// Its step time [s].
     pub dt: f64,
 }

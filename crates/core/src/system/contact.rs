@@ -22,6 +22,8 @@ use crate::solve::State;
 /// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough for
 /// the tangents, stiff enough for few iterations (docs/decisions.md).
 const NUMERICAL_PENALTY: f64 = 2.0;
+/// Least numerical stiffness over the steepest softening of the law, so that the return converges.
+const LEAST_OVER_SOFTENING: f64 = 4.0;
 /// Reach of contact across a gap, over the mean edge of the facets. A point that opens wider is
 /// free; the search finds it again when it closes.
 const REACH: f64 = 0.06;
@@ -59,6 +61,7 @@ struct Task<'a> {
     pairs: &'a mut [PointPair],
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
+    bounding: &'a [f64],
 }
 
 impl Contact {
@@ -203,6 +206,17 @@ impl Contact {
             });
     }
 
+    /// Tractions of the last commit and `ratio` times their last change, within the law's bounds.
+    pub fn extrapolate(&self, model: &Model, state: &State, trial: &mut Trial, ratio: f64) {
+        let Some(last) = &state.last else { return };
+        let points = state.interface.iter().zip(&last.dtraction);
+        for (p, (traction, (old, change))) in trial.traction.iter_mut().zip(points).enumerate() {
+            let law = &model.contact.laws[self.law_of[p / 4] as usize];
+            let guess = [0, 1, 2].map(|i| old.traction[i] + ratio * change[i]);
+            *traction = law.within_bounds(guess, old);
+        }
+    }
+
     /// Forces and, where asked for, stiffness of every pair; cells follow those of the elements.
     pub fn evaluate(
         &self,
@@ -227,9 +241,10 @@ impl Contact {
             .zip(trial.status.chunks_exact_mut(4))
             .zip(trial.pairs.chunks_exact_mut(4))
             .zip(trial.anchors.chunks_exact(4))
-            .zip(trial.traction.chunks_exact(4));
+            .zip(trial.traction.chunks_exact(4))
+            .zip(trial.bounding.chunks_exact(4));
         let mut tasks = Vec::with_capacity(n / 4);
-        for (facet, (((((history, energy), status), pairs), anchors), last)) in
+        for (facet, ((((((history, energy), status), pairs), anchors), last), bounding)) in
             per_point.enumerate()
         {
             let count = self.candidates.range(facet).len();
@@ -248,6 +263,7 @@ impl Contact {
                 pairs,
                 anchors,
                 last,
+                bounding,
             });
         }
         trial.traction_change = tasks
@@ -307,6 +323,7 @@ impl Contact {
                 let shift = Shift {
                     stiffness: self.numerical[f],
                     traction: task.last[p],
+                    bounding: task.bounding[p],
                 };
                 law.update_shifted(gap, &old, &shift)
             } else {
@@ -434,7 +451,11 @@ fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
                 .elastic();
             let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
             let factor = NUMERICAL_PENALTY / height;
-            [factor * elastic.E, factor * elastic.shear_modulus()]
+            let [opening, slip] = law.softening_slopes();
+            [
+                (factor * elastic.E).max(LEAST_OVER_SOFTENING * opening),
+                (factor * elastic.shear_modulus()).max(LEAST_OVER_SOFTENING * slip),
+            ]
         })
         .collect()
 }

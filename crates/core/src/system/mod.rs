@@ -63,6 +63,10 @@ pub struct Trial {
     pub anchors: Vec<PointPair>,
     /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
     pub traction: Vec<[f64; 3]>,
+    /// Normal traction that bounds the shear of the next iterate (shifted penalty) [MPa]. `[point]`
+    pub bounding: Vec<f64>,
+    /// Its last change [MPa]: one of the other sign is a swing. `[point]`
+    swing: Vec<f64>,
     /// Mean magnitude of the elements' nodal forces [N].
     pub mean_nodal_force: f64,
     /// Largest change of a point's force since the last iterate [N].
@@ -79,12 +83,30 @@ impl Trial {
         self.traction.clear();
         self.traction
             .extend(state.interface.iter().map(|h| h.traction));
+        self.bound_by_traction();
     }
 
-    /// The tractions of this iterate become those of the last.
+    /// The normal tractions of the last iterate bound the shear of the next one.
+    fn bound_by_traction(&mut self) {
+        self.bounding.clear();
+        self.bounding.extend(self.traction.iter().map(|t| t[0]));
+        self.swing.clear();
+        self.swing.resize(self.traction.len(), 0.0);
+    }
+
+    /// The tractions of this iterate become those of the last. Where pressure and friction swing
+    /// against one another, the bound moves by half the change only: the fixed point is the same.
     pub fn keep_tractions(&mut self) {
-        for (traction, history) in self.traction.iter_mut().zip(&self.interface) {
-            *traction = history.traction;
+        for (p, history) in self.interface.iter().enumerate() {
+            self.traction[p] = history.traction;
+            let change = history.traction[0] - self.bounding[p];
+            let part = if change * self.swing[p] < 0.0 {
+                0.5
+            } else {
+                1.0
+            };
+            self.bounding[p] += part * change;
+            self.swing[p] = change;
         }
     }
 }
@@ -144,6 +166,18 @@ impl System {
             trial.x.clone_from(&self.bulk.reference);
         }
         self.contact.search(trial);
+    }
+
+    /// Starts the tractions of an increment where the last one would lead, `ratio` times its size.
+    pub fn extrapolate_tractions(
+        &self,
+        model: &Model,
+        state: &State,
+        trial: &mut Trial,
+        ratio: f64,
+    ) {
+        self.contact.extrapolate(model, state, trial, ratio);
+        trial.bound_by_traction();
     }
 
     /// True if the candidates of contact changed since the last analysis.
