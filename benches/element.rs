@@ -9,11 +9,16 @@ use std::hint::black_box;
 
 use common::{Random, brick};
 use criterion::{Criterion, criterion_group, criterion_main};
-use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
+use nalgebra::{Rotation3, Vector3};
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
-use wythe::material::{DamagePlasticity, MaterialHistory};
+use wythe::material::{
+    DamagePlasticity, Material, MaterialHistory, PointEnergy, elastic_stiffness,
+};
 use wythe::model::scene::Formulation;
+use wythe::system::bulk::{self, ElementSlot};
+use wythe::system::pattern::CELL;
+use wythe::system::{Evaluation, Solids};
 
 fn element(c: &mut Criterion) {
     let (law, _) = DamagePlasticity::new(&brick(), None).expect("the tables are sound");
@@ -42,48 +47,52 @@ fn element(c: &mut Criterion) {
     group.bench_function("strains", |b| {
         b.iter(|| shape.strains(black_box(&frame.local)));
     });
-    let mut cell = vec![0.0; 576];
-    for (name, old) in [("intact", [virgin; 8]), ("damaged", cracked)] {
+    let stresses = strains.map(|e| elastic_stiffness(&brick().elastic) * e);
+    let force = shape.internal_force(&stresses);
+    let mut cell = vec![0.0; CELL];
+    group.bench_function("elastic_force", |b| {
+        b.iter(|| shape.elastic_force(black_box(&frame.local)));
+    });
+    group.bench_function("turn_symmetric_stiffness", |b| {
+        let k = shape.elastic_stiffness();
+        b.iter(|| frame.symmetric_stiffness(&shape, k, black_box(&force), &mut cell));
+    });
+    group.bench_function("turn_stiffness", |b| {
+        let k = shape.elastic_stiffness();
+        b.iter(|| frame.stiffness(&shape, k, black_box(&force), &mut cell));
+    });
+    let law = Material::DamagePlasticity(Box::new(law));
+    let extrapolated = Solids::Extrapolated { ratio: 1.0 };
+    let mut damaged = [virgin; 8];
+    damaged[2] = cracked[2];
+    let mut force = [[0.0; 3]; 8];
+    let mut new = [virgin; 8];
+    let mut energy = PointEnergy::default();
+    for (name, solids, old) in [
+        ("extrapolated_intact", extrapolated, [virgin; 8]),
+        ("extrapolated_one_point_damaged", extrapolated, damaged),
+        ("extrapolated_damaged", extrapolated, cracked),
+        ("implicit_cracked", Solids::Implicit, cracked),
+    ] {
         for (kind, tangent) in [("force", false), ("force_and_stiffness", true)] {
-            group.bench_function(format!("extrapolated_{name}/{kind}"), |b| {
+            let setting = Evaluation {
+                dt: 1.0,
+                solids,
+                shifted: true,
+                tangent,
+            };
+            group.bench_function(format!("{name}/{kind}"), |b| {
                 b.iter(|| {
-                    let frame = Corotated::new(&shape, black_box(&x)).expect("a frame");
-                    let strains = shape.strains(&frame.local);
-                    let mut stresses = [Vector6::zeros(); 8];
-                    let mut intact = [1.0; 8];
-                    for g in 0..8 {
-                        (intact[g], stresses[g]) = law.extrapolated(&strains[g], &old[g], 1.0);
-                    }
-                    let local = shape.internal_force(&stresses);
-                    if tangent {
-                        let k = shape.scaled_stiffness(&intact);
-                        frame.stiffness(&shape, &k, &local, black_box(&mut cell));
-                    }
-                    frame.force(&shape, &local)
+                    let mut slot = ElementSlot {
+                        force: &mut force,
+                        cell: &mut cell,
+                        new: &mut new,
+                        energy: &mut energy,
+                    };
+                    bulk::element(&shape, &law, black_box(&x), &old, setting, &mut slot)
                 });
             });
         }
-    }
-    for (kind, tangent) in [("force", false), ("force_and_stiffness", true)] {
-        group.bench_function(format!("implicit_cracked/{kind}"), |b| {
-            b.iter(|| {
-                let frame = Corotated::new(&shape, black_box(&x)).expect("a frame");
-                let strains = shape.strains(&frame.local);
-                let mut stresses = [Vector6::zeros(); 8];
-                let mut tangents = [Matrix6::zeros(); 8];
-                for g in 0..8 {
-                    let answer = law.update(&strains[g], &cracked[g], 1.0, tangent);
-                    let answer = answer.expect("an answer");
-                    (stresses[g], tangents[g]) = (answer.stress, answer.tangent);
-                }
-                let local = shape.internal_force(&stresses);
-                if tangent {
-                    let k = shape.stiffness(&tangents);
-                    frame.stiffness(&shape, &k, &local, black_box(&mut cell));
-                }
-                frame.force(&shape, &local)
-            });
-        });
     }
     group.finish();
 }
