@@ -5,7 +5,7 @@ mod common;
 
 use common::Random;
 use nalgebra::{DMatrix, DVector, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
-use wythe::element::hex8::CORNERS;
+use wythe::element::hex8::{CORNERS, Stiffness};
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{ElasticParameters, elastic_stiffness};
 use wythe::model::scene::Formulation;
@@ -107,7 +107,7 @@ fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
                 for b in 0..8 {
                     for i in 0..3 {
                         for j in 0..3 {
-                            k[(3 * e[a] + i, 3 * e[b] + j)] += local[3 * a + i][3 * b + j];
+                            k[(3 * e[a] + i, 3 * e[b] + j)] += local[a][i][j][b];
                         }
                     }
                 }
@@ -131,9 +131,11 @@ fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
             assert!((free[i] - exact[24 + i]).abs() < 1e-15, "{formulation:?}");
         }
         let (shape, e) = &shapes[3];
-        let mut local = [0.0; 24];
+        let mut local = [[0.0; 8]; 3];
         for a in 0..8 {
-            local[3 * a..3 * a + 3].copy_from_slice(&exact[3 * e[a]..3 * e[a] + 3]);
+            for i in 0..3 {
+                local[i][a] = exact[3 * e[a] + i];
+            }
         }
         let sym = (gradient + gradient.transpose()) * 0.5;
         let strain = Vector6::new(
@@ -209,7 +211,8 @@ fn cantilever(formulation: Formulation, nu: f64, mesh: [usize; 3]) -> f64 {
                 ];
                 for a in 0..24 {
                     for b in 0..24 {
-                        k[(3 * nodes[a / 3] + a % 3, 3 * nodes[b / 3] + b % 3)] += local[a][b];
+                        k[(3 * nodes[a / 3] + a % 3, 3 * nodes[b / 3] + b % 3)] +=
+                            local[a / 3][a % 3][b % 3][b / 3];
                     }
                 }
                 if i + 1 == nx {
@@ -287,6 +290,16 @@ fn tangents_are_exact_under_large_rotation_and_strain() {
             let (force, cell) = linear(&shape, &d, &x);
             let k = dense(&cell);
             let scale = k.amax();
+            if symmetric {
+                let frame = Corotated::new(&shape, &x).expect("a sound element");
+                let strains = shape.strains(&frame.local);
+                let stresses = std::array::from_fn(|g| d[g] * strains[g]);
+                let local = shape.internal_force(&stresses);
+                let mut half_price = vec![0.0; 576];
+                frame.symmetric_stiffness(&shape, &shape.stiffness(&d), &local, &mut half_price);
+                // The same sums by symmetry, in another order.
+                assert!((dense(&half_price) - k).amax() < 1e-13 * scale);
+            }
             for c in 0..24 {
                 let h = 1e-5;
                 let side = |s: f64| {
@@ -322,7 +335,7 @@ fn tangents_are_exact_under_large_rotation_and_strain() {
 }
 
 #[test]
-fn scaled_stiffness_is_that_of_scaled_tangents() {
+fn scaled_stiffness_and_elastic_force_are_those_of_scaled_tangents() {
     let mut random = Random(23);
     let shape = ElementShape::new(
         &distorted(&mut random, 0.1),
@@ -331,13 +344,22 @@ fn scaled_stiffness_is_that_of_scaled_tangents() {
     )
     .expect("sound");
     let c0 = elastic_stiffness(&elastic(0.2));
-    let intact: [f64; 8] = std::array::from_fn(|_| random.uniform());
-    let direct = shape.stiffness(&intact.map(|s| c0 * s));
-    let scaled = shape.scaled_stiffness(&intact);
-    for i in 0..24 {
-        for j in 0..24 {
-            // Sums in another order.
-            assert!((direct[i][j] - scaled[i][j]).abs() < 1e-10);
+    let flat = |k: &Stiffness| k.as_flattened().as_flattened().as_flattened().to_vec();
+    // All points damaged, some, none.
+    for damaged in [8, 5, 1, 0] {
+        let intact: [f64; 8] =
+            std::array::from_fn(|g| if g < damaged { random.uniform() } else { 1.0 });
+        let direct = shape.stiffness(&intact.map(|s| c0 * s));
+        let scaled = shape.scaled_stiffness(&intact);
+        for (direct, scaled) in flat(&direct).iter().zip(flat(&scaled)) {
+            // Entries of 1e5 N/mm, sums in another order.
+            assert!((direct - scaled).abs() < 1e-10, "{direct} {scaled}");
         }
+    }
+    let local = [[0.0; 8]; 3].map(|row: [f64; 8]| row.map(|_| random.signed()));
+    let stresses = shape.strains(&local).map(|e| c0 * e);
+    let (direct, elastic) = (shape.internal_force(&stresses), shape.elastic_force(&local));
+    for (direct, elastic) in direct.iter().flatten().zip(elastic.iter().flatten()) {
+        assert!((direct - elastic).abs() < 1e-10, "{direct} {elastic}");
     }
 }

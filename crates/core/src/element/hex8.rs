@@ -6,13 +6,15 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
-use crate::material::{ElasticParameters, elastic_stiffness};
+use crate::material::{ElasticParameters, elastic_stiffness, hooke};
 use crate::model::scene::Formulation;
 
+/// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
+pub type Nodal = [[f64; 8]; 3];
 /// Strain operator of one point: engineering Voigt strains of the 24 displacements.
-pub type Operator = [[f64; 24]; 6];
-/// Stiffness of 24 displacements.
-pub type Stiffness = [[f64; 24]; 24];
+pub type Operator = [Nodal; 6];
+/// Stiffness of 24 displacements, K_ab. `[node a][xyz of a][xyz of b][node b]`
+pub type Stiffness = [[Nodal; 3]; 8];
 
 /// Parameters (ξ, η, ζ) of the nodes, VTK's order.
 pub const CORNERS: [[f64; 3]; 8] = [
@@ -42,16 +44,17 @@ pub enum ShapeError {
 /// Reference geometry of an element and all that follows from it.
 #[derive(Clone, Debug)]
 pub struct ElementShape {
-    /// X_a − X_c [mm]. `[node][xyz]`
-    pub relative: [[f64; 3]; 8],
+    /// X_a − X_c [mm].
+    pub relative: Nodal,
     /// Strain operators B̃ [1/mm]. `[gauss point]`
     pub operator: [Operator; 8],
     /// det J · w [mm³]. `[gauss point]`
     pub weight: [f64; 8],
-    /// Gradients of the shape functions at the centroid [1/mm]. `[node][xyz]`
-    pub gradient: [[f64; 3]; 8],
+    /// Gradients of the shape functions at the centroid [1/mm].
+    pub gradient: Nodal,
     /// Volume [mm³].
     pub volume: f64,
+    elastic: ElasticParameters,
     /// Elastic stiffness of each Gauss point's share [N/mm].
     point_stiffness: Box<[Stiffness]>,
     /// Elastic stiffness [N/mm].
@@ -160,68 +163,97 @@ impl ElementShape {
             Formulation::BBar => constant_dilatation(&mut b, &weight, volume),
             Formulation::Incompatible => condense(&mut b, &g, &weight, &c0),
         }
-        let operator = b.map(|b| {
-            let mut rows = [[0.0; 24]; 6];
-            for (r, row) in rows.iter_mut().enumerate() {
-                for (c, value) in row.iter_mut().enumerate() {
-                    *value = b[(r, c)];
-                }
-            }
-            rows
-        });
-        let mut point_stiffness = vec![[[0.0; 24]; 24]; 8].into_boxed_slice();
-        let mut stiffness = Box::new([[0.0; 24]; 24]);
+        let operator = b.map(|b| lanes_of(|r, j, n| b[(r, 3 * n + j)]));
+        let mut point_stiffness = vec![ZERO; 8].into_boxed_slice();
+        let mut stiffness = Box::new(ZERO);
         for p in 0..8 {
             add_btdb(&operator[p], &c0, weight[p], &mut point_stiffness[p]);
-            for i in 0..24 {
-                for j in 0..24 {
-                    stiffness[i][j] += point_stiffness[p][i][j];
-                }
-            }
+            make_symmetric(&mut point_stiffness[p]);
+            add_scaled(&point_stiffness[p], 1.0, &mut stiffness);
         }
         Ok(Self {
-            relative,
+            relative: transpose(&relative),
             operator,
             weight,
-            gradient,
+            gradient: transpose(&gradient),
             volume,
+            elastic: *elastic,
             point_stiffness,
             stiffness,
         })
     }
 
-    /// Strains at the Gauss points of local displacements [mm].
-    pub fn strains(&self, local: &[f64; 24]) -> [Vector6<f64>; 8] {
-        let mut strains = [Vector6::zeros(); 8];
-        for (strain, operator) in strains.iter_mut().zip(&self.operator) {
-            for (k, row) in operator.iter().enumerate() {
-                let mut sum = 0.0;
-                for (b, u) in row.iter().zip(local) {
-                    sum += b * u;
+    /// Strain at Gauss point `g` of local displacements [mm].
+    pub fn strain(&self, g: usize, local: &Nodal) -> Vector6<f64> {
+        let mut strain = Vector6::zeros();
+        for (k, row) in self.operator[g].iter().enumerate() {
+            let mut sum = [0.0; 8];
+            for j in 0..3 {
+                for n in 0..8 {
+                    sum[n] += row[j][n] * local[j][n];
                 }
-                strain[k] = sum;
+            }
+            strain[k] = total(&sum);
+        }
+        strain
+    }
+
+    /// Strains at the Gauss points of local displacements [mm].
+    pub fn strains(&self, local: &Nodal) -> [Vector6<f64>; 8] {
+        std::array::from_fn(|g| self.strain(g, local))
+    }
+
+    /// f̄ += B̃ᵀ σ w of the stress at Gauss point `g` [N].
+    pub fn add_force(&self, g: usize, stress: &Vector6<f64>, force: &mut Nodal) {
+        for (k, row) in self.operator[g].iter().enumerate() {
+            let s = stress[k] * self.weight[g];
+            for j in 0..3 {
+                for n in 0..8 {
+                    force[j][n] += row[j][n] * s;
+                }
             }
         }
-        strains
     }
 
     /// f̄ = Σ B̃ᵀ σ w of the stresses at the Gauss points [N].
-    pub fn internal_force(&self, stresses: &[Vector6<f64>; 8]) -> [f64; 24] {
-        let mut force = [0.0; 24];
-        for ((stress, operator), weight) in stresses.iter().zip(&self.operator).zip(&self.weight) {
-            for (k, row) in operator.iter().enumerate() {
-                let s = stress[k] * weight;
-                for (f, b) in force.iter_mut().zip(row) {
-                    *f += b * s;
+    pub fn internal_force(&self, stresses: &[Vector6<f64>; 8]) -> Nodal {
+        let mut force = [[0.0; 8]; 3];
+        for (g, stress) in stresses.iter().enumerate() {
+            self.add_force(g, stress, &mut force);
+        }
+        force
+    }
+
+    /// f̄ = K̄ ū of intact elastic points [N].
+    pub fn elastic_force(&self, local: &Nodal) -> Nodal {
+        let mut force = [[0.0; 8]; 3];
+        for (a, rows) in self.stiffness.iter().enumerate() {
+            for (i, row) in rows.iter().enumerate() {
+                // K̄ is symmetric: its rows are added up, which keeps the nodes in lanes.
+                let u = local[i][a];
+                for j in 0..3 {
+                    for n in 0..8 {
+                        force[j][n] += row[j][n] * u;
+                    }
                 }
             }
         }
         force
     }
 
+    /// Stress C₀ : ε of an intact point [MPa].
+    pub fn elastic_stress(&self, strain: &Vector6<f64>) -> Vector6<f64> {
+        hooke(&self.elastic, strain)
+    }
+
+    /// K̄ of intact elastic points [N/mm].
+    pub fn elastic_stiffness(&self) -> &Stiffness {
+        &self.stiffness
+    }
+
     /// K̄ = Σ B̃ᵀ D B̃ w of any tangents [N/mm].
     pub fn stiffness(&self, tangents: &[Matrix6<f64>; 8]) -> Stiffness {
-        let mut k = [[0.0; 24]; 24];
+        let mut k = ZERO;
         for p in 0..8 {
             add_btdb(&self.operator[p], &tangents[p], self.weight[p], &mut k);
         }
@@ -230,44 +262,96 @@ impl ElementShape {
 
     /// K̄ = Σ s_g B̃ᵀ C₀ B̃ w: elastic points of which a part s is intact [N/mm].
     pub fn scaled_stiffness(&self, intact: &[f64; 8]) -> Stiffness {
-        if intact.iter().all(|&s| s == 1.0) {
-            return *self.stiffness;
-        }
-        let mut k = [[0.0; 24]; 24];
-        for (part, s) in self.point_stiffness.iter().zip(intact) {
-            for (row, from) in k.iter_mut().zip(part) {
-                for (value, v) in row.iter_mut().zip(from) {
-                    *value += s * v;
-                }
+        // Points that are whole are in the element's stiffness already.
+        let damaged = intact.iter().filter(|&&s| s != 1.0).count();
+        let (mut k, whole) = if damaged < 8 {
+            (*self.stiffness, 1.0)
+        } else {
+            (ZERO, 0.0)
+        };
+        for (part, &s) in self.point_stiffness.iter().zip(intact) {
+            if s != whole {
+                add_scaled(part, s - whole, &mut k);
             }
         }
         k
     }
 }
 
-/// K += w Bᵀ D B.
-fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
-    let mut db = [[0.0; 24]; 6];
-    for r in 0..6 {
-        for c in 0..6 {
-            let factor = weight * d[(r, c)];
-            if factor != 0.0 {
-                for j in 0..24 {
-                    db[r][j] += factor * b[c][j];
+const ZERO: Stiffness = [[[[0.0; 8]; 3]; 3]; 8];
+
+/// `[node][xyz]` to `[xyz][node]`.
+pub(super) fn transpose(of_node: &[[f64; 3]; 8]) -> Nodal {
+    [0, 1, 2].map(|i| of_node.map(|v| v[i]))
+}
+
+/// Σ over the nodes, in pairs: a fixed order that lanes can follow.
+pub(super) fn total(v: &[f64; 8]) -> f64 {
+    let half = [v[0] + v[4], v[1] + v[5], v[2] + v[6], v[3] + v[7]];
+    (half[0] + half[2]) + (half[1] + half[3])
+}
+
+fn lanes_of(entry: impl Fn(usize, usize, usize) -> f64) -> Operator {
+    std::array::from_fn(|r| std::array::from_fn(|j| std::array::from_fn(|n| entry(r, j, n))))
+}
+
+/// K += s K'.
+fn add_scaled(from: &Stiffness, s: f64, k: &mut Stiffness) {
+    for (rows, from) in k.iter_mut().zip(from) {
+        for (row, from) in rows.iter_mut().zip(from) {
+            for j in 0..3 {
+                for n in 0..8 {
+                    row[j][n] += s * from[j][n];
                 }
             }
         }
     }
-    for i in 0..24 {
-        let row = &mut k[i];
-        let column = [b[0][i], b[1][i], b[2][i], b[3][i], b[4][i], b[5][i]];
-        for j in 0..24 {
-            row[j] += column[0] * db[0][j]
-                + column[1] * db[1][j]
-                + column[2] * db[2][j]
-                + column[3] * db[3][j]
-                + column[4] * db[4][j]
-                + column[5] * db[5][j];
+}
+
+/// K ← ½ (K + Kᵀ): an elastic stiffness is symmetric but for rounding.
+fn make_symmetric(k: &mut Stiffness) {
+    for a in 0..8 {
+        for i in 0..3 {
+            for b in 0..8 {
+                for j in 0..3 {
+                    let mean = 0.5 * (k[a][i][j][b] + k[b][j][i][a]);
+                    k[a][i][j][b] = mean;
+                    k[b][j][i][a] = mean;
+                }
+            }
+        }
+    }
+}
+
+/// K += w Bᵀ D B.
+fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
+    let mut db = [[[0.0; 8]; 3]; 6];
+    for r in 0..6 {
+        for c in 0..6 {
+            let factor = weight * d[(r, c)];
+            if factor != 0.0 {
+                for j in 0..3 {
+                    for n in 0..8 {
+                        db[r][j][n] += factor * b[c][j][n];
+                    }
+                }
+            }
+        }
+    }
+    for a in 0..8 {
+        for i in 0..3 {
+            let column: [f64; 6] = std::array::from_fn(|r| b[r][i][a]);
+            for j in 0..3 {
+                let row = &mut k[a][i][j];
+                for n in 0..8 {
+                    row[n] += column[0] * db[0][j][n]
+                        + column[1] * db[1][j][n]
+                        + column[2] * db[2][j][n]
+                        + column[3] * db[3][j][n]
+                        + column[4] * db[4][j][n]
+                        + column[5] * db[5][j][n];
+                }
+            }
         }
     }
 }

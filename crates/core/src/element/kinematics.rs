@@ -12,64 +12,63 @@
 //!
 //! so f is the exact derivative of the element's energy and balances moments in the deformed
 //! configuration. Its derivative is taken exactly too, with the turning of the frame (δω), of the
-//! moment (δm) and of W (δU).
+//! moment (δm) and of W (δU): `super::tangent`.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use super::hex8::{ElementShape, Stiffness};
+use super::hex8::{ElementShape, Nodal, Stiffness, total};
+use super::tangent;
 use crate::material::LocalFailure;
-
-type Wide = SMatrix<f64, 3, 24>;
 
 /// The rotated frame of one element.
 #[derive(Clone, Debug)]
 pub struct Corotated {
     /// R.
     pub rotation: Matrix3<f64>,
-    /// ū [mm]. `[3 node + xyz]`
-    pub local: [f64; 24],
-    stretch: Matrix3<f64>,
-    position: [Vector3<f64>; 8],
-    spin: Matrix3<f64>,
-}
-
-fn cross(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
+    /// ū [mm].
+    pub local: Nodal,
+    /// U.
+    pub(super) stretch: Matrix3<f64>,
+    /// x̄ [mm].
+    pub(super) position: Nodal,
+    /// W⁻¹.
+    pub(super) spin: Matrix3<f64>,
 }
 
 /// Rotation of F by Newton's iteration R ← ½ (R + R⁻ᵀ), which converges quadratically for det F > 0.
 fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    /// A change δ leaves an error of δ²/2.
+    const LAST: f64 = 1e-9;
     let mut r = *f;
     for _ in 0..50 {
         let next = (r + r.try_inverse()?.transpose()) * 0.5;
         let change = (next - r).amax();
         r = next;
-        if change <= 1e-15 {
+        if change <= LAST {
             return Some(r);
         }
     }
-    // The last digits may alternate.
-    (r.transpose() * r - Matrix3::identity())
-        .amax()
-        .le(&1e-13)
-        .then_some(r)
+    None
 }
 
 impl Corotated {
-    /// Frame of an element with current corner positions `x` [mm].
+    /// Frame of an element with current corner positions `x` [mm]. `[node][xyz]`
     ///
     /// # Errors
     /// [`LocalFailure::Inverted`] if the element has turned inside out.
+    #[inline]
     pub fn new(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Result<Self, LocalFailure> {
-        let mut f = Matrix3::zeros();
-        let mut centre = Vector3::zeros();
-        for a in 0..8 {
-            let p = Vector3::from(x[a]);
-            centre += p / 8.0;
+        let mut centred = [[0.0; 8]; 3];
+        for i in 0..3 {
+            for a in 0..8 {
+                centred[i][a] = x[a][i];
+            }
+            let centre = 0.125 * total(&centred[i]);
+            for a in 0..8 {
+                centred[i][a] -= centre;
+            }
         }
-        for a in 0..8 {
-            f += (Vector3::from(x[a]) - centre) * Vector3::from(shape.gradient[a]).transpose();
-        }
+        let f = Matrix3::from_fn(|i, j| dot(&centred[i], &shape.gradient[j]));
         let determinant = f.determinant();
         if !determinant.is_finite() {
             return Err(LocalFailure::StrainNotFinite);
@@ -84,12 +83,11 @@ impl Corotated {
         let stretch = (stretch + stretch.transpose()) * 0.5;
         let w = Matrix3::identity() * stretch.trace() - stretch;
         let spin = w.try_inverse().ok_or(inverted)?;
-        let mut position = [Vector3::zeros(); 8];
-        let mut local = [0.0; 24];
-        for a in 0..8 {
-            position[a] = rotation.transpose() * (Vector3::from(x[a]) - centre);
-            for i in 0..3 {
-                local[3 * a + i] = position[a][i] - shape.relative[a][i];
+        let position = turned(&rotation.transpose(), &centred);
+        let mut local = position;
+        for i in 0..3 {
+            for a in 0..8 {
+                local[i][a] -= shape.relative[i][a];
             }
         }
         Ok(Self {
@@ -102,99 +100,71 @@ impl Corotated {
     }
 
     /// p = W⁻¹ Σ x̄_a × f̄_a.
-    fn moment(&self, local_force: &[f64; 24]) -> Vector3<f64> {
-        let mut m = Vector3::zeros();
-        for a in 0..8 {
-            m += self.position[a].cross(&node(local_force, a));
-        }
-        self.spin * m
+    pub(super) fn moment(&self, local_force: &Nodal) -> Vector3<f64> {
+        let (x, f) = (&self.position, local_force);
+        let m = |i: usize, j: usize| dot(&x[i], &f[j]) - dot(&x[j], &f[i]);
+        self.spin * Vector3::new(m(1, 2), m(2, 0), m(0, 1))
     }
 
-    /// Global nodal forces of local ones [N].
-    pub fn force(&self, shape: &ElementShape, local_force: &[f64; 24]) -> [[f64; 3]; 8] {
+    /// Global nodal forces of local ones [N]. `[node][xyz]`
+    #[inline]
+    pub fn force(&self, shape: &ElementShape, local_force: &Nodal) -> [[f64; 3]; 8] {
         let p = self.moment(local_force);
-        let mut force = [[0.0; 3]; 8];
-        for a in 0..8 {
-            let b = Vector3::from(shape.gradient[a]);
-            force[a] = (self.rotation * (node(local_force, a) - p.cross(&b))).into();
+        let g = &shape.gradient;
+        let mut f = *local_force;
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            for a in 0..8 {
+                f[i][a] -= p[j] * g[k][a] - p[k] * g[j][a];
+            }
         }
-        force
+        let f = turned(&self.rotation, &f);
+        std::array::from_fn(|a| [f[0][a], f[1][a], f[2][a]])
     }
 
     /// Global stiffness `[a][b][i][j]` [N/mm] of a local one, with all geometric terms.
+    #[inline]
     pub fn stiffness(
         &self,
         shape: &ElementShape,
         local: &Stiffness,
-        local_force: &[f64; 24],
+        local_force: &Nodal,
         cell: &mut [f64],
     ) {
-        let p = self.moment(local_force);
-        // Ω: δω = Ω δv
-        let mut omega = Wide::zeros();
-        for a in 0..8 {
-            let block = self.spin * cross(&Vector3::from(shape.gradient[a]));
-            omega.fixed_view_mut::<3, 3>(0, 3 * a).copy_from(&block);
-        }
-        // K̄ X, X_a = [x̄_a]×
-        let mut kx = SMatrix::<f64, 24, 3>::zeros();
-        for i in 0..24 {
-            let mut sum = Vector3::zeros();
-            for b in 0..8 {
-                // Row k of K̄ times [x̄]× is −(x̄ × k) = k × x̄.
-                let k = Vector3::new(local[i][3 * b], local[i][3 * b + 1], local[i][3 * b + 2]);
-                sum += k.cross(&self.position[b]);
-            }
-            for j in 0..3 {
-                kx[(i, j)] = sum[j];
-            }
-        }
-        // A = K̄ P = K̄ + (K̄ X) Ω, because K̄ sees no translation.
-        let mut a_matrix = kx * omega;
-        for i in 0..24 {
-            for j in 0..24 {
-                a_matrix[(i, j)] += local[i][j];
-            }
-        }
-        // δm = Σ −[f̄_a]× δū_a + [x̄_a]× δf̄_a
-        let mut dm = Wide::zeros();
-        let mut mx = Matrix3::zeros();
-        for a in 0..8 {
-            let f = cross(&node(local_force, a));
-            let x = cross(&self.position[a]);
-            mx -= f * x;
-            let rows = a_matrix.fixed_view::<3, 24>(3 * a, 0);
-            dm += x * rows;
-            let mut own = dm.fixed_view_mut::<3, 3>(0, 3 * a);
-            own -= f;
-        }
-        dm += mx * omega;
-        // δW p = Σ (p b_bᵀ − (b_b·p) 1) δv_b − [U p]× δω
-        dm += cross(&(self.stretch * p)) * omega;
-        for b in 0..8 {
-            let g = Vector3::from(shape.gradient[b]);
-            let mut own = dm.fixed_view_mut::<3, 3>(0, 3 * b);
-            own -= p * g.transpose() - Matrix3::identity() * g.dot(&p);
-        }
-        let dp = self.spin * dm;
-        let (r, rt) = (self.rotation, self.rotation.transpose());
-        for a in 0..8 {
-            let g = Vector3::from(shape.gradient[a]);
-            let f = node(local_force, a) - p.cross(&g);
-            let rows = a_matrix.fixed_view::<3, 24>(3 * a, 0) - cross(&f) * omega + cross(&g) * dp;
-            for b in 0..8 {
-                let block = r * rows.fixed_view::<3, 3>(0, 3 * b) * rt;
-                let to = &mut cell[(a * 8 + b) * 9..][..9];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        to[3 * i + j] = block[(i, j)];
-                    }
-                }
-            }
-        }
+        tangent::unsymmetric(self, shape, local, local_force, cell);
+    }
+
+    /// [`Self::stiffness`] of a symmetric one, in two thirds of the time.
+    #[inline]
+    pub fn symmetric_stiffness(
+        &self,
+        shape: &ElementShape,
+        local: &Stiffness,
+        local_force: &Nodal,
+        cell: &mut [f64],
+    ) {
+        tangent::symmetric(self, shape, local, local_force, cell);
     }
 }
 
-fn node(force: &[f64; 24], a: usize) -> Vector3<f64> {
-    Vector3::new(force[3 * a], force[3 * a + 1], force[3 * a + 2])
+/// Σ_a u_a v_a.
+#[inline]
+pub(super) fn dot(u: &[f64; 8], v: &[f64; 8]) -> f64 {
+    let mut products = [0.0; 8];
+    for a in 0..8 {
+        products[a] = u[a] * v[a];
+    }
+    total(&products)
+}
+
+/// R v_a.
+#[inline]
+fn turned(r: &Matrix3<f64>, v: &Nodal) -> Nodal {
+    let mut turned = [[0.0; 8]; 3];
+    for i in 0..3 {
+        for a in 0..8 {
+            turned[i][a] = r[(i, 0)] * v[0][a] + r[(i, 1)] * v[1][a] + r[(i, 2)] * v[2][a];
+        }
+    }
+    turned
 }

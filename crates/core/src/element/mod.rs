@@ -2,6 +2,7 @@
 
 pub mod hex8;
 pub mod kinematics;
+mod tangent;
 
 pub use hex8::{ElementShape, ShapeError};
 pub use kinematics::Corotated;

@@ -163,7 +163,7 @@ impl Bulk {
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
                 let old = &state.material[8 * e..8 * e + 8];
-                let mut slot = Slot {
+                let mut slot = ElementSlot {
                     force,
                     cell,
                     new,
@@ -180,36 +180,58 @@ impl Bulk {
 }
 
 /// Where one element writes.
-struct Slot<'a> {
-    force: &'a mut [[f64; 3]; 8],
-    cell: &'a mut [f64],
-    new: &'a mut [MaterialHistory],
-    energy: &'a mut PointEnergy,
+#[derive(Debug)]
+pub struct ElementSlot<'a> {
+    /// Nodal forces [N]. `[node][xyz]`
+    pub force: &'a mut [[f64; 3]; 8],
+    /// Stiffness [N/mm], written if the setting asks for tangents. `[CELL]`
+    pub cell: &'a mut [f64],
+    /// New histories, written if implicit. `[gauss point]`
+    pub new: &'a mut [MaterialHistory],
+    /// Energies, written if implicit [N mm].
+    pub energy: &'a mut PointEnergy,
 }
 
-/// One element.
-fn element(
+/// One element with nodes at `positions` [mm] and histories `old` of its eight points.
+///
+/// # Errors
+/// [`LocalFailure`] if it is inverted or its law gave no answer.
+pub fn element(
     shape: &ElementShape,
     law: &Material,
     positions: &[[f64; 3]; 8],
     old: &[MaterialHistory],
     setting: Evaluation,
-    slot: &mut Slot,
+    slot: &mut ElementSlot,
 ) -> Result<(), LocalFailure> {
     let frame = Corotated::new(shape, positions)?;
-    let strains = shape.strains(&frame.local);
-    let mut stresses = [Vector6::zeros(); 8];
-    let mut tangents = [Matrix6::zeros(); 8];
-    let mut intact = [1.0; 8];
     match setting.solids {
         Solids::Extrapolated { ratio } => {
-            for g in 0..8 {
-                let (stiffness, stress) = law.extrapolated(&strains[g], &old[g], ratio);
-                stresses[g] = stress;
-                intact[g] = stiffness;
+            let mut force = shape.elastic_force(&frame.local);
+            let mut intact = [1.0; 8];
+            for (g, old) in old.iter().enumerate() {
+                if !is_virgin(old) {
+                    let strain = shape.strain(g, &frame.local);
+                    let (part, stress) = law.extrapolated(&strain, old, ratio);
+                    shape.add_force(g, &(stress - shape.elastic_stress(&strain)), &mut force);
+                    intact[g] = part;
+                }
+            }
+            *slot.force = frame.force(shape, &force);
+            if setting.tangent {
+                if intact == [1.0; 8] {
+                    let k = shape.elastic_stiffness();
+                    frame.symmetric_stiffness(shape, k, &force, slot.cell);
+                } else {
+                    let k = shape.scaled_stiffness(&intact);
+                    frame.symmetric_stiffness(shape, &k, &force, slot.cell);
+                }
             }
         }
         Solids::Implicit => {
+            let strains = shape.strains(&frame.local);
+            let mut stresses = [Vector6::zeros(); 8];
+            let mut tangents = [Matrix6::zeros(); 8];
             *slot.energy = PointEnergy::default();
             for g in 0..8 {
                 let point = law.update(&strains[g], &old[g], setting.dt, setting.tangent)?;
@@ -218,18 +240,23 @@ fn element(
                 slot.new[g] = point.history;
                 slot.energy.add(&point.energy, shape.weight[g]);
             }
+            let force = shape.internal_force(&stresses);
+            *slot.force = frame.force(shape, &force);
+            if setting.tangent {
+                let k = shape.stiffness(&tangents);
+                frame.stiffness(shape, &k, &force, slot.cell);
+            }
         }
     }
-    let local_force = shape.internal_force(&stresses);
-    *slot.force = frame.force(shape, &local_force);
-    if setting.tangent {
-        let local = match setting.solids {
-            Solids::Extrapolated { .. } => shape.scaled_stiffness(&intact),
-            Solids::Implicit => shape.stiffness(&tangents),
-        };
-        frame.stiffness(shape, &local, &local_force, slot.cell);
-    }
     Ok(())
+}
+
+/// True if nothing has happened to the point: its extrapolation is C₀ : ε.
+fn is_virgin(old: &MaterialHistory) -> bool {
+    old.viscous_damage == 0.0
+        && old.viscous_damage_step == 0.0
+        && old.viscous_strain == Vector6::zeros()
+        && old.viscous_strain_step == Vector6::zeros()
 }
 
 /// Coordinates relative to the first corner, in units of [`SAME`] times the element's size.

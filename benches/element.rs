@@ -1,0 +1,101 @@
+//! One hex8 in the rotated frame: elastic, extrapolated with damage, implicit with a crack.
+//!
+//! Not covered: the way from and to memory (`benches/system.rs` runs over a wall).
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::hint::black_box;
+
+use common::{Random, brick};
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Rotation3, Vector3};
+use wythe::element::hex8::CORNERS;
+use wythe::element::{Corotated, ElementShape};
+use wythe::material::{
+    DamagePlasticity, Material, MaterialHistory, PointEnergy, elastic_stiffness,
+};
+use wythe::model::scene::Formulation;
+use wythe::system::bulk::{self, ElementSlot};
+use wythe::system::pattern::CELL;
+use wythe::system::{Evaluation, Solids};
+
+fn element(c: &mut Criterion) {
+    let (law, _) = DamagePlasticity::new(&brick(), None).expect("the tables are sound");
+    let corners = CORNERS.map(|c| [25.5 * c[0], 24.5 * c[1], 25.0 * c[2]]);
+    let shape = ElementShape::new(&corners, Formulation::Incompatible, &brick().elastic)
+        .expect("a sound element");
+    let mut random = Random(31);
+    // Turned by some degrees and pulled beyond the first crack.
+    let turn = Rotation3::new(Vector3::new(0.02, -0.03, 0.05));
+    let x = corners.map(|c| {
+        let noise = Vector3::new(random.signed(), random.signed(), random.signed()) * 1e-3;
+        (turn * (Vector3::new(1.0006 * c[0], c[1], c[2]) + noise)).into()
+    });
+    let frame = Corotated::new(&shape, &x).expect("a sound element");
+    let strains = shape.strains(&frame.local);
+    let virgin = MaterialHistory::default();
+    let cracked = strains.map(|e| {
+        let answer = law.update(&(e * 0.8), &virgin, 1.0, false);
+        answer.expect("an answer").history
+    });
+
+    let mut group = c.benchmark_group("hex8");
+    group.bench_function("frame", |b| {
+        b.iter(|| Corotated::new(&shape, black_box(&x)));
+    });
+    group.bench_function("strains", |b| {
+        b.iter(|| shape.strains(black_box(&frame.local)));
+    });
+    let stresses = strains.map(|e| elastic_stiffness(&brick().elastic) * e);
+    let force = shape.internal_force(&stresses);
+    let mut cell = vec![0.0; CELL];
+    group.bench_function("elastic_force", |b| {
+        b.iter(|| shape.elastic_force(black_box(&frame.local)));
+    });
+    group.bench_function("turn_symmetric_stiffness", |b| {
+        let k = shape.elastic_stiffness();
+        b.iter(|| frame.symmetric_stiffness(&shape, k, black_box(&force), &mut cell));
+    });
+    group.bench_function("turn_stiffness", |b| {
+        let k = shape.elastic_stiffness();
+        b.iter(|| frame.stiffness(&shape, k, black_box(&force), &mut cell));
+    });
+    let law = Material::DamagePlasticity(Box::new(law));
+    let extrapolated = Solids::Extrapolated { ratio: 1.0 };
+    let mut damaged = [virgin; 8];
+    damaged[2] = cracked[2];
+    let mut force = [[0.0; 3]; 8];
+    let mut new = [virgin; 8];
+    let mut energy = PointEnergy::default();
+    for (name, solids, old) in [
+        ("extrapolated_intact", extrapolated, [virgin; 8]),
+        ("extrapolated_one_point_damaged", extrapolated, damaged),
+        ("extrapolated_damaged", extrapolated, cracked),
+        ("implicit_cracked", Solids::Implicit, cracked),
+    ] {
+        for (kind, tangent) in [("force", false), ("force_and_stiffness", true)] {
+            let setting = Evaluation {
+                dt: 1.0,
+                solids,
+                shifted: true,
+                tangent,
+            };
+            group.bench_function(format!("{name}/{kind}"), |b| {
+                b.iter(|| {
+                    let mut slot = ElementSlot {
+                        force: &mut force,
+                        cell: &mut cell,
+                        new: &mut new,
+                        energy: &mut energy,
+                    };
+                    bulk::element(&shape, &law, black_box(&x), &old, setting, &mut slot)
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, element);
+criterion_main!(benches);

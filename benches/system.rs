@@ -1,0 +1,190 @@
+//! The wall J7D: forces and tangents of solids and interfaces, the search, the gather, the
+//! factorisation, and one whole iteration on one and on two threads.
+//!
+//! Not covered: building the model, recording, and the many states a wall goes through; this one is
+//! at 0.4 mm of 4 mm, where a few joints have yielded and no brick has cracked.
+
+mod pushed;
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use pushed::{Pushed, setting};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use wythe::contact::{Aabb, Candidates, Surface};
+use wythe::system::linear::{Backend, LinearSolver};
+use wythe::system::{Contact, Evaluation, Solids};
+
+fn threads(n: usize) -> ThreadPool {
+    ThreadPoolBuilder::new()
+        .num_threads(n)
+        .build()
+        .expect("threads")
+}
+
+/// Solids and interfaces, each in its slots of the trial, on one thread.
+fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
+    let elements = wall.system.bulk.elements.len();
+    let implicit = |tangent| Evaluation {
+        solids: Solids::Implicit,
+        ..setting(tangent)
+    };
+    let direct = Evaluation {
+        shifted: false,
+        ..setting(true)
+    };
+    let Pushed {
+        model,
+        system,
+        state,
+        trial,
+        ..
+    } = wall;
+    let mut group = c.benchmark_group("j7d_solids");
+    for (name, setting) in [
+        ("extrapolated_force", setting(false)),
+        ("extrapolated_tangent", setting(true)),
+        ("implicit_force", implicit(false)),
+        ("implicit_tangent", implicit(true)),
+    ] {
+        group.bench_function(name, |b| {
+            b.iter(|| pool.install(|| system.bulk.evaluate(state, trial, setting)));
+        });
+    }
+    group.finish();
+    let mut group = c.benchmark_group("j7d_interfaces");
+    for (name, setting) in [
+        ("shifted_force", setting(false)),
+        ("shifted_tangent", setting(true)),
+        ("exact_tangent", direct),
+    ] {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let contact = &system.contact;
+                pool.install(|| contact.evaluate(model, state, trial, setting, elements));
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Candidates anew, and pairs among the known candidates.
+fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
+    let surfaces = &wall.model.contact;
+    let slave = Surface {
+        facets: surfaces.slave_facets.clone(),
+        body: surfaces.slave_body.clone(),
+    };
+    let master = Surface {
+        facets: surfaces.master_facets.clone(),
+        body: surfaces.master_body.clone(),
+    };
+    let x = wall.trial.x.clone();
+    let boxes: Vec<Aabb> = (0..slave.facets.len())
+        .map(|f| Aabb::of(&slave.corners(f, &x)))
+        .collect();
+    let mut group = c.benchmark_group("j7d_search");
+    group.bench_function("candidates", |b| {
+        b.iter(|| Candidates::find(&slave, &boxes, &master, &x, 3.0).len());
+    });
+    // A new contact knows no candidates: the same search, through the system.
+    let fresh = Contact::new(&wall.model);
+    group.bench_function("candidates_and_pairs", |b| {
+        b.iter_batched(
+            || fresh.clone(),
+            |mut contact| pool.install(|| contact.search(&mut wall.trial)),
+            criterion::BatchSize::LargeInput,
+        );
+    });
+    group.bench_function("pairs", |b| {
+        b.iter(|| pool.install(|| wall.system.search(&mut wall.trial)));
+    });
+    group.finish();
+}
+
+/// Cells into the matrix, the matrix into factors.
+fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
+    wall.search_and_evaluate(true);
+    let mut group = c.benchmark_group("j7d_matrix");
+    group.bench_function("fill", |b| {
+        b.iter(|| pool.install(|| wall.system.fill(&wall.trial, black_box(&mut wall.values))));
+    });
+    group.bench_function("analyse", |b| {
+        b.iter(|| {
+            wall.system
+                .analyse(&wall.equations, Backend::FaerLlt)
+                .map(|(entries, _)| entries)
+        });
+    });
+    group.bench_function("factorise", |b| {
+        b.iter(|| pool.install(|| wall.linear.factorise(black_box(&wall.values)).is_ok()));
+    });
+    let rhs: Vec<f64> = (0..wall.linear.n()).map(|i| (i % 7) as f64 - 3.0).collect();
+    let mut solution = rhs.clone();
+    group.bench_function("solve", |b| {
+        b.iter(|| {
+            solution.copy_from_slice(&rhs);
+            pool.install(|| wall.linear.solve(&mut solution).is_ok())
+        });
+    });
+    group.finish();
+}
+
+/// Search, forces and tangents, gather, factorisation, solve, and the forces at the new point.
+fn iteration(wall: &mut Pushed) {
+    let start = wall.q.clone();
+    wall.search_and_evaluate(true);
+    wall.system.fill(&wall.trial, &mut wall.values);
+    let d = wall.direction();
+    wall.go(&d);
+    wall.evaluate(setting(false));
+    wall.q = start;
+}
+
+fn benches(c: &mut Criterion) {
+    let mut wall = Pushed::new();
+    let points = wall.trial.status.len();
+    println!(
+        "{} elements, {points} points, {} pairs, {} equations, {} entries, {:.2e} operations",
+        wall.system.bulk.elements.len(),
+        wall.system.contact.cell_count(),
+        wall.linear.n(),
+        wall.values.len(),
+        LinearSolver::stats(&wall.linear).flops,
+    );
+    let one = threads(1);
+    evaluation(c, &one, &mut wall);
+    search(c, &one, &mut wall);
+    matrix(c, &one, &mut wall);
+    for n in [1, 2] {
+        let pool = threads(n);
+        c.bench_function(&format!("j7d_iteration/{n}_threads"), |b| {
+            b.iter(|| pool.install(|| iteration(&mut wall)));
+        });
+    }
+    let two = threads(2);
+    wall.search_and_evaluate(true);
+    let Pushed {
+        system,
+        state,
+        trial,
+        values,
+        ..
+    } = &mut wall;
+    let mut group = c.benchmark_group("j7d_on_2_threads");
+    group.bench_function("solids_extrapolated_tangent", |b| {
+        b.iter(|| two.install(|| system.bulk.evaluate(state, trial, setting(true))));
+    });
+    group.bench_function("fill", |b| {
+        b.iter(|| two.install(|| system.fill(trial, black_box(values))));
+    });
+    group.finish();
+}
+
+criterion_group! {
+    name = system;
+    // Tens of milliseconds each: twenty samples in some seconds.
+    config = Criterion::default().sample_size(20);
+    targets = benches
+}
+criterion_main!(system);
