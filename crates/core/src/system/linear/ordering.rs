@@ -70,6 +70,11 @@ impl Graph {
         self.ptr.len() - 1
     }
 
+    /// Vertices that couple with vertex `v`, ascending.
+    pub fn neighbours_of(&self, v: usize) -> &[u32] {
+        &self.neighbours[self.ptr[v] as usize..self.ptr[v + 1] as usize]
+    }
+
     /// Approximate minimum degree order: `[position] → vertex`.
     ///
     /// # Errors
@@ -96,10 +101,14 @@ impl Graph {
 }
 
 /// Orders the groups of a pattern: `[position] → group`.
-pub(super) fn order(pattern: &Pattern, ordering: Ordering) -> Result<Vec<u32>, LinearError> {
+pub(super) fn order(
+    pattern: &Pattern,
+    graph: &Graph,
+    ordering: Ordering,
+) -> Result<Vec<u32>, LinearError> {
     match ordering {
         Ordering::Natural => Ok((0..pattern.n_groups() as u32).collect()),
-        Ordering::Amd => Graph::of(pattern)?.amd(),
+        Ordering::Amd => graph.amd(),
     }
 }
 

@@ -6,7 +6,12 @@ use faer::{Mat, MatRef};
 use super::stencils::{Case, Noise, assemble, solid};
 use super::*;
 
-const ALL: [Backend; 2] = [Backend::FaerLlt, Backend::FaerLu];
+const ALL: [Backend; 4] = [
+    Backend::MultifrontalLlt,
+    Backend::MultifrontalLu,
+    Backend::FaerLlt,
+    Backend::FaerLu,
+];
 
 /// The matrix as the kind reads it, dense.
 fn dense(pattern: &Pattern, values: &[f64], kind: Kind) -> Mat<f64> {
