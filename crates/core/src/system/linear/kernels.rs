@@ -17,7 +17,9 @@ use super::LinearError;
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
-const PANEL: usize = 64;
+const PANEL: usize = 48;
+/// Columns that a Cholesky front eliminates at once.
+const BLOCK: usize = 16;
 
 /// Memory that the dense kernels need beside their arguments.
 pub(super) struct Scratch {
@@ -66,19 +68,37 @@ pub(super) fn llt(
     schur: &mut [f64],
     scratch: &mut Scratch,
 ) -> Result<(), usize> {
-    let (mut own, mut below) = split(columns, m, k);
-    cholesky_in_place(
-        own.rb_mut(),
-        LltRegularization::default(),
-        Par::Seq,
-        MemStack::new(&mut scratch.memory),
-        Spec::default(),
-    )
-    .map_err(|LltError::NonPositivePivot { index }| index)?;
-    solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
+    // Left-looking: block j first takes all updates from the columns before it, by one product.
+    for j in (0..k).step_by(BLOCK) {
+        let width = BLOCK.min(k - j);
+        let (done, rest) = columns.split_at_mut(j * m);
+        let done = MatRef::from_column_major_slice(done, m, j);
+        let mut block = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width)
+            .subrows_mut(j, m - j);
+        if j > 0 {
+            matmul(
+                block.rb_mut(),
+                Accum::Add,
+                done.subrows(j, m - j),
+                done.subrows(j, width).transpose(),
+                -1.0,
+                Par::Seq,
+            );
+        }
+        let (mut own, below) = block.split_at_row_mut(width);
+        cholesky_in_place(
+            own.rb_mut(),
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut scratch.memory),
+            Spec::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| j + index)?;
+        solve_lower_triangular_in_place(own.rb(), below.transpose_mut(), Par::Seq);
+    }
     let b = m - k;
+    let (_, below) = parts(columns, m, k);
     let mut schur = MatMut::from_column_major_slice_mut(schur, b, b);
-    let below = below.rb();
     for j in (0..b).step_by(PANEL) {
         let width = PANEL.min(b - j);
         matmul(

@@ -5,6 +5,7 @@
 //! [`Options::refinements`] times, and refused if it stays above [`Options::accept`].
 
 mod assembly;
+mod dissection;
 mod error;
 mod faer_llt;
 mod faer_lu;

@@ -55,7 +55,7 @@ struct Share<'a> {
     stacks: [&'a mut [f64]; 2],
 }
 
-impl<'a> Share<'a> {
+impl Share<'_> {
     /// Cuts off the first numbers of each buffer.
     fn split(self, factors: usize, pivots: usize, stacks: [usize; 2]) -> (Self, Self) {
         let (factors, factors_after) = self.factors.split_at_mut(factors);
@@ -358,8 +358,8 @@ impl Plan {
                 Kind::Unsymmetric => columns[column * (m + 1)].abs(),
             };
             let equation = equation(column);
-            // True for NaN.
-            if !(pivot > VANISHED * matrix.sums[equation]) {
+            // NaN, from a pivot that vanished earlier, is a verdict too.
+            if pivot.is_nan() || pivot <= VANISHED * matrix.sums[equation] {
                 return Err(LinearError::Singular { equation });
             }
         }

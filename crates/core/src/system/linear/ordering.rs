@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::{LinearError, Pattern};
+use super::{LinearError, Pattern, dissection};
 
 /// How equations are ordered before elimination.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,8 +12,10 @@ pub enum Ordering {
     /// As numbered.
     Natural,
     /// Approximate minimum degree on the node graph.
-    #[default]
     Amd,
+    /// Geometric nested dissection where the pattern knows its nodes' places, else minimum degree.
+    #[default]
+    Dissection,
 }
 
 /// The graph of groups (nodes) of equations that couple: sorted neighbours, without loops.
@@ -109,6 +111,10 @@ pub(super) fn order(
     match ordering {
         Ordering::Natural => Ok((0..pattern.n_groups() as u32).collect()),
         Ordering::Amd => graph.amd(),
+        Ordering::Dissection => match pattern.coordinates() {
+            Some(places) => dissection::dissect(graph, places),
+            None => graph.amd(),
+        },
     }
 }
 

@@ -68,9 +68,10 @@ pub(super) fn plan(tree: &Tree) -> (Task, Places) {
             p => p as usize,
         };
         children[parent].push(s);
-        match parent == n {
-            true => total += work[s],
-            false => work[parent] += work[s],
+        if parent == n {
+            total += work[s];
+        } else {
+            work[parent] += work[s];
         }
     }
     work.push(f64::INFINITY);
