@@ -132,8 +132,8 @@ impl<'m> Newton<'m> {
     /// Which tangents the procedure needs.
     fn backend(&self) -> Backend {
         match self.step.procedure {
-            Procedure::Implex => Backend::FaerLlt,
-            Procedure::Implicit | Procedure::Direct => Backend::FaerLu,
+            Procedure::Implex => Backend::MultifrontalLlt,
+            Procedure::Implicit | Procedure::Direct => Backend::MultifrontalLu,
         }
     }
 

@@ -4,16 +4,22 @@
 //! is checked against the stored matrix: residual r = b − A x, refined x ← x + A⁻¹ r at most
 //! [`Options::refinements`] times, and refused if it stays above [`Options::accept`].
 
+mod assembly;
+mod dissection;
 mod error;
 mod faer_llt;
 mod faer_lu;
+mod kernels;
+mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
 #[cfg(test)]
 mod stencils;
+mod tasks;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 use std::time::Instant;
 
@@ -23,7 +29,9 @@ pub use pattern::Pattern;
 
 use faer_llt::FaerLlt;
 use faer_lu::FaerLu;
+use multifrontal::Multifrontal;
 use operator::Operator;
+use ordering::Graph;
 
 /// Which values of the matrix count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +45,10 @@ pub enum Kind {
 /// Which factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
+    /// Multifrontal L Lᵀ; the tree's branches in parallel, the same bits on any number of threads.
+    MultifrontalLlt,
+    /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise.
+    MultifrontalLu,
     /// faer's sparse L Lᵀ; serial.
     FaerLlt,
     /// faer's sparse LU, pivots anywhere in a column; slow, serial: the last refuge.
@@ -47,8 +59,8 @@ impl Backend {
     /// Which values of the matrix this factorisation reads.
     pub fn kind(self) -> Kind {
         match self {
-            Self::FaerLlt => Kind::Symmetric,
-            Self::FaerLu => Kind::Unsymmetric,
+            Self::MultifrontalLlt | Self::FaerLlt => Kind::Symmetric,
+            Self::MultifrontalLu | Self::FaerLu => Kind::Unsymmetric,
         }
     }
 }
@@ -107,6 +119,7 @@ pub struct SolveReport {
 /// The closed family of factorisations.
 #[derive(Debug)]
 enum Engine {
+    Multifrontal(Multifrontal),
     FaerLlt(FaerLlt),
     FaerLu(FaerLu),
 }
@@ -114,6 +127,10 @@ enum Engine {
 impl Engine {
     fn solve(&mut self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
         match self {
+            Self::Multifrontal(f) => {
+                f.solve(x, columns);
+                Ok(())
+            }
             Self::FaerLlt(f) => f.solve(x, columns),
             Self::FaerLu(f) => f.solve(x, columns),
         }
@@ -142,8 +159,15 @@ impl LinearSolver {
         let start = Instant::now();
         let mut stats = FactorStats::default();
         let engine = match options.backend {
+            Backend::MultifrontalLlt | Backend::MultifrontalLu => {
+                let kind = options.backend.kind();
+                let fronts = Multifrontal::analyse(pattern, options.ordering, kind)?;
+                (stats.nnz, stats.flops) = (fronts.factor_nnz(), fronts.flops());
+                Engine::Multifrontal(fronts)
+            }
             Backend::FaerLlt => {
-                let order = ordering::order(pattern, options.ordering)?;
+                let graph = Graph::of(pattern)?;
+                let order = ordering::order(pattern, &graph, options.ordering)?;
                 let llt = FaerLlt::analyse(pattern, ordering::expand(pattern, &order))?;
                 (stats.nnz, stats.flops) = (llt.factor_nnz(), llt.flops());
                 Engine::FaerLlt(llt)
@@ -197,6 +221,7 @@ impl LinearSolver {
         self.operator.store(values)?;
         let pattern = self.operator.pattern();
         match &mut self.engine {
+            Engine::Multifrontal(f) => f.factorise(values, self.operator.row_sums())?,
             Engine::FaerLlt(f) => f.factorise(pattern, values)?,
             Engine::FaerLu(f) => {
                 f.factorise(pattern, values)?;

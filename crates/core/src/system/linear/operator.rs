@@ -37,6 +37,11 @@ impl Operator {
         self.norm
     }
 
+    /// Σ_j |a_ij| of the last values. `[equation]`
+    pub fn row_sums(&self) -> &[f64] {
+        &self.row_sums
+    }
+
     /// Copies the values and refuses those that are not finite.
     pub fn store(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let expected = self.pattern.nnz();

@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::{LinearError, Pattern};
+use super::{LinearError, Pattern, dissection};
 
 /// How equations are ordered before elimination.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,8 +12,10 @@ pub enum Ordering {
     /// As numbered.
     Natural,
     /// Approximate minimum degree on the node graph.
-    #[default]
     Amd,
+    /// Geometric nested dissection where the pattern knows its nodes' places, else minimum degree.
+    #[default]
+    Dissection,
 }
 
 /// The graph of groups (nodes) of equations that couple: sorted neighbours, without loops.
@@ -70,6 +72,11 @@ impl Graph {
         self.ptr.len() - 1
     }
 
+    /// Vertices that couple with vertex `v`, ascending.
+    pub fn neighbours_of(&self, v: usize) -> &[u32] {
+        &self.neighbours[self.ptr[v] as usize..self.ptr[v + 1] as usize]
+    }
+
     /// Approximate minimum degree order: `[position] → vertex`.
     ///
     /// # Errors
@@ -96,10 +103,18 @@ impl Graph {
 }
 
 /// Orders the groups of a pattern: `[position] → group`.
-pub(super) fn order(pattern: &Pattern, ordering: Ordering) -> Result<Vec<u32>, LinearError> {
+pub(super) fn order(
+    pattern: &Pattern,
+    graph: &Graph,
+    ordering: Ordering,
+) -> Result<Vec<u32>, LinearError> {
     match ordering {
         Ordering::Natural => Ok((0..pattern.n_groups() as u32).collect()),
-        Ordering::Amd => Graph::of(pattern)?.amd(),
+        Ordering::Amd => graph.amd(),
+        Ordering::Dissection => match pattern.coordinates() {
+            Some(places) => dissection::dissect(graph, places),
+            None => graph.amd(),
+        },
     }
 }
 

@@ -6,7 +6,12 @@ use faer::{Mat, MatRef};
 use super::stencils::{Case, Noise, assemble, solid};
 use super::*;
 
-const ALL: [Backend; 2] = [Backend::FaerLlt, Backend::FaerLu];
+const ALL: [Backend; 4] = [
+    Backend::MultifrontalLlt,
+    Backend::MultifrontalLu,
+    Backend::FaerLlt,
+    Backend::FaerLu,
+];
 
 /// The matrix as the kind reads it, dense.
 fn dense(pattern: &Pattern, values: &[f64], kind: Kind) -> Mat<f64> {
@@ -34,7 +39,9 @@ fn rhs(n: usize, columns: usize) -> Vec<f64> {
 
 /// Largest difference relative to the largest reference value.
 fn distance(x: &[f64], reference: &[f64]) -> f64 {
-    let scale = reference.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let scale = reference
+        .iter()
+        .fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
     x.iter()
         .zip(reference)
         .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
@@ -88,8 +95,21 @@ fn cases() -> Vec<Case> {
     add("cube", solid([6, 6, 6], 5.0, 0.0, 2));
     add("skew wall", solid([9, 3, 10], 5.0, 1e-3, 3));
     add("blocks", blocks());
+    add("arrow", arrow(40));
+    add("empty", (Pattern::new(0, vec![0], vec![]).unwrap(), vec![]));
     add("level beam", beam(5.0));
     cases
+}
+
+/// One equation coupled to all others, which are coupled to nothing else.
+fn arrow(n: usize) -> (Pattern, Vec<f64>) {
+    let mut lists: Vec<Vec<usize>> = vec![vec![0]; n];
+    lists[0] = (0..n).collect();
+    assemble(&lists, 1, &[], &mut |i, j| match (i, j) {
+        (0, 0) => n as f64,
+        _ if i == j => 3.0,
+        _ => 0.7 / (1 + i) as f64 - 0.2 / (1 + j) as f64,
+    })
 }
 
 /// Two grids and a lone node that do not touch.
@@ -154,9 +174,69 @@ fn every_back_end_agrees_with_dense_lu() {
 }
 
 #[test]
+fn every_ordering_gives_the_same_solution() {
+    for case in cases() {
+        for backend in ALL {
+            for ordering in [Ordering::Natural, Ordering::Amd, Ordering::Dissection] {
+                let options = Options {
+                    ordering,
+                    ..Options::new(backend)
+                };
+                compare(&case, options, 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_solution_has_the_same_bits_on_any_number_of_threads() {
+    // Large enough for a handful of tasks (5e6 operations each at least).
+    let (pattern, values) = solid([24, 4, 24], 5.0, 1e-3, 12);
+    for backend in [Backend::MultifrontalLlt, Backend::MultifrontalLu] {
+        let solve = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().unwrap().install(|| {
+                let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
+                assert!(solver.stats().flops > 5e7, "{:e}", solver.stats().flops);
+                solver.factorise(&values).unwrap();
+                let mut x = rhs(pattern.n(), 2);
+                solver.solve(&mut x).unwrap();
+                x.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+            })
+        };
+        let serial = solve(1);
+        for threads in [2, 4] {
+            assert!(solve(threads) == serial, "{backend:?} on {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_cube_costs_less_dissected_than_by_minimum_degree() {
+    let (pattern, _) = solid([14, 14, 14], 5.0, 0.0, 13);
+    let flops = |ordering| {
+        let options = Options {
+            ordering,
+            ..Options::new(Backend::MultifrontalLlt)
+        };
+        let solver = LinearSolver::analyse(&pattern, options).unwrap();
+        solver.stats().flops
+    };
+    let (natural, amd, cut) = (
+        flops(Ordering::Natural),
+        flops(Ordering::Amd),
+        flops(Ordering::Dissection),
+    );
+    assert!(cut < amd && amd < natural, "{cut:e} {amd:e} {natural:e}");
+}
+
+#[test]
 fn a_floating_body_is_reported_never_solved() {
-    let (pattern, values) = solid([8, 3, 8], 0.0, 0.0, 9);
-    for backend in ALL {
+    for (nodes, backend) in [[8, 3, 8], [3, 3, 40], [10, 10, 10]]
+        .into_iter()
+        .flat_map(|nodes| ALL.map(|backend| (nodes, backend)))
+    {
+        let (pattern, values) = solid(nodes, 0.0, 0.0, 9);
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
         match solver.factorise(&values) {
             Err(
@@ -189,6 +269,28 @@ fn an_indefinite_matrix_is_refused_by_cholesky_and_taken_by_lu() {
                 solver.solve(&mut rhs(pattern.n(), 1)).unwrap();
             }
         }
+    }
+}
+
+#[test]
+fn lu_pivots_within_a_front() {
+    // A saddle point: the multiplier's own diagonal is zero, whichever comes first.
+    let pattern = Pattern::new(2, vec![0, 2, 4], vec![0, 1, 0, 1]).unwrap();
+    for values in [[0.0, 1.0, 1.0, 2.0], [2.0, 1.0, 1.0, 0.0]] {
+        let options = Options::new(Backend::MultifrontalLu);
+        let mut solver = LinearSolver::analyse(&pattern, options).unwrap();
+        solver.factorise(&values).unwrap();
+        // x = (3, 4).
+        let mut x = [
+            3.0 * values[0] + 4.0 * values[2],
+            3.0 * values[1] + 4.0 * values[3],
+        ];
+        solver.solve(&mut x).unwrap();
+        // Two roundings of numbers of this size.
+        assert!(
+            (x[0] - 3.0).abs() < 4e-15 && (x[1] - 4.0).abs() < 4e-15,
+            "{x:?}"
+        );
     }
 }
 

@@ -1,0 +1,198 @@
+//! Dense elimination of the leading k of m rows and columns of a front.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
+    solve_upper_triangular_in_place,
+};
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, MatRef, Par, Spec};
+
+use super::LinearError;
+
+/// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
+/// of such a block is computed for nothing, but one product is faster than two halves.
+const PANEL: usize = 48;
+/// Columns that a Cholesky front eliminates at once.
+const BLOCK: usize = 16;
+
+/// Memory that the dense kernels need beside their arguments.
+pub(super) struct Scratch {
+    memory: MemBuffer,
+    inverse: Vec<u32>,
+    column: Vec<f64>,
+}
+
+impl Scratch {
+    /// For fronts that eliminate at most `k` columns.
+    pub fn new(k: usize) -> Result<Self, LinearError> {
+        let need = cholesky_in_place_scratch::<f64>(k, Par::Seq, Spec::default()).or(
+            lu_in_place_scratch::<u32, f64>(k, k, Par::Seq, Spec::default()),
+        );
+        Ok(Self {
+            memory: MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?,
+            inverse: vec![0; k],
+            column: vec![0.0; k],
+        })
+    }
+}
+
+// By hand: faer's buffer has no Debug.
+impl std::fmt::Debug for Scratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scratch").finish_non_exhaustive()
+    }
+}
+
+/// Splits a front's columns (m × k, column-major) into the block of its own rows and those below.
+fn split(columns: &mut [f64], m: usize, k: usize) -> (MatMut<'_, f64>, MatMut<'_, f64>) {
+    MatMut::from_column_major_slice_mut(columns, m, k).split_at_row_mut(k)
+}
+
+/// The same, to read.
+pub(super) fn parts(columns: &[f64], m: usize, k: usize) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
+    MatRef::from_column_major_slice(columns, m, k).split_at_row(k)
+}
+
+/// L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ in place of `columns` (m × k), and S = −L₂₁ L₂₁ᵀ, its lower
+/// triangle, in `schur`; returns the column whose pivot is not positive.
+pub(super) fn llt(
+    columns: &mut [f64],
+    m: usize,
+    k: usize,
+    schur: &mut [f64],
+    scratch: &mut Scratch,
+) -> Result<(), usize> {
+    // Left-looking: block j first takes all updates from the columns before it, by one product.
+    for j in (0..k).step_by(BLOCK) {
+        let width = BLOCK.min(k - j);
+        let (done, rest) = columns.split_at_mut(j * m);
+        let done = MatRef::from_column_major_slice(done, m, j);
+        let mut block = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width)
+            .subrows_mut(j, m - j);
+        if j > 0 {
+            matmul(
+                block.rb_mut(),
+                Accum::Add,
+                done.subrows(j, m - j),
+                done.subrows(j, width).transpose(),
+                -1.0,
+                Par::Seq,
+            );
+        }
+        let (mut own, below) = block.split_at_row_mut(width);
+        cholesky_in_place(
+            own.rb_mut(),
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut scratch.memory),
+            Spec::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| j + index)?;
+        solve_lower_triangular_in_place(own.rb(), below.transpose_mut(), Par::Seq);
+    }
+    let b = m - k;
+    let (_, below) = parts(columns, m, k);
+    let mut schur = MatMut::from_column_major_slice_mut(schur, b, b);
+    for j in (0..b).step_by(PANEL) {
+        let width = PANEL.min(b - j);
+        matmul(
+            schur.rb_mut().submatrix_mut(j, j, b - j, width),
+            Accum::Replace,
+            below.subrows(j, b - j),
+            below.subrows(j, width).transpose(),
+            -1.0,
+            Par::Seq,
+        );
+    }
+    Ok(())
+}
+
+/// P F₁₁ = L₁₁ U₁₁, L₂₁ = F₂₁ U₁₁⁻¹ in place of `columns` (m × k), U₁₂ = L₁₁⁻¹ P F₁₂ in place of
+/// `rest` (k × (m − k)), and S = −L₂₁ U₁₂ in `schur`. Row `pivots[i]` became row i.
+///
+/// A vanishing pivot is the caller's to find: its column then holds numbers that are not finite.
+pub(super) fn lu(
+    columns: &mut [f64],
+    rest: &mut [f64],
+    m: usize,
+    k: usize,
+    schur: &mut [f64],
+    pivots: &mut [u32],
+    scratch: &mut Scratch,
+) {
+    let b = m - k;
+    let (mut own, mut below) = split(columns, m, k);
+    lu_in_place(
+        own.rb_mut(),
+        pivots,
+        &mut scratch.inverse[..k],
+        Par::Seq,
+        MemStack::new(&mut scratch.memory),
+        Spec::default(),
+    );
+    if b == 0 {
+        return;
+    }
+    // L₂₁ U₁₁ = F₂₁, transposed.
+    solve_lower_triangular_in_place(
+        own.rb().transpose(),
+        below.rb_mut().transpose_mut(),
+        Par::Seq,
+    );
+    let moved = &mut scratch.column[..k];
+    for column in rest.chunks_exact_mut(k) {
+        moved.copy_from_slice(column);
+        for (to, &from) in column.iter_mut().zip(&*pivots) {
+            *to = moved[from as usize];
+        }
+    }
+    let mut rest = MatMut::from_column_major_slice_mut(rest, k, b);
+    solve_unit_lower_triangular_in_place(own.rb(), rest.rb_mut(), Par::Seq);
+    matmul(
+        MatMut::from_column_major_slice_mut(schur, b, b),
+        Accum::Replace,
+        below.rb(),
+        rest.rb(),
+        -1.0,
+        Par::Seq,
+    );
+}
+
+/// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, `update` = L₂₁ x₁. For LU the rows of x₁ are
+/// already exchanged.
+pub(super) fn forward(
+    unit: bool,
+    columns: &[f64],
+    m: usize,
+    mut x: MatMut<'_, f64>,
+    update: MatMut<'_, f64>,
+) {
+    let (own, below) = parts(columns, m, x.nrows());
+    if unit {
+        solve_unit_lower_triangular_in_place(own, x.rb_mut(), Par::Seq);
+    } else {
+        solve_lower_triangular_in_place(own, x.rb_mut(), Par::Seq);
+    }
+    if update.nrows() > 0 {
+        matmul(update, Accum::Replace, below, x.rb(), 1.0, Par::Seq);
+    }
+}
+
+/// Back substitution of one front with U₁₂ (L₂₁ᵀ) and U₁₁ (L₁₁ᵀ): x₁ ← U₁₁⁻¹ (x₁ − U₁₂ x₂).
+pub(super) fn backward(
+    upper: MatRef<'_, f64>,
+    rest: MatRef<'_, f64>,
+    mut x: MatMut<'_, f64>,
+    known: MatRef<'_, f64>,
+) {
+    if known.nrows() > 0 {
+        matmul(x.rb_mut(), Accum::Add, rest, known, -1.0, Par::Seq);
+    }
+    solve_upper_triangular_in_place(upper, x, Par::Seq);
+}

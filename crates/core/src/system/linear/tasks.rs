@@ -1,0 +1,142 @@
+//! Who works where: the assembly tree cut into tasks, and a place for every Schur complement.
+//!
+//! A task is a chain of supernodes with all light subtrees that hang on it, worked through in
+//! postorder by one thread; where two or more heavy subtrees meet, they are tasks of their own and
+//! may run at the same time. The cut depends on the tree alone, never on the number of threads.
+//!
+//! Schur complements live on two stacks, one for even and one for odd depths of the tree: a front
+//! pushes its own on one stack while it pops its children's from the other, so nothing is ever
+//! moved. Tasks own disjoint stretches of both.
+
+use std::ops::Range;
+
+use super::LinearError;
+use super::kernels::Scratch;
+use super::tree::{ROOT, Tree};
+
+/// A piece of the tree and of the stacks.
+#[derive(Debug, Default)]
+pub(super) struct Task {
+    /// Tasks to finish first.
+    pub children: Vec<Task>,
+    /// Supernodes done here, in order; the children's come before them without a gap.
+    pub own: Range<usize>,
+    /// First supernode of the whole subtree.
+    pub start: usize,
+    /// Numbers needed on each stack, the children's included. `[parity]`
+    pub stack: [usize; 2],
+    /// Memory for the kernels, once [`Task::allocate`] was called.
+    pub scratch: Option<Scratch>,
+}
+
+impl Task {
+    /// Allocates the scratch memory of this task and all below.
+    pub fn allocate(&mut self, tree: &Tree) -> Result<(), LinearError> {
+        for child in &mut self.children {
+            child.allocate(tree)?;
+        }
+        let most = self.own.clone().map(|s| tree.columns(s)).max();
+        self.scratch = most.map(Scratch::new).transpose()?;
+        Ok(())
+    }
+}
+
+/// Where each Schur complement lies.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    /// Depth of each supernode modulo two: its stack. `[supernode]`
+    pub parity: Vec<u8>,
+    /// Offset in the stretch of the task that consumes it or, the same, made it. `[supernode]`
+    pub offset: Vec<usize>,
+}
+
+/// Operations below which a subtree is not worth a task: a hundred times what a fork costs.
+const LEAST: f64 = 5e6;
+/// At most this many tasks, about: no tree is so deep then that recursion over tasks is.
+const MOST: f64 = 256.0;
+
+/// Cuts the tree and places the Schur complements.
+pub(super) fn plan(tree: &Tree) -> (Task, Places) {
+    let n = tree.len();
+    let mut work: Vec<f64> = (0..n).map(|s| tree.work(s)).collect();
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); n + 1];
+    let mut total = 0.0;
+    for s in 0..n {
+        // Past the last supernode stands a root of all roots.
+        let parent = match tree.parent[s] {
+            ROOT => n,
+            p => p as usize,
+        };
+        children[parent].push(s);
+        if parent == n {
+            total += work[s];
+        } else {
+            work[parent] += work[s];
+        }
+    }
+    work.push(f64::INFINITY);
+    let limit = LEAST.max(total / MOST);
+
+    let mut places = Places {
+        parity: vec![0; n],
+        offset: vec![0; n],
+    };
+    for s in (0..n).rev().filter(|&s| tree.parent[s] != ROOT) {
+        places.parity[s] = 1 - places.parity[tree.parent[s] as usize];
+    }
+
+    let mut first = vec![0; n + 1]; // first supernode of each subtree
+    let mut tasks: Vec<Option<Task>> = (0..=n).map(|_| None).collect();
+    for s in 0..=n {
+        first[s] = children[s].first().map_or(s, |&c| first[c]);
+        if work[s] <= limit {
+            continue;
+        }
+        // The heavy children come first in postorder.
+        let mut heavy: Vec<Task> = children[s]
+            .iter()
+            .filter_map(|&c| tasks[c].take())
+            .collect();
+        let mut task = match heavy.len() {
+            1 => heavy.swap_remove(0),
+            _ => Task {
+                start: first[s],
+                own: heavy.last().map_or(first[s], |t| t.own.end)..s,
+                children: heavy,
+                ..Task::default()
+            },
+        };
+        task.own.end = (s + 1).min(n);
+        tasks[s] = Some(task);
+    }
+    let mut task = tasks[n].take().unwrap_or_default();
+    place(&mut task, tree, &children, &mut places);
+    (task, places)
+}
+
+/// Plays the pushes and pops of a task through.
+fn place(task: &mut Task, tree: &Tree, children: &[Vec<usize>], places: &mut Places) {
+    let square = |s: usize| tree.below(s).len().pow(2);
+    let (mut top, mut base) = ([0; 2], [0; 2]);
+    for child in &mut task.children {
+        place(child, tree, children, places);
+        // Its last supernode leaves its Schur complement at the start of its stretch.
+        let root = child.own.end - 1;
+        let q = usize::from(places.parity[root]);
+        places.offset[root] = base[q];
+        top[q] = base[q] + square(root);
+        for q in 0..2 {
+            base[q] += child.stack[q];
+        }
+    }
+    task.stack = base;
+    for s in task.own.clone() {
+        let own = usize::from(places.parity[s]);
+        places.offset[s] = top[own];
+        top[own] += square(s);
+        task.stack[own] = task.stack[own].max(top[own]);
+        if let Some(&c) = children[s].first() {
+            top[1 - own] = places.offset[c];
+        }
+    }
+}
