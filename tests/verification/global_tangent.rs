@@ -75,8 +75,7 @@ impl Rig {
     /// An increment to `q`, pairs searched there.
     fn go(&mut self, q: &[f64], setting: Evaluation) {
         self.trial.start(&self.state);
-        self.force(q, setting);
-        self.system.search(&mut self.trial);
+        self.system.search(&mut self.trial, q);
         self.force(q, setting);
     }
 

@@ -12,6 +12,8 @@ use wythe::results::Status;
 const MU: f64 = 0.6;
 /// Normal force [N].
 const N: f64 = 2400.0;
+/// The default of the residual.
+const TOLERANCE: f64 = 5e-3;
 const LOCKED: BeamMotion = BeamMotion::Locked;
 
 /// Two blocks of 100 × 40 × 40 mm side by side, their tops the masters, and a block of
@@ -52,7 +54,9 @@ fn pull_across(model: &mut Model, procedure: Procedure, tolerance: f64) -> Recor
     let press = scene::step(press, 0, 1, tolerance);
     model.steps.push(with(press, procedure));
     let pull = [BeamMotion::Driven(120.0), LOCKED, BeamMotion::Force(-N)];
-    model.steps.push(with(scene::step(pull, 0, 24, tolerance), procedure));
+    model
+        .steps
+        .push(with(scene::step(pull, 0, 24, tolerance), procedure));
     completed(model)
 }
 
@@ -76,7 +80,9 @@ fn force_error(recording: &Recording) -> f64 {
     let rows = recording.rows.iter().filter(|r| r.step == 1);
     let error = |r: &wythe::results::HistoryRow| {
         let (force, reaction) = (r.force_kN * 1e3, r.reaction_kN * 1e3);
-        (force / (MU * N) - 1.0).abs().max((reaction / N - 1.0).abs())
+        (force / (MU * N) - 1.0)
+            .abs()
+            .max((reaction / N - 1.0).abs())
     };
     rows.map(error).fold(0.0, f64::max)
 }
@@ -86,10 +92,17 @@ fn crosses_the_seam(model: &Model, recording: &Recording) -> bool {
     let faces = |body: u32| {
         move |state: &wythe::solve::State| {
             let master = &model.contact.master_body;
-            state.pairs.iter().any(|p| p.facet.is_some_and(|f| master[f as usize] == body))
+            state
+                .pairs
+                .iter()
+                .any(|p| p.facet.is_some_and(|f| master[f as usize] == body))
         }
     };
-    let both = recording.states.iter().filter(|s| faces(0)(s) && faces(1)(s)).count();
+    let both = recording
+        .states
+        .iter()
+        .filter(|s| faces(0)(s) && faces(1)(s))
+        .count();
     let last = recording.states.last().unwrap();
     both > 4 && faces(1)(last) && !faces(0)(last)
 }
@@ -128,7 +141,11 @@ fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
     let last = recording.states.last().unwrap();
     for history in &last.interface {
         let [along, across] = history.slip;
-        assert!((along.abs() - 120.0).abs() < 3e-5 && across.abs() < 3e-5, "{:?}", history.slip);
+        assert!(
+            (along.abs() - 120.0).abs() < 3e-5 && across.abs() < 3e-5,
+            "{:?}",
+            history.slip
+        );
     }
     // What is put in is worn off: the first μN/k_s of the way is elastic.
     let energies = &last.energies;
@@ -144,7 +161,7 @@ fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
 #[test]
 fn the_default_procedure_slides_with_the_coulomb_force() {
     let mut model = three_blocks(1e4, 125e3, ContactPoints::Gauss);
-    let recording = pull_across(&mut model, Procedure::Implex, 1e-3);
+    let recording = pull_across(&mut model, Procedure::Implex, 5e-3);
     assert!(crosses_the_seam(&model, &recording));
     let (cone, count) = off_the_cone(&recording);
     let force = force_error(&recording);
@@ -155,10 +172,21 @@ fn the_default_procedure_slides_with_the_coulomb_force() {
 /// Presses the slider on, holds its height, and moves it by `way` in x; then what `more` says.
 fn move_level(model: &mut Model, procedure: Procedure, moves: &[([f64; 3], usize)]) -> Recording {
     let press = [LOCKED, LOCKED, BeamMotion::Force(-N)];
-    model.steps.push(with(scene::step(press, 0, 1, 1e-4), procedure));
+    model
+        .steps
+        .push(with(scene::step(press, 0, 1, TOLERANCE), procedure));
     for (by, increments) in moves {
-        let motion = by.map(|d| if d == 0.0 { LOCKED } else { BeamMotion::Driven(d) });
-        model.steps.push(with(scene::step(motion, 0, *increments, 1e-4), procedure));
+        let motion = by.map(|d| {
+            if d == 0.0 {
+                LOCKED
+            } else {
+                BeamMotion::Driven(d)
+            }
+        });
+        model.steps.push(with(
+            scene::step(motion, 0, *increments, TOLERANCE),
+            procedure,
+        ));
     }
     completed(model)
 }
@@ -169,7 +197,18 @@ fn a_block_that_slides_off_an_edge_loses_contact_without_an_error() {
         for points in [ContactPoints::Gauss, ContactPoints::Corner] {
             let mut model = three_blocks(1e4, 125e3, points);
             let recording = move_level(&mut model, procedure, &[([210.0, 0.0, 0.0], 42)]);
-            for r in &recording.rows { println!("{:.1} {:.6} {:.6} {} {} slide {} open {}", r.displacement_mm, r.force_kN, r.reaction_kN, r.iterations, r.cutbacks, r.sliding_points, r.open_points); }
+            for r in &recording.rows {
+                println!(
+                    "{:.1} {:.6} {:.6} {} {} slide {} open {}",
+                    r.displacement_mm,
+                    r.force_kN,
+                    r.reaction_kN,
+                    r.iterations,
+                    r.cutbacks,
+                    r.sliding_points,
+                    r.open_points
+                );
+            }
         }
     }
 }
@@ -179,9 +218,26 @@ fn a_point_that_opens_and_closes_again_carries_load_again() {
     for procedure in [Procedure::Direct, Procedure::Implicit, Procedure::Implex] {
         for points in [ContactPoints::Gauss, ContactPoints::Corner] {
             let mut model = three_blocks(1e4, 125e3, points);
-            let lift = [([0.0, 0.0, 3.0], 3), ([37.0, 0.0, 0.0], 5), ([0.0, 0.0, -3.0], 3), ([7.0, 0.0, 0.0], 5)];
+            let lift = [
+                ([0.0, 0.0, 3.0], 3),
+                ([37.0, 0.0, 0.0], 5),
+                ([0.0, 0.0, -3.0], 3),
+                ([7.0, 0.0, 0.0], 5),
+            ];
             let recording = move_level(&mut model, procedure, &lift);
-            for r in &recording.rows { println!("{} {:.1} {:.6} {:.6} {} {} slide {} open {}", r.step, r.displacement_mm, r.force_kN, r.reaction_kN, r.iterations, r.cutbacks, r.sliding_points, r.open_points); }
+            for r in &recording.rows {
+                println!(
+                    "{} {:.1} {:.6} {:.6} {} {} slide {} open {}",
+                    r.step,
+                    r.displacement_mm,
+                    r.force_kN,
+                    r.reaction_kN,
+                    r.iterations,
+                    r.cutbacks,
+                    r.sliding_points,
+                    r.open_points
+                );
+            }
         }
     }
 }
