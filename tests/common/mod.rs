@@ -1,6 +1,8 @@
 //! What the tests share: tables of the paper, CSV files, random numbers.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod scene;
+
 use std::collections::HashMap;
 use std::path::Path;
 

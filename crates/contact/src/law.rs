@@ -222,7 +222,8 @@ impl InterfaceLaw {
                 tangent[(1 + i, 1 + j)] = dtau_dslip[(i, j)];
             }
         }
-        let shear = (size - k_s * dg) * n;
+        // |τ| = g: |τ_tr| − k_s Δγ is the same but for the rounding of a long slip.
+        let shear = limit.value * n;
         self.respond(normal.traction, shear, tangent, history, old, true)
     }
 

@@ -22,7 +22,8 @@ const FACING: f64 = -0.2;
 /// A point stays on its facet until it is this far beyond the edge (of the half facet), so that
 /// two facets that share an edge do not pass it to and fro.
 const STAY: f64 = 1e-3;
-/// A point changes to a facet that it is on, or beyond by no more than rounding.
+/// A point changes to a facet that it is on, or beyond by no more than rounding; to one that it is
+/// beyond by less than [`STAY`] only if there is no other.
 const ENTER: f64 = 1e-9;
 
 /// For each slave facet the master facets that its points may come to face while surfaces move
@@ -133,8 +134,8 @@ impl Candidates {
 }
 
 /// The facet that a point faces now: its present one while it stays on it, else the nearest
-/// candidate that it is over, ties to the lowest number; none if it is over no facet or farther
-/// than `radius` [mm] from all.
+/// candidate that it is over, ties to the lowest number; none if it is over no facet, by a
+/// thousandth of its half size, or farther than `radius` [mm] from all.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
@@ -149,17 +150,23 @@ pub fn pair_point(
             return Some((facet, foot.xi));
         }
     }
-    let mut best: Option<(f64, u32, [f64; 2])> = None;
+    let mut best: Option<(bool, f64, u32, [f64; 2])> = None;
     for &facet in candidates {
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
         };
-        let nearer = best.is_none_or(|(d, _, _)| foot.distance < d);
-        if within(foot.xi, ENTER) && foot.distance <= radius && nearer {
-            best = Some((foot.distance, facet, foot.xi));
+        if !(within(foot.xi, STAY) && foot.distance <= radius) {
+            continue;
+        }
+        // A point over the rim of the surface slides on along it: no facet has it within rounding,
+        // but one that it would have stayed on will do.
+        let over = !within(foot.xi, ENTER);
+        let better = best.is_none_or(|(o, d, _, _)| (over, foot.distance) < (o, d));
+        if better {
+            best = Some((over, foot.distance, facet, foot.xi));
         }
     }
-    best.map(|(_, facet, xi)| (facet, xi))
+    best.map(|(_, _, facet, xi)| (facet, xi))
 }
 
 fn within(xi: [f64; 2], beyond: f64) -> bool {

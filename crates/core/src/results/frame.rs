@@ -1,6 +1,7 @@
 //! One converged increment, as rows and fields.
 
 use crate::model::Model;
+use crate::solve::State;
 
 /// One row of `history.csv`. Field names are the column names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -126,6 +127,10 @@ pub trait Recorder {
         row: &HistoryRow,
         frame: Option<&Frame>,
     ) -> std::io::Result<bool>;
+
+    /// Called once an increment is committed, before [`Recorder::take`], with all that the run knows:
+    /// histories of every point, pairs of contact, energies. Default: nothing.
+    fn observe(&mut self, _state: &State) {}
 
     /// Called while an increment is being solved, for the terminal. Default: nothing.
     fn progress(&mut self, _step: usize, _time: f64, _iterations: usize) {}

@@ -253,6 +253,7 @@ impl<'m> Run<'m> {
         let start = Instant::now();
         let every = self.model.output.every.max(1);
         let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame());
+        recorder.observe(&self.state);
         let keep = recorder.take(self.model, row, frame.as_ref())?;
         self.output_seconds += start.elapsed().as_secs_f64();
         Ok(keep)

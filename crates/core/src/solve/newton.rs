@@ -212,7 +212,7 @@ impl<'m> Newton<'m> {
 
         let tolerance = self.step.tolerance;
         for iteration in 0..=tolerance.max_iterations {
-            timed(&mut self.clock.contact, || system.search(trial));
+            timed(&mut self.clock.contact, || system.search(trial, &self.q));
             self.evaluate(system, state, trial, setting)?;
             let scale = scale(state, trial);
             let (residual, worst) = largest(&self.residual);
@@ -275,7 +275,7 @@ impl<'m> Newton<'m> {
             return Ok(());
         }
         let target = std::mem::replace(&mut self.q, state.q.clone());
-        timed(&mut self.clock.contact, || system.search(trial));
+        timed(&mut self.clock.contact, || system.search(trial, &self.q));
         self.evaluate(system, state, trial, setting)?;
         // K_fp Δp of the prescribed displacements joins the residual.
         let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();

@@ -155,16 +155,14 @@ impl System {
         // What touches at rest sticks where it is.
         let mut trial = Trial::default();
         trial.start(&state);
-        self.search(&mut trial);
+        self.search(&mut trial, &state.q);
         state.pairs = trial.pairs;
         state
     }
 
-    /// Pairs the contact points with master facets at the trial's positions.
-    pub fn search(&mut self, trial: &mut Trial) {
-        if trial.x.is_empty() {
-            trial.x.clone_from(&self.bulk.reference);
-        }
+    /// Pairs the contact points with master facets at generalised displacements `q`.
+    pub fn search(&mut self, trial: &mut Trial, q: &[f64]) {
+        self.place(trial, q);
         self.contact.search(trial);
     }
 
@@ -178,6 +176,24 @@ impl System {
     ) {
         self.contact.extrapolate(model, state, trial, ratio);
         trial.bound_by_traction();
+    }
+
+    /// Current positions of all nodes.
+    fn place(&self, trial: &mut Trial, q: &[f64]) {
+        let nodes = self.bulk.reference.len();
+        trial.displacement.resize(nodes, [0.0; 3]);
+        self.dofs.spread(q, &mut trial.displacement);
+        trial.x.resize(nodes, [0.0; 3]);
+        for ((x, u), r) in trial
+            .x
+            .iter_mut()
+            .zip(&trial.displacement)
+            .zip(&self.bulk.reference)
+        {
+            for i in 0..3 {
+                x[i] = r[i] + u[i];
+            }
+        }
     }
 
     /// True if the candidates of contact changed since the last analysis.
@@ -246,19 +262,7 @@ impl System {
         let nodes = self.bulk.reference.len();
         let n_elements = self.bulk.elements.len();
         let n_cells = n_elements + self.contact.cell_count();
-        trial.displacement.resize(nodes, [0.0; 3]);
-        self.dofs.spread(q, &mut trial.displacement);
-        trial.x.resize(nodes, [0.0; 3]);
-        for ((x, u), r) in trial
-            .x
-            .iter_mut()
-            .zip(&trial.displacement)
-            .zip(&self.bulk.reference)
-        {
-            for i in 0..3 {
-                x[i] = r[i] + u[i];
-            }
-        }
+        self.place(trial, q);
         trial.cell_force.resize(n_cells, [[0.0; 3]; 8]);
         trial.cells.resize(n_cells * CELL, 0.0);
         trial.active.resize(n_cells, false);
