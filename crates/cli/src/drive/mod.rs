@@ -11,7 +11,7 @@ use miette::Diagnostic;
 use nalgebra::{Matrix3, Vector3};
 use wythe_contact::InterfaceLaw;
 use wythe_core::error::IoError;
-use wythe_core::material::{Material, MaterialHistory};
+use wythe_core::material::MaterialHistory;
 use wythe_core::model::Deck;
 use wythe_core::results::summary::write_whole;
 
@@ -36,14 +36,10 @@ pub fn drive(arguments: &Drive) -> Result<(), Failure> {
 
 fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
-    let parameters = deck.material(&arguments.name)?;
     // A point has no size: tables as given.
-    let (law, warnings) = Material::new(&parameters, None).map_err(|error| {
-        let key = format!("materials.{}", arguments.name);
-        Failure::from(deck.error(&key, error.to_string(), "mend the table"))
-    })?;
+    let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
-        eprintln!("warning: material {}: {warning}", arguments.name);
+        eprintln!("warning: {warning}");
     }
     let update = |strain: &_, old: &MaterialHistory, dt| {
         let response = law.update(strain, old, dt, true)?;

@@ -60,10 +60,6 @@ impl<'m> Run<'m> {
     fn new(model: &'m Model) -> Result<Self, RunError> {
         let mut system = System::new(model)?;
         let state = system.initial_state(model);
-        let warnings = system.bulk.warnings.iter();
-        let warnings = warnings
-            .map(|(name, w)| format!("material {name}: {w}"))
-            .collect();
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
         let sizes = Sizes {
             units,
@@ -81,7 +77,8 @@ impl<'m> Run<'m> {
             cutbacks: 0,
             seconds_by_phase: [0.0; 6],
             threads: rayon::current_num_threads(),
-            warnings,
+            // Those of the model were told when it was built.
+            warnings: Vec::new(),
         };
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
