@@ -109,34 +109,27 @@ pub(super) fn snap_back_ratio(modulus: f64, rows: &[TableRow]) -> f64 {
 fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec<Warning> {
     let path = format!("interfaces.{name}");
     let mut warnings = Vec::new();
-    let mut warn = |key: &str, message: String| {
-        let path = if key.is_empty() {
-            path.clone()
-        } else {
-            format!("{path}.{key}")
-        };
-        warnings.push(deck.warning(&path, message));
-    };
+    let warn = |key: &str, message: String| deck.warning(&format!("{path}.{key}"), message);
     let (mu, tan_phi, c, f_t) = (f.mu.get(), f.tan_phi.get(), f.c.get(), f.f_t.get());
     if mu > tan_phi && !f.is_dry() {
         let pressure = c / (mu - tan_phi);
-        warn(
+        warnings.push(warn(
             "mu",
             format!(
                 "the residual friction is above tan_phi = {tan_phi}: under more than {pressure:.3} MPa \
                  the joint hardens as it breaks"
             ),
-        );
+        ));
     }
     if f_t > 0.0 && tan_phi > 0.0 && f_t >= c / tan_phi {
         let limit = c / tan_phi;
-        warn(
+        warnings.push(warn(
             "f_t",
             format!(
                 "the Coulomb line ends at c/tan_phi = {limit:.4} MPa, below f_t: a joint pulled \
                  beyond it slides without resistance before it opens"
             ),
-        );
+        ));
     }
     let least = f.snap_back_stiffness();
     for (key, stiffness, least) in [
@@ -152,20 +145,30 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
         ),
     ] {
         if stiffness <= least {
-            warn(
+            warnings.push(warn(
                 key,
                 format!(
                     "{stiffness:.3} N/mm^3 is not above {least:.3}: the softening snaps back within the \
                      interface (raise the stiffness or penalty_factor)"
                 ),
-            );
+            ));
         }
     }
+    let u_k = f.ultimate_opening();
+    if let Some(radius) = model.contact.search_radius.filter(|radius| *radius < u_k) {
+        warnings.push(deck.warning(
+            "contact.search_radius",
+            format!(
+                "{radius} mm is below the ultimate opening of {name}, {u_k:.4} mm: a joint that opens \
+                 wider than the radius loses what is left of its bond"
+            ),
+        ));
+    }
     if f.normal_stiffness.is_some() && f.penalty_factor.get() != 500.0 {
-        warn(
+        warnings.push(warn(
             "penalty_factor",
             "not used: explicit stiffnesses are given".to_owned(),
-        );
+        ));
     }
     warnings
 }
