@@ -18,7 +18,7 @@ use wythe_core::results::summary::write_whole;
 use crate::arguments::{Drive, DrivePoint, Point};
 use crate::check::print;
 use crate::failure::Failure;
-use path::{INTERFACE, Layout, MATERIAL, Path};
+use path::{INTERFACE, Layout, MATERIAL, Path, Row, Target};
 use point::{Answer, PointFailure, State};
 
 /// What an interface point adds to its path after its tractions.
@@ -92,15 +92,52 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
 
 /// A point that found no answer, and where.
 #[derive(Debug, thiserror::Error, Diagnostic)]
-#[error("{file}:{line}: {why}")]
-#[diagnostic(help(
-    "the rows before are written; drive by strain where the point softens, or take smaller steps \
-     (--substeps)"
-))]
+#[error("{file}:{line} (row {row}): {why}")]
 struct NoAnswer {
     file: String,
     line: u64,
-    why: PointFailure,
+    row: usize,
+    why: String,
+    #[help]
+    help: &'static str,
+}
+
+/// What became of a row, in the words of its columns.
+fn reason<const N: usize>(
+    failure: &PointFailure<N>,
+    row: &Row<N>,
+    layout: &Layout<N>,
+) -> (String, &'static str) {
+    let limit = match failure {
+        PointFailure::Law(why) => {
+            return (
+                format!("the law has no answer: {why}"),
+                "the rows before are written; take smaller steps (--substeps)",
+            );
+        }
+        PointFailure::Beyond(limit) => limit,
+    };
+    let asked = (0..N).filter_map(|i| match row.targets[i] {
+        Target::Stress(asked) => Some((layout.stresses[i], asked, limit.stress[i])),
+        Target::Strain(_) => None,
+    });
+    let said: Vec<String> = asked
+        .map(|(name, asked, reached)| {
+            if (asked - reached).abs() <= 1e-9 * asked.abs().max(1.0) {
+                format!("{name} = {asked} held")
+            } else {
+                format!("{name} = {asked} asked, {reached:.6} reached")
+            }
+        })
+        .collect();
+    (
+        format!(
+            "beyond the strength: no strain gives this stress ({}; {:.2} % of the way through the row)",
+            said.join(", "),
+            100.0 * limit.fraction
+        ),
+        "the rows before are written; ask for less, or drive by strain where the point softens",
+    )
 }
 
 /// Takes the point along its path, and writes path and answers.
@@ -130,10 +167,13 @@ fn walk<const N: usize, H: Copy>(
         match point::advance(&update, &state, row, arguments.substeps.get()) {
             Ok(next) => state = next,
             Err(why) => {
+                let (why, help) = reason(&why, row, layout);
                 failure = Some(NoAnswer {
                     file,
                     line: row.line,
+                    row: index + 1,
                     why,
+                    help,
                 });
                 break;
             }
