@@ -117,27 +117,39 @@ fn reason<const N: usize>(
         }
         PointFailure::Beyond(limit) => limit,
     };
-    let asked = (0..N).filter_map(|i| match row.targets[i] {
-        Target::Stress(asked) => Some((layout.stresses[i], asked, limit.stress[i])),
-        Target::Strain(_) => None,
-    });
-    let said: Vec<String> = asked
-        .map(|(name, asked, reached)| {
-            if (asked - reached).abs() <= 1e-9 * asked.abs().max(1.0) {
-                format!("{name} = {asked} held")
-            } else {
-                format!("{name} = {asked} asked, {reached:.6} reached")
-            }
-        })
-        .collect();
+    let (mut missed, mut held) = (Vec::new(), Vec::new());
+    for (i, name) in layout.stresses.iter().enumerate() {
+        let Target::Stress(asked) = row.targets[i] else {
+            continue;
+        };
+        let reached = limit.stress[i];
+        if (asked - reached).abs() > 1e-9 * asked.abs().max(1.0) {
+            let (asked, reached) = (short(asked), short(reached));
+            missed.push(format!("{name} = {asked} asked, {reached} reached"));
+        } else if asked != 0.0 {
+            held.push(format!("{name} = {} held", short(asked)));
+        }
+    }
+    missed.append(&mut held);
+    let said = if missed.is_empty() {
+        "all stresses held at 0".to_owned()
+    } else {
+        missed.join(", ")
+    };
     (
         format!(
-            "beyond the strength: no strain gives this stress ({}; {:.2} % of the way through the row)",
-            said.join(", "),
+            "beyond the strength: no strain gives this stress ({said}; {:.2} % of the way through \
+             the row)",
             100.0 * limit.fraction
         ),
         "the rows before are written; ask for less, or drive by strain where the point softens",
     )
+}
+
+/// Seven digits.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.6e}").parse::<f64>().unwrap_or(value);
+    format!("{rounded:?}")
 }
 
 /// Takes the point along its path, and writes path and answers.

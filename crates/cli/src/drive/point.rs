@@ -6,7 +6,7 @@
 //!
 //! with D the consistent tangent of the law. Only the search is cut back where Newton fails, by
 //! going to the target in parts; the history always steps once from the old state to the new. Where
-//! no part helps, bisection finds how far the stresses can be met: the strength of the point.
+//! the parts shrink to nothing the stresses cannot be met any further: the strength of the point.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use wythe_core::material::LocalFailure;
@@ -19,10 +19,8 @@ const TOLERANCE: f64 = 1e-10;
 const ITERATIONS: usize = 50;
 /// Halvings of one Newton step.
 const HALVINGS: i32 = 12;
-/// Parts into which the search may cut the way to the target.
-const PARTS: usize = 64;
-/// Halvings of the last part on the way to a stress beyond the strength.
-const BISECTIONS: usize = 30;
+/// Least part of the way to the target that is tried, 2⁻³⁶.
+const LEAST_PART: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// What a law answers to a strain.
 #[derive(Clone, Copy, Debug)]
@@ -133,55 +131,39 @@ fn between<const N: usize, H>(from: &State<N, H>, targets: &[Target; N], t: f64)
 /// A strain that gives the stresses asked for, and what the law answers to it.
 type Found<const N: usize, H> = (SVector<f64, N>, Answer<N, H>);
 
-/// One implicit step: the search goes straight to the target, then in 2, 4, … parts.
+/// One implicit step: the search goes straight to the target, and where it finds nothing in parts
+/// that shrink and grow. Where they shrink to nothing the stresses cannot be met any further.
 fn step<const N: usize, H: Copy>(
     update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
     from: &State<N, H>,
     targets: &[Target; N],
 ) -> Result<Found<N, H>, PointFailure<N>> {
-    let mut parts = 1;
+    let mut limit = Limit {
+        fraction: 0.0,
+        stress: from.stress,
+    };
+    let (mut strain, mut part) = (from.strain, 1.0);
     loop {
-        let mut reached = (0.0, from.strain, from.stress);
-        let mut outcome = Ok(None);
-        for k in 1..=parts {
-            let t = k as f64 / parts as f64;
-            outcome = search(update, reached.1, &between(from, targets, t));
-            match &outcome {
-                Ok(Some((strain, answer))) => reached = (t, *strain, answer.stress),
-                _ => break,
-            }
-        }
-        match outcome {
-            Ok(Some(found)) => return Ok(found),
-            Err(why) if parts == PARTS => return Err(why.into()),
-            Ok(None) if parts == PARTS => {
-                let limit = limit(update, from, targets, reached, 1.0 / parts as f64);
-                return Err(PointFailure::Beyond(limit));
-            }
-            _ => parts *= 2,
-        }
-    }
-}
-
-/// How far beyond `reached` (part of the way, strain, stress) the stresses can be met, by bisection
-/// of the next `part` of the way.
-fn limit<const N: usize, H: Copy>(
-    update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
-    from: &State<N, H>,
-    targets: &[Target; N],
-    reached: (f64, SVector<f64, N>, SVector<f64, N>),
-    part: f64,
-) -> Limit<N> {
-    let (mut fraction, mut strain, mut stress) = reached;
-    let mut beyond = (fraction + part).min(1.0);
-    for _ in 0..BISECTIONS {
-        let t = 0.5 * (fraction + beyond);
+        // Binary fractions: the sum of the parts is exactly 1 at the end.
+        let t = limit.fraction + part;
         match search(update, strain, &between(from, targets, t)) {
-            Ok(Some((found, answer))) => (fraction, strain, stress) = (t, found, answer.stress),
-            _ => beyond = t,
+            Ok(Some(found)) if t == 1.0 => return Ok(found),
+            Ok(Some((found, answer))) => {
+                strain = found;
+                limit = Limit {
+                    fraction: t,
+                    stress: answer.stress,
+                };
+                // A part twice as large must still end at 1 or before, on its own grid.
+                while part < 1.0 - t && (t / (2.0 * part)).fract() == 0.0 {
+                    part *= 2.0;
+                }
+            }
+            Err(why) if part <= LEAST_PART => return Err(why.into()),
+            Ok(None) if part <= LEAST_PART => return Err(PointFailure::Beyond(limit)),
+            _ => part *= 0.5,
         }
     }
-    Limit { fraction, stress }
 }
 
 /// Newton with halving from `strain`; none if it finds nothing.
