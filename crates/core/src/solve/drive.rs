@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use wythe_contact::PointStatus;
 
-use super::newton::{Clock, Newton, Outcome, Refusal, explain};
+use super::newton::{Clock, Newton, Outcome, Refusal, Solves, explain};
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
 use crate::model::Model;
@@ -104,12 +104,15 @@ impl<'m> Run<'m> {
         self.state.last = None;
         let (mut cutbacks, mut extrapolate, mut solves) = (0, true, 0);
         while let Some(increment) = schedule.next() {
+            let (before, time) = (solves, self.state.time);
+            let mut tell = |count| recorder.progress(index, time, before + count);
             let outcome = newton.converge(
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
                 increment,
                 extrapolate,
+                Solves::new(&mut tell),
             );
             let outcome = match outcome {
                 Outcome::Converged(report) => {
