@@ -101,6 +101,20 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "order the rows",
     ),
     (
+        "fall_before_peak",
+        "materials.brick.compression.1.0",
+        "compression = [[11.0",
+        "row 2: the stress falls to 10.5 before the peak of 11.5 in row 3",
+        "rise to one peak",
+    ),
+    (
+        "damage_beyond_cap",
+        "materials.brick.compression.2.2",
+        "compression = [[11.0",
+        "row 3: the damage 0.45 is inadmissible",
+        "lower the damage",
+    ),
+    (
         "inadmissible_damage",
         "materials.mortar.compression.2.2",
         "compression = [[7.8",

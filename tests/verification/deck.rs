@@ -435,6 +435,35 @@ fn the_checker_reports_sizes_energies_and_warnings() {
     assert_eq!(warnings[0].line, Some(line));
 }
 
+/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory A.5). In
+/// another element the strains beyond the peak are others, and so is the cap.
+#[test]
+fn capped_damage_names_its_row() {
+    let deck = load("03_shear_wall_j7d", &[]);
+    let (_, warnings) = Model::from_deck(&deck).unwrap();
+    let keys: Vec<&str> = warnings.iter().map(|w| w.key.as_str()).collect();
+    assert_eq!(keys, ["materials.mortar.tension.1.2"]);
+    let message = &warnings[0].message;
+    for part in [
+        "row 2: the damage 0.95 is inadmissible",
+        "in elements of 33.6 mm",
+    ] {
+        assert!(message.contains(part), "{part} is not in {message}");
+    }
+    // A point has no size: the table as given.
+    let (_, warnings) = deck.law("mortar", None).unwrap();
+    assert_eq!(warnings.len(), 1);
+    assert!(
+        warnings[0].message.contains("capped to 0.9387"),
+        "{}",
+        warnings[0]
+    );
+    // With the out-of-plane modulus the same table is admissible.
+    let stiff = load("03_shear_wall_j7d", &[("materials.mortar.E", "2300")]);
+    let (_, warnings) = Model::from_deck(&stiff).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
 #[test]
 fn through_joints_and_slivers_are_noticed() {
     let warned = |length: &str| -> Vec<String> {

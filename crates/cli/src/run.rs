@@ -80,12 +80,12 @@ struct Watched<'a> {
 impl Recorder for Watched<'_> {
     fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
         let go_on = self.directory.take(model, row, frame)?;
-        self.terminal.increment(model, row);
+        self.terminal.increment(row);
         Ok(go_on && !self.interrupt.requested())
     }
 
-    fn progress(&mut self, _step: usize, _time: f64, iterations: usize) {
-        self.terminal.iteration(iterations);
+    fn progress(&mut self, step: usize, _time: f64, iterations: usize) {
+        self.terminal.iteration(step, iterations);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Progress: a bar on a terminal, a line an increment elsewhere. Both on standard error.
+//! Progress: a live bar on a terminal, a line an increment elsewhere. Both on standard error.
 
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -18,7 +18,40 @@ pub struct Terminal {
     started: Instant,
     /// Step time of all steps together [s].
     duration: f64,
+    /// Names of the steps.
+    steps: Vec<String>,
+    /// What the last increment gave.
     last: String,
+    /// Number of the last increment.
+    increment: usize,
+    pace: Pace,
+}
+
+/// How fast a run goes: one step says nothing of the next.
+#[derive(Debug, Default)]
+struct Pace {
+    step: usize,
+    /// Seconds since the run began and step time, when this step began.
+    start: [f64; 2],
+    /// The same now.
+    now: [f64; 2],
+}
+
+impl Pace {
+    /// An increment of `step` ends at `time` [s], `elapsed` seconds after the run began.
+    fn mark(&mut self, step: usize, elapsed: f64, time: f64) {
+        if step != self.step {
+            (self.step, self.start) = (step, self.now);
+        }
+        self.now = [elapsed, time];
+    }
+
+    /// Seconds to the step time `end`, at the pace of this step; none if it has not moved.
+    fn left(&self, end: f64) -> Option<f64> {
+        let [spent, done] = [0, 1].map(|i| self.now[i] - self.start[i]);
+        let left = (end - self.now[1]).max(0.0) * spent / done;
+        left.is_finite().then_some(left)
+    }
 }
 
 impl Terminal {
@@ -26,45 +59,46 @@ impl Terminal {
     pub fn new(model: &Model) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(TICKS as u64);
-            let template = "{wide_bar} {percent}% {elapsed} ETA {eta}\n{msg}";
-            if let Ok(style) = ProgressStyle::with_template(template) {
+            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %\n{msg}") {
                 bar.set_style(style);
             }
             bar
         });
-        let duration = model.steps.iter().map(|step| step.duration).sum();
         Self {
             bar,
             started: Instant::now(),
-            duration,
+            duration: model.steps.iter().map(|step| step.duration).sum(),
+            steps: model.steps.iter().map(|step| step.name.clone()).collect(),
             last: String::new(),
+            increment: 0,
+            pace: Pace::default(),
         }
     }
 
     /// An increment is done.
-    pub fn increment(&mut self, model: &Model, row: &HistoryRow) {
-        self.last = line(model, row);
+    pub fn increment(&mut self, row: &HistoryRow) {
+        self.increment = row.increment;
+        let elapsed = self.started.elapsed().as_secs_f64();
+        self.pace.mark(row.step, elapsed, row.time);
+        let eta = self.pace.left(self.duration);
+        let eta = eta.map_or_else(String::new, |left| format!(", ETA {}", seconds(left)));
+        self.last = format!("{} [{}{eta}]", self.line(row), seconds(elapsed));
         let done = (row.time / self.duration).clamp(0.0, 1.0);
         if let Some(bar) = &self.bar {
             bar.set_position((TICKS * done) as u64);
             bar.set_message(self.last.clone());
         } else {
-            let elapsed = self.started.elapsed().as_secs_f64();
-            // Not a number before anything is done: no estimate then.
-            let left = elapsed * (1.0 - done) / done;
-            let eta = if left.is_finite() {
-                format!(", ETA {left:.0} s")
-            } else {
-                String::new()
-            };
-            eprintln!("{} [{elapsed:.1} s{eta}]", self.last);
+            eprintln!("{}", self.last);
         }
     }
 
-    /// The solver is at work on an increment.
-    pub fn iteration(&mut self, iterations: usize) {
+    /// So many linear solves were spent on the increment after the last in `step`.
+    pub fn iteration(&mut self, step: usize, iterations: usize) {
         if let Some(bar) = &self.bar {
-            bar.set_message(format!("{}  …{iterations}", self.last));
+            let (next, name) = (self.increment + 1, self.name(step));
+            let now = format!("step {step} {name}: increment {next}, iteration {iterations} …");
+            let gap = if self.last.is_empty() { "" } else { "\n" };
+            bar.set_message(format!("{}{gap}{now}", self.last));
         }
     }
 
@@ -74,23 +108,68 @@ impl Terminal {
             bar.finish_and_clear();
         }
     }
+
+    fn name(&self, step: usize) -> &str {
+        self.steps.get(step).map_or("", String::as_str)
+    }
+
+    fn line(&self, row: &HistoryRow) -> String {
+        format!(
+            "step {} {}: increment {}, {:.4} mm, {:.3} kN, {} iterations{}",
+            row.step,
+            self.name(row.step),
+            row.increment,
+            row.displacement_mm,
+            row.force_kN,
+            row.iterations,
+            match row.cutbacks {
+                0 => String::new(),
+                1 => ", 1 cut-back".to_owned(),
+                n => format!(", {n} cut-backs"),
+            }
+        )
+    }
 }
 
-fn line(model: &Model, row: &HistoryRow) -> String {
-    let name = model
-        .steps
-        .get(row.step)
-        .map_or("", |step| step.name.as_str());
-    format!(
-        "step {} {name}: increment {}, {:.4} mm, {:.3} kN, {} iterations{}",
-        row.step,
-        row.increment,
-        row.displacement_mm,
-        row.force_kN,
-        row.iterations,
-        match row.cutbacks {
-            0 => String::new(),
-            n => format!(", {n} cut-backs"),
-        }
-    )
+/// 7.3 s, 2 min 05 s, 1 h 02 min.
+fn seconds(value: f64) -> String {
+    let whole = value.round() as u64;
+    match whole {
+        0..60 => format!("{value:.1} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_read_as_people_say_them() {
+        let said = [0.04, 59.4, 60.0, 125.2, 3599.9, 3720.0].map(seconds);
+        assert_eq!(
+            said,
+            [
+                "0.0 s",
+                "59.4 s",
+                "1 min 00 s",
+                "2 min 05 s",
+                "1 h 00 min",
+                "1 h 02 min"
+            ]
+        );
+    }
+
+    #[test]
+    fn the_rest_is_estimated_from_the_step_in_hand() {
+        let mut pace = Pace::default();
+        assert_eq!(pace.left(2.0), None);
+        pace.mark(0, 4.0, 1.0);
+        assert_eq!(pace.left(2.0), Some(4.0));
+        // The second step takes 3 s for a tenth: 27 s for the rest of it.
+        pace.mark(1, 7.0, 1.1);
+        let left = pace.left(2.0).unwrap();
+        assert!((left - 27.0).abs() < 1e-9, "{left}"); // rounding of 1.1 − 1
+    }
 }

@@ -333,11 +333,116 @@ fn a_point_beyond_its_strength_exits_with_3_and_keeps_the_rows_before() {
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     let answer = String::from_utf8(output.stdout.clone()).unwrap();
     assert_eq!(column(&answer, "sig_MPa").len(), 2);
-    assert!(
-        stderr(&output).replace(' ', "").contains("pull.csv:4"),
-        "{}",
-        stderr(&output)
-    );
+    let said = stderr(&output);
+    // f_t = 0.28 MPa: (0.28 - 0.2)/(0.9 - 0.2) of the way.
+    for part in [
+        "pull.csv:4",
+        "row 3",
+        "sig_MPa = 0.9 asked, 0.28 reached",
+        "11.43 % of the way",
+    ] {
+        let joined = said.replace(' ', "");
+        assert!(joined.contains(&part.replace(' ', "")), "{part}: {said}");
+    }
+}
+
+/// Drives a brick of the shear wall by `rows` of the columns in `header`; exit code, answer, errors.
+fn brick(header: &str, rows: &[[f64; 6]], stress: &[&str]) -> (i32, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("path.csv");
+    let mut text = format!("{header}\n");
+    for row in rows {
+        text += &row.map(|v| format!("{v:?}")).join(",");
+        text.push('\n');
+    }
+    std::fs::write(&path, text).unwrap();
+    let model = repository("examples/03_shear_wall_j7d.toml")
+        .display()
+        .to_string();
+    let path = path.display().to_string();
+    let mut arguments = vec![
+        "drive", "material", "brick", "--model", &model, "--path", &path,
+    ];
+    for component in stress {
+        arguments.extend(["--stress", component]);
+    }
+    let output = wythe(&arguments);
+    let answer = String::from_utf8(output.stdout.clone()).unwrap();
+    (code(&output), answer, stderr(&output))
+}
+
+const STRESSES: &str = "sig_xx_MPa,sig_yy_MPa,sig_zz_MPa,sig_xy_MPa,sig_yz_MPa,sig_zx_MPa";
+const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
+
+/// Every component driven by stress, in proportion: the strengths are those of the input. Uniaxial:
+/// the table's peaks (11.5 MPa, 3.5 MPa); biaxial: f_b0/f_c0 = 1.16 times the compressive peak.
+#[test]
+fn a_point_driven_by_stress_alone_ends_at_its_strength() {
+    for (direction, strength) in [
+        ([-1.0, 0.0], 11.5),
+        ([1.0, 0.0], 3.5),
+        ([-1.0, -1.0], 1.16 * 11.5),
+    ] {
+        // 39 of 40 rows are below the strength, the last is just above it.
+        let rows: Vec<[f64; 6]> = (1..=40)
+            .map(|k| {
+                let s = strength * f64::from(k) / 39.9;
+                [s * direction[0], s * direction[1], 0.0, 0.0, 0.0, 0.0]
+            })
+            .collect();
+        let (code, answer, said) = brick(STRESSES, &rows, &COMPONENTS);
+        assert_eq!(code, 3, "{said}");
+        let stresses = column(&answer, "sig_xx_MPa");
+        assert_eq!(stresses.len(), 39, "{said}");
+        for (row, stress) in rows.iter().zip(&stresses) {
+            assert!((stress - row[0]).abs() <= 1e-10); // the driver's tolerance
+        }
+        let reached = said
+            .split("asked, ")
+            .nth(1)
+            .and_then(|rest| rest.split(' ').next())
+            .unwrap()
+            .parse::<f64>()
+            .unwrap();
+        // Seven digits are printed.
+        assert!(
+            (reached - direction[0] * strength).abs() < 1e-5,
+            "{reached} for {direction:?}"
+        );
+        assert!(said.contains("row 40"), "{said}");
+    }
+}
+
+/// Shear at constant compression, the sides free: a peak, then softening, the pressure held all the
+/// way. More pressure, more shear.
+#[test]
+fn a_material_point_is_sheared_at_constant_compression() {
+    let header = "sig_xx_MPa,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx";
+    let mut last = 0.0;
+    for pressure in [0.0, 1.0, 2.0] {
+        let pressed = (1..=5).map(|k| [0.0, -pressure * f64::from(k) / 5.0, 0.0, 0.0, 0.0, 0.0]);
+        let sheared = (1..=60).map(|k| [0.0, -pressure, 0.0, 1e-4 * f64::from(k), 0.0, 0.0]);
+        let rows: Vec<[f64; 6]> = pressed.chain(sheared).collect();
+        let (code, answer, said) = brick(header, &rows, &["xx", "yy", "zz"]);
+        assert_eq!(code, 0, "{said}");
+        for (name, asked) in [
+            ("sig_xx_MPa", 0.0),
+            ("sig_yy_MPa", -pressure),
+            ("sig_zz_MPa", 0.0),
+        ] {
+            for stress in &column(&answer, name)[5..] {
+                assert!((stress - asked).abs() <= 1e-10, "{name}: {stress}"); // the driver's tolerance
+            }
+        }
+        let shear = column(&answer, "sig_xy_MPa");
+        let peak = shear.iter().copied().fold(0.0, f64::max);
+        assert!(
+            peak > last + 0.1 && shear[64] < 0.9 * peak,
+            "{peak}, {}",
+            shear[64]
+        );
+        last = peak;
+    }
 }
 
 /// Sends a signal to a process, as a terminal does.

@@ -11,14 +11,14 @@ use miette::Diagnostic;
 use nalgebra::{Matrix3, Vector3};
 use wythe_contact::InterfaceLaw;
 use wythe_core::error::IoError;
-use wythe_core::material::{Material, MaterialHistory};
+use wythe_core::material::MaterialHistory;
 use wythe_core::model::Deck;
 use wythe_core::results::summary::write_whole;
 
 use crate::arguments::{Drive, DrivePoint, Point};
 use crate::check::print;
 use crate::failure::Failure;
-use path::{INTERFACE, Layout, MATERIAL, Path};
+use path::{INTERFACE, Layout, MATERIAL, Path, Row, Target};
 use point::{Answer, PointFailure, State};
 
 /// What an interface point adds to its path after its tractions.
@@ -36,14 +36,10 @@ pub fn drive(arguments: &Drive) -> Result<(), Failure> {
 
 fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
-    let parameters = deck.material(&arguments.name)?;
     // A point has no size: tables as given.
-    let (law, warnings) = Material::new(&parameters, None).map_err(|error| {
-        let key = format!("materials.{}", arguments.name);
-        Failure::from(deck.error(&key, error.to_string(), "mend the table"))
-    })?;
+    let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
-        eprintln!("warning: material {}: {warning}", arguments.name);
+        eprintln!("warning: {warning}");
     }
     let update = |strain: &_, old: &MaterialHistory, dt| {
         let response = law.update(strain, old, dt, true)?;
@@ -96,15 +92,64 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
 
 /// A point that found no answer, and where.
 #[derive(Debug, thiserror::Error, Diagnostic)]
-#[error("{file}:{line}: {why}")]
-#[diagnostic(help(
-    "the rows before are written; drive by strain where the point softens, or take smaller steps \
-     (--substeps)"
-))]
+#[error("{file}:{line} (row {row}): {why}")]
 struct NoAnswer {
     file: String,
     line: u64,
-    why: PointFailure,
+    row: usize,
+    why: String,
+    #[help]
+    help: &'static str,
+}
+
+/// What became of a row, in the words of its columns.
+fn reason<const N: usize>(
+    failure: &PointFailure<N>,
+    row: &Row<N>,
+    layout: &Layout<N>,
+) -> (String, &'static str) {
+    let limit = match failure {
+        PointFailure::Law(why) => {
+            return (
+                format!("the law has no answer: {why}"),
+                "the rows before are written; take smaller steps (--substeps)",
+            );
+        }
+        PointFailure::Beyond(limit) => limit,
+    };
+    let (mut missed, mut held) = (Vec::new(), Vec::new());
+    for (i, name) in layout.stresses.iter().enumerate() {
+        let Target::Stress(asked) = row.targets[i] else {
+            continue;
+        };
+        let reached = limit.stress[i];
+        if (asked - reached).abs() > 1e-9 * asked.abs().max(1.0) {
+            let (asked, reached) = (short(asked), short(reached));
+            missed.push(format!("{name} = {asked} asked, {reached} reached"));
+        } else if asked != 0.0 {
+            held.push(format!("{name} = {} held", short(asked)));
+        }
+    }
+    missed.append(&mut held);
+    let said = if missed.is_empty() {
+        "all stresses held at 0".to_owned()
+    } else {
+        missed.join(", ")
+    };
+    (
+        format!(
+            "beyond the strength: no strain gives this stress ({said}; {:.2} % of the way through \
+             the row)",
+            100.0 * limit.fraction
+        ),
+        "the rows before are written; ask for less, or drive by strain where the point softens",
+    )
+}
+
+/// Seven digits.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.6e}").parse::<f64>().unwrap_or(value);
+    format!("{rounded:?}")
 }
 
 /// Takes the point along its path, and writes path and answers.
@@ -134,10 +179,13 @@ fn walk<const N: usize, H: Copy>(
         match point::advance(&update, &state, row, arguments.substeps.get()) {
             Ok(next) => state = next,
             Err(why) => {
+                let (why, help) = reason(&why, row, layout);
                 failure = Some(NoAnswer {
                     file,
                     line: row.line,
+                    row: index + 1,
                     why,
+                    help,
                 });
                 break;
             }

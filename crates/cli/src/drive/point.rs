@@ -5,7 +5,8 @@
 //! r_f = σ_f(ε) − σ̂_f = 0,   Δε_f = −D_ff⁻¹ r_f
 //!
 //! with D the consistent tangent of the law. Only the search is cut back where Newton fails, by
-//! going to the target in parts; the history always steps once from the old state to the new.
+//! going to the target in parts; the history always steps once from the old state to the new. Where
+//! the parts shrink to nothing the stresses cannot be met any further: the strength of the point.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use wythe_core::material::LocalFailure;
@@ -18,8 +19,8 @@ const TOLERANCE: f64 = 1e-10;
 const ITERATIONS: usize = 50;
 /// Halvings of one Newton step.
 const HALVINGS: i32 = 12;
-/// Parts into which the search may cut the way to the target.
-const PARTS: usize = 64;
+/// Least part of the way to the target that is tried, 2⁻³⁶.
+const LEAST_PART: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// What a law answers to a strain.
 #[derive(Clone, Copy, Debug)]
@@ -58,20 +59,27 @@ impl<const N: usize, H> State<N, H> {
 }
 
 /// No answer to a row.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PointFailure {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointFailure<const N: usize> {
     /// The law itself had none.
-    #[error("the law has no answer: {0}")]
-    Law(#[from] LocalFailure),
-    /// No strain gives the stresses asked for.
-    #[error(
-        "no strain was found that gives the stress asked for (closest by {residual:.3e} MPa): it may \
-         be beyond the strength"
-    )]
-    NoStrain {
-        /// Largest |σ_f − σ̂_f| of the best try [MPa].
-        residual: f64,
-    },
+    Law(LocalFailure),
+    /// No strain gives the stresses asked for; this is as far as the row could be followed.
+    Beyond(Limit<N>),
+}
+
+/// The end of the way on which stresses could be met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit<const N: usize> {
+    /// Part of the row.
+    pub fraction: f64,
+    /// Stress or traction there [MPa].
+    pub stress: SVector<f64, N>,
+}
+
+impl<const N: usize> From<LocalFailure> for PointFailure<N> {
+    fn from(why: LocalFailure) -> Self {
+        Self::Law(why)
+    }
 }
 
 /// Takes the point through one row in `substeps` implicit steps, targets and time growing linearly
@@ -81,13 +89,21 @@ pub fn advance<const N: usize, H: Copy>(
     from: &State<N, H>,
     row: &Row<N>,
     substeps: usize,
-) -> Result<State<N, H>, PointFailure> {
+) -> Result<State<N, H>, PointFailure<N>> {
     let dt = (row.time - from.time) / substeps as f64;
     let mut state = *from;
     for k in 1..=substeps {
         let targets = between(from, &row.targets, k as f64 / substeps as f64);
         let update = |strain: &SVector<f64, N>| law(strain, &state.history, dt);
-        let (strain, answer) = step(&update, &state, &targets)?;
+        let (strain, answer) =
+            step(&update, &state, &targets).map_err(|failure| match failure {
+                // Of the sub-step it is a part, of the row another.
+                PointFailure::Beyond(limit) => PointFailure::Beyond(Limit {
+                    fraction: ((k - 1) as f64 + limit.fraction) / substeps as f64,
+                    ..limit
+                }),
+                PointFailure::Law(_) => failure,
+            })?;
         state = State {
             strain,
             stress: answer.stress,
@@ -112,39 +128,50 @@ fn between<const N: usize, H>(from: &State<N, H>, targets: &[Target; N], t: f64)
     })
 }
 
-/// One implicit step: the search goes straight to the target, then in 2, 4, … parts.
+/// A strain that gives the stresses asked for, and what the law answers to it.
+type Found<const N: usize, H> = (SVector<f64, N>, Answer<N, H>);
+
+/// One implicit step: the search goes straight to the target, and where it finds nothing in parts
+/// that shrink and grow. Where they shrink to nothing the stresses cannot be met any further.
 fn step<const N: usize, H: Copy>(
     update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
     from: &State<N, H>,
     targets: &[Target; N],
-) -> Result<(SVector<f64, N>, Answer<N, H>), PointFailure> {
-    let mut parts = 1;
+) -> Result<Found<N, H>, PointFailure<N>> {
+    let mut limit = Limit {
+        fraction: 0.0,
+        stress: from.stress,
+    };
+    let (mut strain, mut part) = (from.strain, 1.0);
     loop {
-        let mut strain = from.strain;
-        let mut outcome = Err(PointFailure::NoStrain {
-            residual: f64::INFINITY,
-        });
-        for k in 1..=parts {
-            let targets = between(from, targets, k as f64 / parts as f64);
-            outcome = search(update, strain, &targets);
-            match &outcome {
-                Ok((found, _)) => strain = *found,
-                Err(_) => break,
+        // Binary fractions: the sum of the parts is exactly 1 at the end.
+        let t = limit.fraction + part;
+        match search(update, strain, &between(from, targets, t)) {
+            Ok(Some(found)) if t == 1.0 => return Ok(found),
+            Ok(Some((found, answer))) => {
+                strain = found;
+                limit = Limit {
+                    fraction: t,
+                    stress: answer.stress,
+                };
+                // A part twice as large must still end at 1 or before, on its own grid.
+                while part < 1.0 - t && (t / (2.0 * part)).fract() == 0.0 {
+                    part *= 2.0;
+                }
             }
+            Err(why) if part <= LEAST_PART => return Err(why.into()),
+            Ok(None) if part <= LEAST_PART => return Err(PointFailure::Beyond(limit)),
+            _ => part *= 0.5,
         }
-        if outcome.is_ok() || parts == PARTS {
-            return outcome;
-        }
-        parts *= 2;
     }
 }
 
-/// Newton with halving from `strain`.
+/// Newton with halving from `strain`; none if it finds nothing.
 fn search<const N: usize, H: Copy>(
     update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
     mut strain: SVector<f64, N>,
     targets: &[Target; N],
-) -> Result<(SVector<f64, N>, Answer<N, H>), PointFailure> {
+) -> Result<Option<Found<N, H>>, LocalFailure> {
     let free: Vec<(usize, f64)> = (0..N)
         .filter_map(|i| match targets[i] {
             Target::Strain(e) => {
@@ -160,8 +187,8 @@ fn search<const N: usize, H: Copy>(
     let mut answer = update(&strain)?;
     let mut r = residual(&answer);
     for _ in 0..ITERATIONS {
-        if r.amax() <= TOLERANCE {
-            return Ok((strain, answer));
+        if r.amax() == 0.0 {
+            break;
         }
         let tangent = DMatrix::from_fn(free.len(), free.len(), |a, b| {
             answer.tangent[(free[a].0, free[b].0)]
@@ -169,29 +196,24 @@ fn search<const N: usize, H: Copy>(
         let Some(direction) = tangent.lu().solve(&r) else {
             break;
         };
-        let mut accepted = false;
-        for halving in 0..=HALVINGS {
+        // Within the tolerance only what a whole step still mends: rounding is soon reached.
+        let halvings = if r.amax() <= TOLERANCE { 0 } else { HALVINGS };
+        let better = (0..=halvings).find_map(|halving| {
             let mut trial = strain;
             for (a, &(i, _)) in free.iter().enumerate() {
                 trial[i] -= 0.5_f64.powi(halving) * direction[a];
             }
-            let Ok(new) = update(&trial) else { continue };
+            let new = update(&trial).ok()?;
             let new_r = residual(&new);
             // NaN is not smaller.
-            if new_r.norm() < r.norm() {
-                (strain, answer, r, accepted) = (trial, new, new_r, true);
-                break;
-            }
-        }
-        if !accepted {
-            break;
+            (new_r.norm() < r.norm()).then_some((trial, new, new_r))
+        });
+        match better {
+            Some(better) => (strain, answer, r) = better,
+            None => break,
         }
     }
-    // Rounding may stop the descent just there.
-    if r.amax() <= TOLERANCE {
-        return Ok((strain, answer));
-    }
-    Err(PointFailure::NoStrain { residual: r.amax() })
+    Ok((r.amax() <= TOLERANCE).then_some((strain, answer)))
 }
 
 #[cfg(test)]
@@ -265,9 +287,11 @@ mod tests {
         };
         let targets = [Target::Strain(0.0), Target::Stress(1.5)];
         let failure = advance(&perfect, &State::at_rest(0.0), &row(1.0, targets), 1).unwrap_err();
-        assert!(
-            matches!(failure, PointFailure::NoStrain { .. }),
-            "{failure}"
-        );
+        let PointFailure::Beyond(limit) = failure else {
+            panic!("{failure:?}")
+        };
+        // The way to 1.5 MPa ends at 1 MPa; bisection leaves 2^-36 of it, the tolerance 1e-10 MPa.
+        assert!((limit.fraction - 1.0 / 1.5).abs() < 1e-9, "{limit:?}");
+        assert!((limit.stress[1] - 1.0).abs() < 1e-9, "{limit:?}");
     }
 }

@@ -115,7 +115,8 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
     for (m, material) in model.materials.iter().enumerate() {
         let name = &material.name;
-        let Some((low, high)) = findings::equivalent_lengths(model, m) else {
+        let lengths = findings::equivalent_lengths(model, |of| of == m);
+        let (Some(low), Some(high)) = (lengths.first(), lengths.last()) else {
             continue;
         };
         let kind = match &material.parameters {

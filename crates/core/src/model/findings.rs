@@ -3,21 +3,25 @@
 use super::Model;
 use super::deck::{Deck, Interface};
 use super::layout;
+use super::tables;
 use crate::error::{ModelError, Warning};
 use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
 
-/// Smallest and largest equivalent length l_eq = V^(1/3) of the elements of material `m` [mm]
-/// (theory A.8, α_h = 1 for hex8); none if no element has it.
-pub(super) fn equivalent_lengths(model: &Model, m: usize) -> Option<(f64, f64)> {
-    let of_material =
-        (0..model.mesh.elements.len()).filter(|&e| model.mesh.material[e] as usize == m);
-    of_material
-        .map(|e| box_volume(&model.mesh.corners(e)).cbrt())
-        .fold(None, |range, l| {
-            let (low, high) = range.unwrap_or((l, l));
-            Some((l.min(low), l.max(high)))
-        })
+/// Equivalent lengths l_eq = V^(1/3) of the elements of a material that `of` accepts by its index
+/// [mm] (theory A.8, α_h = 1 for hex8), ascending and each once.
+pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> Vec<f64> {
+    let mesh = &model.mesh;
+    let mut lengths: Vec<f64> = (0..mesh.elements.len())
+        .filter(|&e| of(mesh.material[e] as usize))
+        .map(|e| box_volume(&mesh.corners(e)).cbrt())
+        .collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.dedup_by(|b, a| *b <= *a * (1.0 + SAME_LENGTH));
+    lengths
 }
+
+/// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
+const SAME_LENGTH: f64 = 1e-9;
 
 /// Volume of a hex8 that is a parallelepiped.
 fn box_volume(c: &[[f64; 3]; 8]) -> f64 {
@@ -40,14 +44,9 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, Model
             continue; // units and mortar of one material
         }
         seen.push(name);
-        let lengths = (0..model.materials.len())
-            .filter(|&m| model.materials[m].name == name)
-            .filter_map(|m| equivalent_lengths(model, m))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        if let (MaterialParameters::DamagePlasticity(p), Some(lengths)) =
-            (&material.parameters, lengths)
-        {
-            match check_material(deck, name, p, lengths) {
+        if let MaterialParameters::DamagePlasticity(p) = &material.parameters {
+            let lengths = equivalent_lengths(model, |m| model.materials[m].name == name);
+            match check_material(deck, name, p, &lengths) {
                 Ok(found) => warnings.extend(found),
                 Err(error) => errors.push(error),
             }
@@ -65,46 +64,27 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, Model
     Ok(warnings)
 }
 
-/// A material in elements of these equivalent lengths [mm]: the tables' lengths and softening.
+/// A material in elements of these equivalent lengths [mm]: whether its tables are scaled, and what
+/// its laws say of them.
 ///
 /// # Errors
-/// Softening steeper than elastic unloading in the largest element (theory A.8).
+/// Tables of which no law can be made in one of these elements (theory A.5, A.8).
 fn check_material(
     deck: &Deck,
     name: &str,
     p: &DamagePlasticityParameters,
-    (_, largest): (f64, f64),
+    lengths: &[f64],
 ) -> Result<Vec<Warning>, ModelError> {
-    let path = format!("materials.{name}");
     let mut warnings = Vec::new();
-    let mut errors = Vec::new();
     if p.reference_length.is_none() {
         warnings.push(deck.warning(
-            &path,
+            &format!("materials.{name}"),
             "reference_length is missing: the tables are taken as given in every element, and the \
              energy to break a unit depends on the mesh (scaling is off)",
         ));
     }
-    for (branch, rows) in [("tension", &p.tension), ("compression", &p.compression)] {
-        let limit = snap_back_ratio(p.elastic.E, rows);
-        let ratio = p.reference_length.map_or(1.0, |l_ref| largest / l_ref);
-        if ratio < limit {
-            continue;
-        }
-        let message = match p.reference_length {
-            Some(l_ref) => format!(
-                "elements of {largest:.1} mm (cube root of the volume) are over the limit of {:.1} mm: \
-                 beyond it the softening of this table (for {l_ref} mm) snaps back within an element",
-                limit * l_ref
-            ),
-            None => {
-                "the table falls more steeply than the elastic modulus: it snaps back".to_owned()
-            }
-        };
-        let help = "refine wall.mesh, or give the last row a larger inelastic strain";
-        errors.push(deck.error(&format!("{path}.{branch}"), message, help));
-    }
-    ModelError::gather(errors).map_or(Ok(warnings), Err)
+    warnings.extend(tables::judge(deck, name, p, lengths)?);
+    Ok(warnings)
 }
 
 /// Largest l_eq/l_ref without snap-back, min E Δε_in/Δσ over the rows beyond the peak (theory A.8).
@@ -129,34 +109,27 @@ pub(super) fn snap_back_ratio(modulus: f64, rows: &[TableRow]) -> f64 {
 fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec<Warning> {
     let path = format!("interfaces.{name}");
     let mut warnings = Vec::new();
-    let mut warn = |key: &str, message: String| {
-        let path = if key.is_empty() {
-            path.clone()
-        } else {
-            format!("{path}.{key}")
-        };
-        warnings.push(deck.warning(&path, message));
-    };
+    let warn = |key: &str, message: String| deck.warning(&format!("{path}.{key}"), message);
     let (mu, tan_phi, c, f_t) = (f.mu.get(), f.tan_phi.get(), f.c.get(), f.f_t.get());
     if mu > tan_phi && !f.is_dry() {
         let pressure = c / (mu - tan_phi);
-        warn(
+        warnings.push(warn(
             "mu",
             format!(
                 "the residual friction is above tan_phi = {tan_phi}: under more than {pressure:.3} MPa \
                  the joint hardens as it breaks"
             ),
-        );
+        ));
     }
     if f_t > 0.0 && tan_phi > 0.0 && f_t >= c / tan_phi {
         let limit = c / tan_phi;
-        warn(
+        warnings.push(warn(
             "f_t",
             format!(
                 "the Coulomb line ends at c/tan_phi = {limit:.4} MPa, below f_t: a joint pulled \
                  beyond it slides without resistance before it opens"
             ),
-        );
+        ));
     }
     let least = f.snap_back_stiffness();
     for (key, stiffness, least) in [
@@ -172,20 +145,30 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
         ),
     ] {
         if stiffness <= least {
-            warn(
+            warnings.push(warn(
                 key,
                 format!(
                     "{stiffness:.3} N/mm^3 is not above {least:.3}: the softening snaps back within the \
                      interface (raise the stiffness or penalty_factor)"
                 ),
-            );
+            ));
         }
     }
+    let u_k = f.ultimate_opening();
+    if let Some(radius) = model.contact.search_radius.filter(|radius| *radius < u_k) {
+        warnings.push(deck.warning(
+            "contact.search_radius",
+            format!(
+                "{radius} mm is below the ultimate opening of {name}, {u_k:.4} mm: a joint that opens \
+                 wider than the radius loses what is left of its bond"
+            ),
+        ));
+    }
     if f.normal_stiffness.is_some() && f.penalty_factor.get() != 500.0 {
-        warn(
+        warnings.push(warn(
             "penalty_factor",
             "not used: explicit stiffnesses are given".to_owned(),
-        );
+        ));
     }
     warnings
 }

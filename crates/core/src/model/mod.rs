@@ -12,6 +12,7 @@ pub mod quantity;
 pub mod scene;
 mod source;
 mod supports;
+mod tables;
 mod unit;
 pub mod wall;
 

@@ -80,7 +80,8 @@ pub struct ContactSurfaces {
     pub law_names: Vec<String>,
     /// Sampling of the slave facets.
     pub points: ContactPoints,
-    /// How far a point looks for its master facet [mm]; none = the solver chooses.
+    /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
+    /// [mm]; none = the solver chooses.
     pub search_radius: Option<f64>,
 }
 

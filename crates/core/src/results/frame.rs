@@ -132,6 +132,7 @@ pub trait Recorder {
     /// histories of every point, pairs of contact, energies. Default: nothing.
     fn observe(&mut self, _state: &State) {}
 
-    /// Called while an increment is being solved, for the terminal. Default: nothing.
+    /// Called after each linear solve of an increment that begins at `time` [s], with their number,
+    /// those of refused attempts among them. For the terminal; default: nothing.
     fn progress(&mut self, _step: usize, _time: f64, _iterations: usize) {}
 }

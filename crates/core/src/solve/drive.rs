@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use wythe_contact::PointStatus;
 
-use super::newton::{Clock, Newton, Outcome, Refusal, explain};
+use super::newton::{Clock, Newton, Outcome, Refusal, Solves, explain};
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
 use crate::model::Model;
@@ -60,10 +60,6 @@ impl<'m> Run<'m> {
     fn new(model: &'m Model) -> Result<Self, RunError> {
         let mut system = System::new(model)?;
         let state = system.initial_state(model);
-        let warnings = system.bulk.warnings.iter();
-        let warnings = warnings
-            .map(|(name, w)| format!("material {name}: {w}"))
-            .collect();
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
         let sizes = Sizes {
             units,
@@ -81,7 +77,8 @@ impl<'m> Run<'m> {
             cutbacks: 0,
             seconds_by_phase: [0.0; 6],
             threads: rayon::current_num_threads(),
-            warnings,
+            // Those of the model were told when it was built.
+            warnings: Vec::new(),
         };
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
@@ -107,12 +104,15 @@ impl<'m> Run<'m> {
         self.state.last = None;
         let (mut cutbacks, mut extrapolate, mut solves) = (0, true, 0);
         while let Some(increment) = schedule.next() {
+            let (before, time) = (solves, self.state.time);
+            let mut tell = |count| recorder.progress(index, time, before + count);
             let outcome = newton.converge(
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
                 increment,
                 extrapolate,
+                Solves::new(&mut tell),
             );
             let outcome = match outcome {
                 Outcome::Converged(report) => {

@@ -61,6 +61,24 @@ pub enum Outcome {
     Refused(Refusal, usize),
 }
 
+/// Counts linear solves and tells of each.
+pub struct Solves<'a> {
+    count: usize,
+    tell: &'a mut dyn FnMut(usize),
+}
+
+impl<'a> Solves<'a> {
+    /// None yet; `tell` hears of each, with their number.
+    pub fn new(tell: &'a mut dyn FnMut(usize)) -> Self {
+        Self { count: 0, tell }
+    }
+
+    fn one_more(&mut self) {
+        self.count += 1;
+        (self.tell)(self.count);
+    }
+}
+
 /// Wall time spent in each phase [s].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
@@ -160,7 +178,7 @@ impl<'m> Newton<'m> {
         &self.q
     }
 
-    /// Finds equilibrium at the end of `increment`.
+    /// Finds equilibrium at the end of `increment`, and tells of each linear solve.
     pub fn converge(
         &mut self,
         system: &mut System,
@@ -168,11 +186,11 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         increment: Increment,
         extrapolate: bool,
+        mut solves: Solves,
     ) -> Outcome {
-        let mut solves = 0;
         match self.iterate(system, state, trial, increment, extrapolate, &mut solves) {
             Ok(report) => Outcome::Converged(report),
-            Err(refusal) => Outcome::Refused(refusal, solves),
+            Err(refusal) => Outcome::Refused(refusal, solves.count),
         }
     }
 
@@ -183,7 +201,7 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         increment: Increment,
         extrapolate: bool,
-        solves: &mut usize,
+        solves: &mut Solves,
     ) -> Result<Report, Refusal> {
         let dt = increment.size * self.step.duration;
         let solids = match self.step.procedure {
@@ -224,7 +242,7 @@ impl<'m> Newton<'m> {
             let settled = iteration > 0 || !setting.shifted;
             if settled && residual <= tolerance.residual * scale {
                 return Ok(Report {
-                    iterations: *solves,
+                    iterations: solves.count,
                     residual: residual / scale,
                 });
             }
@@ -238,7 +256,7 @@ impl<'m> Newton<'m> {
             // A start in balance needs no solve, only its tractions taken over.
             if residual > tolerance.residual * scale {
                 self.solve(system, trial)?;
-                *solves += 1;
+                solves.one_more();
                 self.search_line(system, state, trial, setting)?;
             }
             trial.keep_tractions();
@@ -256,7 +274,7 @@ impl<'m> Newton<'m> {
         increment: Increment,
         extrapolate: bool,
         setting: Evaluation,
-        solves: &mut usize,
+        solves: &mut Solves,
     ) -> Result<(), Refusal> {
         trial.start(state);
         self.q.copy_from_slice(&state.q);
@@ -284,7 +302,7 @@ impl<'m> Newton<'m> {
             *r += moved[slot as usize];
         }
         self.solve(system, trial)?;
-        *solves += 1;
+        solves.one_more();
         self.q = target;
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;

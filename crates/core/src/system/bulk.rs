@@ -7,9 +7,7 @@ use std::collections::HashMap;
 use super::pattern::CELL;
 use super::{Evaluation, Trial};
 use crate::element::{Corotated, ElementShape, ShapeError};
-use crate::material::{
-    LocalFailure, Material, MaterialHistory, PointEnergy, TableError, TableWarning,
-};
+use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
 use crate::model::Model;
 use crate::solve::State;
 
@@ -61,8 +59,6 @@ pub struct Bulk {
     shape_of: Vec<u32>,
     laws: Vec<Material>,
     law_of: Vec<u32>,
-    /// What was changed in the tables, by material, each once.
-    pub warnings: Vec<(String, TableWarning)>,
 }
 
 /// Geometries closer than this fraction of the element's size are one shape.
@@ -82,7 +78,6 @@ impl Bulk {
             shape_of: Vec::with_capacity(mesh.elements.len()),
             laws: Vec::new(),
             law_of: Vec::with_capacity(mesh.elements.len()),
-            warnings: Vec::new(),
         };
         let mut known: HashMap<(Vec<i64>, u16), u32> = HashMap::new();
         for (e, &material) in mesh.material.iter().enumerate() {
@@ -96,21 +91,15 @@ impl Bulk {
                 let shape = ElementShape::new(&corners, model.formulation, elastic)
                     .map_err(|why| BulkError::Shape { element: e, why })?;
                 let l_eq = shape.volume.cbrt();
-                let (law, warnings) =
-                    Material::new(&named.parameters, Some(l_eq)).map_err(|why| {
-                        BulkError::Table {
-                            material: named.name.clone(),
-                            element: e,
-                            l_eq,
-                            why,
-                        }
-                    })?;
-                for warning in warnings {
-                    let entry = (named.name.clone(), warning);
-                    if !bulk.warnings.contains(&entry) {
-                        bulk.warnings.push(entry);
+                // What a table warns of, the model has told when it was built.
+                let (law, _) = Material::new(&named.parameters, Some(l_eq)).map_err(|why| {
+                    BulkError::Table {
+                        material: named.name.clone(),
+                        element: e,
+                        l_eq,
+                        why,
                     }
-                }
+                })?;
                 bulk.shapes.push(shape);
                 bulk.laws.push(law);
                 let index = bulk.shapes.len() as u32 - 1;

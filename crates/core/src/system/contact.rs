@@ -24,9 +24,11 @@ use crate::solve::State;
 const NUMERICAL_PENALTY: f64 = 2.0;
 /// Least numerical stiffness over the steepest softening of the law, so that the return converges.
 const LEAST_OVER_SOFTENING: f64 = 4.0;
-/// Reach of contact across a gap, over the mean edge of the facets. A point that opens wider is
-/// free; the search finds it again when it closes.
+/// Reach of contact across a gap, over the mean edge of the facets, where the deck has no
+/// `search_radius`. A point that opens wider is free; the search finds it again when it closes.
 const REACH: f64 = 0.06;
+/// The same over the largest ultimate opening u_k: no bond is lost while it carries.
+const REACH_OVER_OPENING: f64 = 2.0;
 /// How far surfaces may move before the candidates are searched anew, over the same edge.
 const SKIN: f64 = 0.03;
 
@@ -95,6 +97,8 @@ impl Contact {
             }
         }
         let edge = if count > 0.0 { edges / count } else { 1.0 };
+        let u_k = surfaces.laws.iter().map(|l| l.u_k).fold(0.0, f64::max);
+        let chosen = (REACH * edge).max(REACH_OVER_OPENING * u_k);
         Self {
             numerical: numerical_stiffness(model),
             slave,
@@ -104,7 +108,7 @@ impl Contact {
             candidates: Candidates::default(),
             cells: Vec::new(),
             version: 0,
-            radius: REACH * edge,
+            radius: surfaces.search_radius.unwrap_or(chosen),
             skin: SKIN * edge,
             searched_at: Vec::new(),
         }

@@ -2,6 +2,7 @@
 
 use crate::model::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
 use serde::{Deserialize, Serialize};
+use wythe_contact::softening::Softening;
 use wythe_contact::{Coupling, InterfaceLaw};
 
 /// An interface as written.
@@ -57,15 +58,6 @@ fn penalty_factor() -> Number {
     Number::new(500.0)
 }
 
-/// Area below the softening curve on the unit square, 1/z − 1/(eᶻ − 1) (theory C.7).
-pub fn softening_area(z: f64) -> f64 {
-    if z.abs() < 1e-4 {
-        // the two terms cancel: ½ − z/12 + z³/720, whose error here is below 1e-20
-        return 0.5 - z / 12.0 + z.powi(3) / 720.0;
-    }
-    1.0 / z - 1.0 / z.exp_m1()
-}
-
 impl Interface {
     /// Without bond: a dry joint, damaged from the start (theory C.8, last line).
     pub fn is_dry(&self) -> bool {
@@ -88,7 +80,7 @@ impl Interface {
         match (self.u_k, self.G_I) {
             (Some(u_k), _) => u_k.get(),
             (None, Some(g)) if self.f_t.get() > 0.0 => {
-                g.get() / (self.f_t.get() * softening_area(self.zeta()))
+                g.get() / (self.f_t.get() * Softening::shape_integral(self.zeta()))
             }
             _ => 0.0,
         }
@@ -100,7 +92,7 @@ impl Interface {
         match (self.delta_k, self.G_II) {
             (Some(delta_k), _) => delta_k.get(),
             (None, Some(g)) if self.c.get() > 0.0 => {
-                g.get() / (self.c.get() * softening_area(self.xi()))
+                g.get() / (self.c.get() * Softening::shape_integral(self.xi()))
             }
             _ => 0.0,
         }
@@ -108,30 +100,28 @@ impl Interface {
 
     /// Fracture energy in tension G_I [N/mm] (theory C.7).
     pub fn mode_1_energy(&self) -> f64 {
-        self.f_t.get() * self.ultimate_opening() * softening_area(self.zeta())
+        self.curves().mode_1_energy()
     }
 
-    /// Fracture energy in shear [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the residual
-    /// friction: G_II = (c + (tan φ − μ)|σ|) δ_k (1/ξ − 1/(e^ξ − 1)) (theory C.7).
+    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the
+    /// residual friction (theory C.7).
     pub fn mode_2_energy(&self, sigma: f64) -> f64 {
-        let drop = self.c.get() + (self.tan_phi.get() - self.mu.get()) * sigma.abs();
-        drop * self.ultimate_slip() * softening_area(self.xi())
+        self.curves().mode_2_energy(sigma)
     }
 
-    /// Stiffnesses below which the softening snaps back in the interface itself [N/mm³]:
-    /// k_n = f_t ζ/(u_k (1 − e^−ζ)), k_s = c ξ/(δ_k (1 − e^−ξ)) (theory C.5). Zero without bond.
+    /// Stiffnesses below which the softening snaps back in the interface itself [N/mm³]: the
+    /// steepest slopes f_t Q'(0) and c H'(0) (theory C.5). Zero without bond.
     pub fn snap_back_stiffness(&self) -> [f64; 2] {
-        let least = |strength: f64, z: f64, ultimate: f64| {
-            if strength > 0.0 {
-                strength * z / (ultimate * -(-z).exp_m1())
-            } else {
-                0.0
-            }
-        };
+        let law = self.curves();
         [
-            least(self.f_t.get(), self.zeta(), self.ultimate_opening()),
-            least(self.c.get(), self.xi(), self.ultimate_slip()),
+            law.f_t * law.opening_curve().evaluate(0.0).1,
+            law.c * law.slip_curve().evaluate(0.0).1,
         ]
+    }
+
+    /// The law for what does not depend on its stiffnesses.
+    fn curves(&self) -> InterfaceLaw {
+        self.law(f64::INFINITY, f64::INFINITY)
     }
 
     /// The law with these stiffnesses [N/mm³].
@@ -149,22 +139,5 @@ impl Interface {
             shear_stiffness,
             coupling: self.coupling,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn softening_areas_of_the_theory() {
-        // theory C.7 prints six digits
-        assert!((softening_area(4.38) - 0.215626).abs() < 5e-7);
-        assert!((softening_area(1.1) - 0.410130).abs() < 5e-7);
-        // Continuous where the series takes over: two points 2e-9 apart on a slope of −1/12. The closed
-        // form subtracts numbers near 1e4, each rounded to 2e-12.
-        let step = softening_area(0.99999e-4) - softening_area(1.00001e-4);
-        assert!((step - 2e-9 / 12.0).abs() < 1e-11, "{step}");
-        assert_eq!(softening_area(0.0), 0.5);
     }
 }

@@ -125,5 +125,29 @@ impl Checks<'_> {
             );
             before = (strain, damage);
         }
+        self.rises_to_its_peak(path, rows);
+    }
+
+    /// What falls before the peak of a table would be hardening and softening at once: rows beyond
+    /// the peak are scaled to the element (theory A.8), those before it are not.
+    fn rises_to_its_peak(&mut self, path: &str, rows: &[Row]) {
+        let stress = |i: usize| rows[i].0.get();
+        let peak = (0..rows.len()).fold(0, |p, i| if stress(i) > stress(p) { i } else { p });
+        let fall = (1..=peak).find(|&i| stress(i) < stress(i - 1));
+        if let Some(i) = fall {
+            let (low, high) = (stress(i), stress(peak));
+            self.require(
+                false,
+                &format!("{path}.{i}.0"),
+                || {
+                    format!(
+                        "row {}: the stress falls to {low} before the peak of {high} in row {}",
+                        i + 1,
+                        peak + 1
+                    )
+                },
+                "let the stress rise to one peak and fall after it",
+            );
+        }
     }
 }
