@@ -97,7 +97,7 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
         );
     });
     group.bench_function("pairs", |b| {
-        b.iter(|| pool.install(|| wall.system.search(&mut wall.trial)));
+        b.iter(|| pool.install(|| wall.system.search(&mut wall.trial, &wall.q)));
     });
     group.finish();
 }

@@ -146,7 +146,7 @@ impl Pushed {
 
     /// Pairs the contact points, and all forces at `q`.
     pub fn search_and_evaluate(&mut self, tangent: bool) {
-        self.system.search(&mut self.trial);
+        self.system.search(&mut self.trial, &self.q);
         self.evaluate(setting(tangent));
     }
 
