@@ -45,6 +45,9 @@ pub struct HistoryRow {
     pub max_compressive_damage: f64,
     /// Largest out-of-balance force at commit, all laws implicit, over the mean nodal force [-].
     pub out_of_balance: f64,
+    /// Largest out-of-balance force of the equations that were solved, over the mean nodal force:
+    /// what the tolerance refers to [-].
+    pub residual: f64,
 }
 
 /// Fields of one output increment.

@@ -84,7 +84,10 @@ mod tests {
         let header = header().unwrap();
         let header = header.strip_suffix('\n').unwrap();
         assert!(header.starts_with(HEADER), "{header}");
-        assert_eq!(header.strip_prefix(HEADER), Some(",out_of_balance"));
+        assert_eq!(
+            header.strip_prefix(HEADER),
+            Some(",out_of_balance,residual")
+        );
     }
 
     #[test]

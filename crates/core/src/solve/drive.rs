@@ -128,7 +128,7 @@ impl<'m> Run<'m> {
                 Ok((report, (largest, rms))) => {
                     solves += report.iterations;
                     self.commit(&newton, step, increment);
-                    let row = self.row(index, largest, solves, cutbacks);
+                    let row = self.row(index, (report.residual, largest), solves, cutbacks);
                     let end = increment.end() >= 1.0 - 1e-12;
                     let keep = self.record(&row, recorder, end)?;
                     self.summary.increments += 1;
@@ -201,7 +201,13 @@ impl<'m> Run<'m> {
     }
 
     /// The row of the last commit.
-    fn row(&self, step: usize, largest: f64, solves: usize, cutbacks: usize) -> HistoryRow {
+    fn row(
+        &self,
+        step: usize,
+        (residual, largest): (f64, f64),
+        solves: usize,
+        cutbacks: usize,
+    ) -> HistoryRow {
         let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
         let driven = self.model.steps[step]
             .driven
@@ -240,6 +246,7 @@ impl<'m> Run<'m> {
             max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
             max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
             out_of_balance: largest,
+            residual,
         }
     }
 
