@@ -184,6 +184,7 @@ impl ElementShape {
     }
 
     /// Strain at Gauss point `g` of local displacements [mm].
+    #[inline(always)]
     pub fn strain(&self, g: usize, local: &Nodal) -> Vector6<f64> {
         let mut strain = Vector6::zeros();
         for (k, row) in self.operator[g].iter().enumerate() {
@@ -199,11 +200,17 @@ impl ElementShape {
     }
 
     /// Strains at the Gauss points of local displacements [mm].
+    #[inline(always)]
     pub fn strains(&self, local: &Nodal) -> [Vector6<f64>; 8] {
-        std::array::from_fn(|g| self.strain(g, local))
+        let mut strains = [Vector6::zeros(); 8];
+        for (g, strain) in strains.iter_mut().enumerate() {
+            *strain = self.strain(g, local);
+        }
+        strains
     }
 
     /// f̄ += B̃ᵀ σ w of the stress at Gauss point `g` [N].
+    #[inline(always)]
     pub fn add_force(&self, g: usize, stress: &Vector6<f64>, force: &mut Nodal) {
         for (k, row) in self.operator[g].iter().enumerate() {
             let s = stress[k] * self.weight[g];
@@ -216,6 +223,7 @@ impl ElementShape {
     }
 
     /// f̄ = Σ B̃ᵀ σ w of the stresses at the Gauss points [N].
+    #[inline(always)]
     pub fn internal_force(&self, stresses: &[Vector6<f64>; 8]) -> Nodal {
         let mut force = [[0.0; 8]; 3];
         for (g, stress) in stresses.iter().enumerate() {
@@ -225,6 +233,7 @@ impl ElementShape {
     }
 
     /// f̄ = K̄ ū of intact elastic points [N].
+    #[inline(always)]
     pub fn elastic_force(&self, local: &Nodal) -> Nodal {
         let mut force = [[0.0; 8]; 3];
         for (a, rows) in self.stiffness.iter().enumerate() {
@@ -252,6 +261,7 @@ impl ElementShape {
     }
 
     /// K̄ = Σ B̃ᵀ D B̃ w of any tangents [N/mm].
+    #[inline(always)]
     pub fn stiffness(&self, tangents: &[Matrix6<f64>; 8]) -> Stiffness {
         let mut k = ZERO;
         for p in 0..8 {
@@ -261,6 +271,7 @@ impl ElementShape {
     }
 
     /// K̄ = Σ s_g B̃ᵀ C₀ B̃ w: elastic points of which a part s is intact [N/mm].
+    #[inline(always)]
     pub fn scaled_stiffness(&self, intact: &[f64; 8]) -> Stiffness {
         // Points that are whole are in the element's stiffness already.
         let damaged = intact.iter().filter(|&&s| s != 1.0).count();
@@ -286,6 +297,7 @@ pub(super) fn transpose(of_node: &[[f64; 3]; 8]) -> Nodal {
 }
 
 /// Σ over the nodes, in pairs: a fixed order that lanes can follow.
+#[inline(always)]
 pub(super) fn total(v: &[f64; 8]) -> f64 {
     let half = [v[0] + v[4], v[1] + v[5], v[2] + v[6], v[3] + v[7]];
     (half[0] + half[2]) + (half[1] + half[3])
@@ -296,6 +308,7 @@ fn lanes_of(entry: impl Fn(usize, usize, usize) -> f64) -> Operator {
 }
 
 /// K += s K'.
+#[inline(always)]
 fn add_scaled(from: &Stiffness, s: f64, k: &mut Stiffness) {
     for (rows, from) in k.iter_mut().zip(from) {
         for (row, from) in rows.iter_mut().zip(from) {
@@ -324,6 +337,7 @@ fn make_symmetric(k: &mut Stiffness) {
 }
 
 /// K += w Bᵀ D B.
+#[inline(always)]
 fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
     let mut db = [[[0.0; 8]; 3]; 6];
     for r in 0..6 {
@@ -340,7 +354,7 @@ fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
     }
     for a in 0..8 {
         for i in 0..3 {
-            let column: [f64; 6] = std::array::from_fn(|r| b[r][i][a]);
+            let column = [0, 1, 2, 3, 4, 5].map(|r| b[r][i][a]);
             for j in 0..3 {
                 let row = &mut k[a][i][j];
                 for n in 0..8 {

@@ -36,6 +36,7 @@ pub struct Corotated {
 }
 
 /// Rotation of F by Newton's iteration R ← ½ (R + R⁻ᵀ), which converges quadratically for det F > 0.
+#[inline(always)]
 fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     /// A change δ leaves an error of δ²/2.
     const LAST: f64 = 1e-9;
@@ -56,7 +57,7 @@ impl Corotated {
     ///
     /// # Errors
     /// [`LocalFailure::Inverted`] if the element has turned inside out.
-    #[inline]
+    #[inline(always)]
     pub fn new(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Result<Self, LocalFailure> {
         let mut centred = [[0.0; 8]; 3];
         for i in 0..3 {
@@ -68,7 +69,7 @@ impl Corotated {
                 centred[i][a] -= centre;
             }
         }
-        let f = Matrix3::from_fn(|i, j| dot(&centred[i], &shape.gradient[j]));
+        let f = products(&centred, &shape.gradient);
         let determinant = f.determinant();
         if !determinant.is_finite() {
             return Err(LocalFailure::StrainNotFinite);
@@ -100,14 +101,20 @@ impl Corotated {
     }
 
     /// p = W⁻¹ Σ x̄_a × f̄_a.
+    #[inline(always)]
     pub(super) fn moment(&self, local_force: &Nodal) -> Vector3<f64> {
         let (x, f) = (&self.position, local_force);
-        let m = |i: usize, j: usize| dot(&x[i], &f[j]) - dot(&x[j], &f[i]);
-        self.spin * Vector3::new(m(1, 2), m(2, 0), m(0, 1))
+        let m = products(x, f);
+        self.spin
+            * Vector3::new(
+                m[(1, 2)] - m[(2, 1)],
+                m[(2, 0)] - m[(0, 2)],
+                m[(0, 1)] - m[(1, 0)],
+            )
     }
 
     /// Global nodal forces of local ones [N]. `[node][xyz]`
-    #[inline]
+    #[inline(always)]
     pub fn force(&self, shape: &ElementShape, local_force: &Nodal) -> [[f64; 3]; 8] {
         let p = self.moment(local_force);
         let g = &shape.gradient;
@@ -119,11 +126,15 @@ impl Corotated {
             }
         }
         let f = turned(&self.rotation, &f);
-        std::array::from_fn(|a| [f[0][a], f[1][a], f[2][a]])
+        let mut force = [[0.0; 3]; 8];
+        for a in 0..8 {
+            force[a] = [f[0][a], f[1][a], f[2][a]];
+        }
+        force
     }
 
     /// Global stiffness `[a][b][i][j]` [N/mm] of a local one, with all geometric terms.
-    #[inline]
+    #[inline(always)]
     pub fn stiffness(
         &self,
         shape: &ElementShape,
@@ -135,7 +146,7 @@ impl Corotated {
     }
 
     /// [`Self::stiffness`] of a symmetric one, in two thirds of the time.
-    #[inline]
+    #[inline(always)]
     pub fn symmetric_stiffness(
         &self,
         shape: &ElementShape,
@@ -148,7 +159,7 @@ impl Corotated {
 }
 
 /// Σ_a u_a v_a.
-#[inline]
+#[inline(always)]
 pub(super) fn dot(u: &[f64; 8], v: &[f64; 8]) -> f64 {
     let mut products = [0.0; 8];
     for a in 0..8 {
@@ -157,8 +168,20 @@ pub(super) fn dot(u: &[f64; 8], v: &[f64; 8]) -> f64 {
     total(&products)
 }
 
+/// Σ_a u_a v_aᵀ.
+#[inline(always)]
+pub(super) fn products(u: &Nodal, v: &Nodal) -> Matrix3<f64> {
+    let mut sum = Matrix3::zeros();
+    for i in 0..3 {
+        for j in 0..3 {
+            sum[(i, j)] = dot(&u[i], &v[j]);
+        }
+    }
+    sum
+}
+
 /// R v_a.
-#[inline]
+#[inline(always)]
 fn turned(r: &Matrix3<f64>, v: &Nodal) -> Nodal {
     let mut turned = [[0.0; 8]; 3];
     for i in 0..3 {

@@ -18,13 +18,13 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::hex8::{ElementShape, Nodal, Stiffness};
-use super::kinematics::{Corotated, dot};
+use super::kinematics::{Corotated, dot, products};
 
 /// A 3 × 3 matrix of each node. `[row][column][node]`
 type Matrices = [Nodal; 3];
 
 /// Cell `[a][b][i][j]` of a symmetric local stiffness.
-#[inline]
+#[inline(always)]
 pub(super) fn symmetric(
     frame: &Corotated,
     shape: &ElementShape,
@@ -48,7 +48,7 @@ pub(super) fn symmetric(
 }
 
 /// Cell `[a][b][i][j]` of any local stiffness.
-#[inline]
+#[inline(always)]
 pub(super) fn unsymmetric(
     frame: &Corotated,
     shape: &ElementShape,
@@ -77,7 +77,7 @@ pub(super) fn unsymmetric(
 }
 
 /// H_b = Σ_c [x̄_c]× K̄_cb.
-#[inline]
+#[inline(always)]
 fn turning_moments(x: &Nodal, k: &Stiffness) -> Matrices {
     let mut h = [[[0.0; 8]; 3]; 3];
     for (c, rows) in k.iter().enumerate() {
@@ -95,22 +95,25 @@ fn turning_moments(x: &Nodal, k: &Stiffness) -> Matrices {
 }
 
 /// T.
-#[inline]
+#[inline(always)]
 fn shared(frame: &Corotated, force: &Nodal, p: &Vector3<f64>, h: &Matrices) -> Matrix3<f64> {
     let x = &frame.position;
     // Σ H_b X_b, and Σ [f̄]× X = Σ x̄ f̄ᵀ − (x̄·f̄) 1.
-    let hx = Matrix3::from_fn(|i, j| {
-        let (l, m) = ((j + 1) % 3, (j + 2) % 3);
-        dot(&h[i][l], &x[m]) - dot(&h[i][m], &x[l])
-    });
-    let xf = Matrix3::from_fn(|i, j| dot(&x[i], &force[j]));
+    let mut hx = Matrix3::zeros();
+    for i in 0..3 {
+        for j in 0..3 {
+            let (l, m) = ((j + 1) % 3, (j + 2) % 3);
+            hx[(i, j)] = dot(&h[i][l], &x[m]) - dot(&h[i][m], &x[l]);
+        }
+    }
+    let xf = products(x, force);
     let fx = xf - Matrix3::identity() * xf.trace();
     let m = hx - fx + (frame.stretch * p).cross_matrix();
     frame.spin * m * frame.spin - p.cross_matrix() * frame.spin
 }
 
 /// (K̄X_a − [f̄_a]× + [p]× B_a) S + ½ B_a T at all nodes.
-#[inline]
+#[inline(always)]
 fn factor(
     frame: &Corotated,
     shape: &ElementShape,
@@ -147,7 +150,7 @@ fn factor(
 }
 
 /// R (K̄_ab + V_a B_b − B_a U_bᵀ) Rᵀ into the cell.
-#[inline]
+#[inline(always)]
 fn write(
     r: &Matrix3<f64>,
     shape: &ElementShape,

@@ -193,6 +193,53 @@ pub fn element(
     setting: Evaluation,
     slot: &mut ElementSlot,
 ) -> Result<(), LocalFailure> {
+    // What is inlined below is compiled once for every vector unit, and the widest one is taken.
+    // The operations and their order stay the same, and so does every bit of the results.
+    pulp::Arch::new().dispatch(OneElement {
+        shape,
+        law,
+        positions,
+        old,
+        setting,
+        slot,
+    })
+}
+
+/// Arguments of [`element`].
+struct OneElement<'a, 'b> {
+    shape: &'a ElementShape,
+    law: &'a Material,
+    positions: &'a [[f64; 3]; 8],
+    old: &'a [MaterialHistory],
+    setting: Evaluation,
+    slot: &'a mut ElementSlot<'b>,
+}
+
+impl pulp::NullaryFnOnce for OneElement<'_, '_> {
+    type Output = Result<(), LocalFailure>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        element_inline(
+            self.shape,
+            self.law,
+            self.positions,
+            self.old,
+            self.setting,
+            self.slot,
+        )
+    }
+}
+
+#[inline(always)]
+fn element_inline(
+    shape: &ElementShape,
+    law: &Material,
+    positions: &[[f64; 3]; 8],
+    old: &[MaterialHistory],
+    setting: Evaluation,
+    slot: &mut ElementSlot,
+) -> Result<(), LocalFailure> {
     let frame = Corotated::new(shape, positions)?;
     match setting.solids {
         Solids::Extrapolated { ratio } => {
@@ -208,13 +255,14 @@ pub fn element(
             }
             *slot.force = frame.force(shape, &force);
             if setting.tangent {
-                if intact == [1.0; 8] {
-                    let k = shape.elastic_stiffness();
-                    frame.symmetric_stiffness(shape, k, &force, slot.cell);
+                let scaled;
+                let k = if intact == [1.0; 8] {
+                    shape.elastic_stiffness()
                 } else {
-                    let k = shape.scaled_stiffness(&intact);
-                    frame.symmetric_stiffness(shape, &k, &force, slot.cell);
-                }
+                    scaled = shape.scaled_stiffness(&intact);
+                    &scaled
+                };
+                frame.symmetric_stiffness(shape, k, &force, slot.cell);
             }
         }
         Solids::Implicit => {
