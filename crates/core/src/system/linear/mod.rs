@@ -8,6 +8,7 @@
 mod assembly;
 mod dissection;
 mod error;
+mod extend;
 mod faer_llt;
 mod faer_lu;
 mod kernels;
@@ -17,6 +18,7 @@ mod ordering;
 mod pattern;
 #[cfg(test)]
 mod stencils;
+mod substitution;
 mod tasks;
 #[cfg(test)]
 mod tests;
