@@ -40,6 +40,15 @@ impl Scratch {
             column: vec![0.0; k],
         })
     }
+
+    /// Moves `x[pivots[i]]` to `x[i]`.
+    pub fn exchange(&mut self, x: &mut [f64], pivots: &[u32]) {
+        let moved = &mut self.column[..x.len()];
+        moved.copy_from_slice(x);
+        for (to, &from) in x.iter_mut().zip(pivots) {
+            *to = moved[from as usize];
+        }
+    }
 }
 
 // By hand: faer's buffer has no Debug.
@@ -145,12 +154,8 @@ pub(super) fn lu(
         below.rb_mut().transpose_mut(),
         Par::Seq,
     );
-    let moved = &mut scratch.column[..k];
     for column in rest.chunks_exact_mut(k) {
-        moved.copy_from_slice(column);
-        for (to, &from) in column.iter_mut().zip(&*pivots) {
-            *to = moved[from as usize];
-        }
+        scratch.exchange(column, pivots);
     }
     let mut rest = MatMut::from_column_major_slice_mut(rest, k, b);
     solve_unit_lower_triangular_in_place(own.rb(), rest.rb_mut(), Par::Seq);
@@ -164,14 +169,14 @@ pub(super) fn lu(
     );
 }
 
-/// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, `update` = L₂₁ x₁. For LU the rows of x₁ are
+/// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁. For LU the rows of x₁ are
 /// already exchanged.
 pub(super) fn forward(
     unit: bool,
     columns: &[f64],
     m: usize,
     mut x: MatMut<'_, f64>,
-    update: MatMut<'_, f64>,
+    below_x: MatMut<'_, f64>,
 ) {
     let (own, below) = parts(columns, m, x.nrows());
     if unit {
@@ -179,8 +184,8 @@ pub(super) fn forward(
     } else {
         solve_lower_triangular_in_place(own, x.rb_mut(), Par::Seq);
     }
-    if update.nrows() > 0 {
-        matmul(update, Accum::Replace, below, x.rb(), 1.0, Par::Seq);
+    if below_x.nrows() > 0 {
+        matmul(below_x, Accum::Add, below, x.rb(), -1.0, Par::Seq);
     }
 }
 

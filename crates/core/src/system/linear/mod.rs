@@ -1,12 +1,14 @@
 //! Sparse direct solution of A x = b, A structurally symmetric.
 //!
 //! Analyse a [`Pattern`] once, factorise many times, solve many right-hand sides. Every solution
-//! is checked against the stored matrix: residual r = b − A x, refined x ← x + A⁻¹ r at most
-//! [`Options::refinements`] times, and refused if it stays above [`Options::accept`].
+//! is checked against the stored matrix: residual r = b − A x, refined x ← x + A⁻¹ r while it
+//! exceeds [`Options::target`], at most [`Options::refinements`] times, and refused if it stays
+//! above [`Options::accept`].
 
 mod assembly;
 mod dissection;
 mod error;
+mod extend;
 mod faer_llt;
 mod faer_lu;
 mod kernels;
@@ -16,6 +18,7 @@ mod ordering;
 mod pattern;
 #[cfg(test)]
 mod stencils;
+mod substitution;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -65,6 +68,9 @@ impl Backend {
     }
 }
 
+/// Backward error that no refinement betters: a few roundings.
+const ROUNDING: f64 = 1e-15;
+
 /// Choices of a [`LinearSolver`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -74,21 +80,23 @@ pub struct Options {
     pub ordering: Ordering,
     /// Most refinement steps a solve.
     pub refinements: usize,
-    /// Backward error below which no refinement is done.
+    /// ‖b − A x‖∞ / ‖b‖∞ below which no refinement is done. Nor is it where the backward error is
+    /// a rounding already.
     pub target: f64,
     /// Backward error above which a solution is refused.
     pub accept: f64,
 }
 
 impl Options {
-    /// The defaults for a back end: at most two refinements, aiming at 1e-15 (a few roundings),
-    /// nothing above 1e-10 accepted.
+    /// The defaults for a back end: at most two refinements, aiming at 1e-10 of the right-hand side
+    /// (a Newton direction leaves residuals of its own many times as large), no backward error
+    /// above 1e-10 accepted.
     pub fn new(backend: Backend) -> Self {
         Self {
             backend,
             ordering: Ordering::default(),
             refinements: 2,
-            target: 1e-15,
+            target: 1e-10,
             accept: 1e-10,
         }
     }
@@ -112,6 +120,8 @@ pub struct FactorStats {
 pub struct SolveReport {
     /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞), the largest over the right-hand sides.
     pub residual: f64,
+    /// ‖b − A x‖∞ / ‖b‖∞, the largest over the right-hand sides.
+    pub relative: f64,
     /// Refinement steps done.
     pub refinements: usize,
 }
@@ -290,10 +300,13 @@ impl LinearSolver {
 
         let residual = self.operator.residual(rhs, &self.rhs, &mut self.residual);
         let mut report = SolveReport {
-            residual,
+            residual: residual.backward,
+            relative: residual.relative,
             refinements: 0,
         };
-        while report.residual > self.options.target && report.refinements < self.options.refinements
+        while report.relative > self.options.target
+            && report.residual > ROUNDING
+            && report.refinements < self.options.refinements
         {
             // x' = x + A⁻¹ (b − A x), kept only if it is better.
             self.previous.clear();
@@ -303,8 +316,9 @@ impl LinearSolver {
                 *x += d;
             }
             let refined = self.operator.residual(rhs, &self.rhs, &mut self.residual);
-            if refined < report.residual {
-                report.residual = refined;
+            if refined.relative < report.relative {
+                report.residual = refined.backward;
+                report.relative = refined.relative;
                 report.refinements += 1;
             } else {
                 rhs.copy_from_slice(&self.previous);

@@ -5,13 +5,14 @@
 //! complement on a stack. LU pivots within the columns that a front eliminates, so that the tree
 //! stays as it was analysed.
 
-use super::assembly::{Assembly, Run};
+use super::assembly::Assembly;
+use super::extend::Child;
 use super::kernels::{self, Scratch};
 use super::ordering::{self, Graph};
+use super::substitution::{Factors, Vectors};
 use super::tasks::{self, Places, Task};
 use super::tree::Tree;
 use super::{Kind, LinearError, Ordering, Pattern};
-use faer::{MatMut, MatRef};
 
 /// A pivot that is smaller than this, relative to its row of the matrix, is what rounding leaves
 /// of zero.
@@ -25,16 +26,16 @@ pub(super) struct Multifrontal {
     factors: Vec<f64>,
     pivots: Vec<u32>, // [position], LU only: row of the front's block that came here
     stacks: [Vec<f64>; 2], // Schur complements
-    permuted: Vec<f64>, // [column][position], of a solution
-    gathered: Vec<f64>, // [column][row below], of one front
+    x: Vec<f64>,      // [supernode][column][row], of a solution
+    below: Vec<f64>,  // [supernode][column][row below]
 }
 
 /// What the analysis knows and every thread reads.
 #[derive(Debug)]
-struct Plan {
-    kind: Kind,
-    tree: Tree,
-    assembly: Assembly,
+pub(super) struct Plan {
+    pub kind: Kind,
+    pub tree: Tree,
+    pub assembly: Assembly,
     places: Places,
     children: Vec<u32>,       // ascending within a supernode
     children_ptr: Vec<usize>, // [supernode + 1]
@@ -97,7 +98,6 @@ impl Multifrontal {
         let (mut task, places) = tasks::plan(&tree);
         task.allocate(&tree)?;
         let (children_ptr, children) = tree.children();
-        let below = (0..tree.len()).map(|s| tree.below(s).len()).max();
         let pivots = match kind {
             Kind::Symmetric => 0,
             Kind::Unsymmetric => pattern.n(),
@@ -106,8 +106,8 @@ impl Multifrontal {
             factors: vec![0.0; assembly.storage[tree.len()]],
             pivots: vec![0; pivots],
             stacks: task.stack.map(|numbers| vec![0.0; numbers]),
-            permuted: vec![0.0; pattern.n()],
-            gathered: vec![0.0; below.unwrap_or(0)],
+            x: vec![0.0; pattern.n()],
+            below: vec![0.0; tree.rows.len()],
             task,
             plan: Plan {
                 kind,
@@ -154,93 +154,48 @@ impl Multifrontal {
         if n == 0 {
             return;
         }
-        self.permuted.resize(x.len(), 0.0);
-        for (y, x) in self.permuted.chunks_mut(n).zip(x.chunks(n)) {
-            for (y, &e) in y.iter_mut().zip(&self.plan.tree.order) {
-                *y = x[e as usize];
-            }
-        }
-        self.forward(columns);
-        self.backward(columns);
-        for (y, x) in self.permuted.chunks(n).zip(x.chunks_mut(n)) {
-            for (y, &e) in y.iter().zip(&self.plan.tree.order) {
-                x[e as usize] = *y;
-            }
-        }
-    }
-
-    fn forward(&mut self, columns: usize) {
         let tree = &self.plan.tree;
-        let n = tree.order.len();
-        for s in 0..tree.len() {
-            let (first, k, below) = (tree.first[s], tree.columns(s), tree.below(s));
-            let (m, b) = (k + below.len(), below.len());
-            let unit = self.plan.kind == Kind::Unsymmetric;
-            if unit {
-                let pivots = &self.pivots[first..first + k];
-                self.gathered.resize(self.gathered.len().max(k), 0.0);
-                let moved = &mut self.gathered[..k];
-                for y in self.permuted.chunks_mut(n) {
-                    let y = &mut y[first..first + k];
-                    moved.copy_from_slice(y);
-                    for (to, &from) in y.iter_mut().zip(pivots) {
-                        *to = moved[from as usize];
-                    }
-                }
-            }
-            self.gathered
-                .resize(self.gathered.len().max(b * columns), 0.0);
-            let update = &mut self.gathered[..b * columns];
-            let front = &self.factors[self.plan.assembly.storage[s]..][..m * k];
-            let x = MatMut::from_column_major_slice_mut(&mut self.permuted, n, columns);
-            kernels::forward(
-                unit,
-                front,
-                m,
-                x.subrows_mut(first, k),
-                MatMut::from_column_major_slice_mut(update, b, columns),
-            );
-            if b > 0 {
-                for (y, update) in self.permuted.chunks_mut(n).zip(update.chunks(b)) {
-                    for (&p, u) in below.iter().zip(update) {
-                        y[p as usize] -= u;
-                    }
+        self.x.resize(x.len(), 0.0);
+        self.below.resize(tree.rows.len() * columns, 0.0);
+        // Each supernode's unknowns together: x as [supernode][column][row].
+        let blocks = || (0..tree.len()).map(|s| (tree.first[s], tree.columns(s)));
+        for (first, k) in blocks() {
+            let block = &mut self.x[first * columns..][..k * columns];
+            for (y, x) in block.chunks_mut(k).zip(x.chunks(n)) {
+                for (y, &e) in y.iter_mut().zip(&tree.order[first..first + k]) {
+                    *y = x[e as usize];
                 }
             }
         }
-    }
-
-    fn backward(&mut self, columns: usize) {
-        let tree = &self.plan.tree;
-        let n = tree.order.len();
-        for s in (0..tree.len()).rev() {
-            let (first, k, below) = (tree.first[s], tree.columns(s), tree.below(s));
-            let (m, b) = (k + below.len(), below.len());
-            let known = &mut self.gathered[..b * columns];
-            if b > 0 {
-                for (y, known) in self.permuted.chunks(n).zip(known.chunks_mut(b)) {
-                    for (&p, x) in below.iter().zip(known) {
-                        *x = y[p as usize];
-                    }
+        let mut vectors = Vectors {
+            columns,
+            x: &mut self.x,
+            below: &mut self.below,
+        };
+        let factors = Factors {
+            numbers: &self.factors,
+            pivots: &self.pivots,
+        };
+        self.plan
+            .forward(&mut self.task, factors, vectors.reborrow());
+        self.plan.backward(&self.task, factors, vectors);
+        for (first, k) in blocks() {
+            let block = &self.x[first * columns..][..k * columns];
+            for (y, x) in block.chunks(k).zip(x.chunks_mut(n)) {
+                for (y, &e) in y.iter().zip(&tree.order[first..first + k]) {
+                    x[e as usize] = *y;
                 }
             }
-            let start = self.plan.assembly.storage[s];
-            let (own, below) = kernels::parts(&self.factors[start..][..m * k], m, k);
-            let (upper, rest) = match self.plan.kind {
-                Kind::Symmetric => (own.transpose(), below.transpose()),
-                Kind::Unsymmetric => {
-                    let rest = &self.factors[start + m * k..][..k * b];
-                    (own, MatRef::from_column_major_slice(rest, k, b))
-                }
-            };
-            let x = MatMut::from_column_major_slice_mut(&mut self.permuted, n, columns);
-            let known = MatRef::from_column_major_slice(known, b, columns);
-            kernels::backward(upper, rest, x.subrows_mut(first, k), known);
         }
     }
 }
 
 impl Plan {
+    /// Children of supernode `s`, ascending.
+    pub fn children(&self, s: usize) -> &[u32] {
+        &self.children[self.children_ptr[s]..self.children_ptr[s + 1]]
+    }
+
     /// Works a task through: its children at once, if there are threads for them, then its own
     /// supernodes in postorder.
     fn run(&self, task: &mut Task, matrix: Matrix, mut share: Share) -> Result<(), LinearError> {
@@ -318,7 +273,7 @@ impl Plan {
             (odd, even)
         };
         let schur = &mut made[offset..][..b * b];
-        let children = &self.children[self.children_ptr[s]..self.children_ptr[s + 1]];
+        let children = self.children(s);
         let child = |c: u32| {
             let c = c as usize;
             let rows = self.tree.below(c).len();
@@ -370,93 +325,5 @@ impl Plan {
             }
         }
         Ok(())
-    }
-}
-
-/// A child's Schur complement and where it goes.
-struct Child<'a> {
-    schur: &'a [f64], // [column][row]
-    rows: usize,
-    summed: usize, // rows that the parent eliminates
-    runs: &'a [Run],
-}
-
-impl Child<'_> {
-    /// Adds to the lower triangle of the parent's columns (m rows).
-    fn add_columns_lower(&self, columns: &mut [f64], m: usize) {
-        for (r, run) in self.runs.iter().enumerate() {
-            if run.from as usize >= self.summed {
-                break;
-            }
-            for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
-                let to = &mut columns[(run.to as usize + i) * m..][..m];
-                add(&self.runs[r..], 0, i, from, to);
-            }
-        }
-    }
-
-    /// Adds to the lower triangle of the parent's Schur complement (order b, after k columns).
-    fn add_schur_lower(&self, schur: &mut [f64], k: usize, b: usize) {
-        let start = self
-            .runs
-            .partition_point(|run| (run.from as usize) < self.summed);
-        for r in start..self.runs.len() {
-            let run = self.runs[r];
-            for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
-                let to = &mut schur[(run.to as usize - k + i) * b..][..b];
-                add(&self.runs[r..], k, i, from, to);
-            }
-        }
-    }
-
-    /// Adds to the parent's columns (m rows) and to the rest of its k rows.
-    fn add_columns(&self, columns: &mut [f64], rest: &mut [f64], m: usize, k: usize) {
-        let start = self
-            .runs
-            .partition_point(|run| (run.from as usize) < self.summed);
-        for run in self.runs {
-            for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
-                let column = run.to as usize + i;
-                if column < k {
-                    add(self.runs, 0, 0, from, &mut columns[column * m..][..m]);
-                } else {
-                    let to = &mut rest[(column - k) * k..][..k];
-                    add(&self.runs[..start], 0, 0, from, to);
-                }
-            }
-        }
-    }
-
-    /// Adds to the parent's Schur complement (order b, after k columns).
-    fn add_schur(&self, schur: &mut [f64], k: usize, b: usize) {
-        let start = self
-            .runs
-            .partition_point(|run| (run.from as usize) < self.summed);
-        for run in &self.runs[start..] {
-            for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
-                let to = &mut schur[(run.to as usize - k + i) * b..][..b];
-                add(&self.runs[start..], k, 0, from, to);
-            }
-        }
-    }
-}
-
-/// Adds the rows of one column run by run, without the first `skip` of the first run; the rows of
-/// `to` are counted from `base` of the parent's front.
-#[inline]
-fn add(runs: &[Run], base: usize, skip: usize, from: &[f64], to: &mut [f64]) {
-    let mut skip = skip;
-    for run in runs {
-        let len = run.len as usize - skip;
-        let source = &from[run.from as usize + skip..][..len];
-        let target = &mut to[run.to as usize - base + skip..][..len];
-        for (t, s) in target.iter_mut().zip(source) {
-            *t += s;
-        }
-        skip = 0;
     }
 }

@@ -108,8 +108,8 @@ impl Operator {
         }
     }
 
-    /// r = b − A x, and the largest ‖r‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞) over the columns, NaN if any is NaN.
-    pub fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64]) -> f64 {
+    /// r = b − A x, and how large it is.
+    pub fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64]) -> Residual {
         let n = self.pattern.n();
         // f64::max drops NaN; this must not.
         let norm = |v: &[f64]| {
@@ -121,19 +121,33 @@ impl Operator {
                 }
             })
         };
-        let mut worst = 0.0;
+        let mut worst = Residual::default();
         for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks_mut(n)) {
             r.copy_from_slice(b);
             self.subtract(x, r);
-            let (top, scale) = (norm(r), self.norm * norm(x) + norm(b));
-            let relative = if top == 0.0 { 0.0 } else { top / scale };
-            if relative.is_nan() || relative > worst {
-                worst = relative;
+            let (top, b) = (norm(r), norm(b));
+            if top == 0.0 {
+                continue;
             }
-            if worst.is_nan() {
-                return worst;
+            let backward = top / (self.norm * norm(x) + b);
+            if backward.is_nan() {
+                return Residual {
+                    backward,
+                    relative: f64::NAN,
+                };
             }
+            worst.backward = worst.backward.max(backward);
+            worst.relative = worst.relative.max(top / b);
         }
         worst
     }
+}
+
+/// Size of a residual r = b − A x, the largest over the columns; NaN if any is NaN.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Residual {
+    /// ‖r‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞)
+    pub backward: f64,
+    /// ‖r‖∞ / ‖b‖∞
+    pub relative: f64,
 }
