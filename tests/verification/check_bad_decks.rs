@@ -329,7 +329,7 @@ fn a_missing_file_is_not_a_bad_model() {
     let DeckError::Io(error) = error else {
         panic!("{error} is no input/output error")
     };
-    assert_eq!(error.source.kind(), std::io::ErrorKind::NotFound);
+    assert_eq!(error.why.kind(), std::io::ErrorKind::NotFound);
 }
 
 #[test]

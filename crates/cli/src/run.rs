@@ -13,7 +13,7 @@ use crate::arguments::Run;
 use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, count};
 
 /// Runs the model and writes its folder.
 pub fn run(arguments: &Run) -> Result<(), Failure> {
@@ -102,8 +102,11 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         lines.push(format!("initial stiffness {stiffness:.2} kN/mm"));
     }
     lines.push(format!(
-        "{} increments, {} iterations, {} cut-backs in {:.1} s",
-        summary.increments, summary.iterations, summary.cutbacks, summary.wall_s
+        "{}, {}, {} in {:.1} s",
+        count(summary.increments, "increment"),
+        count(summary.iterations, "iteration"),
+        count(summary.cutbacks, "cut-back"),
+        summary.wall_s
     ));
     lines.push(format!(
         "energy balance closes to {:.1e}",

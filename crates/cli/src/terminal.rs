@@ -115,20 +115,25 @@ impl Terminal {
 
     fn line(&self, row: &HistoryRow) -> String {
         format!(
-            "step {} {}: increment {}, {:.4} mm, {:.3} kN, {} iterations{}",
+            "step {} {}: increment {}, {:.4} mm, {:.3} kN, {}{}",
             row.step,
             self.name(row.step),
             row.increment,
             row.displacement_mm,
             row.force_kN,
-            row.iterations,
+            count(row.iterations, "iteration"),
             match row.cutbacks {
                 0 => String::new(),
-                1 => ", 1 cut-back".to_owned(),
-                n => format!(", {n} cut-backs"),
+                n => format!(", {}", count(n, "cut-back")),
             }
         )
     }
+}
+
+/// 1 iteration, 2 iterations.
+pub fn count(n: usize, what: &str) -> String {
+    let plural = if n == 1 { "" } else { "s" };
+    format!("{n} {what}{plural}")
 }
 
 /// 7.3 s, 2 min 05 s, 1 h 02 min.

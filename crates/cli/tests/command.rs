@@ -1,5 +1,6 @@
 //! The command as a user meets it: exit codes, messages, files.
 
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -111,6 +112,118 @@ fn results_that_cannot_be_written_exit_with_4() {
         "{}",
         stderr(&output)
     );
+}
+
+/// One folder would lie below a file; in the other a full disk stands for the history.
+#[test]
+#[cfg(target_os = "linux")]
+fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "mine").unwrap();
+    let below = file.join("wall.out");
+    let full = folder.path().join("full.out");
+    std::fs::create_dir(&full).unwrap();
+    std::os::unix::fs::symlink("/dev/full", full.join("history.csv")).unwrap();
+    for (out, said) in [
+        (&below, "cannot be created"),
+        (&full, "No space left on device"),
+    ] {
+        let output = wythe(&["run", &couplet(), "--out", &out.display().to_string()]);
+        assert_eq!(code(&output), 4, "{}", stderr(&output));
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        assert!(!out.join("summary.json").exists());
+    }
+}
+
+/// A device is written to as it is, never replaced by a file.
+#[test]
+#[cfg(target_os = "linux")]
+fn answers_go_to_devices_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.csv");
+    std::fs::write(
+        &path,
+        "eps_xx,eps_yy,eps_zz,gam_xy,gam_yz,gam_zx\n1e-5,0,0,0,0,0\n",
+    )
+    .unwrap();
+    let (path, model) = (path.display().to_string(), couplet());
+    let drive = [
+        "drive", "material", "brick", "--model", &model, "--path", &path, "--out",
+    ];
+    let output = wythe(&[&drive[..], &["/dev/full"]].concat());
+    assert_eq!(code(&output), 4, "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("the disk is full"),
+        "{}",
+        stderr(&output)
+    );
+    // The device is still one: nothing was moved over it.
+    use std::os::unix::fs::FileTypeExt;
+    let device = std::fs::metadata("/dev/full").unwrap().file_type();
+    assert!(device.is_char_device());
+    let output = wythe(&[&drive[..], &["/dev/stdout"]].concat());
+    assert_eq!(
+        column(&String::from_utf8(output.stdout).unwrap(), "d"),
+        [0.0]
+    );
+}
+
+/// The second step cannot converge: one iteration for a tolerance below rounding, and no cut.
+#[test]
+fn lost_convergence_exits_with_3_keeps_what_was_and_says_what_to_try() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("wall.out");
+    let model = repository("examples/02_couplet_shear.toml")
+        .display()
+        .to_string();
+    let output = wythe(&[
+        "run",
+        &model,
+        "--out",
+        &out.display().to_string(),
+        "--set",
+        "steps.1.tolerance = { residual = 1e-15, max_iterations = 1 }",
+        "--set",
+        "steps.1.increments = { initial = 0.1, max = 0.1, min = 0.1 }",
+    ]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let steps = column(&history, "step");
+    assert!(
+        !steps.is_empty() && steps.iter().all(|s| *s == 0.0),
+        "{steps:?}"
+    );
+    let times = column(&history, "time");
+    assert_eq!(times.last(), Some(&1.0)); // the preload is whole
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "not_converged");
+    assert_eq!(summary["increments"].as_f64(), Some(steps.len() as f64));
+    let message = summary["message"].as_str().unwrap();
+    for part in [
+        "step 1 (drive), 0.00 % of it done",
+        "no equilibrium within 1 iterations",
+        "worst at node ",
+        " of unit ",
+        "try steps.1.tolerance.max_iterations",
+        "steps.1.increments.min below 1e-1",
+    ] {
+        assert!(message.contains(part), "{part} is not in {message}");
+    }
+    // The command says the same.
+    assert!(
+        stderr(&output).contains("steps.1.increments.min below"),
+        "{}",
+        stderr(&output)
+    );
+    for name in [
+        "results.vtkhdf",
+        "load_displacement.svg",
+        "crack_pattern.svg",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
 }
 
 /// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory C.
@@ -499,6 +612,38 @@ fn an_interrupt_finishes_the_increment_writes_everything_and_exits_with_130() {
     let increments = column(&history, "increment");
     assert_eq!(increments.last().copied(), summary["increments"].as_f64());
     assert!(out.join("load_displacement.svg").is_file());
+}
+
+/// The first increment of a fine wall takes long enough to be asked twice.
+#[test]
+#[cfg(unix)]
+fn a_second_interrupt_stops_at_once() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("wall.out");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_wythe"))
+        .arg("run")
+        .arg(repository("examples/03_shear_wall_j7d.toml"))
+        .args(["--threads", "1", "--set", "wall.mesh=fine", "--out"])
+        .arg(&out)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The files are begun after the command has begun to listen.
+    while !out.join("results.vtkhdf").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended before it began");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    signal("-INT", &child);
+    let mut said = std::io::BufReader::new(child.stderr.take().unwrap()).lines();
+    assert!(said.any(|line| line.unwrap().contains("Ctrl-C again stops at once")));
+    signal("-INT", &child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    // No increment was finished, and nothing says that the run is whole.
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    assert_eq!(history.lines().count(), 1, "{history}");
+    assert!(!out.join("summary.json").exists());
 }
 
 #[test]

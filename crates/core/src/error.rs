@@ -131,20 +131,22 @@ impl Diagnostic for ModelError {
 
 /// A file that could not be read or written (exit code 4 of the command).
 #[derive(Debug, thiserror::Error, Diagnostic)]
-#[error("{}: {source}", path.display())]
-#[diagnostic(help("{}", io_advice(source)))]
+#[error("{}: {why}", path.display())]
+#[diagnostic(help("{}", io_advice(why)))]
 pub struct IoError {
     /// The file.
     pub path: PathBuf,
     /// What the system says.
-    pub source: std::io::Error,
+    pub why: std::io::Error,
 }
 
 fn io_advice(error: &std::io::Error) -> &'static str {
     match error.kind() {
         std::io::ErrorKind::NotFound => "check the path; it is relative to the current folder",
         std::io::ErrorKind::PermissionDenied => "check the permissions of the file and its folder",
-        std::io::ErrorKind::InvalidData => "a deck is text in UTF-8: save it so",
+        std::io::ErrorKind::InvalidData => "this file must be text in UTF-8: save it so",
+        std::io::ErrorKind::IsADirectory => "this is a folder: name a file",
+        std::io::ErrorKind::StorageFull => "the disk is full: make room, or write elsewhere",
         _ => "the file system refused",
     }
 }

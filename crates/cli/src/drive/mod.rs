@@ -166,9 +166,9 @@ fn walk<const N: usize, H: Copy>(
     state_values: impl Fn(&H) -> Vec<f64>,
 ) -> Result<(), Failure> {
     let file = arguments.path.display().to_string();
-    let text = fs::read_to_string(&arguments.path).map_err(|source| IoError {
+    let text = fs::read_to_string(&arguments.path).map_err(|why| IoError {
         path: arguments.path.clone(),
-        source,
+        why,
     })?;
     let path = Path::read(&file, &text, layout, &arguments.stress)
         .map_err(|error| Failure::model(*error))?;
@@ -203,10 +203,10 @@ fn walk<const N: usize, H: Copy>(
 }
 
 fn write(out: &FilePath, text: &str) -> Result<(), Failure> {
-    write_whole(out, text.as_bytes()).map_err(|source| {
+    write_whole(out, text.as_bytes()).map_err(|why| {
         IoError {
             path: out.to_owned(),
-            source,
+            why,
         }
         .into()
     })

@@ -88,8 +88,9 @@ fn set_value<'a>(
                 .ok()
                 .and_then(|i| array.get_mut(i))
                 .ok_or_else(|| {
+                    let entries = if count == 1 { "entry" } else { "entries" };
                     format!(
-                        "`{name}` has {count} entries, counted from 0: there is no `{name}.{part}`"
+                        "`{name}` has {count} {entries}, counted from 0: there is no `{name}.{part}`"
                     )
                 })?;
             if let Some(below) = below {

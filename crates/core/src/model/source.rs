@@ -209,6 +209,13 @@ impl Source {
     pub(super) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         let span = error.span();
         let message = error.message().trim_end().replace('\n', ", ");
+        // Rust's names of integers are none of a deck's.
+        let message = ["u64", "u32", "usize"].iter().fold(message, |text, name| {
+            text.replace(
+                &format!("expected {name}"),
+                "expected a whole number from 0",
+            )
+        });
         let at = span
             .as_ref()
             .and_then(|s| self.path_at(s))

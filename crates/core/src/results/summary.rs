@@ -195,11 +195,15 @@ impl SummaryFile {
 }
 
 /// Writes a file by way of a temporary neighbour and a rename, so that under its own name it is
-/// either whole or not there.
+/// either whole or not there. A device or a pipe (`/dev/stdout`) is written to as it is.
 ///
 /// # Errors
 /// The temporary file cannot be written or renamed; it is removed again.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        let mut device = File::options().write(true).open(path)?;
+        return device.write_all(bytes);
+    }
     let mut temporary = path.as_os_str().to_owned();
     temporary.push(".tmp");
     let temporary = Path::new(&temporary);

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use wythe_contact::PointStatus;
 
-use super::newton::{Clock, Newton, Outcome, Refusal, Solves, explain};
+use super::explain::explain;
+use super::newton::{Clock, Newton, Outcome, Refusal, Solves};
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
 use crate::model::Model;
@@ -311,12 +312,7 @@ impl<'m> Run<'m> {
 
     fn give_up(&mut self, step: usize, increment: Increment, refusal: &Refusal) {
         self.summary.status = Status::NotConverged;
-        self.summary.message = format!(
-            "step {step}, {:.4} of it done, increment {:.2e}: {}",
-            increment.start,
-            increment.size,
-            explain(refusal, self.model)
-        );
+        self.summary.message = explain(self.model, step, increment, refusal);
     }
 }
 

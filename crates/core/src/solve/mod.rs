@@ -1,6 +1,7 @@
 //! From a frozen model to its converged frames.
 
 pub mod drive;
+mod explain;
 mod line_search;
 mod newton;
 mod schedule;

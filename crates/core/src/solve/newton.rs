@@ -467,34 +467,3 @@ fn largest(values: &[f64]) -> (f64, usize) {
     }
     worst
 }
-
-/// Words for the user: where, why and what to try.
-pub fn explain(refusal: &Refusal, model: &Model) -> String {
-    let place = |node: usize| {
-        let [x, y, z] = model.mesh.nodes[node];
-        format!("node {node} at ({x:.1}, {y:.1}, {z:.1}) mm")
-    };
-    match refusal {
-        Refusal::Iterations { residual, node } => format!(
-            "no equilibrium within the allowed iterations: out-of-balance force {residual:.2e} of \
-             the mean nodal force, worst at {}; try smaller increments (increments.min), a material viscosity, or procedure = \"implex\"",
-            place(*node)
-        ),
-        Refusal::Local { element, why } => format!(
-            "element {element} of unit {}: {why}; try smaller increments (increments.min)",
-            model.mesh.unit[*element]
-        ),
-        Refusal::Linear {
-            why,
-            dof: Some((node, direction)),
-        } => format!(
-            "{why}: {} is free to move in {}; hold its body or bring it into contact",
-            place(*node),
-            ["x", "y", "z"][*direction]
-        ),
-        Refusal::Linear { why, dof: None } => format!("{why}"),
-        Refusal::NotFinite => "the out-of-balance force is not finite; try smaller increments \
-             (increments.initial)"
-            .to_owned(),
-    }
-}

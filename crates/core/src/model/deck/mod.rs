@@ -148,9 +148,9 @@ impl Deck {
     /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
     pub fn load(path: impl AsRef<Path>, overrides: &[(String, String)]) -> Result<Self, DeckError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| IoError {
+        let text = std::fs::read_to_string(path).map_err(|why| IoError {
             path: path.to_owned(),
-            source,
+            why,
         })?;
         Ok(Self::from_str_with(
             &text,

@@ -1,0 +1,102 @@
+//! Lost convergence in words: where, why, and what to try.
+
+use super::newton::Refusal;
+use super::schedule::Increment;
+use crate::material::MaterialParameters;
+use crate::model::Model;
+use crate::model::scene::{NamedMaterial, Procedure, Step};
+
+/// Why the run ends in `step`, whose increment was cut as far as the deck allows.
+pub fn explain(model: &Model, step: usize, increment: Increment, refusal: &Refusal) -> String {
+    let of = &model.steps[step];
+    format!(
+        "step {step} ({}), {:.2} % of it done, an increment of {:.2e} of it: {}; try {}",
+        of.name,
+        100.0 * increment.start,
+        increment.size,
+        why(model, of, refusal),
+        advice(model, step, refusal)
+    )
+}
+
+fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Iterations { residual, node } => format!(
+            "no equilibrium within {} iterations, the out-of-balance force is {residual:.2e} of the \
+             mean nodal force (tolerance {:e}), worst at {}",
+            step.tolerance.max_iterations,
+            step.tolerance.residual,
+            place(model, *node)
+        ),
+        Refusal::Local { element, why } => {
+            let [unit, course] = [
+                model.mesh.unit[*element],
+                model.mesh.course[*element].into(),
+            ];
+            format!("element {element} of unit {unit} in course {course}: {why}")
+        }
+        Refusal::Linear {
+            why,
+            dof: Some((node, direction)),
+        } => format!(
+            "{why}: {} is free to move in {}",
+            place(model, *node),
+            ["x", "y", "z"][*direction]
+        ),
+        Refusal::Linear { why, dof: None } => why.to_string(),
+        Refusal::NotFinite => "the out-of-balance force is not finite".to_owned(),
+    }
+}
+
+/// A node by its number, body and place, and whether it lies on an interface.
+fn place(model: &Model, node: usize) -> String {
+    let mesh = &model.mesh;
+    let [x, y, z] = mesh.nodes[node];
+    let has = |nodes: &[u32]| nodes.contains(&(node as u32));
+    let element = mesh.elements.iter().position(|nodes| has(nodes));
+    let body = element.map_or_else(String::new, |e| {
+        format!(" of unit {} in course {}", mesh.unit[e], mesh.course[e])
+    });
+    let surfaces = &model.contact;
+    let mut facets = surfaces.slave_facets.iter().chain(&surfaces.master_facets);
+    let on = if facets.any(|nodes| has(nodes)) {
+        ", on an interface"
+    } else {
+        ""
+    };
+    format!("node {node}{body} at ({x:.1}, {y:.1}, {z:.1}) mm{on}")
+}
+
+/// Keys of the deck that may help, the likeliest first; only such as are not yet there.
+fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
+    if let Refusal::Linear { dof: Some(_), .. } = refusal {
+        return "to hold that body, or to press it into contact before it is moved".to_owned();
+    }
+    let step = &model.steps[index];
+    let mut tries = Vec::new();
+    let patience = step.tolerance.max_iterations;
+    if patience < USUAL_ITERATIONS && matches!(refusal, Refusal::Iterations { .. }) {
+        tries.push(format!(
+            "steps.{index}.tolerance.max_iterations = {USUAL_ITERATIONS} (now {patience})"
+        ));
+    }
+    let min = step.increments.min;
+    tries.push(format!("steps.{index}.increments.min below {min:e}"));
+    if step.procedure != Procedure::Implex {
+        tries.push(format!("steps.{index}.procedure = \"implex\""));
+    }
+    let cracks =
+        |m: &NamedMaterial| matches!(m.parameters, MaterialParameters::DamagePlasticity(_));
+    if step.viscosity == 0.0 && model.materials.iter().any(cracks) {
+        let viscosity = USUAL_VISCOSITY * step.duration;
+        tries.push(format!(
+            "steps.{index}.viscosity = {viscosity} (of step time), which carries the snap of a unit"
+        ));
+    }
+    tries.join("; or ")
+}
+
+/// Iterations below which patience is a likely reason: the default.
+const USUAL_ITERATIONS: usize = 25;
+/// Viscosity over the duration of a step that carried the walls through (docs/decisions.md).
+const USUAL_VISCOSITY: f64 = 0.0025;
