@@ -9,6 +9,7 @@ use std::path::Path;
 use nalgebra::Vector6;
 use wythe::contact::{Coupling, InterfaceLaw};
 use wythe::material::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
+use wythe::model::{Deck, Model};
 
 /// A CSV file with `#` comments: column name → values.
 pub fn csv(path: &str) -> HashMap<String, Vec<f64>> {
@@ -152,4 +153,22 @@ impl Random {
     pub fn signed(&mut self) -> f64 {
         2.0 * self.uniform() - 1.0
     }
+}
+
+/// Four courses of two units of the wall J7D, half as thick (one element), pushed by 0.3 mm: its
+/// joints open and slide.
+pub fn small_wall() -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/03_shear_wall_j7d.toml");
+    let overrides = [
+        ("wall.courses", "4"),
+        ("wall.length", "420.5 mm"),
+        ("wall.unit", "[204, 49, 50]"),
+        ("wall.mesh", "[5, 2, 1]"),
+        ("steps.1.displacement", "0.3 mm"),
+        // 0.01 mm of the drive, as in the deck.
+        ("steps.1.viscosity", "0.033"),
+    ];
+    let overrides = overrides.map(|(k, v)| (k.into(), v.into()));
+    let deck = Deck::load(path, &overrides).expect("the example is a deck");
+    Model::from_deck(&deck).expect("the example is a model").0
 }
