@@ -212,7 +212,7 @@ impl System {
     ) -> Result<(usize, LinearSolver), LinearError> {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
-        let gather = Gather::new(&cells, &self.dofs, equations);
+        let gather = Gather::new(&cells, &self.dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
         let mut last = usize::MAX;

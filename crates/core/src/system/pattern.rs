@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
+use super::linear::Kind;
 
 /// Values of one cell's matrix: `[a][b][i][j]`, a, b local nodes, i, j directions.
 pub const CELL: usize = 8 * 8 * 9;
@@ -48,8 +49,9 @@ pub struct Gather {
 }
 
 impl Gather {
-    /// Builds the pattern of `cells` (eight nodes each; structurally symmetric).
-    pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations) -> Self {
+    /// Builds the pattern of `cells` (eight nodes each; structurally symmetric). Where the matrix is
+    /// symmetric the blocks above the diagonal stay zero: nobody reads them.
+    pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations, kind: Kind) -> Self {
         let n = equations.len();
         let equation = |node: u32, i: usize| match dofs.slot[node as usize][i] {
             HELD => PRESCRIBED,
@@ -85,6 +87,10 @@ impl Gather {
         let mut columns: Vec<u32> = Vec::new();
         let mut last = (NONE, NONE);
         for &(col, row, source) in &pairs {
+            // Equal ranks share columns and hold both triangles.
+            if kind == Kind::Symmetric && rank[row as usize] < rank[col as usize] {
+                continue;
+            }
             if (col, row) != last {
                 last = (col, row);
                 let mut position = [NONE; 9];
