@@ -164,10 +164,10 @@ impl DeckStep {
     }
 
     /// Tolerance of the model: 5e-3 of the mean nodal force where everything is implicit (theory F);
-    /// 5e-2 where the solids are extrapolated, whose own imbalance is larger (docs/validation.md).
+    /// 2e-2 where the solids are extrapolated, whose own imbalance is larger (docs/decisions.md).
     pub fn tolerance(&self) -> Tolerance {
         let default = match self.procedure {
-            Procedure::Implex => 5e-2,
+            Procedure::Implex => 2e-2,
             Procedure::Implicit | Procedure::Direct => 5e-3,
         };
         Tolerance {
