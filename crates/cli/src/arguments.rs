@@ -6,23 +6,79 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 /// Pushes walls of bricks to collapse: the detailed micro-model of masonry.
+///
+/// Bricks and mortar are solids that crack and crush, joined by interfaces that open and slide. A
+/// model is one TOML file (docs/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
 #[derive(Debug, Parser)]
-#[command(version, about, after_help = EXIT_CODES)]
+#[command(version, after_help = EXIT_CODES)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad model or usage; 3 not converged, results \
-    kept; 4 input/output; 130 interrupted; 1 a bug of wythe.";
+const EXIT_CODES: &str = "\
+Examples:
+  wythe check examples/03_shear_wall_j7d.toml
+  wythe run examples/03_shear_wall_j7d.toml --threads 4
+  wythe drive material brick --model examples/03_shear_wall_j7d.toml --path tension.csv
+
+Exit codes: 0 completed; 2 bad model or usage; 3 not converged, results kept; 4 input/output; \
+130 interrupted; 1 a bug of wythe.";
+
+const RUN_HELP: &str = "\
+The folder then holds:
+  history.csv            a row an increment [mm, kN, J], written as the run goes
+  results.vtkhdf         displacements, stresses, damage: ParaView 5.12, VTK 9.3 or later
+  load_displacement.svg, crack_pattern.svg
+  summary.json           written last: a folder without it is not whole
+Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
+a second Ctrl-C stops at once.
+
+Examples:
+  wythe run examples/03_shear_wall_j7d.toml
+  wythe run wall.toml --out fine.out --set wall.mesh=fine --set steps.1.displacement='6 mm'";
+
+const CHECK_HELP: &str = "\
+Prints warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
+the bond), its sizes, and the memory [MB] that a run takes.
+
+Examples:
+  wythe check examples/03_shear_wall_j7d.toml
+  wythe check wall.toml --set wall.mesh=fine";
+
+const MATERIAL_HELP: &str = "\
+PATH.csv has the columns eps_xx eps_yy eps_zz gam_xy gam_yz gam_zx [-] (engineering shear, tension \
+positive) in any order; others are carried along. A component named by --stress takes sig_xx_MPa … \
+sig_zx_MPa instead. A column time [s] matters for viscosity; without it a row takes 1 s. A point has \
+no size: the tables of the material are taken as given.
+
+OUT.csv repeats the path and adds sig_xx_MPa … sig_zx_MPa kt kc dt dc d: hardening in tension and \
+compression [-], damage in tension, in compression, and of the stress [-].
+
+Examples:
+  wythe drive material brick --model wall.toml --path triaxial.csv --out answer.csv
+  wythe drive material brick --model wall.toml --path uniaxial.csv --stress yy --stress zz";
+
+const INTERFACE_HELP: &str = "\
+PATH.csv has the columns u_mm d1_mm d2_mm (opening, slips [mm]) in any order; others are carried \
+along. A component named by --stress takes sig_MPa, tau1_MPa, tau2_MPa instead (tension positive). \
+The interface needs normal_stiffness and shear_stiffness [N/mm^3], in the model or by --set.
+
+OUT.csv repeats the path and adds sig_MPa tau1_MPa tau2_MPa D: tractions and damage [-].
+
+Example, shear at constant compression:
+  wythe drive interface joint --model wall.toml --path shear.csv --stress normal \\
+    --set interfaces.joint.normal_stiffness=34000 --set interfaces.joint.shear_stiffness=14783";
 
 /// The sub-commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a model through all its steps.
+    #[command(after_help = RUN_HELP)]
     Run(Run),
     /// Check a model without running it: syntax, units, ranges, physics, sizes.
+    #[command(after_help = CHECK_HELP)]
     Check(Check),
     /// Take one material or interface point along a prescribed path.
     Drive(Drive),
@@ -31,7 +87,8 @@ pub enum Command {
 /// A model and what is said anew of it.
 #[derive(Debug, Args)]
 pub struct ModelArguments {
-    /// Override a key of the model, e.g. steps.1.increments.max=0.02 (repeatable).
+    /// Say a key of the model anew, e.g. steps.1.increments.max=0.02 (repeatable). The path is
+    /// dotted, arrays count from 0; the value is TOML or a bare string, checked like the file.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub overrides: Vec<(String, String)>,
 }
@@ -44,7 +101,7 @@ pub struct Run {
     /// Folder for the results [default: MODEL.out beside the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads [default: all cores].
+    /// Threads; results do not depend on them [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -71,11 +128,11 @@ pub struct Drive {
 /// The kinds of points.
 #[derive(Debug, Subcommand)]
 pub enum Point {
-    /// A point of a solid. Path columns: eps_xx eps_yy eps_zz gam_xy gam_yz gam_zx (engineering
-    /// shear), sig_xx_MPa … where stress-driven, and perhaps time [s].
+    /// A point of a solid, driven by strains or stresses.
+    #[command(after_help = MATERIAL_HELP)]
     Material(DrivePoint),
-    /// A point of an interface. Path columns: u_mm d1_mm d2_mm (opening and slips), sig_MPa,
-    /// tau1_MPa, tau2_MPa where traction-driven, and perhaps time [s].
+    /// A point of an interface, driven by opening and slips or by tractions.
+    #[command(after_help = INTERFACE_HELP)]
     Interface(DrivePoint),
 }
 
@@ -87,7 +144,7 @@ pub struct DrivePoint {
     /// The model, a TOML file.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: PathBuf,
-    /// The path: a CSV file with a header; # begins a comment. One implicit step a row.
+    /// The path: a CSV file with a header, a row a step; # begins a comment.
     #[arg(long, value_name = "PATH.csv")]
     pub path: PathBuf,
     /// Where the answer goes [default: standard output].
@@ -96,8 +153,8 @@ pub struct DrivePoint {
     /// Implicit steps a row.
     #[arg(long, value_name = "N", default_value = "1")]
     pub substeps: NonZeroUsize,
-    /// Drive this component by its stress column and solve for its strain: xx yy zz xy yz zx, or
-    /// normal tau1 tau2 (repeatable).
+    /// Drive this component by its stress column and solve for its strain: xx yy zz xy yz zx of a
+    /// material, normal tau1 tau2 of an interface (repeatable).
     #[arg(long, value_name = "COMPONENT")]
     pub stress: Vec<String>,
     #[command(flatten)]
