@@ -49,7 +49,10 @@ impl Aabb {
     }
 
     /// True if the boxes share a point.
-    #[expect(clippy::needless_bitwise_bool, reason = "without branches queries measure faster")]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "without branches queries measure faster"
+    )]
     pub fn touches(&self, other: &Self) -> bool {
         let along = |i: usize| (self.min[i] <= other.max[i]) & (other.min[i] <= self.max[i]);
         along(0) & along(1) & along(2)

@@ -190,8 +190,9 @@ fn every_ordering_gives_the_same_solution() {
 
 #[test]
 fn the_solution_has_the_same_bits_on_any_number_of_threads() {
-    // Large enough for a handful of tasks (5e6 operations each at least).
-    let (pattern, values) = solid([24, 4, 24], 5.0, 1e-3, 12);
+    // Large enough for a handful of tasks (5e6 operations each at least) and for a last front of
+    // 18 × 7 nodes, 378³/3 = 1.8e7 operations, that is cut into pieces.
+    let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
     for backend in [Backend::MultifrontalLlt, Backend::MultifrontalLu] {
         let solve = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
