@@ -296,6 +296,42 @@ fn lu_pivots_within_a_front() {
 }
 
 #[test]
+fn what_needs_pivots_from_other_fronts_goes_to_the_refuge() {
+    // Three blocks without a stiffness of their own, each held by its own part of a fourth: too
+    // large to be merged with it, singular in their own fronts.
+    let (parts, size) = (3, 40);
+    let part = |i: usize| i / size;
+    let half = parts * size;
+    let coupled = |a: usize, b: usize| part(a) % parts == part(b) % parts || a.min(b) >= half;
+    let lists: Vec<Vec<usize>> = (0..2 * half)
+        .map(|i| (0..2 * half).filter(|&j| coupled(i, j)).collect())
+        .collect();
+    let mut noise = Noise(14);
+    let (pattern, values) = assemble(&lists, 1, &[], &mut |i, j| {
+        if i.max(j) < half {
+            0.0
+        } else if i % half == j % half {
+            30.0
+        } else {
+            noise.next()
+        }
+    });
+    let options = Options::new(Backend::MultifrontalLu);
+    let mut fronts = Multifrontal::analyse(&pattern, options.ordering, Kind::Unsymmetric).unwrap();
+    let sums = vec![1.0; pattern.n()];
+    assert!(matches!(
+        fronts.factorise(&values, &sums),
+        Err(LinearError::Singular { equation }) if equation < half
+    ));
+    let case = Case {
+        name: "saddle",
+        pattern,
+        values,
+    };
+    compare(&case, options, 2);
+}
+
+#[test]
 fn bad_numbers_and_lengths_are_named() {
     let (pattern, mut values) = solid([3, 3, 3], 5.0, 0.0, 11);
     for backend in ALL {
