@@ -258,3 +258,37 @@ fn matching(edges: &[Vec<u32>], right: usize) -> (Vec<u32>, Vec<u32>) {
     }
     (mate, partner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::stencils::grid;
+    use super::*;
+
+    #[test]
+    fn a_matching_is_enlarged_along_augmenting_paths() {
+        // 0 takes the first it sees and must give it up twice; 3 finds nobody left.
+        let edges = [vec![0, 1], vec![0, 2], vec![0], vec![0]];
+        let (mate, partner) = matching(&edges, 3);
+        assert_eq!(mate, [1, 2, 0, NONE]);
+        assert_eq!(partner, [2, 0, 1]);
+    }
+
+    #[test]
+    fn the_first_separator_of_a_wall_is_one_column_and_comes_last() {
+        let nodes = [40, 3, 20];
+        let (lists, places) = grid(nodes);
+        let (mut ptr, mut neighbours) = (vec![0], Vec::new());
+        for (v, list) in lists.iter().enumerate() {
+            neighbours.extend(list.iter().filter(|&&u| u != v).map(|&u| u as u32));
+            ptr.push(neighbours.len() as u32);
+        }
+        let graph = Graph { ptr, neighbours };
+        let order = dissect(&graph, &places).unwrap();
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().copied().eq(0..graph.len() as u32));
+        let last = &order[order.len() - nodes[1] * nodes[2]..];
+        let x = places[last[0] as usize][0];
+        assert!(last.iter().all(|&v| places[v as usize][0] == x), "{x}");
+    }
+}

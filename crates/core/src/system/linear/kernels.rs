@@ -12,14 +12,20 @@ use faer::linalg::triangular_solve::{
 };
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
+use rayon::prelude::*;
 
 use super::LinearError;
+use super::tree::flops;
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
 const PANEL: usize = 48;
 /// Columns that a Cholesky front eliminates at once.
 const BLOCK: usize = 16;
+/// Operations from which on a front is cut into pieces that may run at the same time.
+const LARGE: f64 = 1e7;
+/// Rows or columns of such a piece at most.
+const PIECE: usize = 96;
 
 /// Memory that the dense kernels need beside their arguments.
 pub(super) struct Scratch {
@@ -77,24 +83,23 @@ pub(super) fn llt(
     schur: &mut [f64],
     scratch: &mut Scratch,
 ) -> Result<(), usize> {
+    let large = is_large(m, k);
     // Left-looking: block j first takes all updates from the columns before it, by one product.
     for j in (0..k).step_by(BLOCK) {
         let width = BLOCK.min(k - j);
         let (done, rest) = columns.split_at_mut(j * m);
         let done = MatRef::from_column_major_slice(done, m, j);
-        let mut block = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width)
-            .subrows_mut(j, m - j);
-        if j > 0 {
-            matmul(
-                block.rb_mut(),
-                Accum::Add,
-                done.subrows(j, m - j),
-                done.subrows(j, width).transpose(),
-                -1.0,
-                Par::Seq,
-            );
-        }
+        let (_, block) = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width)
+            .split_at_row_mut(j);
         let (mut own, below) = block.split_at_row_mut(width);
+        let across = done.subrows(j, width).transpose();
+        let update = |rows: MatMut<'_, f64>, first: usize| {
+            if j > 0 {
+                let done = done.subrows(first, rows.nrows());
+                matmul(rows, Accum::Add, done, across, -1.0, Par::Seq);
+            }
+        };
+        update(own.rb_mut(), j);
         cholesky_in_place(
             own.rb_mut(),
             LltRegularization::default(),
@@ -103,23 +108,56 @@ pub(super) fn llt(
             Spec::default(),
         )
         .map_err(|LltError::NonPositivePivot { index }| j + index)?;
-        solve_lower_triangular_in_place(own.rb(), below.transpose_mut(), Par::Seq);
+        let own = own.rb();
+        in_rows(large, below, j + width, &|mut rows, first| {
+            update(rows.rb_mut(), first);
+            solve_lower_triangular_in_place(own, rows.transpose_mut(), Par::Seq);
+        });
     }
     let b = m - k;
     let (_, below) = parts(columns, m, k);
-    let mut schur = MatMut::from_column_major_slice_mut(schur, b, b);
-    for j in (0..b).step_by(PANEL) {
-        let width = PANEL.min(b - j);
+    let panel = |(p, panel): (usize, &mut [f64])| {
+        let (j, width) = (p * PANEL, panel.len() / b);
         matmul(
-            schur.rb_mut().submatrix_mut(j, j, b - j, width),
+            MatMut::from_column_major_slice_mut(panel, b, width).subrows_mut(j, b - j),
             Accum::Replace,
             below.subrows(j, b - j),
             below.subrows(j, width).transpose(),
             -1.0,
             Par::Seq,
         );
+    };
+    if b > 0 && large {
+        schur.par_chunks_mut(b * PANEL).enumerate().for_each(panel);
+    } else if b > 0 {
+        schur.chunks_mut(b * PANEL).enumerate().for_each(panel);
     }
     Ok(())
+}
+
+/// Whether a front is cut into pieces: a matter of its size alone, so that the threads there
+/// happen to be change no bit.
+fn is_large(m: usize, k: usize) -> bool {
+    flops(m, k) > LARGE
+}
+
+/// Calls `work` with the rows of `x` and the number of the first, in pieces where `large`.
+fn in_rows<F>(large: bool, x: MatMut<'_, f64>, first: usize, work: &F)
+where
+    F: Fn(MatMut<'_, f64>, usize) + Sync,
+{
+    let rows = x.nrows();
+    if !large || rows <= PIECE {
+        if rows > 0 {
+            work(x, first);
+        }
+        return;
+    }
+    let (a, b) = x.split_at_row_mut(rows / 2);
+    rayon::join(
+        || in_rows(large, a, first, work),
+        || in_rows(large, b, first + rows / 2, work),
+    );
 }
 
 /// P F₁₁ = L₁₁ U₁₁, L₂₁ = F₂₁ U₁₁⁻¹ in place of `columns` (m × k), U₁₂ = L₁₁⁻¹ P F₁₂ in place of
@@ -148,24 +186,38 @@ pub(super) fn lu(
     if b == 0 {
         return;
     }
+    let large = is_large(m, k);
+    let own = own.rb();
     // L₂₁ U₁₁ = F₂₁, transposed.
-    solve_lower_triangular_in_place(
-        own.rb().transpose(),
-        below.rb_mut().transpose_mut(),
-        Par::Seq,
-    );
+    in_rows(large, below.rb_mut(), 0, &|rows, _| {
+        solve_lower_triangular_in_place(own.transpose(), rows.transpose_mut(), Par::Seq);
+    });
     for column in rest.chunks_exact_mut(k) {
         scratch.exchange(column, pivots);
     }
-    let mut rest = MatMut::from_column_major_slice_mut(rest, k, b);
-    solve_unit_lower_triangular_in_place(own.rb(), rest.rb_mut(), Par::Seq);
-    matmul(
-        MatMut::from_column_major_slice_mut(schur, b, b),
-        Accum::Replace,
-        below.rb(),
-        rest.rb(),
-        -1.0,
-        Par::Seq,
+    let rest = MatMut::from_column_major_slice_mut(rest, k, b);
+    let schur = MatMut::from_column_major_slice_mut(schur, b, b);
+    let below = below.rb();
+    in_columns(large, rest, schur, &|mut rest, schur| {
+        solve_unit_lower_triangular_in_place(own, rest.rb_mut(), Par::Seq);
+        matmul(schur, Accum::Replace, below, rest.rb(), -1.0, Par::Seq);
+    });
+}
+
+/// Calls `work` with the columns of `x` and the same of `y`, in pieces where `large`.
+fn in_columns<F>(large: bool, x: MatMut<'_, f64>, y: MatMut<'_, f64>, work: &F)
+where
+    F: Fn(MatMut<'_, f64>, MatMut<'_, f64>) + Sync,
+{
+    let columns = x.ncols();
+    if !large || columns <= PIECE {
+        return work(x, y);
+    }
+    let (x, x_after) = x.split_at_col_mut(columns / 2);
+    let (y, y_after) = y.split_at_col_mut(columns / 2);
+    rayon::join(
+        || in_columns(large, x, y, work),
+        || in_columns(large, x_after, y_after, work),
     );
 }
 

@@ -50,7 +50,8 @@ pub enum Kind {
 pub enum Backend {
     /// Multifrontal L Lᵀ; the tree's branches in parallel, the same bits on any number of threads.
     MultifrontalLlt,
-    /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise.
+    /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise. Where they
+    /// do not suffice, [`Backend::FaerLu`] takes over for that matrix.
     MultifrontalLu,
     /// faer's sparse L Lᵀ; serial.
     FaerLlt,
@@ -153,6 +154,8 @@ pub struct LinearSolver {
     options: Options,
     operator: Operator,
     engine: Engine,
+    refuge: Option<FaerLu>, // of a multifrontal LU, once it was needed
+    in_refuge: bool,        // the last matrix was factorised there
     factorised: bool,
     stats: FactorStats,
     rhs: Vec<f64>,      // [column][equation], b kept for the residual
@@ -190,6 +193,8 @@ impl LinearSolver {
             options,
             operator,
             engine,
+            refuge: None,
+            in_refuge: false,
             factorised: false,
             stats,
             rhs: Vec::new(),
@@ -228,10 +233,17 @@ impl LinearSolver {
     pub fn factorise(&mut self, values: &[f64]) -> Result<FactorStats, LinearError> {
         let start = Instant::now();
         self.factorised = false;
+        self.in_refuge = false;
         self.operator.store(values)?;
         let pattern = self.operator.pattern();
         match &mut self.engine {
-            Engine::Multifrontal(f) => f.factorise(values, self.operator.row_sums())?,
+            Engine::Multifrontal(f) => match f.factorise(values, self.operator.row_sums()) {
+                // Singular, or only in want of pivots.
+                Err(first) if self.options.backend == Backend::MultifrontalLu => {
+                    self.seek_refuge().map_err(|_| first)?;
+                }
+                other => other?,
+            },
             Engine::FaerLlt(f) => f.factorise(pattern, values)?,
             Engine::FaerLu(f) => {
                 f.factorise(pattern, values)?;
@@ -241,6 +253,26 @@ impl LinearSolver {
         self.factorised = true;
         self.stats.seconds = start.elapsed().as_secs_f64();
         Ok(self.stats)
+    }
+
+    /// Factorises the stored matrix with pivots anywhere in a column.
+    fn seek_refuge(&mut self) -> Result<(), LinearError> {
+        let pattern = self.operator.pattern();
+        let refuge = match &mut self.refuge {
+            Some(refuge) => refuge,
+            none => none.insert(FaerLu::analyse(pattern)?),
+        };
+        refuge.factorise(pattern, self.operator.values())?;
+        self.in_refuge = true;
+        self.probe()
+    }
+
+    /// x ← A⁻¹ x with the last factors.
+    fn substitute(&mut self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
+        match &self.refuge {
+            Some(refuge) if self.in_refuge => refuge.solve(x, columns),
+            _ => self.engine.solve(x, columns),
+        }
     }
 
     /// A back end that divides by (nearly) zero in silence is found out by solving for a vector of
@@ -256,7 +288,7 @@ impl LinearSolver {
                 }
             })
             .collect();
-        self.engine.solve(&mut x, 1)?;
+        self.substitute(&mut x, 1)?;
         let growth = |v: f64| v.abs() * self.operator.norm();
         let worst = (0..x.len()).max_by(|&i, &j| f64::total_cmp(&growth(x[i]), &growth(x[j])));
         match worst {
@@ -296,9 +328,26 @@ impl LinearSolver {
         self.rhs.clear();
         self.rhs.extend_from_slice(rhs);
         self.residual.resize(rhs.len(), 0.0);
-        self.engine.solve(rhs, columns)?;
+        let mut report = self.refine(rhs, columns)?;
+        let accurate = |report: SolveReport| report.residual <= self.options.accept;
+        if self.options.backend == Backend::MultifrontalLu && !self.in_refuge && !accurate(report) {
+            self.seek_refuge()?;
+            rhs.copy_from_slice(&self.rhs);
+            report = self.refine(rhs, columns)?;
+        }
+        // A NaN residual is not below the limit.
+        if report.residual <= self.options.accept {
+            Ok(report)
+        } else {
+            let (residual, limit) = (report.residual, self.options.accept);
+            Err(LinearError::Inaccurate { residual, limit })
+        }
+    }
 
-        let residual = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+    /// Solves for `x`, a copy of which is in `self.rhs`, and refines the solution.
+    fn refine(&mut self, x: &mut [f64], columns: usize) -> Result<SolveReport, LinearError> {
+        self.substitute(x, columns)?;
+        let residual = self.operator.residual(x, &self.rhs, &mut self.residual);
         let mut report = SolveReport {
             residual: residual.backward,
             relative: residual.relative,
@@ -310,27 +359,24 @@ impl LinearSolver {
         {
             // x' = x + A⁻¹ (b − A x), kept only if it is better.
             self.previous.clear();
-            self.previous.extend_from_slice(rhs);
-            self.engine.solve(&mut self.residual, columns)?;
-            for (x, d) in rhs.iter_mut().zip(&self.residual) {
+            self.previous.extend_from_slice(x);
+            let mut change = std::mem::take(&mut self.residual);
+            let substituted = self.substitute(&mut change, columns);
+            self.residual = change;
+            substituted?;
+            for (x, d) in x.iter_mut().zip(&self.residual) {
                 *x += d;
             }
-            let refined = self.operator.residual(rhs, &self.rhs, &mut self.residual);
+            let refined = self.operator.residual(x, &self.rhs, &mut self.residual);
             if refined.relative < report.relative {
                 report.residual = refined.backward;
                 report.relative = refined.relative;
                 report.refinements += 1;
             } else {
-                rhs.copy_from_slice(&self.previous);
+                x.copy_from_slice(&self.previous);
                 break;
             }
         }
-        // A NaN residual is not below the limit.
-        if report.residual <= self.options.accept {
-            Ok(report)
-        } else {
-            let (residual, limit) = (report.residual, self.options.accept);
-            Err(LinearError::Inaccurate { residual, limit })
-        }
+        Ok(report)
     }
 }

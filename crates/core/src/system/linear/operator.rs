@@ -32,6 +32,11 @@ impl Operator {
         &self.pattern
     }
 
+    /// The last values. `[entry]`
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// ‖A‖∞ of the last values.
     pub fn norm(&self) -> f64 {
         self.norm

@@ -190,8 +190,9 @@ fn every_ordering_gives_the_same_solution() {
 
 #[test]
 fn the_solution_has_the_same_bits_on_any_number_of_threads() {
-    // Large enough for a handful of tasks (5e6 operations each at least).
-    let (pattern, values) = solid([24, 4, 24], 5.0, 1e-3, 12);
+    // Large enough for a handful of tasks (5e6 operations each at least) and for a last front of
+    // 18 × 7 nodes, 378³/3 = 1.8e7 operations, that is cut into pieces.
+    let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
     for backend in [Backend::MultifrontalLlt, Backend::MultifrontalLu] {
         let solve = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -292,6 +293,42 @@ fn lu_pivots_within_a_front() {
             "{x:?}"
         );
     }
+}
+
+#[test]
+fn what_needs_pivots_from_other_fronts_goes_to_the_refuge() {
+    // Three blocks without a stiffness of their own, each held by its own part of a fourth: too
+    // large to be merged with it, singular in their own fronts.
+    let (parts, size) = (3, 40);
+    let part = |i: usize| i / size;
+    let half = parts * size;
+    let coupled = |a: usize, b: usize| part(a) % parts == part(b) % parts || a.min(b) >= half;
+    let lists: Vec<Vec<usize>> = (0..2 * half)
+        .map(|i| (0..2 * half).filter(|&j| coupled(i, j)).collect())
+        .collect();
+    let mut noise = Noise(14);
+    let (pattern, values) = assemble(&lists, 1, &[], &mut |i, j| {
+        if i.max(j) < half {
+            0.0
+        } else if i % half == j % half {
+            30.0
+        } else {
+            noise.next()
+        }
+    });
+    let options = Options::new(Backend::MultifrontalLu);
+    let mut fronts = Multifrontal::analyse(&pattern, options.ordering, Kind::Unsymmetric).unwrap();
+    let sums = vec![1.0; pattern.n()];
+    assert!(matches!(
+        fronts.factorise(&values, &sums),
+        Err(LinearError::Singular { equation }) if equation < half
+    ));
+    let case = Case {
+        name: "saddle",
+        pattern,
+        values,
+    };
+    compare(&case, options, 2);
 }
 
 #[test]
