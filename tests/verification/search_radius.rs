@@ -22,9 +22,9 @@ fn pulled(radius: Option<&str>) -> (Vec<[f64; 2]>, usize) {
         "/examples/01_couplet_tension.toml"
     );
     let set = [
-        ("steps.0.displacement", "0.1"),
-        ("steps.0.increments.initial", "0.02"),
-        ("steps.0.increments.max", "0.02"),
+        ("steps.1.displacement", "0.094"),
+        ("steps.1.increments.initial", "0.02"),
+        ("steps.1.increments.max", "0.02"),
         ("contact.search_radius", radius.unwrap_or("3 mm")),
     ];
     let count = if radius.is_some() { 4 } else { 3 };
