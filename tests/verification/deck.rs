@@ -537,6 +537,9 @@ fn absurd_sizes_are_refused_before_they_are_built() {
     let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
     for (key, value, at) in [
         ("wall.length", "1e300", "wall.length"),
+        ("wall.head_joint", "1e300", "wall.head_joint"),
+        ("wall.bed_joint", "\"12.5 um\"", "wall.bed_joint"),
+        ("wall.unit.1", "1e-300", "wall.unit.1"),
         ("wall.courses", "4000000000", "wall.courses"),
         (
             "wall.mesh",

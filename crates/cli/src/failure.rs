@@ -95,7 +95,10 @@ impl From<RunError> for Failure {
                     "results could not be written: {error}"
                 ))),
             },
-            RunError::Bulk(error) => Self::Model(Report::msg(error.to_string())),
+            RunError::Bulk(error) => Self::Model(miette::miette!(
+                help = "see the sizes in [wall], wall.mesh and the tables of the material",
+                "{error}"
+            )),
         }
     }
 }

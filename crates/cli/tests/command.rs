@@ -89,6 +89,30 @@ fn a_missing_model_exits_with_4_and_a_bad_one_with_2() {
     );
 }
 
+/// A run is refused before its folder is made, with the file, the place and a fix.
+#[test]
+fn every_bad_deck_exits_with_2_and_leaves_no_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("wall.out").display().to_string();
+    let mut tried = 0;
+    for entry in std::fs::read_dir(repository("tests/data/bad")).unwrap() {
+        let deck = entry.unwrap().path();
+        let name = deck.file_name().unwrap().to_string_lossy().into_owned();
+        let output = wythe(&["run", &deck.display().to_string(), "--out", &out]);
+        assert_eq!(code(&output), 2, "{name}: {}", stderr(&output));
+        let said = stderr(&output);
+        // The path may be wrapped in the middle.
+        assert!(
+            said.replace(' ', "").contains(&format!("{name}:")),
+            "{name}: {said}"
+        );
+        assert!(said.contains("help:"), "{name}: {said}");
+        assert!(!Path::new(&out).exists(), "{name}");
+        tried += 1;
+    }
+    assert!(tried > 30);
+}
+
 #[test]
 fn check_prints_the_sizes() {
     let output = wythe(&["check", &couplet()]);

@@ -163,6 +163,8 @@ impl<const N: usize> Path<N> {
         layout: &Layout<N>,
         stress: &[String],
     ) -> Result<Self, Box<PathError>> {
+        // What spreadsheets put before the first name is no part of it.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = Source { file, text };
         let by_stress = chosen(&source, layout, stress)?;
         let mut reader = csv::ReaderBuilder::new()
@@ -274,7 +276,9 @@ fn columns<const N: usize>(
             (layout.strains[i], layout.stresses[i], layout.components[i]);
         let name = if by_stress[i] { stress } else { strain };
         targets[i] = find(name)?.ok_or_else(|| {
-            let help = if by_stress[i] {
+            let help = if header.len() == 1 && header[0].contains([';', '\t']) {
+                "separate the cells by commas".to_owned()
+            } else if by_stress[i] {
                 format!("--stress {component} takes its values from a column {stress}")
             } else {
                 format!("add the column {strain}, or --stress {component} and a column {stress}")
@@ -451,6 +455,14 @@ mod tests {
         );
         let error = read("u_mm,d1_mm,d2_mm\n1,2,3\n", &["yy"]).unwrap_err();
         assert!(error.to_string().contains("--stress yy"), "{error}");
+    }
+
+    #[test]
+    fn what_spreadsheets_write_is_read_or_named() {
+        let path = read("\u{feff}u_mm,d1_mm,d2_mm\r\n1,2,3\r\n", &[]).unwrap();
+        assert_eq!(path.rows[0].targets[0], Target::Strain(1.0));
+        let error = read("u_mm;d1_mm;d2_mm\n1;2;3\n", &[]).unwrap_err();
+        assert!(error.help.contains("commas"), "{}", error.help);
     }
 
     #[test]

@@ -141,9 +141,10 @@ impl Source {
         found.map_or("", |(path, _)| path.as_str())
     }
 
-    /// An error about the key `path`.
+    /// An error about the key `path`; what is not there at all is told at the top of the file.
     pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
-        self.error_at(self.span(path), path, message.into(), help)
+        let span = self.span(path).unwrap_or(0..0);
+        self.error_at(Some(span), path, message.into(), help)
     }
 
     /// A warning about the key `path`.

@@ -161,9 +161,42 @@ impl Checks<'_> {
             wall.unit[2],
         ];
         if sizes.iter().all(|s| s.get() > 0.0)
+            && self.proportions(wall)
             && let Err(refusal) = layout::course_pattern(wall)
         {
             self.require(false, refusal.key, || refusal.message, &refusal.help);
         }
     }
+
+    /// Refuses sizes of which no sound element can be made; false if it did. The key is that of the
+    /// size farthest from the others.
+    fn proportions(&mut self, wall: &Wall) -> bool {
+        let mut sizes = [
+            ("wall.unit.0", wall.unit[0].get()),
+            ("wall.unit.1", wall.unit[1].get()),
+            ("wall.unit.2", wall.unit[2].get()),
+            ("wall.bed_joint", wall.bed_joint.get()),
+            ("wall.head_joint", wall.head_joint.get()),
+        ];
+        sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let [smallest, _, middle, _, largest] = sizes;
+        // Divided one by one: the ratio of all may overflow.
+        let (below, above) = (middle.1 / smallest.1, largest.1 / middle.1);
+        let fine = below <= MOST_SLENDER && above <= MOST_SLENDER;
+        let (path, size) = if below > above { smallest } else { largest };
+        self.require(
+            fine,
+            path,
+            || {
+                let beside = middle.1;
+                format!("{size} mm beside {beside} mm: no sound element can be made of these")
+            },
+            "see that the unit of length is right: units and joints differ by a factor of 1000 at most",
+        );
+        fine
+    }
 }
+
+/// Largest ratio of the sizes of units and joints to the middle one: thin joints of stone blocks
+/// reach a hundred.
+const MOST_SLENDER: f64 = 1e3;
