@@ -19,7 +19,7 @@ const NONE: u32 = u32::MAX;
 /// A block of the matrix and where it goes.
 #[derive(Clone, Debug)]
 struct Block {
-    /// Position in the values of each entry `[i][j]`, or [`NONE`].
+    /// Position in the values of each entry of a cell's block, or [`NONE`].
     position: [u32; 9],
     /// Its contributions: a range of [`Gather::sources`].
     start: u32,
@@ -43,16 +43,18 @@ pub struct Gather {
     /// Row of each entry, ascending in a column.
     pub row_idx: Vec<u32>,
     blocks: Vec<Block>,
-    /// Cell block `cell · 64 + a · 8 + b` of each contribution.
+    /// Cell block `cell · 64 + a · 8 + b` of each contribution; of a symmetric matrix that of the
+    /// transposed, because the blocks of a column of nodes then lie side by side in the cell.
     sources: Vec<u32>,
     chunks: Vec<Chunk>,
 }
 
 impl Gather {
     /// Builds the pattern of `cells` (eight nodes each; structurally symmetric). Where the matrix is
-    /// symmetric the blocks above the diagonal stay zero: nobody reads them.
+    /// symmetric, and so every cell, the blocks above the diagonal stay zero: nobody reads them.
     pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations, kind: Kind) -> Self {
         let n = equations.len();
+        let symmetric = kind == Kind::Symmetric;
         let equation = |node: u32, i: usize| match dofs.slot[node as usize][i] {
             HELD => PRESCRIBED,
             s => equations.of_slot[s as usize],
@@ -64,8 +66,8 @@ impl Gather {
             for (a, &row) in cell.iter().enumerate() {
                 for (b, &col) in cell.iter().enumerate() {
                     if rank[col as usize] != NONE && rank[row as usize] != NONE {
-                        let source = (c * 64 + a * 8 + b) as u32;
-                        pairs.push((col, row, source));
+                        let block = if symmetric { b * 8 + a } else { a * 8 + b };
+                        pairs.push((col, row, (c * 64 + block) as u32));
                     }
                 }
             }
@@ -88,7 +90,7 @@ impl Gather {
         let mut last = (NONE, NONE);
         for &(col, row, source) in &pairs {
             // Equal ranks share columns and hold both triangles.
-            if kind == Kind::Symmetric && rank[row as usize] < rank[col as usize] {
+            if symmetric && rank[row as usize] < rank[col as usize] {
                 continue;
             }
             if (col, row) != last {
@@ -98,7 +100,8 @@ impl Gather {
                     for j in 0..3 {
                         let (r, c) = (equation(row, i), equation(col, j));
                         if r != PRESCRIBED && c != PRESCRIBED {
-                            position[3 * i + j] = find(r, c);
+                            let k = if symmetric { 3 * j + i } else { 3 * i + j };
+                            position[k] = find(r, c);
                         }
                     }
                 }
