@@ -19,7 +19,7 @@ const NONE: u32 = u32::MAX;
 /// A block of the matrix and where it goes.
 #[derive(Clone, Debug)]
 struct Block {
-    /// Position in the values of each entry `[i][j]`, or [`NONE`].
+    /// Position in the values of each entry of a cell's block, or [`NONE`].
     position: [u32; 9],
     /// Its contributions: a range of [`Gather::sources`].
     start: u32,
@@ -43,62 +43,81 @@ pub struct Gather {
     /// Row of each entry, ascending in a column.
     pub row_idx: Vec<u32>,
     blocks: Vec<Block>,
-    /// Cell block `cell · 64 + a · 8 + b` of each contribution.
+    /// Cell block `cell · 64 + a · 8 + b` of each contribution; of a symmetric matrix that of the
+    /// transposed, because the blocks of a column of nodes then lie side by side in the cell.
     sources: Vec<u32>,
     chunks: Vec<Chunk>,
 }
 
 impl Gather {
     /// Builds the pattern of `cells` (eight nodes each; structurally symmetric). Where the matrix is
-    /// symmetric the blocks above the diagonal stay zero: nobody reads them.
+    /// symmetric, and so every cell, the blocks above the diagonal stay zero: nobody reads them.
     pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations, kind: Kind) -> Self {
         let n = equations.len();
+        let symmetric = kind == Kind::Symmetric;
         let equation = |node: u32, i: usize| match dofs.slot[node as usize][i] {
             HELD => PRESCRIBED,
             s => equations.of_slot[s as usize],
         };
-        // Node pairs (column, row) with the cell blocks that feed them, in cell order.
-        let mut pairs: Vec<(u32, u32, u32)> = Vec::with_capacity(cells.len() * 64);
-        let rank: Vec<u32> = node_rank(dofs, equations);
+        let rank = node_rank(dofs, equations);
+        let mut order: Vec<u32> = (0..rank.len() as u32)
+            .filter(|&node| rank[node as usize] != NONE)
+            .collect();
+        order.sort_unstable_by_key(|&node| (rank[node as usize], node));
+        let mut place = vec![NONE; rank.len()];
+        for (p, &node) in order.iter().enumerate() {
+            place[node as usize] = p as u32;
+        }
+        // Places of (column, row) with the cell blocks that feed them, in cell order.
+        let mut pairs: Vec<(u64, u32)> = Vec::with_capacity(cells.len() * 64);
         for (c, cell) in cells.iter().enumerate() {
-            for (a, &row) in cell.iter().enumerate() {
-                for (b, &col) in cell.iter().enumerate() {
-                    if rank[col as usize] != NONE && rank[row as usize] != NONE {
-                        let source = (c * 64 + a * 8 + b) as u32;
-                        pairs.push((col, row, source));
+            let places = cell.map(|node| place[node as usize]);
+            for (a, &row) in places.iter().enumerate() {
+                for (b, &col) in places.iter().enumerate() {
+                    if col != NONE && row != NONE {
+                        let block = if symmetric { b * 8 + a } else { a * 8 + b };
+                        let pair = u64::from(col) << 32 | u64::from(row);
+                        pairs.push((pair, (c * 64 + block) as u32));
                     }
                 }
             }
         }
-        pairs.par_sort_unstable_by_key(|&(col, row, s)| {
-            (rank[col as usize], col, rank[row as usize], row, s)
-        });
+        pairs.par_sort_unstable();
+        let nodes_of = |pair: u64| (order[(pair >> 32) as usize], order[pair as u32 as usize]);
 
-        let (col_ptr, row_idx) = compress(&pairs, n, &equation);
-        let find = |row: u32, col: u32| -> u32 {
+        let (col_ptr, row_idx) = compress(&pairs, n, &nodes_of, &equation);
+        // Rows of a column are asked for in ascending order, mostly.
+        let mut expected = [0; 3];
+        let mut find = |row: u32, col: u32, j: usize| -> u32 {
             let range = col_ptr[col as usize]..col_ptr[col as usize + 1];
-            match row_idx[range.clone()].binary_search(&row) {
-                Ok(k) => (range.start + k) as u32,
-                Err(_) => NONE,
+            if !(range.contains(&expected[j]) && row_idx[expected[j]] == row) {
+                match row_idx[range.clone()].binary_search(&row) {
+                    Ok(k) => expected[j] = range.start + k,
+                    Err(_) => return NONE,
+                }
             }
+            expected[j] += 1;
+            (expected[j] - 1) as u32
         };
         let mut blocks: Vec<Block> = Vec::new();
         let mut sources = Vec::with_capacity(pairs.len());
         let mut columns: Vec<u32> = Vec::new();
-        let mut last = (NONE, NONE);
-        for &(col, row, source) in &pairs {
+        let mut last = u64::MAX;
+        for &(pair, source) in &pairs {
+            let (col, row) = nodes_of(pair);
             // Equal ranks share columns and hold both triangles.
-            if kind == Kind::Symmetric && rank[row as usize] < rank[col as usize] {
+            if symmetric && rank[row as usize] < rank[col as usize] {
                 continue;
             }
-            if (col, row) != last {
-                last = (col, row);
+            if pair != last {
+                last = pair;
                 let mut position = [NONE; 9];
                 for i in 0..3 {
                     for j in 0..3 {
                         let (r, c) = (equation(row, i), equation(col, j));
                         if r != PRESCRIBED && c != PRESCRIBED {
-                            position[3 * i + j] = find(r, c);
+                            let k = if symmetric { 3 * j + i } else { 3 * i + j };
+                            position[k] = find(r, c, j);
                         }
                     }
                 }
@@ -181,33 +200,34 @@ fn node_rank(dofs: &DofMap, equations: &Equations) -> Vec<u32> {
 
 /// Compressed columns of the node pairs, sorted by column.
 fn compress(
-    pairs: &[(u32, u32, u32)],
+    pairs: &[(u64, u32)],
     n: usize,
+    nodes_of: &impl Fn(u64) -> (u32, u32),
     equation: &impl Fn(u32, usize) -> u32,
 ) -> (Vec<usize>, Vec<u32>) {
-    let mut col_ptr = vec![0; n + 1];
     let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let mut last = (NONE, NONE);
-    for &(col, row, _) in pairs {
-        if (col, row) == last {
-            continue;
+    let mut rows: Vec<u32> = Vec::new();
+    for of_column in pairs.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32) {
+        rows.clear();
+        for of_pair in of_column.chunk_by(|a, b| a.0 == b.0) {
+            let (_, row) = nodes_of(of_pair[0].0);
+            let equations = (0..3).map(|i| equation(row, i));
+            rows.extend(equations.filter(|&r| r != PRESCRIBED));
         }
-        last = (col, row);
-        for j in 0..3 {
-            let c = equation(col, j);
-            if c != PRESCRIBED {
-                columns[c as usize].extend(
-                    (0..3)
-                        .map(|i| equation(row, i))
-                        .filter(|&r| r != PRESCRIBED),
-                );
-            }
+        let (col, _) = nodes_of(of_column[0].0);
+        for c in (0..3)
+            .map(|j| equation(col, j))
+            .filter(|&c| c != PRESCRIBED)
+        {
+            columns[c as usize].extend_from_slice(&rows);
         }
     }
+    // Rows repeat where nodes are tied to one beam, as columns do.
     columns.par_iter_mut().for_each(|rows| {
         rows.sort_unstable();
         rows.dedup();
     });
+    let mut col_ptr = vec![0; n + 1];
     for (c, rows) in columns.iter().enumerate() {
         col_ptr[c + 1] = col_ptr[c] + rows.len();
     }
