@@ -3,3 +3,8 @@
 
 pub use wythe_contact as contact;
 pub use wythe_core::*;
+
+/// The examples of the README, run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -227,6 +227,18 @@ impl InterfaceLaw {
         self.respond(normal.traction, shear, tangent, history, old, true)
     }
 
+    /// Free energy ψ of a point (theory C.5) [N/mm].
+    pub fn free_energy(&self, history: &InterfaceHistory) -> f64 {
+        let [sigma, tau_1, tau_2] = history.traction;
+        let normal = if sigma <= 0.0 {
+            0.5 * sigma * sigma / self.normal_stiffness
+        } else {
+            let u = history.opening.max(0.0);
+            0.5 * self.secant_stiffness(history.opening_max, history.damage) * u * u
+        };
+        normal + 0.5 * (tau_1 * tau_1 + tau_2 * tau_2) / self.shear_stiffness
+    }
+
     /// Completes a response: status and energies.
     pub(crate) fn respond(
         &self,
@@ -249,12 +261,6 @@ impl InterfaceLaw {
         };
         let secant = self.secant_stiffness(history.opening_max, history.damage);
         let secant_old = self.secant_stiffness(old.opening_max, old.damage);
-        let normal_energy = if sigma <= 0.0 {
-            0.5 * sigma * sigma / self.normal_stiffness
-        } else {
-            0.5 * secant * u.max(0.0) * u.max(0.0)
-        };
-        let shear_energy = 0.5 * shear.norm_squared() / self.shear_stiffness;
         let opening_work = 0.5 * u.max(0.0) * old.opening.max(0.0) * (secant_old - secant);
         let mut slip_work = 0.0;
         for i in 0..2 {
@@ -262,12 +268,13 @@ impl InterfaceLaw {
                 * (traction[1 + i] + old.traction[1 + i])
                 * (history.plastic_slip[i] - old.plastic_slip[i]);
         }
+        let elastic_energy = self.free_energy(&history);
         InterfaceResponse {
             traction,
             tangent,
             history,
             status,
-            elastic_energy: normal_energy + shear_energy,
+            elastic_energy,
             dissipation: opening_work + slip_work,
         }
     }

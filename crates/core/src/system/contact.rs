@@ -312,7 +312,8 @@ impl Contact {
                 let lost = lost(law, old);
                 change = change.max(size(&lost.traction, &task.last[p]) * point.area);
                 task.history[p] = lost;
-                task.energy[p] = [0.0; 2];
+                // What the point stored is set free.
+                task.energy[p] = [0.0, law.free_energy(old) * point.area];
                 task.status[p] = PointStatus::Open;
                 continue;
             };
