@@ -21,7 +21,8 @@ fn wall(backend: Backend) -> (LinearSolver, Vec<f64>) {
     let state = system.initial_state(&model);
     let mut trial = Trial::default();
     trial.start(&state);
-    system.search(&mut trial);
+    let q = vec![0.0; system.dofs.slots];
+    system.search(&mut trial, &q);
     let equations = Equations::new(&system.dofs, model.steps.last().expect("a step"));
     let setting = Evaluation {
         dt: 0.01,
@@ -29,7 +30,6 @@ fn wall(backend: Backend) -> (LinearSolver, Vec<f64>) {
         shifted: true,
         tangent: true,
     };
-    let q = vec![0.0; system.dofs.slots];
     let clock = &mut Clock::default();
     system
         .evaluate(&model, &state, &mut trial, &q, setting, clock)
