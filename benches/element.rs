@@ -12,9 +12,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Rotation3, Vector3};
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
-use wythe::material::{
-    DamagePlasticity, Material, MaterialHistory, PointEnergy, elastic_stiffness,
-};
+use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
 use wythe::model::scene::Formulation;
 use wythe::system::bulk::{self, ElementSlot};
 use wythe::system::pattern::CELL;
@@ -41,26 +39,7 @@ fn element(c: &mut Criterion) {
     });
 
     let mut group = c.benchmark_group("hex8");
-    group.bench_function("frame", |b| {
-        b.iter(|| Corotated::new(&shape, black_box(&x)));
-    });
-    group.bench_function("strains", |b| {
-        b.iter(|| shape.strains(black_box(&frame.local)));
-    });
-    let stresses = strains.map(|e| elastic_stiffness(&brick().elastic) * e);
-    let force = shape.internal_force(&stresses);
     let mut cell = vec![0.0; CELL];
-    group.bench_function("elastic_force", |b| {
-        b.iter(|| shape.elastic_force(black_box(&frame.local)));
-    });
-    group.bench_function("turn_symmetric_stiffness", |b| {
-        let k = shape.elastic_stiffness();
-        b.iter(|| frame.symmetric_stiffness(&shape, k, black_box(&force), &mut cell));
-    });
-    group.bench_function("turn_stiffness", |b| {
-        let k = shape.elastic_stiffness();
-        b.iter(|| frame.stiffness(&shape, k, black_box(&force), &mut cell));
-    });
     let law = Material::DamagePlasticity(Box::new(law));
     let extrapolated = Solids::Extrapolated { ratio: 1.0 };
     let mut damaged = [virgin; 8];
