@@ -16,7 +16,9 @@ use parry3d_f64::bounding_volume::Aabb as ParryAabb;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::partitioning::{Bvh as ParryBvh, BvhBuildStrategy, BvhWorkspace};
 use wythe::contact::projection::{extend, project};
-use wythe::contact::{Aabb, Anchor, Bvh, Candidates, Kinematics, Search, Shift, Surface};
+use wythe::contact::{
+    Aabb, Anchor, Bvh, Candidates, Kinematics, Search, Shift, Surface, write_stiffness,
+};
 
 fn law(c: &mut Criterion) {
     let law = table_3();
@@ -82,8 +84,8 @@ fn geometry(c: &mut Criterion) {
         b.iter(|| Kinematics::new(black_box(&slave), &weights, &warped, [0.1, 0.0], anchor));
     });
     let mut cell = vec![0.0; 24 * 24];
-    group.bench_function("material_stiffness", |b| {
-        b.iter(|| kin.add_stiffness(black_box(&tangent), 600.0, &mut cell));
+    group.bench_function("stiffness_of_four_points", |b| {
+        b.iter(|| write_stiffness(&[kin.stiffness(black_box(&tangent), 600.0); 4], &mut cell));
     });
     group.bench_function("exact_stiffness", |b| {
         b.iter(|| kin.add_exact_stiffness(&traction, black_box(&tangent), 600.0, &mut cell));

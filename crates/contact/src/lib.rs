@@ -22,5 +22,7 @@ pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, Point
 pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
 pub use projection::{Projection, project};
 pub use shifted::Shift;
-pub use stencil::{Anchor, Kinematics, SlavePoint, corner_points, gauss_points};
+pub use stencil::{
+    Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, write_stiffness,
+};
 pub use surface::{Surface, frame_at};

@@ -132,21 +132,13 @@ impl Kinematics {
         }
     }
 
-    /// Adds the material stiffness `[a][b][i][j]` [N/mm] of `tangent` (rows σ, τ₁, τ₂; columns u,
-    /// δ₁, δ₂): symmetric where `tangent` is.
-    pub fn add_stiffness(&self, tangent: &Matrix3<f64>, area: f64, cell: &mut [f64]) {
+    /// Material stiffness of the point, for [`write_stiffness`], of `tangent` (rows σ, τ₁, τ₂; columns
+    /// u, δ₁, δ₂); area in mm².
+    pub fn stiffness(&self, tangent: &Matrix3<f64>, area: f64) -> PointStiffness {
         let rotation = Matrix3::from_columns(&self.frame);
-        let k = rotation * tangent * rotation.transpose() * area;
-        for a in 0..8 {
-            for b in 0..8 {
-                let w = self.weights[a] * self.weights[b];
-                let block = &mut cell[(a * 8 + b) * 9..][..9];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        block[3 * i + j] += w * k[(i, j)];
-                    }
-                }
-            }
+        PointStiffness {
+            weights: self.weights,
+            block: rotation * tangent * rotation.transpose() * area,
         }
     }
 
@@ -225,6 +217,34 @@ impl Kinematics {
                     for j in 0..3 {
                         block[3 * i + j] += area * rows[(i, 3 * b + j)];
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Stiffness w_a w_b k of one point between the eight nodes of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct PointStiffness {
+    /// w: weights of the relative displacement. `[slave corners, master corners]`
+    pub weights: [f64; 8],
+    /// k [N/mm].
+    pub block: Matrix3<f64>,
+}
+
+/// Writes the sum of the points' stiffness `[a][b][i][j]` [N/mm] over all of a cell: symmetric where
+/// the tangents are. One pass, because to write is what it costs.
+pub fn write_stiffness(points: &[PointStiffness], cell: &mut [f64]) {
+    for a in 0..8 {
+        for b in 0..8 {
+            let mut sum = Matrix3::zeros();
+            for point in points {
+                sum += point.block * (point.weights[a] * point.weights[b]);
+            }
+            let block = &mut cell[(a * 8 + b) * 9..][..9];
+            for i in 0..3 {
+                for j in 0..3 {
+                    block[3 * i + j] = sum[(i, j)];
                 }
             }
         }

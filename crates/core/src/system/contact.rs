@@ -11,6 +11,7 @@ use wythe_contact::stencil::Anchor;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, PointStatus, Shift,
     SlavePoint, Surface, corner_points, frame_at, gauss_points, pair_point, to_frame,
+    write_stiffness,
 };
 
 use super::pattern::CELL;
@@ -292,6 +293,7 @@ impl Contact {
         let candidates = self.candidates.of(f);
         task.force.fill([[0.0; 3]; 8]);
         let mut change = 0.0_f64;
+        let mut stiff = [None; 4];
         if setting.tangent {
             task.active.fill(false);
         }
@@ -336,17 +338,15 @@ impl Contact {
             };
             change = change.max(size(&response.traction, &task.last[p]) * point.area);
             kin.add_force(&response.traction, point.area, &mut task.force[cell]);
-            if setting.tangent {
+            if setting.tangent && setting.shifted {
+                stiff[p] = Some((cell, kin.stiffness(&response.tangent, point.area)));
+            } else if setting.tangent {
                 let to = &mut task.cells[cell * CELL..(cell + 1) * CELL];
                 if !task.active[cell] {
                     to.fill(0.0);
                     task.active[cell] = true;
                 }
-                if setting.shifted {
-                    kin.add_stiffness(&response.tangent, point.area, to);
-                } else {
-                    kin.add_exact_stiffness(&response.traction, &response.tangent, point.area, to);
-                }
+                kin.add_exact_stiffness(&response.traction, &response.tangent, point.area, to);
             }
             task.history[p] = response.history;
             task.energy[p] = [
@@ -354,6 +354,18 @@ impl Contact {
                 response.dissipation * point.area,
             ];
             task.status[p] = response.status;
+        }
+        for (cell, first) in stiff.iter().flatten() {
+            if !task.active[*cell] {
+                let (mut together, mut count) = ([*first; 4], 0);
+                for (_, one) in stiff.iter().flatten().filter(|(c, _)| c == cell) {
+                    together[count] = *one;
+                    count += 1;
+                }
+                let to = &mut task.cells[cell * CELL..(cell + 1) * CELL];
+                write_stiffness(&together[..count], to);
+                task.active[*cell] = true;
+            }
         }
         change
     }
