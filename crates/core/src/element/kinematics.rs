@@ -145,7 +145,7 @@ impl Corotated {
         tangent::unsymmetric(self, shape, local, local_force, cell);
     }
 
-    /// [`Self::stiffness`] of a symmetric one, in two thirds of the time.
+    /// [`Self::stiffness`] of a symmetric one, with one factor for two.
     #[inline(always)]
     pub fn symmetric_stiffness(
         &self,
