@@ -3,8 +3,6 @@
 //! A contact cell is one slave facet with one of its candidate master facets: 4 + 4 nodes. The
 //! candidates stay fixed while surfaces move less than the skin, and the matrix pattern with them.
 
-use std::collections::HashMap;
-
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use wythe_contact::stencil::Anchor;
@@ -14,17 +12,13 @@ use wythe_contact::{
     write_stiffness,
 };
 
+use super::numerical::numerical_stiffness;
 use super::pattern::CELL;
 use super::{Evaluation, Trial};
 use crate::model::Model;
 use crate::model::scene::ContactPoints;
 use crate::solve::State;
 
-/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough for
-/// the tangents, stiff enough for few iterations (docs/decisions.md).
-const NUMERICAL_PENALTY: f64 = 2.0;
-/// Least numerical stiffness over the steepest softening of the law, so that the return converges.
-const LEAST_OVER_SOFTENING: f64 = 4.0;
 /// Reach of contact across a gap, over the mean edge of the facets, where the deck has no
 /// `search_radius`. A point that opens wider is free; the search finds it again when it closes.
 const REACH: f64 = 0.06;
@@ -429,66 +423,4 @@ fn size(a: &[f64; 3], b: &[f64; 3]) -> f64 {
         .map(|i| (a[i] - b[i]) * (a[i] - b[i]))
         .sum::<f64>()
         .sqrt()
-}
-
-/// Stiffness of the shifted penalty from the element behind each slave facet.
-fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
-    /// Faces of the hex8.
-    const FACES: [[usize; 4]; 6] = [
-        [0, 3, 2, 1],
-        [4, 5, 6, 7],
-        [0, 1, 5, 4],
-        [1, 2, 6, 5],
-        [2, 3, 7, 6],
-        [3, 0, 4, 7],
-    ];
-    let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
-    for (e, nodes) in model.mesh.elements.iter().enumerate() {
-        for face in FACES {
-            let mut key = face.map(|a| nodes[a]);
-            key.sort_unstable();
-            owner.insert(key, e);
-        }
-    }
-    let contact = &model.contact;
-    contact
-        .slave_facets
-        .iter()
-        .zip(&contact.slave_law)
-        .map(|(facet, &law)| {
-            let law = &contact.laws[law as usize];
-            let mut key = *facet;
-            key.sort_unstable();
-            let Some(&e) = owner.get(&key) else {
-                return [law.normal_stiffness, law.shear_stiffness];
-            };
-            let corners = model.mesh.corners(e);
-            let elastic = model.materials[model.mesh.material[e] as usize]
-                .parameters
-                .elastic();
-            let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
-            let factor = NUMERICAL_PENALTY / height;
-            let [opening, slip] = law.softening_slopes();
-            [
-                (factor * elastic.E).max(LEAST_OVER_SOFTENING * opening),
-                (factor * elastic.shear_modulus()).max(LEAST_OVER_SOFTENING * slip),
-            ]
-        })
-        .collect()
-}
-
-/// Size of an element normal to one of its faces: mean height of its corners over the face.
-fn thickness(corners: &[[f64; 3]; 8], face: &[[f64; 3]; 4]) -> f64 {
-    let normal = frame_at(face, [0.0; 2])[0];
-    let base: f64 = face
-        .iter()
-        .map(|c| normal.dot(&Vector3::from(*c)))
-        .sum::<f64>()
-        / 4.0;
-    let mean: f64 = corners
-        .iter()
-        .map(|c| normal.dot(&Vector3::from(*c)))
-        .sum::<f64>()
-        / 8.0;
-    2.0 * (mean - base).abs()
 }

@@ -4,6 +4,7 @@ pub mod bulk;
 pub mod contact;
 pub mod dofs;
 pub mod linear;
+mod numerical;
 pub mod pattern;
 
 pub use bulk::{Bulk, Solids};

@@ -1,0 +1,77 @@
+//! The stiffness that the shifted penalty iterates with.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+use wythe_contact::frame_at;
+
+use crate::model::Model;
+
+/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough for
+/// the tangents, stiff enough for few iterations (docs/decisions.md).
+const NUMERICAL_PENALTY: f64 = 2.0;
+/// Least numerical stiffness over the steepest softening of the law, so that the return converges.
+const LEAST_OVER_SOFTENING: f64 = 4.0;
+
+/// Normal and shear stiffness of the shifted penalty from the element behind each slave facet
+/// [N/mm³]. `[slave facet]`
+pub fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
+    /// Faces of the hex8.
+    const FACES: [[usize; 4]; 6] = [
+        [0, 3, 2, 1],
+        [4, 5, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+    ];
+    let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
+    for (e, nodes) in model.mesh.elements.iter().enumerate() {
+        for face in FACES {
+            let mut key = face.map(|a| nodes[a]);
+            key.sort_unstable();
+            owner.insert(key, e);
+        }
+    }
+    let contact = &model.contact;
+    contact
+        .slave_facets
+        .iter()
+        .zip(&contact.slave_law)
+        .map(|(facet, &law)| {
+            let law = &contact.laws[law as usize];
+            let mut key = *facet;
+            key.sort_unstable();
+            let Some(&e) = owner.get(&key) else {
+                return [law.normal_stiffness, law.shear_stiffness];
+            };
+            let corners = model.mesh.corners(e);
+            let elastic = model.materials[model.mesh.material[e] as usize]
+                .parameters
+                .elastic();
+            let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
+            let factor = NUMERICAL_PENALTY / height;
+            let [opening, slip] = law.softening_slopes();
+            [
+                (factor * elastic.E).max(LEAST_OVER_SOFTENING * opening),
+                (factor * elastic.shear_modulus()).max(LEAST_OVER_SOFTENING * slip),
+            ]
+        })
+        .collect()
+}
+
+/// Size of an element normal to one of its faces: mean height of its corners over the face.
+fn thickness(corners: &[[f64; 3]; 8], face: &[[f64; 3]; 4]) -> f64 {
+    let normal = frame_at(face, [0.0; 2])[0];
+    let base: f64 = face
+        .iter()
+        .map(|c| normal.dot(&Vector3::from(*c)))
+        .sum::<f64>()
+        / 4.0;
+    let mean: f64 = corners
+        .iter()
+        .map(|c| normal.dot(&Vector3::from(*c)))
+        .sum::<f64>()
+        / 8.0;
+    2.0 * (mean - base).abs()
+}
