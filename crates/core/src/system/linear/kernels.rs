@@ -19,13 +19,20 @@ use super::tree::flops;
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
-const PANEL: usize = 48;
-/// Columns that a Cholesky front eliminates at once.
-const BLOCK: usize = 16;
+fn panel(b: usize) -> usize {
+    (b / 16).max(48)
+}
+/// Columns that a Cholesky front eliminates at once: few, because the products before are faster
+/// than elimination; more where those would read what no cache holds for each few columns again.
+fn block(k: usize) -> usize {
+    if k > 256 { 64 } else { 16 }
+}
 /// Operations from which on a front is cut into pieces that may run at the same time.
 const LARGE: f64 = 1e7;
-/// Rows or columns of such a piece at most.
-const PIECE: usize = 96;
+/// Rows or columns of such a piece at most: an eighth of all, but not too few.
+fn piece(all: usize) -> usize {
+    (all / 8).max(96)
+}
 
 /// Memory that the dense kernels need beside their arguments.
 pub(super) struct Scratch {
@@ -85,8 +92,8 @@ pub(super) fn llt(
 ) -> Result<(), usize> {
     let large = is_large(m, k);
     // Left-looking: block j first takes all updates from the columns before it, by one product.
-    for j in (0..k).step_by(BLOCK) {
-        let width = BLOCK.min(k - j);
+    for j in (0..k).step_by(block(k)) {
+        let width = block(k).min(k - j);
         let (done, rest) = columns.split_at_mut(j * m);
         let done = MatRef::from_column_major_slice(done, m, j);
         let (_, block) = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width)
@@ -109,15 +116,17 @@ pub(super) fn llt(
         )
         .map_err(|LltError::NonPositivePivot { index }| j + index)?;
         let own = own.rb();
-        in_rows(large, below, j + width, &|mut rows, first| {
+        let most = if large { piece(m - j) } else { m };
+        in_rows(most, below, j + width, &|mut rows, first| {
             update(rows.rb_mut(), first);
             solve_lower_triangular_in_place(own, rows.transpose_mut(), Par::Seq);
         });
     }
     let b = m - k;
     let (_, below) = parts(columns, m, k);
-    let panel = |(p, panel): (usize, &mut [f64])| {
-        let (j, width) = (p * PANEL, panel.len() / b);
+    let wide = panel(b);
+    let update = |(p, panel): (usize, &mut [f64])| {
+        let (j, width) = (p * wide, panel.len() / b);
         matmul(
             MatMut::from_column_major_slice_mut(panel, b, width).subrows_mut(j, b - j),
             Accum::Replace,
@@ -128,9 +137,9 @@ pub(super) fn llt(
         );
     };
     if b > 0 && large {
-        schur.par_chunks_mut(b * PANEL).enumerate().for_each(panel);
+        schur.par_chunks_mut(b * wide).enumerate().for_each(update);
     } else if b > 0 {
-        schur.chunks_mut(b * PANEL).enumerate().for_each(panel);
+        schur.chunks_mut(b * wide).enumerate().for_each(update);
     }
     Ok(())
 }
@@ -141,13 +150,13 @@ fn is_large(m: usize, k: usize) -> bool {
     flops(m, k) > LARGE
 }
 
-/// Calls `work` with the rows of `x` and the number of the first, in pieces where `large`.
-fn in_rows<F>(large: bool, x: MatMut<'_, f64>, first: usize, work: &F)
+/// Calls `work` with the rows of `x` and the number of the first, in pieces of `most` at most.
+fn in_rows<F>(most: usize, x: MatMut<'_, f64>, first: usize, work: &F)
 where
     F: Fn(MatMut<'_, f64>, usize) + Sync,
 {
     let rows = x.nrows();
-    if !large || rows <= PIECE {
+    if rows <= most {
         if rows > 0 {
             work(x, first);
         }
@@ -155,8 +164,8 @@ where
     }
     let (a, b) = x.split_at_row_mut(rows / 2);
     rayon::join(
-        || in_rows(large, a, first, work),
-        || in_rows(large, b, first + rows / 2, work),
+        || in_rows(most, a, first, work),
+        || in_rows(most, b, first + rows / 2, work),
     );
 }
 
@@ -189,7 +198,8 @@ pub(super) fn lu(
     let large = is_large(m, k);
     let own = own.rb();
     // L₂₁ U₁₁ = F₂₁, transposed.
-    in_rows(large, below.rb_mut(), 0, &|rows, _| {
+    let most = if large { piece(b) } else { b };
+    in_rows(most, below.rb_mut(), 0, &|rows, _| {
         solve_lower_triangular_in_place(own.transpose(), rows.transpose_mut(), Par::Seq);
     });
     for column in rest.chunks_exact_mut(k) {
@@ -198,26 +208,26 @@ pub(super) fn lu(
     let rest = MatMut::from_column_major_slice_mut(rest, k, b);
     let schur = MatMut::from_column_major_slice_mut(schur, b, b);
     let below = below.rb();
-    in_columns(large, rest, schur, &|mut rest, schur| {
+    in_columns(most, rest, schur, &|mut rest, schur| {
         solve_unit_lower_triangular_in_place(own, rest.rb_mut(), Par::Seq);
         matmul(schur, Accum::Replace, below, rest.rb(), -1.0, Par::Seq);
     });
 }
 
-/// Calls `work` with the columns of `x` and the same of `y`, in pieces where `large`.
-fn in_columns<F>(large: bool, x: MatMut<'_, f64>, y: MatMut<'_, f64>, work: &F)
+/// Calls `work` with the columns of `x` and the same of `y`, in pieces of `most` at most.
+fn in_columns<F>(most: usize, x: MatMut<'_, f64>, y: MatMut<'_, f64>, work: &F)
 where
     F: Fn(MatMut<'_, f64>, MatMut<'_, f64>) + Sync,
 {
     let columns = x.ncols();
-    if !large || columns <= PIECE {
+    if columns <= most {
         return work(x, y);
     }
     let (x, x_after) = x.split_at_col_mut(columns / 2);
     let (y, y_after) = y.split_at_col_mut(columns / 2);
     rayon::join(
-        || in_columns(large, x, y, work),
-        || in_columns(large, x_after, y_after, work),
+        || in_columns(most, x, y, work),
+        || in_columns(most, x_after, y_after, work),
     );
 }
 
