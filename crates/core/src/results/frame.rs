@@ -117,8 +117,8 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
-/// Receives each converged increment as it comes.
-pub trait Recorder {
+/// Receives each converged increment as it comes, on the thread that solves.
+pub trait Recorder: Send {
     /// Called once an increment is committed. `frame` is given at output increments. Returning
     /// `Ok(false)` asks the run to stop there ([`Status::Interrupted`]).
     ///

@@ -37,13 +37,17 @@ const MANY: usize = 10;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
-    let mut run = Run::new(model)?;
-    for step in 0..model.steps.len() {
-        if !run.step(step, recorder)? {
-            break;
+    // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
+    // iteration would put this thread to sleep and wake it again.
+    rayon::scope(|_| {
+        let mut run = Run::new(model)?;
+        for step in 0..model.steps.len() {
+            if !run.step(step, recorder)? {
+                break;
+            }
         }
-    }
-    Ok(run.summary)
+        Ok(run.summary)
+    })
 }
 
 /// A run in progress.
