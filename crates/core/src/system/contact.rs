@@ -59,6 +59,7 @@ struct Task<'a> {
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
+    stiffening: f64,
 }
 
 impl Contact {
@@ -263,6 +264,7 @@ impl Contact {
                 anchors,
                 last,
                 bounding,
+                stiffening: trial.stiffening,
             });
         }
         trial.traction_change = tasks
@@ -322,7 +324,7 @@ impl Contact {
             ];
             let response = if setting.shifted {
                 let shift = Shift {
-                    stiffness: self.numerical[f],
+                    stiffness: self.numerical[f].map(|k| k * task.stiffening),
                     traction: task.last[p],
                     bounding: task.bounding[p],
                 };

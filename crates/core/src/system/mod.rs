@@ -32,6 +32,9 @@ pub struct Evaluation {
     pub tangent: bool,
 }
 
+/// Largest factor of the numerical stiffness.
+const STIFFEST: f64 = 8.0;
+
 /// Scratch of one increment; may be dropped at any time without changing a result.
 #[derive(Clone, Debug, Default)]
 pub struct Trial {
@@ -68,6 +71,10 @@ pub struct Trial {
     pub bounding: Vec<f64>,
     /// Its last change [MPa]: one of the other sign is a swing. `[point]`
     swing: Vec<f64>,
+    /// Factor of the numerical stiffness of all points (shifted penalty) [-].
+    pub stiffening: f64,
+    /// What each point did in the last iterate. `[point]`
+    before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
     pub mean_nodal_force: f64,
     /// Largest change of a point's force since the last iterate [N].
@@ -85,6 +92,8 @@ impl Trial {
         self.traction
             .extend(state.interface.iter().map(|h| h.traction));
         self.bound_by_traction();
+        self.stiffening = 1.0;
+        self.before.clear();
     }
 
     /// The normal tractions of the last iterate bound the shear of the next one.
@@ -96,7 +105,9 @@ impl Trial {
     }
 
     /// The tractions of this iterate become those of the last. Where pressure and friction swing
-    /// against one another, the bound moves by half the change only: the fixed point is the same.
+    /// against one another, the bound moves by half the change only: the fixed point is the same. Where
+    /// no point changed what it does, the numerical stiffness doubles: nothing chatters, and a stiffer
+    /// one gets there sooner.
     pub fn keep_tractions(&mut self) {
         for (p, history) in self.interface.iter().enumerate() {
             self.traction[p] = history.traction;
@@ -109,6 +120,13 @@ impl Trial {
             self.bounding[p] += part * change;
             self.swing[p] = change;
         }
+        let steady = self.before == self.status;
+        self.stiffening = if steady {
+            (2.0 * self.stiffening).min(STIFFEST)
+        } else {
+            1.0
+        };
+        self.before.clone_from(&self.status);
     }
 }
 

@@ -7,9 +7,9 @@ use wythe_contact::frame_at;
 
 use crate::model::Model;
 
-/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough for
-/// the tangents, stiff enough for few iterations (docs/decisions.md).
-const NUMERICAL_PENALTY: f64 = 2.0;
+/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough not to
+/// chatter; it grows where nothing does (docs/decisions.md).
+const NUMERICAL_PENALTY: f64 = 1.0;
 /// Least numerical stiffness over the steepest softening of the law, so that the return converges.
 const LEAST_OVER_SOFTENING: f64 = 4.0;
 
