@@ -33,6 +33,7 @@ VARIANTS = {
     "j7d-elastic": (J7D, "elastic", "elastic units and mortar"),
     "j7d-penalty-20": (J7D, {"interfaces.joint.penalty_factor": 20}, "penalty 20"),
     "j7d-penalty-100": (J7D, {"interfaces.joint.penalty_factor": 100}, "penalty 100"),
+    "j7d-half-bond": (J7D, {"wall.length": "961.75 mm"}, "961.75 mm, strict half bond"),
     "j7d-free": (J7D, {"steps.1.vertical": "free"}, "top free under constant load"),
     "j7d-b-bar": (J7D, {"element.formulation": "b-bar"}, "B-bar"),
     "j7d-full": (J7D, {"element.formulation": "full"}, "full integration"),
