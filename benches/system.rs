@@ -11,7 +11,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use pushed::{Pushed, setting};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use wythe::contact::{Aabb, Candidates, Surface};
+use wythe::contact::{Aabb, Candidates};
 use wythe::system::linear::{Backend, LinearSolver};
 use wythe::system::{Contact, Evaluation, Solids};
 
@@ -71,14 +71,7 @@ fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
 /// Candidates anew, and pairs among the known candidates.
 fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     let surfaces = &wall.model.contact;
-    let slave = Surface {
-        facets: surfaces.slave_facets.clone(),
-        body: surfaces.slave_body.clone(),
-    };
-    let master = Surface {
-        facets: surfaces.master_facets.clone(),
-        body: surfaces.master_body.clone(),
-    };
+    let (slave, master) = (surfaces.slave(), surfaces.master());
     let x = wall.trial.x.clone();
     let boxes: Vec<Aabb> = (0..slave.facets.len())
         .map(|f| Aabb::of(&slave.corners(f, &x)))

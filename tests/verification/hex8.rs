@@ -5,7 +5,7 @@ mod common;
 
 use common::Random;
 use nalgebra::{DMatrix, DVector, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
-use wythe::element::hex8::{CORNERS, Stiffness};
+use wythe::element::hex8::{CORNERS, FACES, Stiffness};
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{ElasticParameters, elastic_stiffness};
 use wythe::model::scene::Formulation;
@@ -70,16 +70,8 @@ fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
     let outer = CORNERS.map(|c| c.map(|v| 0.5 * (v + 1.0)));
     let mut nodes: Vec<[f64; 3]> = outer.to_vec();
     nodes.extend(inner);
-    let faces = [
-        [0, 3, 2, 1],
-        [4, 5, 6, 7],
-        [0, 1, 5, 4],
-        [1, 2, 6, 5],
-        [2, 3, 7, 6],
-        [3, 0, 4, 7],
-    ];
     let mut elements: Vec<[usize; 8]> = vec![[8, 9, 10, 11, 12, 13, 14, 15]];
-    for f in faces {
+    for f in FACES {
         // Bottom: the inner face; top: the outer one.
         elements.push([
             f[0] + 8,

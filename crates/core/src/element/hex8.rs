@@ -28,6 +28,16 @@ pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
+/// Nodes of each face, counter-clockwise seen from outside.
+pub const FACES: [[usize; 4]; 6] = [
+    [0, 3, 2, 1],
+    [4, 5, 6, 7],
+    [0, 1, 5, 4],
+    [1, 2, 6, 5],
+    [2, 3, 7, 6],
+    [3, 0, 4, 7],
+];
+
 /// An element that cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {

@@ -1,7 +1,7 @@
 //! The frozen model: mesh, laws, contact surfaces, supports and steps.
 
 use super::Mesh;
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{InterfaceLaw, Surface};
 
 /// Everything that a run reads and nothing that it changes.
 #[derive(Clone, Debug)]
@@ -83,6 +83,24 @@ pub struct ContactSurfaces {
     /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
     /// [mm]; none = the solver chooses.
     pub search_radius: Option<f64>,
+}
+
+impl ContactSurfaces {
+    /// Slave facets with their bodies, as the search takes them.
+    pub fn slave(&self) -> Surface {
+        Surface {
+            facets: self.slave_facets.clone(),
+            body: self.slave_body.clone(),
+        }
+    }
+
+    /// Master facets with their bodies.
+    pub fn master(&self) -> Surface {
+        Surface {
+            facets: self.master_facets.clone(),
+            body: self.master_body.clone(),
+        }
+    }
 }
 
 /// Nodes that move as one, without rotation: the level loading beam of a test.

@@ -229,7 +229,8 @@ impl<'m> Newton<'m> {
         )?;
 
         let tolerance = self.step.tolerance;
-        for iteration in 0..=tolerance.max_iterations {
+        let mut iteration = 0;
+        loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             self.evaluate(system, state, trial, setting)?;
             let scale = scale(state, trial);
@@ -260,8 +261,8 @@ impl<'m> Newton<'m> {
                 self.search_line(system, state, trial, setting)?;
             }
             trial.keep_tractions();
+            iteration += 1;
         }
-        unreachable!("the last iteration returns")
     }
 
     /// Start of the iterations: the last increment again, or the tangent with the prescribed

@@ -220,72 +220,61 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        element_inline(
-            self.shape,
-            self.law,
-            self.positions,
-            self.old,
-            self.setting,
-            self.slot,
-        )
-    }
-}
-
-#[inline(always)]
-fn element_inline(
-    shape: &ElementShape,
-    law: &Material,
-    positions: &[[f64; 3]; 8],
-    old: &[MaterialHistory],
-    setting: Evaluation,
-    slot: &mut ElementSlot,
-) -> Result<(), LocalFailure> {
-    let frame = Corotated::new(shape, positions)?;
-    match setting.solids {
-        Solids::Extrapolated { ratio } => {
-            let mut force = shape.elastic_force(&frame.local);
-            let mut intact = [1.0; 8];
-            for (g, old) in old.iter().enumerate() {
-                if !is_virgin(old) {
-                    let strain = shape.strain(g, &frame.local);
-                    let (part, stress) = law.extrapolated(&strain, old, ratio);
-                    shape.add_force(g, &(stress - shape.elastic_stress(&strain)), &mut force);
-                    intact[g] = part;
+        let Self {
+            shape,
+            law,
+            positions,
+            old,
+            setting,
+            slot,
+        } = self;
+        let frame = Corotated::new(shape, positions)?;
+        match setting.solids {
+            Solids::Extrapolated { ratio } => {
+                let mut force = shape.elastic_force(&frame.local);
+                let mut intact = [1.0; 8];
+                for (g, old) in old.iter().enumerate() {
+                    if !is_virgin(old) {
+                        let strain = shape.strain(g, &frame.local);
+                        let (part, stress) = law.extrapolated(&strain, old, ratio);
+                        shape.add_force(g, &(stress - shape.elastic_stress(&strain)), &mut force);
+                        intact[g] = part;
+                    }
+                }
+                *slot.force = frame.force(shape, &force);
+                if setting.tangent {
+                    let scaled;
+                    let k = if intact == [1.0; 8] {
+                        shape.elastic_stiffness()
+                    } else {
+                        scaled = shape.scaled_stiffness(&intact);
+                        &scaled
+                    };
+                    frame.symmetric_stiffness(shape, k, &force, slot.cell);
                 }
             }
-            *slot.force = frame.force(shape, &force);
-            if setting.tangent {
-                let scaled;
-                let k = if intact == [1.0; 8] {
-                    shape.elastic_stiffness()
-                } else {
-                    scaled = shape.scaled_stiffness(&intact);
-                    &scaled
-                };
-                frame.symmetric_stiffness(shape, k, &force, slot.cell);
+            Solids::Implicit => {
+                let strains = shape.strains(&frame.local);
+                let mut stresses = [Vector6::zeros(); 8];
+                let mut tangents = [Matrix6::zeros(); 8];
+                *slot.energy = PointEnergy::default();
+                for g in 0..8 {
+                    let point = law.update(&strains[g], &old[g], setting.dt, setting.tangent)?;
+                    stresses[g] = point.stress;
+                    tangents[g] = point.tangent;
+                    slot.new[g] = point.history;
+                    slot.energy.add(&point.energy, shape.weight[g]);
+                }
+                let force = shape.internal_force(&stresses);
+                *slot.force = frame.force(shape, &force);
+                if setting.tangent {
+                    let k = shape.stiffness(&tangents);
+                    frame.stiffness(shape, &k, &force, slot.cell);
+                }
             }
         }
-        Solids::Implicit => {
-            let strains = shape.strains(&frame.local);
-            let mut stresses = [Vector6::zeros(); 8];
-            let mut tangents = [Matrix6::zeros(); 8];
-            *slot.energy = PointEnergy::default();
-            for g in 0..8 {
-                let point = law.update(&strains[g], &old[g], setting.dt, setting.tangent)?;
-                stresses[g] = point.stress;
-                tangents[g] = point.tangent;
-                slot.new[g] = point.history;
-                slot.energy.add(&point.energy, shape.weight[g]);
-            }
-            let force = shape.internal_force(&stresses);
-            *slot.force = frame.force(shape, &force);
-            if setting.tangent {
-                let k = shape.stiffness(&tangents);
-                frame.stiffness(shape, &k, &force, slot.cell);
-            }
-        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// True if nothing has happened to the point: its extrapolation is C₀ : ε.

@@ -66,14 +66,7 @@ impl Contact {
     /// Prepares the surfaces of a model; nothing is searched yet.
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;
-        let slave = Surface {
-            facets: surfaces.slave_facets.clone(),
-            body: surfaces.slave_body.clone(),
-        };
-        let master = Surface {
-            facets: surfaces.master_facets.clone(),
-            body: surfaces.master_body.clone(),
-        };
+        let (slave, master) = (surfaces.slave(), surfaces.master());
         let x = &model.mesh.nodes;
         let mut points = Vec::with_capacity(4 * slave.facets.len());
         let (mut edges, mut count) = (0.0, 0.0);

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 use wythe_contact::frame_at;
 
+use crate::element::hex8::FACES;
 use crate::model::Model;
 
 /// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough not to
@@ -16,15 +17,6 @@ const LEAST_OVER_SOFTENING: f64 = 4.0;
 /// Normal and shear stiffness of the shifted penalty from the element behind each slave facet
 /// [N/mm³]. `[slave facet]`
 pub fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
-    /// Faces of the hex8.
-    const FACES: [[usize; 4]; 6] = [
-        [0, 3, 2, 1],
-        [4, 5, 6, 7],
-        [0, 1, 5, 4],
-        [1, 2, 6, 5],
-        [2, 3, 7, 6],
-        [3, 0, 4, 7],
-    ];
     let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
     for (e, nodes) in model.mesh.elements.iter().enumerate() {
         for face in FACES {
