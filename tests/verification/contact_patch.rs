@@ -203,7 +203,7 @@ fn the_coarser_side_as_slave_errs_less_than_uniform_pressure_would() {
 
 #[test]
 fn the_shifted_penalty_passes_with_any_tolerance() {
-    for procedure in [Procedure::Implicit, Procedure::Implex] {
+    for procedure in [Procedure::Implicit, Procedure::Secant, Procedure::Implex] {
         for (slave, master) in [(4, 3), (3, 4)] {
             let exact = compress(slave, master, 0.0, EXACT);
             for tolerance in [5e-3, 2e-4] {

@@ -67,7 +67,11 @@ fn uniform_blocks() -> (Model, [scene::Block; 2]) {
     (model, [lower, upper])
 }
 
-const PROCEDURES: [(Procedure, f64); 2] = [(Procedure::Direct, 1e-6), (Procedure::Implex, 1e-4)];
+const PROCEDURES: [(Procedure, f64); 3] = [
+    (Procedure::Direct, 1e-6),
+    (Procedure::Secant, 1e-4),
+    (Procedure::Implex, 1e-4),
+];
 
 #[test]
 fn two_uniform_blocks_part_with_the_strength_and_energy_of_figure_7() {

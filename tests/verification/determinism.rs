@@ -28,7 +28,11 @@ fn digits(recording: &Recording) -> String {
 
 #[test]
 fn a_small_wall_has_the_same_history_on_1_2_and_4_threads() {
-    for (procedure, end) in [(Procedure::Implex, 0.3), (Procedure::Direct, 0.2)] {
+    for (procedure, end) in [
+        (Procedure::Secant, 0.3),
+        (Procedure::Implex, 0.3),
+        (Procedure::Direct, 0.2),
+    ] {
         let mut model = common::small_wall();
         for motion in &mut model.steps[1].motion[0] {
             if let wythe::model::scene::BeamMotion::Driven(by) = motion {

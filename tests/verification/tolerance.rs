@@ -76,6 +76,9 @@ fn curves_of_loose_and_tight_tolerances_and_of_all_procedures_agree() {
         // The shifted penalty ends where its last iteration changes little: patterns of traction
         // that settle slowly are cut off, at each increment anew. Seen: 2.5e-3.
         (Procedure::Implicit, 5e-3, 5e-3),
+        // The same, whatever the tangents of the solids.
+        (Procedure::Secant, 5e-3, 5e-3),
+        (Procedure::Secant, 5e-2, 1e-2),
         // The same and the solids' extrapolation.
         (Procedure::Implex, 5e-3, 5e-3),
         (Procedure::Implex, 2e-2, 1e-2),

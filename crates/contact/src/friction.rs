@@ -29,6 +29,15 @@ impl InterfaceLaw {
         }
     }
 
+    /// Shear traction over its limit; infinite where nothing presses.
+    pub fn utilisation(&self, traction: &[f64; 3], damage: f64) -> f64 {
+        if traction[0] < 0.0 {
+            traction[1].hypot(traction[2]) / self.limit(traction[0], damage).value
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
     pub(crate) fn return_slip(
         &self,

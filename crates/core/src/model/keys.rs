@@ -91,7 +91,7 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("duration", "duration = \"1 s\""),
     (
         "procedure",
-        "procedure = \"implex\"  # or \"implicit\", \"direct\"",
+        "procedure = \"secant\"  # or \"implex\", \"implicit\", \"direct\"",
     ),
     (
         "tolerance",

@@ -174,14 +174,24 @@ pub struct Increments {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Procedure {
+    /// Everything implicit with the shifted penalty; the solids' secant stiffness (symmetric
+    /// tangents). Where a unit snaps and no increment is small enough, as [`Self::Implex`].
+    #[default]
+    Secant,
     /// Contact and slip implicit with the shifted penalty; plastic strain and damage of the solids
     /// extrapolated within the increment and updated at its end (symmetric tangents).
-    #[default]
     Implex,
-    /// Everything implicit with the shifted penalty.
+    /// Everything implicit with the shifted penalty; consistent tangents.
     Implicit,
     /// Everything implicit, the penalty taken directly: plain Newton on the law itself.
     Direct,
+}
+
+impl Procedure {
+    /// Whether its tangents are symmetric.
+    pub fn is_symmetric(self) -> bool {
+        matches!(self, Self::Secant | Self::Implex)
+    }
 }
 
 /// Convergence tolerances.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use wythe_contact::PointStatus;
 
 use super::explain::explain;
-use super::newton::{Clock, Newton, Outcome, Refusal, Solves};
+use super::newton::{Attempt, Clock, IMBALANCE, Newton, Outcome, Refusal, Report, Solves};
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
 use crate::model::Model;
@@ -46,6 +46,7 @@ pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunErr
                 break;
             }
         }
+        run.summary.warnings.extend(run.snaps.warning());
         Ok(run.summary)
     })
 }
@@ -59,6 +60,7 @@ struct Run<'m> {
     summary: Summary,
     clock: Clock,
     output_seconds: f64,
+    snaps: Snaps,
 }
 
 impl<'m> Run<'m> {
@@ -94,6 +96,7 @@ impl<'m> Run<'m> {
             summary,
             clock,
             output_seconds: 0.0,
+            snaps: Snaps::default(),
         })
     }
 
@@ -107,7 +110,11 @@ impl<'m> Run<'m> {
         let mut schedule = Schedule::new(step.increments);
         // The boundary conditions change: the last increment says nothing of the next.
         self.state.last = None;
-        let (mut cutbacks, mut extrapolate, mut solves) = (0, true, 0);
+        let (mut cutbacks, mut repeat, mut solves) = (0, true, 0);
+        let floor = SNAP * step.increments.initial;
+        // A unit snaps: the secant stiffness finds no equilibrium in any increment, extrapolated
+        // solids do.
+        let mut snap = false;
         while let Some(increment) = schedule.next() {
             let (before, time) = (solves, self.state.time);
             let mut tell = |count| recorder.progress(index, time, before + count);
@@ -115,25 +122,22 @@ impl<'m> Run<'m> {
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
-                increment,
-                extrapolate,
+                Attempt {
+                    increment,
+                    repeat,
+                    extrapolate: snap || step.procedure == Procedure::Implex,
+                },
                 Solves::new(&mut tell),
             );
-            let outcome = match outcome {
-                Outcome::Converged(report) => {
-                    match newton.correct(&mut self.system, &self.state, &mut self.trial, increment)
-                    {
-                        Ok(error) => Ok((report, error)),
-                        Err(refusal) => Err((refusal, report.iterations)),
-                    }
-                }
-                Outcome::Refused(refusal, spent) => Err((refusal, spent)),
-            };
             match outcome {
-                Ok((report, (largest, rms))) => {
+                Outcome::Converged(report) => {
                     solves += report.iterations;
                     self.commit(&newton, step, increment);
-                    let row = self.row(index, (report.residual, largest), solves, cutbacks);
+                    let row = self.row(index, report, solves, cutbacks);
+                    if snap {
+                        self.snaps.add(&row);
+                        snap = report.extrapolation_error > IMBALANCE;
+                    }
                     let end = increment.end() >= 1.0 - 1e-12;
                     let keep = self.record(&row, recorder, end)?;
                     self.summary.increments += 1;
@@ -144,14 +148,18 @@ impl<'m> Run<'m> {
                         "stopped by the user".clone_into(&mut self.summary.message);
                         return Ok(false);
                     }
-                    schedule.accept(increment, growth(step, increment, report.iterations, rms));
-                    (cutbacks, extrapolate, solves) = (0, true, 0);
+                    schedule.accept(increment, growth(increment, report, floor));
+                    (cutbacks, repeat, solves) = (0, true, 0);
                 }
-                Err((refusal, spent)) => {
+                Outcome::Refused(refusal, spent) => {
                     solves += spent;
                     cutbacks += 1;
                     self.summary.cutbacks += 1;
-                    extrapolate = false;
+                    repeat = false;
+                    if step.procedure == Procedure::Secant && !snap && increment.size <= floor {
+                        snap = true;
+                        continue;
+                    }
                     if schedule.cut(increment, CUT).is_err() {
                         self.summary.iterations += solves;
                         self.tally(&newton);
@@ -206,13 +214,7 @@ impl<'m> Run<'m> {
     }
 
     /// The row of the last commit.
-    fn row(
-        &self,
-        step: usize,
-        (residual, largest): (f64, f64),
-        solves: usize,
-        cutbacks: usize,
-    ) -> HistoryRow {
+    fn row(&self, step: usize, report: Report, solves: usize, cutbacks: usize) -> HistoryRow {
         let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
         let driven = self.model.steps[step]
             .driven
@@ -250,8 +252,8 @@ impl<'m> Run<'m> {
             max_interface_damage: most(&mut state.interface.iter().map(|h| h.damage)),
             max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
             max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
-            out_of_balance: largest,
-            residual,
+            out_of_balance: report.out_of_balance,
+            residual: report.residual,
         }
     }
 
@@ -320,33 +322,54 @@ impl<'m> Run<'m> {
     }
 }
 
-/// How much larger the next increment may be.
-fn growth(step: &Step, increment: Increment, iterations: usize, rms: f64) -> f64 {
-    let by_iterations = if iterations > 2 * MANY {
+/// How much larger the next increment may be; extrapolated solids are not pursued below `floor`.
+fn growth(increment: Increment, report: Report, floor: f64) -> f64 {
+    let by_iterations = if report.iterations > 2 * MANY {
         0.7
-    } else if iterations > MANY {
+    } else if report.iterations > MANY {
         1.0
     } else {
         GROW
     };
-    if step.procedure != Procedure::Implex {
-        return by_iterations;
-    }
     // The extrapolation leaves an imbalance of first order in the increment.
-    let by_error = (IMBALANCE / rms.max(f64::MIN_POSITIVE))
+    let by_error = (IMBALANCE / report.extrapolation_error.max(f64::MIN_POSITIVE))
         .sqrt()
         .clamp(0.3, GROW);
     // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
-    let floor = SNAP * step.increments.initial / increment.size;
-    by_iterations.min(by_error.max(floor.min(1.0)))
+    by_iterations.min(by_error.max((floor / increment.size).min(1.0)))
 }
 
-/// Part of the first increment below which the error of the extrapolation does not cut.
+/// Part of the first increment that the snap of a unit does not cut further.
 const SNAP: f64 = 0.1;
 
-/// Aimed-at root mean square of the imbalance that the extrapolated solids leave, over the mean
-/// nodal force (docs/decisions.md).
-const IMBALANCE: f64 = 2e-3;
+/// The increments in which a unit snapped.
+#[derive(Clone, Copy, Debug, Default)]
+struct Snaps {
+    count: usize,
+    step: usize,
+    first: f64,
+    worst: f64,
+}
+
+impl Snaps {
+    fn add(&mut self, row: &HistoryRow) {
+        if self.count == 0 {
+            (self.step, self.first) = (row.step, row.displacement_mm);
+        }
+        self.count += 1;
+        self.worst = self.worst.max(row.out_of_balance);
+    }
+
+    fn warning(&self) -> Option<String> {
+        (self.count > 0).then(|| {
+            format!(
+                "units snap, first in steps.{} at {:.3} mm: {} increments found no equilibrium and \
+                 extrapolate the solids; up to {:.2} of the mean nodal force is out of balance there",
+                self.step, self.first, self.count, self.worst
+            )
+        })
+    }
+}
 
 fn add(a: Clock, b: Clock) -> Clock {
     Clock {

@@ -4,7 +4,7 @@ use super::newton::Refusal;
 use super::schedule::Increment;
 use crate::material::MaterialParameters;
 use crate::model::Model;
-use crate::model::scene::{NamedMaterial, Procedure, Step};
+use crate::model::scene::{NamedMaterial, Step};
 
 /// Why the run ends in `step`, whose increment was cut as far as the deck allows.
 pub fn explain(model: &Model, step: usize, increment: Increment, refusal: &Refusal) -> String {
@@ -82,8 +82,8 @@ fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     }
     let min = step.increments.min;
     tries.push(format!("steps.{index}.increments.min below {min:e}"));
-    if step.procedure != Procedure::Implex {
-        tries.push(format!("steps.{index}.procedure = \"implex\""));
+    if !step.procedure.is_symmetric() {
+        tries.push(format!("steps.{index}.procedure = \"secant\""));
     }
     let cracks =
         |m: &NamedMaterial| matches!(m.parameters, MaterialParameters::DamagePlasticity(_));

@@ -4,6 +4,9 @@
 //! law, so that each iteration is one step of the fixed point and one Newton step of equilibrium at
 //! once. The increment is converged when the out-of-balance force is below the tolerance after the
 //! tractions were taken over: their change, as the nodes feel it, is then below it too.
+//!
+//! With secant stiffness the same holds of the solids: each iterate is linear about the last update
+//! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
 use super::line_search::{LineSearch, Probe};
 use super::schedule::Increment;
@@ -43,13 +46,28 @@ pub enum Refusal {
     NotFinite,
 }
 
+/// How an increment is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attempt {
+    /// The part of the step.
+    pub increment: Increment,
+    /// Start from the last increment again, or else from the tangent.
+    pub repeat: bool,
+    /// Extrapolate the solids (IMPL-EX).
+    pub extrapolate: bool,
+}
+
 /// How an increment converged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
     /// Linear solves.
     pub iterations: usize,
-    /// Out-of-balance force over the mean nodal force, of what was solved.
+    /// Largest out-of-balance force over the mean nodal force, of what was solved.
     pub residual: f64,
+    /// The same of the laws themselves: larger where the solids were extrapolated.
+    pub out_of_balance: f64,
+    /// Root mean square of what the extrapolation left, over the mean nodal force.
+    pub extrapolation_error: f64,
 }
 
 /// What came of an increment.
@@ -150,7 +168,7 @@ impl<'m> Newton<'m> {
     /// Which tangents the procedure needs.
     fn backend(&self) -> Backend {
         match self.step.procedure {
-            Procedure::Implex => Backend::MultifrontalLlt,
+            Procedure::Secant | Procedure::Implex => Backend::MultifrontalLlt,
             Procedure::Implicit | Procedure::Direct => Backend::MultifrontalLu,
         }
     }
@@ -178,17 +196,25 @@ impl<'m> Newton<'m> {
         &self.q
     }
 
-    /// Finds equilibrium at the end of `increment`, and tells of each linear solve.
+    /// Finds equilibrium at the end of an increment, and tells of each linear solve.
     pub fn converge(
         &mut self,
         system: &mut System,
         state: &State,
         trial: &mut Trial,
-        increment: Increment,
-        extrapolate: bool,
+        attempt: Attempt,
         mut solves: Solves,
     ) -> Outcome {
-        match self.iterate(system, state, trial, increment, extrapolate, &mut solves) {
+        let found = self
+            .iterate(system, state, trial, attempt, &mut solves)
+            .and_then(|mut report| {
+                if attempt.extrapolate {
+                    (report.out_of_balance, report.extrapolation_error) =
+                        self.correct(system, state, trial, attempt.increment)?;
+                }
+                Ok(report)
+            });
+        match found {
             Ok(report) => Outcome::Converged(report),
             Err(refusal) => Outcome::Refused(refusal, solves.count),
         }
@@ -199,18 +225,18 @@ impl<'m> Newton<'m> {
         system: &mut System,
         state: &State,
         trial: &mut Trial,
-        increment: Increment,
-        extrapolate: bool,
+        attempt: Attempt,
         solves: &mut Solves,
     ) -> Result<Report, Refusal> {
-        let dt = increment.size * self.step.duration;
-        let solids = match self.step.procedure {
-            Procedure::Implex => {
-                // The rate of a state without a last increment is not known: nothing extrapolated.
-                let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
-                Solids::Extrapolated { ratio }
-            }
-            _ => Solids::Implicit,
+        let dt = attempt.increment.size * self.step.duration;
+        let solids = if attempt.extrapolate {
+            // The rate of a state without a last increment is not known: nothing extrapolated.
+            let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
+            Solids::Extrapolated { ratio }
+        } else if self.step.procedure.is_symmetric() {
+            Solids::Secant
+        } else {
+            Solids::Implicit
         };
         let setting = Evaluation {
             dt,
@@ -218,15 +244,7 @@ impl<'m> Newton<'m> {
             shifted: self.step.procedure != Procedure::Direct,
             tangent: true,
         };
-        self.predict(
-            system,
-            state,
-            trial,
-            increment,
-            extrapolate,
-            setting,
-            solves,
-        )?;
+        self.predict(system, state, trial, attempt, setting, solves)?;
 
         let tolerance = self.step.tolerance;
         let mut iteration = 0;
@@ -238,13 +256,17 @@ impl<'m> Newton<'m> {
             if !residual.is_finite() {
                 return Err(Refusal::NotFinite);
             }
+            let balanced = residual <= tolerance.residual * scale
+                && root_mean_square(&self.residual) <= IMBALANCE * scale;
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
-            if settled && residual <= tolerance.residual * scale {
+            if settled && balanced {
                 return Ok(Report {
                     iterations: solves.count,
                     residual: residual / scale,
+                    out_of_balance: residual / scale,
+                    extrapolation_error: 0.0,
                 });
             }
             if iteration == tolerance.max_iterations {
@@ -255,7 +277,7 @@ impl<'m> Newton<'m> {
                 });
             }
             // A start in balance needs no solve, only its tractions taken over.
-            if residual > tolerance.residual * scale {
+            if !balanced {
                 self.solve(system, trial)?;
                 solves.one_more();
                 self.search_line(system, state, trial, setting)?;
@@ -272,17 +294,16 @@ impl<'m> Newton<'m> {
         system: &mut System,
         state: &State,
         trial: &mut Trial,
-        increment: Increment,
-        extrapolate: bool,
+        attempt: Attempt,
         setting: Evaluation,
         solves: &mut Solves,
     ) -> Result<(), Refusal> {
         trial.start(state);
         self.q.copy_from_slice(&state.q);
         let mut target = std::mem::take(&mut self.q);
-        self.boundary(system, increment.end(), &mut target);
+        self.boundary(system, attempt.increment.end(), &mut target);
         self.q = target;
-        let last = state.last.as_ref().filter(|_| extrapolate);
+        let last = state.last.as_ref().filter(|_| attempt.repeat);
         if let Some(last) = last {
             let ratio = setting.dt / last.dt;
             for &slot in &self.equations.slot_of {
@@ -373,6 +394,11 @@ impl<'m> Newton<'m> {
     ) -> Result<(), Refusal> {
         let setting = Evaluation {
             tangent: false,
+            // The direction is that of held solids; along it their law is asked at the end.
+            solids: match setting.solids {
+                Solids::Secant => Solids::Held,
+                solids => solids,
+            },
             ..setting
         };
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -405,14 +431,14 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Updates the solids implicitly at the converged displacements. Returns the largest true
+    /// Updates extrapolated solids implicitly at the converged displacements. Returns the largest true
     /// out-of-balance force and the root mean square of what the update changed of the forces, both
     /// over the mean nodal force (theory F, B.3): the second is the error of the extrapolation, free
     /// of what the tolerance left.
     ///
     /// # Errors
     /// The law that gave no answer.
-    pub fn correct(
+    fn correct(
         &mut self,
         system: &mut System,
         state: &State,
@@ -426,21 +452,27 @@ impl<'m> Newton<'m> {
             tangent: false,
         };
         let solved = trial.force.clone();
-        let left = self.residual.clone();
+        let mut left = self.residual.clone();
         self.evaluate(system, state, trial, setting)?;
         let scale = scale(state, trial);
         let (largest, _) = largest(&self.residual);
-        let square: f64 = self
-            .residual
-            .iter()
-            .zip(&left)
-            .map(|(r, left)| (r - left) * (r - left))
-            .sum();
-        let count = (self.residual.len().max(1)) as f64;
+        for (left, r) in left.iter_mut().zip(&self.residual) {
+            *left -= r;
+        }
         // Reactions are those of the equilibrium that was solved.
         trial.force = solved;
-        Ok((largest / scale, (square / count).sqrt() / scale))
+        Ok((largest / scale, root_mean_square(&left) / scale))
     }
+}
+
+/// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
+/// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is
+/// steered to leave no more.
+pub const IMBALANCE: f64 = 2e-3;
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    let square: f64 = values.iter().map(|v| v * v).sum();
+    (square / values.len().max(1) as f64).sqrt()
 }
 
 /// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint

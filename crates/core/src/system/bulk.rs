@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use super::pattern::CELL;
 use super::{Evaluation, Trial};
+use crate::element::hex8::Nodal;
 use crate::element::{Corotated, ElementShape, ShapeError};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
 use crate::model::Model;
@@ -14,8 +15,12 @@ use crate::solve::State;
 /// How the solids answer within an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solids {
-    /// The law itself.
+    /// The law itself, with its consistent tangent.
     Implicit,
+    /// The law itself, with its secant stiffness (1−d) C₀: symmetric and positive definite.
+    Secant,
+    /// Linear about the trial's last update: its viscous strain and damage held.
+    Held,
     /// Plastic strain and damage extrapolated with the last step's change times `ratio` = Δt/Δt_n.
     Extrapolated {
         /// Δt/Δt_n.
@@ -230,7 +235,11 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
         } = self;
         let frame = Corotated::new(shape, positions)?;
         match setting.solids {
-            Solids::Extrapolated { ratio } => {
+            Solids::Extrapolated { .. } | Solids::Held => {
+                let (old, ratio) = match setting.solids {
+                    Solids::Extrapolated { ratio } => (old, ratio),
+                    _ => (&*slot.new, 0.0),
+                };
                 let mut force = shape.elastic_force(&frame.local);
                 let mut intact = [1.0; 8];
                 for (g, old) in old.iter().enumerate() {
@@ -243,23 +252,17 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
                 }
                 *slot.force = frame.force(shape, &force);
                 if setting.tangent {
-                    let scaled;
-                    let k = if intact == [1.0; 8] {
-                        shape.elastic_stiffness()
-                    } else {
-                        scaled = shape.scaled_stiffness(&intact);
-                        &scaled
-                    };
-                    frame.symmetric_stiffness(shape, k, &force, slot.cell);
+                    write_secant(shape, &frame, &intact, &force, slot.cell);
                 }
             }
-            Solids::Implicit => {
+            Solids::Implicit | Solids::Secant => {
+                let consistent = setting.tangent && setting.solids == Solids::Implicit;
                 let strains = shape.strains(&frame.local);
                 let mut stresses = [Vector6::zeros(); 8];
                 let mut tangents = [Matrix6::zeros(); 8];
                 *slot.energy = PointEnergy::default();
                 for g in 0..8 {
-                    let point = law.update(&strains[g], &old[g], setting.dt, setting.tangent)?;
+                    let point = law.update(&strains[g], &old[g], setting.dt, consistent)?;
                     stresses[g] = point.stress;
                     tangents[g] = point.tangent;
                     slot.new[g] = point.history;
@@ -267,14 +270,39 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
                 }
                 let force = shape.internal_force(&stresses);
                 *slot.force = frame.force(shape, &force);
-                if setting.tangent {
+                if consistent {
                     let k = shape.stiffness(&tangents);
                     frame.stiffness(shape, &k, &force, slot.cell);
+                } else if setting.tangent {
+                    let mut intact = [1.0; 8];
+                    for g in 0..8 {
+                        (intact[g], _) = law.extrapolated(&strains[g], &slot.new[g], 0.0);
+                    }
+                    write_secant(shape, &frame, &intact, &force, slot.cell);
                 }
             }
         }
         Ok(())
     }
+}
+
+/// Stiffness of an element whose points keep the parts `intact` of theirs.
+#[inline(always)]
+fn write_secant(
+    shape: &ElementShape,
+    frame: &Corotated,
+    intact: &[f64; 8],
+    force: &Nodal,
+    cell: &mut [f64],
+) {
+    let scaled;
+    let k = if *intact == [1.0; 8] {
+        shape.elastic_stiffness()
+    } else {
+        scaled = shape.scaled_stiffness(intact);
+        &scaled
+    };
+    frame.symmetric_stiffness(shape, k, force, cell);
 }
 
 /// True if nothing has happened to the point: its extrapolation is C₀ : ε.

@@ -27,6 +27,12 @@ const REACH_OVER_OPENING: f64 = 2.0;
 /// How far surfaces may move before the candidates are searched anew, over the same edge.
 const SKIN: f64 = 0.03;
 
+/// A point whose shear is below this part of its limit is in no danger of chatter, and takes
+/// [`FIRM`] times the numerical stiffness (docs/decisions.md).
+const WELL_WITHIN: f64 = 0.85;
+/// Factor of the numerical stiffness of such a point.
+const FIRM: f64 = 3.0;
+
 /// Surfaces, points and candidates.
 #[derive(Clone, Debug)]
 pub struct Contact {
@@ -260,14 +266,13 @@ impl Contact {
                 stiffening: trial.stiffening,
             });
         }
-        trial.traction_change = tasks
+        tasks
             .into_par_iter()
             .with_min_len(8)
-            .map(|mut task| self.facet(model, state, x, setting, &mut task))
-            .reduce(|| 0.0, f64::max);
+            .for_each(|mut task| self.facet(model, state, x, setting, &mut task));
     }
 
-    /// One slave facet; returns the largest change of a point's force [N].
+    /// One slave facet.
     fn facet(
         &self,
         model: &Model,
@@ -275,13 +280,12 @@ impl Contact {
         x: &[[f64; 3]],
         setting: Evaluation,
         task: &mut Task,
-    ) -> f64 {
+    ) {
         let f = task.facet;
         let law = &model.contact.laws[self.law_of[f] as usize];
         let slave = self.slave.corners(f, x);
         let candidates = self.candidates.of(f);
         task.force.fill([[0.0; 3]; 8]);
-        let mut change = 0.0_f64;
         let mut stiff = [None; 4];
         if setting.tangent {
             task.active.fill(false);
@@ -300,9 +304,7 @@ impl Contact {
             });
             let Some((cell, kin)) = seen else {
                 *pair = PointPair::default();
-                let lost = lost(law, old);
-                change = change.max(size(&lost.traction, &task.last[p]) * point.area);
-                task.history[p] = lost;
+                task.history[p] = lost(law, old);
                 // What the point stored is set free.
                 task.energy[p] = [0.0, law.free_energy(old) * point.area];
                 task.status[p] = PointStatus::Open;
@@ -316,16 +318,18 @@ impl Contact {
                 old.slip[1] + kin.slip[1],
             ];
             let response = if setting.shifted {
+                let last = &task.last[p];
+                let firm = law.utilisation(last, old.damage) < WELL_WITHIN;
+                let factor = task.stiffening.max(if firm { FIRM } else { 1.0 });
                 let shift = Shift {
-                    stiffness: self.numerical[f].map(|k| k * task.stiffening),
-                    traction: task.last[p],
+                    stiffness: self.numerical[f].map(|k| k * factor),
+                    traction: *last,
                     bounding: task.bounding[p],
                 };
                 law.update_shifted(gap, &old, &shift)
             } else {
                 law.update(gap, &old)
             };
-            change = change.max(size(&response.traction, &task.last[p]) * point.area);
             kin.add_force(&response.traction, point.area, &mut task.force[cell]);
             if setting.tangent && setting.shifted {
                 stiff[p] = Some((cell, kin.stiffness(&response.tangent, point.area)));
@@ -356,7 +360,6 @@ impl Contact {
                 task.active[*cell] = true;
             }
         }
-        change
     }
 
     /// Where the slip of this increment starts: the foot at the last commit, wherever it is now. A
@@ -410,12 +413,4 @@ fn lost(law: &InterfaceLaw, old: &InterfaceHistory) -> InterfaceHistory {
         opening: 0.0,
         ..*old
     }
-}
-
-/// Magnitude of a change of traction [MPa].
-fn size(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    (0..3)
-        .map(|i| (a[i] - b[i]) * (a[i] - b[i]))
-        .sum::<f64>()
-        .sqrt()
 }

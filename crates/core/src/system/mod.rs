@@ -77,8 +77,6 @@ pub struct Trial {
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
     pub mean_nodal_force: f64,
-    /// Largest change of a point's force since the last iterate [N].
-    pub traction_change: f64,
 }
 
 impl Trial {
