@@ -25,10 +25,11 @@ fn threads(n: usize) -> ThreadPool {
 /// Solids and interfaces, each in its slots of the trial, on one thread.
 fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     let elements = wall.system.bulk.elements.len();
-    let implicit = |tangent| Evaluation {
-        solids: Solids::Implicit,
+    let solids = |solids, tangent| Evaluation {
+        solids,
         ..setting(tangent)
     };
+    let extrapolated = Solids::Extrapolated { ratio: 1.0 };
     let direct = Evaluation {
         shifted: false,
         ..setting(true)
@@ -42,10 +43,10 @@ fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     } = wall;
     let mut group = c.benchmark_group("j7d_solids");
     for (name, setting) in [
-        ("extrapolated_force", setting(false)),
-        ("extrapolated_tangent", setting(true)),
-        ("implicit_force", implicit(false)),
-        ("implicit_tangent", implicit(true)),
+        ("held_force", setting(false)),
+        ("secant_tangent", setting(true)),
+        ("extrapolated_tangent", solids(extrapolated, true)),
+        ("implicit_tangent", solids(Solids::Implicit, true)),
     ] {
         group.bench_function(name, |b| {
             b.iter(|| pool.install(|| system.bulk.evaluate(state, trial, setting)));
@@ -105,7 +106,7 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.bench_function("analyse", |b| {
         b.iter(|| {
             wall.system
-                .analyse(&wall.equations, Backend::FaerLlt)
+                .analyse(&wall.equations, Backend::MultifrontalLlt)
                 .map(|(entries, _)| entries)
         });
     });

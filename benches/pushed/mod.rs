@@ -31,11 +31,15 @@ pub struct Pushed {
     last: Option<Vec<f64>>,
 }
 
-/// Forces of an iteration, with or without tangents.
+/// An iterate, with tangents, or a trial of the line search along its direction, without.
 pub fn setting(tangent: bool) -> Evaluation {
     Evaluation {
         dt: 0.02,
-        solids: Solids::Extrapolated { ratio: 1.0 },
+        solids: if tangent {
+            Solids::Secant
+        } else {
+            Solids::Held
+        },
         shifted: true,
         tangent,
     }
@@ -55,7 +59,7 @@ impl Pushed {
         let state = system.initial_state(&model);
         let equations = Equations::new(&system.dofs, &model.steps[0]);
         let (entries, linear) = system
-            .analyse(&equations, Backend::FaerLlt)
+            .analyse(&equations, Backend::MultifrontalLlt)
             .expect("a pattern");
         let mut wall = Self {
             q: state.q.clone(),
@@ -94,7 +98,7 @@ impl Pushed {
     fn analyse(&mut self) {
         let (entries, linear) = self
             .system
-            .analyse(&self.equations, Backend::FaerLlt)
+            .analyse(&self.equations, Backend::MultifrontalLlt)
             .expect("a pattern");
         self.values = vec![0.0; entries];
         self.linear = linear;

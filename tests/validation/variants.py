@@ -29,6 +29,13 @@ VARIANTS = {
         {"steps.0.procedure": "implicit", "steps.1.procedure": "implicit"},
         "everything implicit, tolerance 5e-3",
     ),
+    "j7d-implex": (
+        J7D,
+        {"steps.0.procedure": "implex", "steps.1.procedure": "implex"},
+        "solids extrapolated, tolerance 2e-2",
+    ),
+    "j7d-tight": (J7D, {"steps.1.tolerance.residual": 5e-3}, "tolerance 5e-3"),
+    "j7d-inviscid": (J7D, {"steps.1.viscosity": 0}, "without viscosity"),
     "j7d-fine": (J7D, {"wall.mesh": "fine"}, "108 hex8 a unit"),
     "j7d-elastic": (J7D, "elastic", "elastic units and mortar"),
     "j7d-penalty-20": (J7D, {"interfaces.joint.penalty_factor": 20}, "penalty 20"),
@@ -47,7 +54,8 @@ VARIANTS = {
 FIGURES = {
     "fig11a": ("J7D: mesh of the representative elements", ["j7d", "j7d-fine"]),
     "fig11b": ("J7D: representative elements with CDP and elastic", ["j7d", "j7d-elastic"]),
-    "procedure": ("J7D: extrapolated solids and everything implicit", ["j7d", "j7d-implicit"]),
+    "procedure": ("J7D: procedures", ["j7d", "j7d-implex", "j7d-implicit"]),
+    "viscosity": ("J7D: viscosity of the step", ["j7d", "j7d-inviscid"]),
     "penalty": ("J7D: penalty factor", ["j7d-penalty-20", "j7d-penalty-100", "j7d"]),
     "elements": ("J7D: element and contact points", ["j7d", "j7d-b-bar", "j7d-full", "j7d-corner"]),
     "top": ("Top locked after preload, and free", ["j7d", "j7d-free", "j4d", "j4d-free"]),
