@@ -51,7 +51,7 @@ fn element(c: &mut Criterion) {
         ("extrapolated_intact", extrapolated, [virgin; 8]),
         ("extrapolated_one_point_damaged", extrapolated, damaged),
         ("extrapolated_damaged", extrapolated, cracked),
-        ("secant_intact", Solids::Secant, [virgin; 8]),
+        ("secant_cracking", Solids::Secant, [virgin; 8]),
         ("secant_cracked", Solids::Secant, cracked),
         ("implicit_cracked", Solids::Implicit, cracked),
     ] {

@@ -98,7 +98,7 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
 
 /// Cells into the matrix, the matrix into factors.
 fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
-    wall.search_and_evaluate(true);
+    wall.search_and_evaluate(setting(true));
     let mut group = c.benchmark_group("j7d_matrix");
     group.bench_function("fill", |b| {
         b.iter(|| pool.install(|| wall.system.fill(&wall.trial, black_box(&mut wall.values))));
@@ -127,7 +127,7 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
 /// Search, forces and tangents, gather, factorisation, solve, and the forces at the new point.
 fn iteration(wall: &mut Pushed) {
     let start = wall.q.clone();
-    wall.search_and_evaluate(true);
+    wall.search_and_evaluate(setting(true));
     wall.system.fill(&wall.trial, &mut wall.values);
     let d = wall.direction();
     wall.go(&d);
@@ -157,7 +157,7 @@ fn benches(c: &mut Criterion) {
         });
     }
     let two = threads(2);
-    wall.search_and_evaluate(true);
+    wall.search_and_evaluate(setting(true));
     let Pushed {
         system,
         state,
@@ -166,7 +166,7 @@ fn benches(c: &mut Criterion) {
         ..
     } = &mut wall;
     let mut group = c.benchmark_group("j7d_on_2_threads");
-    group.bench_function("solids_extrapolated_tangent", |b| {
+    group.bench_function("solids_secant_tangent", |b| {
         b.iter(|| two.install(|| system.bulk.evaluate(state, trial, setting(true))));
     });
     group.bench_function("fill", |b| {

@@ -1,11 +1,14 @@
-//! The wall J7D of `examples/03_shear_wall_j7d.toml`, pressed and pushed a little: joints open and
-//! slide, some points of the mortar have yielded. What the benches of the system start from.
+//! The wall J7D of `examples/03_shear_wall_j7d.toml`, pushed a little by the solver itself: joints
+//! open and slide, some points of the mortar have yielded. What the benches of the system start from.
 
-use wythe::model::scene::{BeamMotion, Step};
 use wythe::model::{Deck, Model};
+use wythe::results::{Frame, HistoryRow, Recorder};
 use wythe::solve::{Clock, State};
 use wythe::system::linear::{Backend, LinearSolver};
 use wythe::system::{Equations, Evaluation, Solids, System, Trial};
+
+/// Displacement of the top that the benches start from [mm].
+const PUSHED: f64 = 0.4;
 
 /// Model, system and the state the benches start from.
 pub struct Pushed {
@@ -25,16 +28,12 @@ pub struct Pushed {
     pub values: Vec<f64>,
     /// Generalised displacements of the start of the next increment [mm]. `[slot]`
     pub q: Vec<f64>,
-    /// Forces on the beams [N]. `[slot]`
-    external: Vec<f64>,
-    /// Change of `q` in the last increment of the step [mm]. `[slot]`
-    last: Option<Vec<f64>>,
 }
 
 /// An iterate, with tangents, or a trial of the line search along its direction, without.
 pub fn setting(tangent: bool) -> Evaluation {
     Evaluation {
-        dt: 0.02,
+        dt: 0.0125,
         solids: if tangent {
             Solids::Secant
         } else {
@@ -45,9 +44,22 @@ pub fn setting(tangent: bool) -> Evaluation {
     }
 }
 
+/// Keeps the last state and stops the run.
+#[derive(Default)]
+struct Stop(Option<State>);
+
+impl Recorder for Stop {
+    fn take(&mut self, _: &Model, row: &HistoryRow, _: Option<&Frame>) -> std::io::Result<bool> {
+        Ok(row.displacement_mm < PUSHED)
+    }
+
+    fn observe(&mut self, state: &State) {
+        self.0 = Some(state.clone());
+    }
+}
+
 impl Pushed {
-    /// Presses the wall in four increments and pushes it in four of 0.08 mm, without line search
-    /// and cuts: enough for a typical state, no substitute for `solve::run`.
+    /// Runs the wall to where the benches start, and begins the next increment there.
     pub fn new() -> Self {
         let path = concat!(
             env!("CARGO_MANIFEST_DIR"),
@@ -55,103 +67,41 @@ impl Pushed {
         );
         let deck = Deck::load(path, &[]).expect("the example is sound");
         let (model, _) = Model::from_deck(&deck).expect("the example is sound");
+        let mut stop = Stop::default();
+        wythe::solve::run(&model, &mut stop).expect("a run");
+        let state = stop.0.expect("a state");
+        let last = state.last.as_ref().expect("an increment");
+        let q: Vec<f64> = state.q.iter().zip(&last.dq).map(|(q, dq)| q + dq).collect();
+
         let mut system = System::new(&model).expect("the example is sound");
-        let state = system.initial_state(&model);
-        let equations = Equations::new(&system.dofs, &model.steps[0]);
+        system.bulk.stabilise(model.steps[1].viscosity);
+        let mut trial = Trial::default();
+        trial.start(&state);
+        system.extrapolate_tractions(&model, &state, &mut trial, 1.0);
+        system.search(&mut trial, &q);
+        let equations = Equations::new(&system.dofs, &model.steps[1]);
         let (entries, linear) = system
             .analyse(&equations, Backend::MultifrontalLlt)
             .expect("a pattern");
         let mut wall = Self {
-            q: state.q.clone(),
-            external: vec![0.0; system.dofs.slots],
-            last: None,
-            values: vec![0.0; entries],
-            trial: Trial::default(),
             model,
             system,
             state,
+            trial,
             equations,
             linear,
+            values: vec![0.0; entries],
+            q,
         };
-        let steps = wall.model.steps.clone();
-        for (step, increments, size) in [(&steps[0], 4, 0.25), (&steps[1], 4, 0.02)] {
-            wall.begin(step);
-            for k in 1..=increments {
-                wall.start(step, size, f64::from(k));
-                wall.converge();
-                wall.commit(size);
-            }
-        }
-        wall.start(&steps[1], 0.02, 5.0);
-        wall.matrix();
+        wall.evaluate(setting(true));
+        wall.system.fill(&wall.trial, &mut wall.values);
         wall
     }
 
-    /// Takes over the boundary conditions of a step.
-    fn begin(&mut self, step: &Step) {
-        self.equations = Equations::new(&self.system.dofs, step);
-        self.analyse();
-        self.system.bulk.stabilise(step.viscosity);
-        self.last = None;
-    }
-
-    fn analyse(&mut self) {
-        let (entries, linear) = self
-            .system
-            .analyse(&self.equations, Backend::MultifrontalLlt)
-            .expect("a pattern");
-        self.values = vec![0.0; entries];
-        self.linear = linear;
-    }
-
-    /// Start of the increment that ends at `k · size` of the step: the last one again, or the
-    /// tangent with the prescribed displacements on the right-hand side.
-    fn start(&mut self, step: &Step, size: f64, k: f64) {
-        self.trial.start(&self.state);
-        self.q.clone_from(&self.state.q);
-        let mut target = self.state.q.clone();
-        self.external.fill(0.0);
-        for (b, motion) in step.motion.iter().enumerate() {
-            for (i, motion) in motion.iter().enumerate() {
-                let slot = self.system.dofs.beam_slot(b, i);
-                match *motion {
-                    BeamMotion::Locked => {}
-                    BeamMotion::Driven(by) => target[slot] += size * by,
-                    BeamMotion::Force(to) => self.external[slot] = size * k * to,
-                }
-            }
-        }
-        if let Some(last) = &self.last {
-            self.q = target;
-            for &slot in &self.equations.slot_of {
-                self.q[slot as usize] += last[slot as usize];
-            }
-            return;
-        }
-        self.matrix();
-        let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
-        let moved = self.system.multiply(&self.trial, &change);
-        for (force, moved) in self.trial.force.iter_mut().zip(&moved) {
-            *force += moved;
-        }
-        let d = self.direction();
-        self.q = target;
-        self.go(&d);
-    }
-
-    /// Pairs, forces, tangents and matrix at `q`.
-    fn matrix(&mut self) {
-        self.search_and_evaluate(true);
-        if self.system.pattern_changed() {
-            self.analyse();
-        }
-        self.system.fill(&self.trial, &mut self.values);
-    }
-
     /// Pairs the contact points, and all forces at `q`.
-    pub fn search_and_evaluate(&mut self, tangent: bool) {
+    pub fn search_and_evaluate(&mut self, setting: Evaluation) {
         self.system.search(&mut self.trial, &self.q);
-        self.evaluate(setting(tangent));
+        self.evaluate(setting);
     }
 
     /// All forces at `q`.
@@ -168,14 +118,11 @@ impl Pushed {
             .expect("sound elements");
     }
 
-    /// d = −K⁻¹ r of the forces last evaluated.
+    /// d = −K⁻¹ r of the forces last evaluated; no forces act from outside.
     pub fn direction(&mut self) -> Vec<f64> {
-        let mut d: Vec<f64> = self
-            .equations
-            .slot_of
-            .iter()
-            .map(|&s| self.external[s as usize] - self.trial.force[s as usize])
-            .collect();
+        let force = &self.trial.force;
+        let slots = self.equations.slot_of.iter();
+        let mut d: Vec<f64> = slots.map(|&s| -force[s as usize]).collect();
         self.linear.factorise(&self.values).expect("definite");
         self.linear.solve(&mut d).expect("a solution");
         d
@@ -186,38 +133,5 @@ impl Pushed {
         for (d, &slot) in d.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
         }
-    }
-
-    fn converge(&mut self) {
-        for iteration in 0..30 {
-            self.matrix();
-            let out = self.equations.slot_of.iter().map(|&s| s as usize);
-            let worst = out
-                .map(|s| (self.trial.force[s] - self.external[s]).abs())
-                .fold(0.0, f64::max);
-            if iteration > 0 && worst <= 0.05 * self.trial.mean_nodal_force {
-                return;
-            }
-            let d = self.direction();
-            self.go(&d);
-            self.evaluate(setting(false));
-            self.trial.keep_tractions();
-        }
-        panic!("the wall of the benches is not in balance");
-    }
-
-    fn commit(&mut self, size: f64) {
-        self.evaluate(Evaluation {
-            dt: size,
-            solids: Solids::Implicit,
-            shifted: true,
-            tangent: false,
-        });
-        let dq = self.q.iter().zip(&self.state.q).map(|(a, b)| a - b);
-        self.last = Some(dq.collect());
-        self.state.q.clone_from(&self.q);
-        self.state.material.clone_from(&self.trial.material);
-        self.state.interface.clone_from(&self.trial.interface);
-        self.state.pairs.clone_from(&self.trial.pairs);
     }
 }
