@@ -1,6 +1,6 @@
 //! Lost convergence in words: where, why, and what to try.
 
-use super::newton::Refusal;
+use super::newton::{IMBALANCE, Refusal};
 use super::schedule::Increment;
 use crate::material::MaterialParameters;
 use crate::model::Model;
@@ -21,9 +21,14 @@ pub fn explain(model: &Model, step: usize, increment: Increment, refusal: &Refus
 
 fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
     match refusal {
-        Refusal::Iterations { residual, node } => format!(
-            "no equilibrium within {} iterations, the out-of-balance force is {residual:.2e} of the \
-             mean nodal force (tolerance {:e}), worst at {}",
+        Refusal::Iterations {
+            residual,
+            root_mean_square,
+            node,
+        } => format!(
+            "no equilibrium within {} iterations, the largest out-of-balance force is {residual:.2e} of \
+             the mean nodal force (tolerance {:e}), the root mean square {root_mean_square:.2e} \
+             ({IMBALANCE:e}), worst at {}",
             step.tolerance.max_iterations,
             step.tolerance.residual,
             place(model, *node)

@@ -23,8 +23,10 @@ use std::time::Instant;
 pub enum Refusal {
     /// Not below the tolerance after the allowed iterations.
     Iterations {
-        /// Out-of-balance force over the mean nodal force.
+        /// Largest out-of-balance force over the mean nodal force.
         residual: f64,
+        /// Their root mean square, over the same.
+        root_mean_square: f64,
         /// Node with the largest out-of-balance force.
         node: usize,
     },
@@ -256,8 +258,8 @@ impl<'m> Newton<'m> {
             if !residual.is_finite() {
                 return Err(Refusal::NotFinite);
             }
-            let balanced = residual <= tolerance.residual * scale
-                && root_mean_square(&self.residual) <= IMBALANCE * scale;
+            let rms = root_mean_square(&self.residual);
+            let balanced = residual <= tolerance.residual * scale && rms <= IMBALANCE * scale;
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
@@ -273,6 +275,7 @@ impl<'m> Newton<'m> {
                 let (node, _) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
                 return Err(Refusal::Iterations {
                     residual: residual / scale,
+                    root_mean_square: rms / scale,
                     node,
                 });
             }
