@@ -20,6 +20,8 @@ pub struct Model {
     pub beams: Vec<Beam>,
     /// Fixed nodes.
     pub supports: Vec<Support>,
+    /// Velocity of each node when the first step with inertia begins [mm/s]; empty = rest. `[node]`
+    pub initial_velocity: Vec<[f64; 3]>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.
@@ -157,6 +159,100 @@ pub struct Step {
     pub procedure: Procedure,
     /// When an increment counts as converged.
     pub tolerance: Tolerance,
+    /// Acceleration of gravity during the step.
+    pub gravity: Gravity,
+    /// What inertia does in this step.
+    pub dynamics: Dynamics,
+    /// Acceleration of the ground, in which all displacements are measured.
+    pub ground: GroundMotion,
+}
+
+/// Acceleration of gravity during a step [mm/s²].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Gravity {
+    /// None.
+    #[default]
+    None,
+    /// The same throughout.
+    Constant([f64; 3]),
+    /// Linearly from nothing to this.
+    Growing([f64; 3]),
+}
+
+impl Gravity {
+    /// Acceleration at a fraction of the step, 0 to 1 [mm/s²].
+    pub fn at(&self, fraction: f64) -> [f64; 3] {
+        match self {
+            Self::None => [0.0; 3],
+            Self::Constant(g) => *g,
+            Self::Growing(g) => g.map(|g| fraction * g),
+        }
+    }
+}
+
+/// What inertia does in a step. In all but the first the step's duration is real time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Dynamics {
+    /// Nothing: equilibrium.
+    #[default]
+    Static,
+    /// Inertia carries the system over instabilities and backward Euler takes its motion out.
+    QuasiStatic,
+    /// HHT-α (Hilber, Hughes, Taylor 1977) with Rayleigh damping.
+    Dynamic {
+        /// α in [−1/3, 0]: 0 keeps all energy, −1/3 takes most out of what the increments do not
+        /// resolve.
+        alpha: f64,
+        /// Damping.
+        damping: Rayleigh,
+    },
+}
+
+impl Dynamics {
+    /// Whether inertia acts.
+    pub fn has_inertia(self) -> bool {
+        self != Self::Static
+    }
+}
+
+/// Rayleigh damping C = a M + b K₀ (Rayleigh 1877, §102), of the ratio a/(2ω) + bω/2 at ω. K₀ is the
+/// elastic stiffness of the solids, turning with them; the interfaces have none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rayleigh {
+    /// a [1/s].
+    pub mass: f64,
+    /// b [s].
+    pub stiffness: f64,
+}
+
+/// Acceleration of the ground over the time since the step began, linear between its rows and zero
+/// outside them.
+///
+/// Displacements and velocities are relative to the ground: on every mass acts −m a beside gravity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroundMotion {
+    /// Rows of time [s], ascending, and acceleration [mm/s²]; empty = none. `[xyz][row]`
+    pub acceleration: [Vec<[f64; 2]>; 3],
+}
+
+impl GroundMotion {
+    /// Acceleration at a time since the step began [mm/s²].
+    pub fn at(&self, time: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| interpolate(&self.acceleration[i], time))
+    }
+}
+
+/// Linear between the rows, zero outside.
+fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
+    let after = rows.partition_point(|row| row[0] < time);
+    match rows.get(after) {
+        Some(&[t, a]) if t == time => a,
+        Some(&[t, a]) if after > 0 => {
+            let [from, start] = rows[after - 1];
+            start + (a - start) * (time - from) / (t - from)
+        }
+        _ => 0.0,
+    }
 }
 
 /// Sizes of increments, as fractions of the step's duration.

@@ -1,6 +1,6 @@
 //! Lost convergence in words: where, why, and what to try.
 
-use super::newton::Refusal;
+use super::outcome::Refusal;
 use super::schedule::Increment;
 use crate::material::MaterialParameters;
 use crate::model::Model;
