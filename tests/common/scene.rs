@@ -3,8 +3,8 @@
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Increments, NamedMaterial,
-    Output, Procedure, Step, Support, Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, Increments,
+    NamedMaterial, Output, Procedure, Step, Support, Tolerance,
 };
 use wythe::model::{Mesh, Model};
 use wythe::results::{Frame, HistoryRow, Recorder, Summary};
@@ -102,6 +102,8 @@ pub fn empty() -> Model {
         contact: ContactSurfaces::default(),
         beams: Vec::new(),
         supports: Vec::new(),
+        initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: Vec::new(),
         output: Output { every: 1 },
     }
@@ -224,6 +226,8 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
             residual: tolerance,
             max_iterations: 60,
         },
+        gravity: Gravity::None,
+        springs: Vec::new(),
     }
 }
 

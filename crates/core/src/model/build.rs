@@ -3,7 +3,7 @@
 use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
 use super::layout;
-use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
+use super::scene::{Beam, BeamMotion, Gravity, Model, NamedMaterial, Output, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
 use crate::error::{ModelError, Warning};
@@ -66,6 +66,8 @@ impl Model {
             supports,
             steps: steps(&deck.steps, &beams[0]),
             beams,
+            initial_velocity: Vec::new(),
+            springs: Vec::new(),
             output: Output {
                 every: deck.output.every,
             },
@@ -137,6 +139,8 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
             viscosity: step.viscosity.get(),
             procedure: step.procedure,
             tolerance: step.tolerance(),
+            gravity: Gravity::None,
+            springs: Vec::new(),
         });
     }
     steps
