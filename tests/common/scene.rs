@@ -103,6 +103,7 @@ pub fn empty() -> Model {
         beams: Vec::new(),
         supports: Vec::new(),
         initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: Vec::new(),
         output: Output { every: 1 },
     }
@@ -233,6 +234,7 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
         gravity: Gravity::None,
         dynamics: Dynamics::Static,
         ground: GroundMotion::default(),
+        springs: Vec::new(),
     }
 }
 

@@ -50,6 +50,7 @@ fn model() -> Model {
         beams: Vec::new(),
         supports: Vec::new(),
         initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: vec![Step {
             name: "drive".to_owned(),
             duration: 2.0,
@@ -73,6 +74,7 @@ fn model() -> Model {
             gravity: Gravity::None,
             dynamics: Dynamics::Static,
             ground: GroundMotion::default(),
+            springs: Vec::new(),
         }],
         output: Output { every: 1 },
     }

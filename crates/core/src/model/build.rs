@@ -67,6 +67,7 @@ impl Model {
             steps: with_records(deck, steps(&deck.steps, &beams[0]))?,
             beams,
             initial_velocity: Vec::new(),
+            springs: Vec::new(),
             output: Output {
                 every: deck.output.every,
             },
@@ -141,6 +142,7 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
             gravity: Gravity::None,
             dynamics: step.dynamics.with(step.alpha, step.rayleigh),
             ground: GroundMotion::default(),
+            springs: Vec::new(),
         });
     }
     steps

@@ -22,6 +22,8 @@ pub struct Model {
     pub supports: Vec<Support>,
     /// Velocity of each node when the first step with inertia begins [mm/s]; empty = rest. `[node]`
     pub initial_velocity: Vec<[f64; 3]>,
+    /// Springs to the ground.
+    pub springs: Vec<Spring>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.
@@ -129,6 +131,20 @@ pub struct Support {
     pub fixed: [bool; 3],
 }
 
+/// A spring from a group of nodes to a point of the ground, which steps may drive.
+///
+/// With ū the mean displacement of the nodes and e that of the driven end, direction by direction:
+/// force k (e − ū), shared equally by the nodes, and energy ½ k (e − ū)². Stress-free at rest.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    /// Name in the deck.
+    pub name: String,
+    /// Nodes that it holds.
+    pub nodes: Vec<u32>,
+    /// Stiffness k along x, y, z; 0 = none in this direction [N/mm].
+    pub stiffness: [f64; 3],
+}
+
 /// What happens to one direction of a beam during a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BeamMotion {
@@ -165,6 +181,9 @@ pub struct Step {
     pub dynamics: Dynamics,
     /// Acceleration of the ground, in which all displacements are measured.
     pub ground: GroundMotion,
+    /// How far the far end of each spring moves during the step, linearly; empty = nowhere [mm].
+    /// `[spring][xyz]`
+    pub springs: Vec<[f64; 3]>,
 }
 
 /// Acceleration of gravity during a step [mm/s²].
@@ -177,6 +196,15 @@ pub enum Gravity {
     Constant([f64; 3]),
     /// Linearly from nothing to this.
     Growing([f64; 3]),
+    /// Turning evenly about an axis, as on a tilting table (seen from the table).
+    Turning {
+        /// Acceleration when the step begins [mm/s²].
+        from: [f64; 3],
+        /// Unit vector about which it turns, right-handed.
+        axis: [f64; 3],
+        /// Angle over the whole step [rad].
+        angle: f64,
+    },
 }
 
 impl Gravity {
@@ -186,6 +214,7 @@ impl Gravity {
             Self::None => [0.0; 3],
             Self::Constant(g) => *g,
             Self::Growing(g) => g.map(|g| fraction * g),
+            Self::Turning { from, axis, angle } => turned(*from, *axis, fraction * angle),
         }
     }
 }
@@ -253,6 +282,18 @@ fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
         }
         _ => 0.0,
     }
+}
+
+/// The vector v turned about a unit vector a by φ [rad] (Rodrigues):
+/// v cos φ + a × v sin φ + a (a·v)(1 − cos φ).
+pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let along = (0..3).map(|i| a[i] * v[i]).sum::<f64>() * (1.0 - cos);
+    [0, 1, 2].map(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let cross = a[j] * v[k] - a[k] * v[j];
+        v[i] * cos + cross * sin + a[i] * along
+    })
 }
 
 /// Sizes of increments, as fractions of the step's duration.

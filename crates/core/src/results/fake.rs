@@ -52,6 +52,7 @@ pub fn model() -> Model {
         gravity: Gravity::None,
         dynamics: Dynamics::Static,
         ground: GroundMotion::default(),
+        springs: Vec::new(),
     };
     Model {
         title: "Two cubes & a <gap>".to_owned(),
@@ -62,6 +63,7 @@ pub fn model() -> Model {
         beams: Vec::new(),
         supports: Vec::new(),
         initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
