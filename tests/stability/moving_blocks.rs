@@ -19,6 +19,25 @@ fn completed(model: &Model) -> Recording {
         "{} increments, {} solves, {} cuts",
         summary.increments, summary.iterations, summary.cutbacks
     );
+    if std::env::var("ROWS").is_ok() {
+        for r in &recording.rows {
+            println!(
+                "  {} t {:.5} it {} cut {} open {} slip {} K {:.5} W {:.5} E {:.2e} N {:.2e} F {:.2e} gap {:.1e}",
+                r.increment,
+                r.time,
+                r.iterations,
+                r.cutbacks,
+                r.open_points,
+                r.sliding_points,
+                r.kinetic_energy_J,
+                r.external_work_J,
+                r.elastic_energy_J,
+                r.numerical_dissipation_J,
+                r.interface_dissipation_J,
+                gap(r)
+            );
+        }
+    }
     assert_eq!(summary.status, Status::Completed, "{}", summary.message);
     recording
 }

@@ -227,6 +227,7 @@ impl<'m> Newton<'m> {
         self.loads.at(self.step, system, attempt.increment.end());
         if let Some(motion) = &mut self.motion {
             motion.start(state, setting.dt, &self.loads_start.total);
+            trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         if let Some(last) = last {
@@ -257,6 +258,17 @@ impl<'m> Newton<'m> {
         self.q = target;
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
+        }
+        if self.loads.mean > 0.0 && setting.shifted {
+            // Weight presses joints that nothing pressed before: without the pressure of this start they
+            // would have no friction to hold them in the next iterate.
+            timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            let start = Evaluation {
+                tangent: false,
+                ..setting
+            };
+            self.evaluate(system, state, trial, start)?;
+            trial.keep_tractions();
         }
         Ok(())
     }
@@ -420,6 +432,7 @@ impl<'m> Newton<'m> {
     /// `dq` are the displacements of the increment [mm]. `[slot]`
     pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
         state.energies.external += self.loads.work_of_bodies(&self.loads_start, dq);
+        state.energies.numerical += system.contact.crossing_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
             let body = self.loads.body[slot];
             let applied = match &self.motion {
@@ -435,6 +448,10 @@ impl<'m> Newton<'m> {
         }
     }
 }
+
+/// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
+/// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
+const OVER_INERTIA: f64 = 3.0;
 
 /// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
 /// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is

@@ -77,6 +77,8 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
+    /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
+    pub inertia: f64,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -95,6 +97,7 @@ impl Trial {
             .extend(state.interface.iter().map(|h| h.traction));
         self.bound_by_traction();
         self.stiffening = 1.0;
+        self.inertia = 0.0;
         self.before.clear();
     }
 
