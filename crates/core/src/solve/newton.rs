@@ -230,17 +230,19 @@ impl<'m> Newton<'m> {
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         let last = state.last.as_ref().filter(|_| attempt.repeat);
+        if let (Some(last), true) = (last, setting.shifted) {
+            let ratio = setting.dt / last.dt;
+            system.extrapolate_tractions(self.model, state, trial, ratio);
+        }
+        // What moves goes on: a tangent would see it stick where it was.
+        if let Some(motion) = &self.motion {
+            motion.predict(state, &mut self.q);
+            return Ok(());
+        }
         if let Some(last) = last {
             let ratio = setting.dt / last.dt;
-            if let Some(motion) = &self.motion {
-                motion.predict(state, &mut self.q);
-            } else {
-                for &slot in &self.equations.slot_of {
-                    self.q[slot as usize] += ratio * last.dq[slot as usize];
-                }
-            }
-            if setting.shifted {
-                system.extrapolate_tractions(self.model, state, trial, ratio);
+            for &slot in &self.equations.slot_of {
+                self.q[slot as usize] += ratio * last.dq[slot as usize];
             }
             return Ok(());
         }
