@@ -3,8 +3,8 @@
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Increments, NamedMaterial,
-    Output, Procedure, Step, Support, Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion,
+    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tolerance,
 };
 use wythe::model::{Mesh, Model};
 use wythe::results::{Frame, HistoryRow, Recorder, Summary};
@@ -102,6 +102,8 @@ pub fn empty() -> Model {
         contact: ContactSurfaces::default(),
         beams: Vec::new(),
         supports: Vec::new(),
+        initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: Vec::new(),
         output: Output { every: 1 },
     }
@@ -114,6 +116,11 @@ pub fn elastic(e: f64, nu: f64) -> MaterialParameters {
         nu,
         density: 0.0,
     })
+}
+
+/// Linear elastic solid with mass [tonne/mm³].
+pub fn heavy(e: f64, nu: f64, density: f64) -> MaterialParameters {
+    MaterialParameters::Elastic(ElasticParameters { E: e, nu, density })
 }
 
 /// Adds a block with its lower corner at `low`, cut into `cells`.
@@ -224,6 +231,39 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
             residual: tolerance,
             max_iterations: 60,
         },
+        gravity: Gravity::None,
+        dynamics: Dynamics::Static,
+        ground: GroundMotion::default(),
+        springs: Vec::new(),
+    }
+}
+
+/// A step of `duration` [s] in which nothing acts but gravity.
+pub fn left_alone(gravity: Gravity, duration: f64, increments: usize, tolerance: f64) -> Step {
+    Step {
+        duration,
+        motion: Vec::new(),
+        driven: None,
+        gravity,
+        procedure: Procedure::Secant,
+        ..step([BeamMotion::Locked; 3], 0, increments, tolerance)
+    }
+}
+
+/// The same with HHT-α.
+pub fn set_free(
+    gravity: Gravity,
+    duration: f64,
+    increments: usize,
+    tolerance: f64,
+    alpha: f64,
+) -> Step {
+    Step {
+        dynamics: Dynamics::Dynamic {
+            alpha,
+            damping: Rayleigh::default(),
+        },
+        ..left_alone(gravity, duration, increments, tolerance)
     }
 }
 

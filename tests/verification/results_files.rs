@@ -6,8 +6,8 @@ use std::path::Path;
 
 use wythe_core::material::{ElasticParameters, MaterialParameters};
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Formulation, Increments, NamedMaterial, Output, Procedure, Step,
-    Tolerance,
+    BeamMotion, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tolerance,
 };
 use wythe_core::model::{Mesh, Model};
 use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Status, Summary};
@@ -49,6 +49,8 @@ fn model() -> Model {
         contact: ContactSurfaces::default(),
         beams: Vec::new(),
         supports: Vec::new(),
+        initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: vec![Step {
             name: "drive".to_owned(),
             duration: 2.0,
@@ -69,6 +71,10 @@ fn model() -> Model {
                 residual: 5e-3,
                 max_iterations: 25,
             },
+            gravity: Gravity::None,
+            dynamics: Dynamics::Static,
+            ground: GroundMotion::default(),
+            springs: Vec::new(),
         }],
         output: Output { every: 1 },
     }

@@ -99,6 +99,10 @@ impl From<RunError> for Failure {
                 help = "see the sizes in [wall], wall.mesh and the tables of the material",
                 "{error}"
             )),
+            RunError::NoMass { .. } => Self::Model(miette::miette!(
+                help = "write it like this: density = \"1900 kg/m^3\"",
+                "{error}"
+            )),
         }
     }
 }

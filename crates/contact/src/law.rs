@@ -239,6 +239,23 @@ impl InterfaceLaw {
         normal + 0.5 * (tau_1 * tau_1 + tau_2 * tau_2) / self.shear_stiffness
     }
 
+    /// What the trapezoidal rule makes of the work of a point that opens or closes between two commits,
+    /// beside the energies of its branches: ½ u₀ u₁ (k₀ − k₁) with the stiffness of each [N/mm]. It is no
+    /// dissipation: what closing takes, opening gives back.
+    pub fn crossing_work(&self, old: &InterfaceHistory, new: &InterfaceHistory) -> f64 {
+        if old.opening * new.opening >= 0.0 {
+            return 0.0;
+        }
+        let branch = |h: &InterfaceHistory| {
+            if h.opening > 0.0 {
+                self.secant_stiffness(h.opening_max, h.damage)
+            } else {
+                self.normal_stiffness
+            }
+        };
+        0.5 * old.opening * new.opening * (branch(old) - branch(new))
+    }
+
     /// Completes a response: status and energies.
     pub(crate) fn respond(
         &self,

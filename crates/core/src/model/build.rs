@@ -3,7 +3,7 @@
 use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
 use super::layout;
-use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
+use super::scene::{Beam, BeamMotion, Gravity, GroundMotion, Model, NamedMaterial, Output, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
 use crate::error::{ModelError, Warning};
@@ -64,8 +64,10 @@ impl Model {
             formulation: deck.element.formulation,
             contact,
             supports,
-            steps: steps(&deck.steps, &beams[0]),
+            steps: with_records(deck, steps(&deck.steps, &beams[0]))?,
             beams,
+            initial_velocity: Vec::new(),
+            springs: Vec::new(),
             output: Output {
                 every: deck.output.every,
             },
@@ -137,9 +139,21 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
             viscosity: step.viscosity.get(),
             procedure: step.procedure,
             tolerance: step.tolerance(),
+            gravity: Gravity::None,
+            dynamics: step.dynamics.with(step.alpha, step.rayleigh),
+            ground: GroundMotion::default(),
+            springs: Vec::new(),
         });
     }
     steps
+}
+
+/// The steps with the records of the ground that they name.
+fn with_records(deck: &Deck, mut steps: Vec<Step>) -> Result<Vec<Step>, ModelError> {
+    for (i, step) in steps.iter_mut().enumerate() {
+        step.ground = deck.ground_motion(i)?;
+    }
+    Ok(steps)
 }
 
 fn drive_axis(step: &DeckStep) -> (usize, f64) {

@@ -1,7 +1,7 @@
 //! One example for every key of a deck: what an error shows when the key is missing or misread.
 
 /// Last part of the path, and a line that would be right.
-pub const EXAMPLES: [(&str, &str); 68] = [
+pub const EXAMPLES: [(&str, &str); 78] = [
     ("format", "format = 1"),
     ("title", "title = \"Wall J7D\""),
     ("materials", "[materials.brick]"),
@@ -100,6 +100,25 @@ pub const EXAMPLES: [(&str, &str); 68] = [
     ("residual", "residual = 5e-3"),
     ("max_iterations", "max_iterations = 25"),
     ("every", "every = 5"),
+    (
+        "dynamics",
+        "dynamics = \"static\"  # or \"quasi-static\", \"dynamic\"",
+    ),
+    ("alpha", "alpha = -0.05  # -1/3 to 0"),
+    (
+        "rayleigh",
+        "rayleigh = { mass = \"0.5 s^-1\", stiffness = \"1e-5 s\" }",
+    ),
+    ("mass", "mass = \"0.5 s^-1\""),
+    ("stiffness", "stiffness = \"1e-5 s\""),
+    ("ground", "ground = { x = \"record.csv\" }"),
+    (
+        "ground_unit",
+        "ground_unit = \"9.81 m/s^2\"  # of 1 in the records",
+    ),
+    ("x", "x = \"record.csv\""),
+    ("y", "y = \"record.csv\""),
+    ("z", "z = \"record.csv\""),
 ];
 
 /// Advice for the key `name`: write it like this.

@@ -26,6 +26,10 @@ pub type FractureEnergy = Quantity<0, 1, -2, 0>;
 pub type InterfaceStiffness = Quantity<-2, 1, -2, 0>;
 /// Time [s].
 pub type Time = Quantity<0, 0, 1, 0>;
+/// Rate [1/s].
+pub type Frequency = Quantity<0, 0, -1, 0>;
+/// Acceleration [mm/s²].
+pub type Acceleration = Quantity<1, 0, -2, 0>;
 /// Angle [deg].
 pub type Angle = Quantity<0, 0, 0, 1>;
 

@@ -20,6 +20,10 @@ pub struct Model {
     pub beams: Vec<Beam>,
     /// Fixed nodes.
     pub supports: Vec<Support>,
+    /// Velocity of each node when the first step with inertia begins [mm/s]; empty = rest. `[node]`
+    pub initial_velocity: Vec<[f64; 3]>,
+    /// Springs to the ground.
+    pub springs: Vec<Spring>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.
@@ -127,6 +131,20 @@ pub struct Support {
     pub fixed: [bool; 3],
 }
 
+/// A spring from a group of nodes to a point of the ground, which steps may drive.
+///
+/// With ū the mean displacement of the nodes and e that of the driven end, direction by direction:
+/// force k (e − ū), shared equally by the nodes, and energy ½ k (e − ū)². Stress-free at rest.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    /// Name in the deck.
+    pub name: String,
+    /// Nodes that it holds.
+    pub nodes: Vec<u32>,
+    /// Stiffness k along x, y, z; 0 = none in this direction [N/mm].
+    pub stiffness: [f64; 3],
+}
+
 /// What happens to one direction of a beam during a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BeamMotion {
@@ -157,6 +175,125 @@ pub struct Step {
     pub procedure: Procedure,
     /// When an increment counts as converged.
     pub tolerance: Tolerance,
+    /// Acceleration of gravity during the step.
+    pub gravity: Gravity,
+    /// What inertia does in this step.
+    pub dynamics: Dynamics,
+    /// Acceleration of the ground, in which all displacements are measured.
+    pub ground: GroundMotion,
+    /// How far the far end of each spring moves during the step, linearly; empty = nowhere [mm].
+    /// `[spring][xyz]`
+    pub springs: Vec<[f64; 3]>,
+}
+
+/// Acceleration of gravity during a step [mm/s²].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Gravity {
+    /// None.
+    #[default]
+    None,
+    /// The same throughout.
+    Constant([f64; 3]),
+    /// Linearly from nothing to this.
+    Growing([f64; 3]),
+    /// Turning evenly about an axis, as on a tilting table (seen from the table).
+    Turning {
+        /// Acceleration when the step begins [mm/s²].
+        from: [f64; 3],
+        /// Unit vector about which it turns, right-handed.
+        axis: [f64; 3],
+        /// Angle over the whole step [rad].
+        angle: f64,
+    },
+}
+
+impl Gravity {
+    /// Acceleration at a fraction of the step, 0 to 1 [mm/s²].
+    pub fn at(&self, fraction: f64) -> [f64; 3] {
+        match self {
+            Self::None => [0.0; 3],
+            Self::Constant(g) => *g,
+            Self::Growing(g) => g.map(|g| fraction * g),
+            Self::Turning { from, axis, angle } => turned(*from, *axis, fraction * angle),
+        }
+    }
+}
+
+/// What inertia does in a step. In all but the first the step's duration is real time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Dynamics {
+    /// Nothing: equilibrium.
+    #[default]
+    Static,
+    /// Inertia carries the system over instabilities and backward Euler takes its motion out.
+    QuasiStatic,
+    /// HHT-α (Hilber, Hughes, Taylor 1977) with Rayleigh damping.
+    Dynamic {
+        /// α in [−1/3, 0]: 0 keeps all energy, −1/3 takes most out of what the increments do not
+        /// resolve.
+        alpha: f64,
+        /// Damping.
+        damping: Rayleigh,
+    },
+}
+
+impl Dynamics {
+    /// Whether inertia acts.
+    pub fn has_inertia(self) -> bool {
+        self != Self::Static
+    }
+}
+
+/// Rayleigh damping C = a M + b K₀ (Rayleigh 1877, §102), of the ratio a/(2ω) + bω/2 at ω. K₀ is the
+/// elastic stiffness of the solids, turning with them; the interfaces have none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rayleigh {
+    /// a [1/s].
+    pub mass: f64,
+    /// b [s].
+    pub stiffness: f64,
+}
+
+/// Acceleration of the ground over the time since the step began, linear between its rows and zero
+/// outside them.
+///
+/// Displacements and velocities are relative to the ground: on every mass acts −m a beside gravity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroundMotion {
+    /// Rows of time [s], ascending, and acceleration [mm/s²]; empty = none. `[xyz][row]`
+    pub acceleration: [Vec<[f64; 2]>; 3],
+}
+
+impl GroundMotion {
+    /// Acceleration at a time since the step began [mm/s²].
+    pub fn at(&self, time: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| interpolate(&self.acceleration[i], time))
+    }
+}
+
+/// Linear between the rows, zero outside.
+fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
+    let after = rows.partition_point(|row| row[0] < time);
+    match rows.get(after) {
+        Some(&[t, a]) if t == time => a,
+        Some(&[t, a]) if after > 0 => {
+            let [from, start] = rows[after - 1];
+            start + (a - start) * (time - from) / (t - from)
+        }
+        _ => 0.0,
+    }
+}
+
+/// The vector v turned about a unit vector a by φ [rad] (Rodrigues):
+/// v cos φ + a × v sin φ + a (a·v)(1 − cos φ).
+pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let along = (0..3).map(|i| a[i] * v[i]).sum::<f64>() * (1.0 - cos);
+    [0, 1, 2].map(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let cross = a[j] * v[k] - a[k] * v[j];
+        v[i] * cos + cross * sin + a[i] * along
+    })
 }
 
 /// Sizes of increments, as fractions of the step's duration.

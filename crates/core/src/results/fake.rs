@@ -3,8 +3,8 @@
 use super::{Frame, HistoryRow, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Formulation, Increments, NamedMaterial, Output, Procedure, Step,
-    Tolerance,
+    BeamMotion, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tolerance,
 };
 use crate::model::{Mesh, Model};
 
@@ -49,6 +49,10 @@ pub fn model() -> Model {
             residual: 5e-3,
             max_iterations: 25,
         },
+        gravity: Gravity::None,
+        dynamics: Dynamics::Static,
+        ground: GroundMotion::default(),
+        springs: Vec::new(),
     };
     Model {
         title: "Two cubes & a <gap>".to_owned(),
@@ -58,6 +62,8 @@ pub fn model() -> Model {
         contact: ContactSurfaces::default(),
         beams: Vec::new(),
         supports: Vec::new(),
+        initial_velocity: Vec::new(),
+        springs: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),

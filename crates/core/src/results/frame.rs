@@ -23,7 +23,8 @@ pub struct HistoryRow {
     pub iterations: usize,
     /// Cut-backs of this increment.
     pub cutbacks: usize,
-    /// Work of reactions and loads since the start [J].
+    /// Work of reactions, loads, gravity and the ground since the start, and the energy of initial
+    /// velocities [J].
     pub external_work_J: f64,
     /// Elastic energy of solids and interfaces now [J].
     pub elastic_energy_J: f64,
@@ -48,6 +49,12 @@ pub struct HistoryRow {
     /// Largest out-of-balance force of the equations that were solved, over the mean nodal force:
     /// what the tolerance refers to [-].
     pub residual: f64,
+    /// Kinetic energy now, relative to the ground [J].
+    pub kinetic_energy_J: f64,
+    /// Work of the Rayleigh damping since the start [J].
+    pub damping_dissipation_J: f64,
+    /// What the time integration has taken out since the start [J].
+    pub numerical_dissipation_J: f64,
 }
 
 /// Fields of one output increment.

@@ -86,7 +86,10 @@ mod tests {
         assert!(header.starts_with(HEADER), "{header}");
         assert_eq!(
             header.strip_prefix(HEADER),
-            Some(",out_of_balance,residual")
+            Some(
+                ",out_of_balance,residual,kinetic_energy_J,damping_dissipation_J,\
+                 numerical_dissipation_J"
+            )
         );
     }
 

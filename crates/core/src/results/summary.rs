@@ -91,13 +91,13 @@ impl From<[f64; 6]> for SecondsByPhase {
 /// How well the energies close (theory F): every term is integrated where it arises and none is
 /// found by difference, so that
 ///
-/// error = maxᵢ |W − (E + D_pd + D_i + D_v)|ᵢ / maxᵢ |W|ᵢ over all increments i,
+/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i,
 ///
-/// with W the work of reactions and loads, E the elastic energy, and D the plastic and damage,
-/// interface and viscous dissipations.
+/// with W the work of reactions and loads, E the elastic and T the kinetic energy, and D the plastic
+/// and damage, interface, viscous, damping and numerical dissipations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
-    /// maxᵢ |W − (E + ΣD)|ᵢ [J].
+    /// maxᵢ |W − (E + T + ΣD)|ᵢ [J].
     gap: f64,
     /// maxᵢ |W|ᵢ [J].
     work: f64,
@@ -109,7 +109,10 @@ impl EnergyBalance {
         let inside = row.elastic_energy_J
             + row.plastic_damage_dissipation_J
             + row.interface_dissipation_J
-            + row.viscous_dissipation_J;
+            + row.viscous_dissipation_J
+            + row.kinetic_energy_J
+            + row.damping_dissipation_J
+            + row.numerical_dissipation_J;
         self.gap = larger(self.gap, (row.external_work_J - inside).abs());
         self.work = larger(self.work, row.external_work_J.abs());
     }

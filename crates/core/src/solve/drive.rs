@@ -2,14 +2,16 @@
 
 use std::time::Instant;
 
-use wythe_contact::PointStatus;
+use wythe_contact::{InterfaceHistory, PointStatus};
 
 use super::explain::explain;
-use super::newton::{Attempt, Clock, IMBALANCE, Newton, Outcome, Refusal, Report, Solves};
+use super::newton::{IMBALANCE, Newton};
+use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
+use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::{Procedure, Step};
+use crate::model::scene::{BeamMotion, Dynamics, Procedure, Step};
 use crate::results::{Frame, HistoryRow, Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
 use crate::system::{System, Trial};
@@ -23,6 +25,18 @@ pub enum RunError {
     /// Results could not be written.
     #[error("results could not be written: {0}")]
     Output(#[from] std::io::Error),
+    /// Inertia without mass.
+    #[error(
+        "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
+    )]
+    NoMass {
+        /// Step.
+        step: usize,
+        /// Its name in the deck.
+        name: String,
+        /// What has none.
+        place: String,
+    },
 }
 
 /// Factor of a refused increment (lessons: 0.4).
@@ -47,6 +61,7 @@ pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunErr
             }
         }
         run.summary.warnings.extend(run.snaps.warning());
+        run.summary.warnings.extend(run.swings.warning());
         Ok(run.summary)
     })
 }
@@ -61,6 +76,7 @@ struct Run<'m> {
     clock: Clock,
     output_seconds: f64,
     snaps: Snaps,
+    swings: Swings,
 }
 
 impl<'m> Run<'m> {
@@ -97,6 +113,7 @@ impl<'m> Run<'m> {
             clock,
             output_seconds: 0.0,
             snaps: Snaps::default(),
+            swings: Swings::default(),
         })
     }
 
@@ -104,7 +121,14 @@ impl<'m> Run<'m> {
     fn step(&mut self, index: usize, recorder: &mut dyn Recorder) -> Result<bool, RunError> {
         let model = self.model;
         let step = &model.steps[index];
-        let mut newton = Newton::new(model, step, &self.system, &self.state);
+        self.set_in_motion(index)?;
+        let mut newton = Newton::new(
+            model,
+            step,
+            &mut self.system,
+            &mut self.state,
+            &mut self.trial,
+        );
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
         self.system.bulk.stabilise(step.viscosity);
         let mut schedule = Schedule::new(step.increments);
@@ -130,10 +154,23 @@ impl<'m> Run<'m> {
                 Solves::new(&mut tell),
             );
             match outcome {
+                Outcome::Converged(report)
+                    if self.is_impact(step)
+                        && increment.size > floor
+                        && schedule.cut(increment, CUT).is_ok() =>
+                {
+                    solves += report.iterations;
+                    cutbacks += 1;
+                    self.summary.cutbacks += 1;
+                    repeat = false;
+                }
                 Outcome::Converged(report) => {
                     solves += report.iterations;
                     self.commit(&newton, step, increment);
                     let row = self.row(index, report, solves, cutbacks);
+                    if step.dynamics == Dynamics::QuasiStatic {
+                        self.swings.add(&row);
+                    }
                     if snap {
                         self.snaps.add(&row);
                         snap = report.extrapolation_error > IMBALANCE;
@@ -169,8 +206,74 @@ impl<'m> Run<'m> {
                 }
             }
         }
-        self.clock = add(self.clock, newton.clock);
+        self.clock = self.clock + newton.clock;
         Ok(true)
+    }
+
+    /// Whether bodies met or parted in the increment that the trial ends, where that matters: a shock
+    /// is resolved by small increments.
+    fn is_impact(&self, step: &Step) -> bool {
+        if !matches!(step.dynamics, Dynamics::Dynamic { .. }) {
+            return false;
+        }
+        let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
+        let (mut before, mut after, mut changed) = (0, 0, 0);
+        for (old, new) in self.state.interface.iter().zip(&self.trial.interface) {
+            let (old, new) = (presses(old), presses(new));
+            before += usize::from(old);
+            after += usize::from(new);
+            changed += usize::from(old != new);
+        }
+        changed as f64 > IMPACT * before.max(after) as f64
+    }
+
+    /// Velocities that the step finds: those of the model in the first step with inertia; none where
+    /// inertia does not act.
+    fn set_in_motion(&mut self, index: usize) -> Result<(), RunError> {
+        let (model, system, state) = (self.model, &self.system, &mut self.state);
+        let step = &model.steps[index];
+        let energies = &mut state.energies;
+        if !step.dynamics.has_inertia() {
+            // Statics brings to rest what moved.
+            energies.numerical += std::mem::take(&mut energies.kinetic);
+            for rates in [
+                &mut state.velocity,
+                &mut state.acceleration,
+                &mut state.damping,
+            ] {
+                rates.fill(0.0);
+            }
+            return Ok(());
+        }
+        let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
+            let free = |i: &usize| matches!(motion[*i], BeamMotion::Force(_));
+            (0..3).filter(free).map(move |i| (b, i))
+        });
+        let mut unknowns =
+            (0..system.dofs.beam_start).chain(free_beams.map(|(b, i)| system.dofs.beam_slot(b, i)));
+        if let Some(slot) = unknowns.find(|&slot| system.mass.slot[slot] <= 0.0) {
+            let place = if slot >= system.dofs.beam_start {
+                let beam = (slot - system.dofs.beam_start) / 3;
+                format!("the beam {}", model.beams[beam].name)
+            } else {
+                format!("node {}", system.dofs.node_of(slot).0)
+            };
+            let name = step.name.clone();
+            return Err(RunError::NoMass {
+                step: index,
+                name,
+                place,
+            });
+        }
+        let first = model.steps.iter().position(|s| s.dynamics.has_inertia());
+        if first == Some(index) && !model.initial_velocity.is_empty() {
+            system
+                .mass
+                .mean_velocity(&system.dofs, &model.initial_velocity, &mut state.velocity);
+            energies.kinetic = system.mass.kinetic_energy(&state.velocity);
+            energies.external += energies.kinetic;
+        }
+        Ok(())
     }
 
     /// The trial becomes the state.
@@ -188,10 +291,8 @@ impl<'m> Run<'m> {
             .zip(&state.interface)
             .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
             .collect();
+        newton.account(&self.system, state, trial, &dq);
         let energies = &mut state.energies;
-        for slot in self.system.dofs.beam_start..self.system.dofs.slots {
-            energies.external += 0.5 * (state.force[slot] + trial.force[slot]) * dq[slot];
-        }
         energies.elastic = trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
             + trial.point_energy.iter().map(|e| e[0]).sum::<f64>();
         energies.plastic_damage += trial
@@ -224,9 +325,9 @@ impl<'m> Run<'m> {
                 let slot = dofs.beam_slot(beam, direction);
                 let normal = self.model.beams[beam].normal;
                 let along: f64 = (0..3)
-                    .map(|i| normal[i] * state.force[dofs.beam_slot(beam, i)])
+                    .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
                     .sum();
-                (state.q[slot], state.force[slot], -along)
+                (state.q[slot], state.applied[slot], -along)
             }
             None => (0.0, 0.0, 0.0),
         };
@@ -254,6 +355,9 @@ impl<'m> Run<'m> {
             max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
             out_of_balance: report.out_of_balance,
             residual: report.residual,
+            kinetic_energy_J: e.kinetic * 1e-3,
+            damping_dissipation_J: e.damping * 1e-3,
+            numerical_dissipation_J: e.numerical * 1e-3,
         }
     }
 
@@ -305,7 +409,7 @@ impl<'m> Run<'m> {
 
     /// Wall time so far.
     fn tally(&mut self, newton: &Newton) {
-        let c = add(self.clock, newton.clock);
+        let c = self.clock + newton.clock;
         self.summary.seconds_by_phase = [
             c.elements,
             c.contact,
@@ -339,44 +443,7 @@ fn growth(increment: Increment, report: Report, floor: f64) -> f64 {
     by_iterations.min(by_error.max((floor / increment.size).min(1.0)))
 }
 
-/// Part of the first increment that the snap of a unit does not cut further.
+/// Part of the first increment that the snap of a unit, or an impact, does not cut further.
 const SNAP: f64 = 0.1;
-
-/// The increments in which a unit snapped.
-#[derive(Clone, Copy, Debug, Default)]
-struct Snaps {
-    count: usize,
-    step: usize,
-    first: f64,
-    worst: f64,
-}
-
-impl Snaps {
-    fn add(&mut self, row: &HistoryRow) {
-        if self.count == 0 {
-            (self.step, self.first) = (row.step, row.displacement_mm);
-        }
-        self.count += 1;
-        self.worst = self.worst.max(row.out_of_balance);
-    }
-
-    fn warning(&self) -> Option<String> {
-        (self.count > 0).then(|| {
-            format!(
-                "units snap, first in steps.{} at {:.3} mm: {} increments found no equilibrium and \
-                 extrapolate the solids; up to {:.2} of the mean nodal force is out of balance there",
-                self.step, self.first, self.count, self.worst
-            )
-        })
-    }
-}
-
-fn add(a: Clock, b: Clock) -> Clock {
-    Clock {
-        elements: a.elements + b.elements,
-        contact: a.contact + b.contact,
-        assembly: a.assembly + b.assembly,
-        factorise: a.factorise + b.factorise,
-        solve: a.solve + b.solve,
-    }
-}
+/// Part of the pressed contact points that begin or cease to press in an impact.
+const IMPACT: f64 = 0.2;

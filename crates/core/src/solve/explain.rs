@@ -1,6 +1,7 @@
 //! Lost convergence in words: where, why, and what to try.
 
-use super::newton::{IMBALANCE, Refusal};
+use super::newton::IMBALANCE;
+use super::outcome::Refusal;
 use super::schedule::Increment;
 use crate::material::MaterialParameters;
 use crate::model::Model;

@@ -1,12 +1,16 @@
 //! From a frozen model to its converged frames.
 
 pub mod drive;
+mod dynamics;
 mod explain;
 mod line_search;
+mod loads;
 mod newton;
+mod outcome;
 mod schedule;
 pub mod state;
+mod tally;
 
 pub use drive::{RunError, run};
-pub use newton::Clock;
+pub use outcome::Clock;
 pub use state::State;

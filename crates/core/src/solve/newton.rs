@@ -8,111 +8,17 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
+use super::dynamics::Motion;
 use super::line_search::{LineSearch, Probe};
+use super::loads::Loads;
+use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
 use super::schedule::Increment;
 use super::state::State;
-use crate::material::LocalFailure;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
 use crate::system::{Equations, Evaluation, Solids, System, Trial};
 use std::time::Instant;
-
-/// Why an increment was refused.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Refusal {
-    /// Not below the tolerance after the allowed iterations.
-    Iterations {
-        /// Largest out-of-balance force over the mean nodal force.
-        residual: f64,
-        /// Their root mean square, over the same.
-        root_mean_square: f64,
-        /// Node with the largest out-of-balance force.
-        node: usize,
-    },
-    /// A law or an element gave no answer.
-    Local {
-        /// Element.
-        element: usize,
-        /// What happened.
-        why: LocalFailure,
-    },
-    /// The matrix could not be factorised.
-    Linear {
-        /// What happened.
-        why: LinearError,
-        /// Node and direction of the equation, if one is to blame.
-        dof: Option<(usize, usize)>,
-    },
-    /// The residual is not finite.
-    NotFinite,
-}
-
-/// How an increment is tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attempt {
-    /// The part of the step.
-    pub increment: Increment,
-    /// Start from the last increment again, or else from the tangent.
-    pub repeat: bool,
-    /// Extrapolate the solids (IMPL-EX).
-    pub extrapolate: bool,
-}
-
-/// How an increment converged.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Report {
-    /// Linear solves.
-    pub iterations: usize,
-    /// Largest out-of-balance force over the mean nodal force, of what was solved.
-    pub residual: f64,
-    /// The same of the laws themselves: larger where the solids were extrapolated.
-    pub out_of_balance: f64,
-    /// Root mean square of what the extrapolation left, over the mean nodal force.
-    pub extrapolation_error: f64,
-}
-
-/// What came of an increment.
-#[derive(Clone, Debug)]
-pub enum Outcome {
-    /// Equilibrium was found; the trial holds it.
-    Converged(Report),
-    /// It was not; nothing was changed.
-    Refused(Refusal, usize),
-}
-
-/// Counts linear solves and tells of each.
-pub struct Solves<'a> {
-    count: usize,
-    tell: &'a mut dyn FnMut(usize),
-}
-
-impl<'a> Solves<'a> {
-    /// None yet; `tell` hears of each, with their number.
-    pub fn new(tell: &'a mut dyn FnMut(usize)) -> Self {
-        Self { count: 0, tell }
-    }
-
-    fn one_more(&mut self) {
-        self.count += 1;
-        (self.tell)(self.count);
-    }
-}
-
-/// Wall time spent in each phase [s].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Clock {
-    /// Solids.
-    pub elements: f64,
-    /// Interfaces, with the search.
-    pub contact: f64,
-    /// Gather.
-    pub assembly: f64,
-    /// Analysis and factorisation.
-    pub factorise: f64,
-    /// Triangular solves.
-    pub solve: f64,
-}
 
 /// The equations of one step and their solver.
 pub struct Newton<'m> {
@@ -125,10 +31,12 @@ pub struct Newton<'m> {
     residual: Vec<f64>,
     q: Vec<f64>,
     q_start: Vec<f64>,
-    /// Forces on the beams when the step began [N]. `[slot]`
-    force_start: Vec<f64>,
-    /// External forces now [N]. `[slot]`
-    external: Vec<f64>,
+    /// Loads at the end of the increment.
+    loads: Loads,
+    /// Loads at its start.
+    loads_start: Loads,
+    /// Inertia, if it acts.
+    motion: Option<Motion>,
     /// Wall time by phase.
     pub clock: Clock,
 }
@@ -141,11 +49,23 @@ fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
 }
 
 impl<'m> Newton<'m> {
-    /// Prepares a step that begins at `state`.
-    pub fn new(model: &'m Model, step: &'m Step, system: &System, state: &State) -> Self {
+    /// Prepares a step that begins at `state`, and gives the state the velocities and accelerations
+    /// of its begin.
+    pub fn new(
+        model: &'m Model,
+        step: &'m Step,
+        system: &mut System,
+        state: &mut State,
+        trial: &mut Trial,
+    ) -> Self {
         let equations = Equations::new(&system.dofs, step);
         let n = equations.len();
-        let slots = system.dofs.slots;
+        let loads = Loads::new(step, system, state);
+        let mut motion = Motion::new(step, system, &equations);
+        if let Some(motion) = &mut motion {
+            system.search(trial, &state.q);
+            motion.begin(system, state, trial);
+        }
         Self {
             model,
             step,
@@ -156,8 +76,9 @@ impl<'m> Newton<'m> {
             residual: vec![0.0; n],
             q: state.q.clone(),
             q_start: state.q.clone(),
-            force_start: state.force.clone(),
-            external: vec![0.0; slots],
+            loads_start: loads.clone(),
+            loads,
+            motion,
             clock: Clock::default(),
         }
     }
@@ -175,19 +96,15 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// External forces on the beams and prescribed displacements at fraction `s` of the step.
-    fn boundary(&mut self, system: &System, s: f64, q: &mut [f64]) {
-        self.external.fill(0.0);
+    /// Prescribed displacements at fraction `s` of the step.
+    fn boundary(&self, system: &System, s: f64, q: &mut [f64]) {
         for (b, motion) in self.step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
                 let slot = system.dofs.beam_slot(b, i);
                 match *motion {
                     BeamMotion::Locked => q[slot] = self.q_start[slot],
                     BeamMotion::Driven(by) => q[slot] = self.q_start[slot] + s * by,
-                    BeamMotion::Force(to) => {
-                        let from = self.force_start[slot];
-                        self.external[slot] = from + s * (to - from);
-                    }
+                    BeamMotion::Force(_) => {}
                 }
             }
         }
@@ -253,7 +170,7 @@ impl<'m> Newton<'m> {
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             self.evaluate(system, state, trial, setting)?;
-            let scale = scale(state, trial);
+            let scale = self.scale(system, state, trial);
             let (residual, worst) = largest(&self.residual);
             if !residual.is_finite() {
                 return Err(Refusal::NotFinite);
@@ -306,14 +223,27 @@ impl<'m> Newton<'m> {
         let mut target = std::mem::take(&mut self.q);
         self.boundary(system, attempt.increment.end(), &mut target);
         self.q = target;
+        let Increment { start, .. } = attempt.increment;
+        self.loads_start.at(self.step, system, start);
+        self.loads.at(self.step, system, attempt.increment.end());
+        if let Some(motion) = &mut self.motion {
+            motion.start(state, setting.dt, &self.loads_start.total);
+            trial.inertia = OVER_INERTIA * motion.mass_factor();
+        }
         let last = state.last.as_ref().filter(|_| attempt.repeat);
+        if let (Some(last), true) = (last, setting.shifted) {
+            let ratio = setting.dt / last.dt;
+            system.extrapolate_tractions(self.model, state, trial, ratio);
+        }
+        // What moves goes on: a tangent would see it stick where it was.
+        if let Some(motion) = &self.motion {
+            motion.predict(state, &mut self.q);
+            return Ok(());
+        }
         if let Some(last) = last {
             let ratio = setting.dt / last.dt;
             for &slot in &self.equations.slot_of {
                 self.q[slot as usize] += ratio * last.dq[slot as usize];
-            }
-            if setting.shifted {
-                system.extrapolate_tractions(self.model, state, trial, ratio);
             }
             return Ok(());
         }
@@ -332,6 +262,17 @@ impl<'m> Newton<'m> {
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
         }
+        if self.loads.mean > 0.0 && setting.shifted {
+            // Weight presses joints that nothing pressed before: without the pressure of this start they
+            // would have no friction to hold them in the next iterate.
+            timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            let start = Evaluation {
+                tangent: false,
+                ..setting
+            };
+            self.evaluate(system, state, trial, start)?;
+            trial.keep_tractions();
+        }
         Ok(())
     }
 
@@ -346,8 +287,15 @@ impl<'m> Newton<'m> {
         system
             .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
             .map_err(|(element, why)| Refusal::Local { element, why })?;
+        let loads = &self.loads.total;
         for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
-            *r = trial.force[slot as usize] - self.external[slot as usize];
+            *r = trial.force[slot as usize] - loads[slot as usize];
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.update(system, state, trial, &self.q, setting.tangent);
+            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+                *r += motion.residual(&system.mass, slot as usize);
+            }
         }
         Ok(())
     }
@@ -365,6 +313,9 @@ impl<'m> Newton<'m> {
         }
         timed(&mut self.clock.assembly, || {
             system.fill(trial, &mut self.values);
+            if let Some(motion) = &self.motion {
+                system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
+            }
         });
         let Some(linear) = &mut self.linear else {
             unreachable!("analysed above")
@@ -457,7 +408,7 @@ impl<'m> Newton<'m> {
         let solved = trial.force.clone();
         let mut left = self.residual.clone();
         self.evaluate(system, state, trial, setting)?;
-        let scale = scale(state, trial);
+        let scale = self.scale(system, state, trial);
         let (largest, _) = largest(&self.residual);
         for (left, r) in left.iter_mut().zip(&self.residual) {
             *left -= r;
@@ -466,7 +417,44 @@ impl<'m> Newton<'m> {
         trial.force = solved;
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
+
+    /// Force that residuals are measured in: the mean nodal force (theory F), or that of loads and
+    /// inertia where it is larger [N].
+    fn scale(&self, system: &System, state: &State, trial: &Trial) -> f64 {
+        let moving = self.motion.as_ref();
+        trial
+            .mean_nodal_force
+            .max(LEAST_SCALE * state.largest_mean_force)
+            .max(self.loads.mean)
+            .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
+            .max(f64::MIN_POSITIVE)
+    }
+
+    /// Work from outside and the energies of motion of the increment that `trial` ends, by the
+    /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
+    /// `dq` are the displacements of the increment [mm]. `[slot]`
+    pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
+        state.energies.external += self.loads.work_of_bodies(&self.loads_start, dq);
+        state.energies.numerical += system.contact.crossing_work(self.model, state, trial);
+        for slot in system.dofs.beam_start..system.dofs.slots {
+            let body = self.loads.body[slot];
+            let applied = match &self.motion {
+                Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - body,
+                Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], body),
+                None => trial.force[slot] - body,
+            };
+            state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];
+            state.applied[slot] = applied;
+        }
+        if let Some(motion) = &self.motion {
+            motion.commit(&system.mass, state, trial, dq, &self.loads.total);
+        }
+    }
 }
+
+/// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
+/// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
+const OVER_INERTIA: f64 = 3.0;
 
 /// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
 /// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is
@@ -481,14 +469,6 @@ fn root_mean_square(values: &[f64]) -> f64 {
 /// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
 /// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.
 const LEAST_SCALE: f64 = 0.01;
-
-/// Force that residuals are measured in: the mean nodal force (theory F) [N].
-fn scale(state: &State, trial: &Trial) -> f64 {
-    trial
-        .mean_nodal_force
-        .max(LEAST_SCALE * state.largest_mean_force)
-        .max(f64::MIN_POSITIVE)
-}
 
 /// Largest magnitude and its place; not finite if any entry is not.
 fn largest(values: &[f64]) -> (f64, usize) {

@@ -8,7 +8,7 @@ use crate::material::MaterialHistory;
 /// Energies since the start [N mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
-    /// Work of reactions and loads.
+    /// Work of reactions, loads, gravity and the ground, and the energy of initial velocities.
     pub external: f64,
     /// Elastic energy of solids and interfaces now.
     pub elastic: f64,
@@ -18,6 +18,12 @@ pub struct Energies {
     pub interface: f64,
     /// Viscous dissipation.
     pub viscous: f64,
+    /// Kinetic energy now, relative to the ground.
+    pub kinetic: f64,
+    /// Work of the Rayleigh damping.
+    pub damping: f64,
+    /// What the time integration has taken out.
+    pub numerical: f64,
 }
 
 /// The last committed increment: what extrapolation starts from.
@@ -40,8 +46,16 @@ pub struct State {
     pub time: f64,
     /// Generalised displacements [mm]. `[slot]`
     pub q: Vec<f64>,
+    /// Generalised velocities [mm/s]; zero after a step without inertia. `[slot]`
+    pub velocity: Vec<f64>,
+    /// Generalised accelerations [mm/s²]; zero after a step without inertia. `[slot]`
+    pub acceleration: Vec<f64>,
     /// Generalised internal forces at the last commit [N]. `[slot]`
     pub force: Vec<f64>,
+    /// Forces that act on the beams from outside at the last commit [N]; zero at nodes. `[slot]`
+    pub applied: Vec<f64>,
+    /// Forces of the Rayleigh damping at the last commit [N]. `[slot]`
+    pub damping: Vec<f64>,
     /// Histories of the solids. `[element][gauss point]`, eight to an element
     pub material: Vec<MaterialHistory>,
     /// Histories of the interfaces. `[slave facet][point]`, four to a facet

@@ -41,6 +41,8 @@ pub struct Contact {
     law_of: Vec<u16>,
     /// Normal and shear stiffness of the shifted penalty [N/mm³]. `[slave facet]`
     numerical: Vec<[f64; 2]>,
+    /// Mass behind each slave facet [tonne/mm²]. `[slave facet]`
+    areal_mass: Vec<f64>,
     /// Sampling points. `[slave facet][point]`, four to a facet
     pub points: Vec<SlavePoint>,
     candidates: Candidates,
@@ -66,6 +68,8 @@ struct Task<'a> {
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
     stiffening: f64,
+    /// Least stiffness, from what inertia makes of the facet [N/mm³].
+    inertia: f64,
 }
 
 impl Contact {
@@ -94,8 +98,10 @@ impl Contact {
         let edge = if count > 0.0 { edges / count } else { 1.0 };
         let u_k = surfaces.laws.iter().map(|l| l.u_k).fold(0.0, f64::max);
         let chosen = (REACH * edge).max(REACH_OVER_OPENING * u_k);
+        let (numerical, areal_mass) = numerical_stiffness(model);
         Self {
-            numerical: numerical_stiffness(model),
+            numerical,
+            areal_mass,
             slave,
             master,
             law_of: surfaces.slave_law.clone(),
@@ -205,6 +211,18 @@ impl Contact {
             });
     }
 
+    /// What the trapezoidal rule makes of points that open or close in the increment that `trial` ends
+    /// [N mm].
+    pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
+        let points = state.interface.iter().zip(&trial.interface).enumerate();
+        points
+            .map(|(p, (old, new))| {
+                let law = &model.contact.laws[self.law_of[p / 4] as usize];
+                law.crossing_work(old, new) * self.points[p].area
+            })
+            .sum()
+    }
+
     /// Tractions of the last commit and `ratio` times their last change, within the law's bounds.
     pub fn extrapolate(&self, model: &Model, state: &State, trial: &mut Trial, ratio: f64) {
         let Some(last) = &state.last else { return };
@@ -264,6 +282,7 @@ impl Contact {
                 last,
                 bounding,
                 stiffening: trial.stiffening,
+                inertia: trial.inertia * self.areal_mass[facet],
             });
         }
         tasks
@@ -322,7 +341,7 @@ impl Contact {
                 let firm = law.utilisation(last, old.damage) < WELL_WITHIN;
                 let factor = task.stiffening.max(if firm { FIRM } else { 1.0 });
                 let shift = Shift {
-                    stiffness: self.numerical[f].map(|k| k * factor),
+                    stiffness: self.numerical[f].map(|k| (k * factor).max(task.inertia)),
                     traction: *last,
                     bounding: task.bounding[p],
                 };

@@ -2,14 +2,18 @@
 
 pub mod bulk;
 pub mod contact;
+mod damping;
 pub mod dofs;
 pub mod linear;
+mod mass;
 mod numerical;
 pub mod pattern;
 
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
+pub use damping::StiffnessDamping;
 pub use dofs::{DofMap, Equations};
+pub use mass::Mass;
 pub use pattern::Gather;
 
 use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
@@ -73,6 +77,8 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
+    /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
+    pub inertia: f64,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -91,6 +97,7 @@ impl Trial {
             .extend(state.interface.iter().map(|h| h.traction));
         self.bound_by_traction();
         self.stiffening = 1.0;
+        self.inertia = 0.0;
         self.before.clear();
     }
 
@@ -136,6 +143,8 @@ pub struct System {
     pub bulk: Bulk,
     /// Interfaces.
     pub contact: Contact,
+    /// Masses.
+    pub mass: Mass,
     gather: Option<Gather>,
     analysed_version: usize,
 }
@@ -146,9 +155,11 @@ impl System {
     /// # Errors
     /// [`bulk::BulkError`] if an element or its material cannot be prepared.
     pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
+        let (dofs, bulk) = (DofMap::new(model), Bulk::new(model)?);
         Ok(Self {
-            dofs: DofMap::new(model),
-            bulk: Bulk::new(model)?,
+            mass: Mass::new(model, &bulk, &dofs),
+            dofs,
+            bulk,
             contact: Contact::new(model),
             gather: None,
             analysed_version: 0,
@@ -161,7 +172,11 @@ impl System {
             increments: 0,
             time: 0.0,
             q: vec![0.0; self.dofs.slots],
+            velocity: vec![0.0; self.dofs.slots],
+            acceleration: vec![0.0; self.dofs.slots],
             force: vec![0.0; self.dofs.slots],
+            applied: vec![0.0; self.dofs.slots],
+            damping: vec![0.0; self.dofs.slots],
             material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
             interface: self.contact.virgin(model),
             pairs: vec![PointPair::default(); self.contact.points.len()],
@@ -260,6 +275,18 @@ impl System {
     pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
         if let Some(gather) = &self.gather {
             gather.fill(&trial.cells, &trial.active, values);
+        }
+    }
+
+    /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
+    pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
+        let Some(gather) = &self.gather else { return };
+        for (e, &slot) in equations.slot_of.iter().enumerate() {
+            let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
+            // Rows ascend; an element couples every unknown with itself.
+            if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
+                values[column.start + k] += factor * self.mass.slot[slot as usize];
+            }
         }
     }
 

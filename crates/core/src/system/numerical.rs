@@ -15,8 +15,8 @@ const NUMERICAL_PENALTY: f64 = 1.0;
 const LEAST_OVER_SOFTENING: f64 = 4.0;
 
 /// Normal and shear stiffness of the shifted penalty from the element behind each slave facet
-/// [N/mm³]. `[slave facet]`
-pub fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
+/// [N/mm³], and the mass of its half [tonne/mm²]. `[slave facet]`
+pub fn numerical_stiffness(model: &Model) -> (Vec<[f64; 2]>, Vec<f64>) {
     let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
     for (e, nodes) in model.mesh.elements.iter().enumerate() {
         for face in FACES {
@@ -35,7 +35,7 @@ pub fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
             let mut key = *facet;
             key.sort_unstable();
             let Some(&e) = owner.get(&key) else {
-                return [law.normal_stiffness, law.shear_stiffness];
+                return ([law.normal_stiffness, law.shear_stiffness], 0.0);
             };
             let corners = model.mesh.corners(e);
             let elastic = model.materials[model.mesh.material[e] as usize]
@@ -44,12 +44,13 @@ pub fn numerical_stiffness(model: &Model) -> Vec<[f64; 2]> {
             let height = thickness(&corners, &facet.map(|n| model.mesh.nodes[n as usize]));
             let factor = NUMERICAL_PENALTY / height;
             let [opening, slip] = law.softening_slopes();
-            [
+            let stiffness = [
                 (factor * elastic.E).max(LEAST_OVER_SOFTENING * opening),
                 (factor * elastic.shear_modulus()).max(LEAST_OVER_SOFTENING * slip),
-            ]
+            ];
+            (stiffness, 0.5 * elastic.density * height)
         })
-        .collect()
+        .unzip()
 }
 
 /// Size of an element normal to one of its faces: mean height of its corners over the face.

@@ -2,12 +2,15 @@
 //!
 //! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
 
+mod dynamics;
+mod ground;
 mod interfaces;
 mod materials;
 mod steps;
 mod validate;
 mod wall;
 
+pub use dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
 pub use interfaces::Interface;
 pub use materials::{Material, Row};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};

@@ -1,6 +1,7 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
-use crate::model::quantity::{Length, Number, Pressure, Time};
+use super::dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
+use crate::model::quantity::{Acceleration, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Procedure, Tolerance};
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,21 @@ pub struct DeckStep {
     /// Procedure.
     #[serde(default)]
     pub procedure: Procedure,
+    /// What inertia does.
+    #[serde(default)]
+    pub dynamics: DeckDynamics,
+    /// Dynamic: α of HHT-α, from −1/3 to 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<Number>,
+    /// Dynamic: Rayleigh damping.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rayleigh: Option<DeckRayleigh>,
+    /// Dynamic: records of the ground's acceleration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<DeckGround>,
+    /// What 1 in these records means [mm/s²]; 1 mm/s² if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_unit: Option<Acceleration>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
     pub increments: DeckIncrements,

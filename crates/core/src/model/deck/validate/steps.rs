@@ -1,7 +1,7 @@
 //! Ranges of `[[steps]]`.
 
 use super::Checks;
-use crate::model::deck::{DeckStep, Direction, StepKind};
+use crate::model::deck::{DeckDynamics, DeckStep, Direction, StepKind};
 use crate::model::keys;
 
 impl Checks<'_> {
@@ -61,6 +61,7 @@ impl Checks<'_> {
                 &keys::example("displacement"),
             );
         }
+        self.inertia(path, step);
         let sizes = step.increments();
         let ok = sizes.min > 0.0 && sizes.min <= sizes.initial && sizes.initial <= sizes.max;
         self.require(
@@ -87,5 +88,56 @@ impl Checks<'_> {
             || "no iteration is allowed".to_owned(),
             "max_iterations = 25",
         );
+    }
+
+    /// Keys of inertia: those that its kind knows, in their ranges, and mass to act on.
+    fn inertia(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        let dynamic = step.dynamics == DeckDynamics::Dynamic;
+        for (name, given) in [
+            ("alpha", step.alpha.is_some()),
+            ("rayleigh", step.rayleigh.is_some()),
+            ("ground", step.ground.is_some()),
+        ] {
+            self.require(
+                dynamic || !given,
+                &key(name),
+                || format!("`{name}` belongs to a dynamic step"),
+                "say dynamics = \"dynamic\", or leave it out",
+            );
+        }
+        self.require(
+            step.ground_unit.is_none() || step.ground.is_some(),
+            &key("ground_unit"),
+            || "there is no record whose unit this would be".to_owned(),
+            &keys::example("ground"),
+        );
+        if let Some(alpha) = step.alpha {
+            let value = alpha.get();
+            self.require(
+                (-1.0 / 3.0..=0.0).contains(&value),
+                &key("alpha"),
+                || format!("{value} is not between -1/3 and 0"),
+                "0 keeps all energy, -0.05 takes out what the increments do not resolve",
+            );
+        }
+        if let Some(rayleigh) = step.rayleigh {
+            self.not_negative(&key("rayleigh.mass"), rayleigh.mass);
+            self.not_negative(&key("rayleigh.stiffness"), rayleigh.stiffness);
+        }
+        if step.dynamics != DeckDynamics::Static {
+            let materials = self.deck.materials.iter();
+            let massless = materials
+                .filter(|(_, m)| m.density.get() <= 0.0)
+                .map(|(name, _)| name.clone());
+            for name in massless.collect::<Vec<_>>() {
+                self.require(
+                    false,
+                    &key("dynamics"),
+                    || format!("the step has inertia and the material `{name}` has no mass"),
+                    &format!("add to [materials.{name}]: {}", keys::example("density")),
+                );
+            }
+        }
     }
 }

@@ -1,0 +1,103 @@
+//! Records of the ground: a file of times and accelerations a direction.
+//!
+//! A record is a CSV file: `#` comments, perhaps a line of names, then a time [s] and an acceleration
+//! a line, times ascending. What 1 in it means is the step's `ground_unit`. Its name is relative to the
+//! deck's folder.
+
+use std::path::Path;
+
+use super::Deck;
+use crate::error::ModelError;
+use crate::model::quantity::Acceleration;
+use crate::model::scene::GroundMotion;
+
+impl Deck {
+    /// Reads the records of a step.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no record: the key, the file, its line and what is wrong.
+    pub fn ground_motion(&self, step: usize) -> Result<GroundMotion, ModelError> {
+        let mut motion = GroundMotion::default();
+        let of = &self.steps[step];
+        let Some(ground) = &of.ground else {
+            return Ok(motion);
+        };
+        let unit = of.ground_unit.map_or(1.0, Acceleration::get);
+        for (i, file) in ground.files().into_iter().enumerate() {
+            let Some(file) = file else { continue };
+            let key = format!("steps.{step}.ground.{}", ["x", "y", "z"][i]);
+            let folder = Path::new(&self.source.file).parent();
+            let path = folder.unwrap_or(Path::new("")).join(file);
+            let text = std::fs::read_to_string(&path).map_err(|why| {
+                let message = format!("{}: {why}", path.display());
+                self.error(
+                    &key,
+                    message,
+                    "name a CSV file, relative to the deck's folder",
+                )
+            })?;
+            motion.acceleration[i] = rows(&text, unit).map_err(|(line, why)| {
+                self.error(
+                    &key,
+                    format!("{} line {line}: {why}", path.display()),
+                    "a record has a time [s] and an acceleration a line, such as 0.02, 0.113",
+                )
+            })?;
+        }
+        Ok(motion)
+    }
+}
+
+/// Rows of a record, or the line (from 1) that is none.
+fn rows(text: &str, unit: f64) -> Result<Vec<[f64; 2]>, (usize, String)> {
+    let mut rows: Vec<[f64; 2]> = Vec::new();
+    let mut named = false;
+    for (n, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let numbers: Vec<Option<f64>> = line
+            .split(',')
+            .map(|f| f.trim().parse().ok().filter(|v: &f64| v.is_finite()))
+            .collect();
+        match numbers[..] {
+            [Some(time), Some(value)] => {
+                if rows.last().is_some_and(|last| time <= last[0]) {
+                    return Err((n + 1, format!("the time {time} s does not ascend")));
+                }
+                rows.push([time, unit * value]);
+            }
+            // Names of the columns, once and first.
+            [None, None] if rows.is_empty() && !named => named = true,
+            _ => return Err((n + 1, format!("`{line}` is not a time and an acceleration"))),
+        }
+    }
+    if rows.len() < 2 {
+        return Err((text.lines().count(), "fewer than two rows".to_owned()));
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_has_comments_names_and_rows() {
+        let text = "# station\ntime_s,a_g\n0,0\n0.01, 0.5\n\n0.02,-1\n";
+        let expected = vec![[0.0, 0.0], [0.01, 4905.0], [0.02, -9810.0]];
+        assert_eq!(rows(text, 9810.0), Ok(expected));
+        for (text, line) in [
+            ("0,1\n0,2", 2),
+            ("0,1\nx,2\n1,2", 2),
+            ("0,1\n1\n", 2),
+            ("t,a\nt,a\n0,1\n1,1", 2),
+            ("0,1\n1,nan", 2),
+            ("0,1", 1),
+            ("", 0),
+        ] {
+            assert_eq!(rows(text, 1.0).unwrap_err().0, line, "{text}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! How an increment is tried, and what came of it.
+
+use super::schedule::Increment;
+use crate::material::LocalFailure;
+use crate::system::linear::LinearError;
+
+/// Why an increment was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// Not below the tolerance after the allowed iterations.
+    Iterations {
+        /// Largest out-of-balance force over the mean nodal force.
+        residual: f64,
+        /// Their root mean square, over the same.
+        root_mean_square: f64,
+        /// Node with the largest out-of-balance force.
+        node: usize,
+    },
+    /// A law or an element gave no answer.
+    Local {
+        /// Element.
+        element: usize,
+        /// What happened.
+        why: LocalFailure,
+    },
+    /// The matrix could not be factorised.
+    Linear {
+        /// What happened.
+        why: LinearError,
+        /// Node and direction of the equation, if one is to blame.
+        dof: Option<(usize, usize)>,
+    },
+    /// The residual is not finite.
+    NotFinite,
+}
+
+/// How an increment is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attempt {
+    /// The part of the step.
+    pub increment: Increment,
+    /// Start from the last increment again, or else from the tangent.
+    pub repeat: bool,
+    /// Extrapolate the solids (IMPL-EX).
+    pub extrapolate: bool,
+}
+
+/// How an increment converged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Linear solves.
+    pub iterations: usize,
+    /// Largest out-of-balance force over the mean nodal force, of what was solved.
+    pub residual: f64,
+    /// The same of the laws themselves: larger where the solids were extrapolated.
+    pub out_of_balance: f64,
+    /// Root mean square of what the extrapolation left, over the mean nodal force.
+    pub extrapolation_error: f64,
+}
+
+/// What came of an increment.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// Equilibrium was found; the trial holds it.
+    Converged(Report),
+    /// It was not; nothing was changed.
+    Refused(Refusal, usize),
+}
+
+/// Counts linear solves and tells of each.
+pub struct Solves<'a> {
+    /// How many.
+    pub count: usize,
+    tell: &'a mut dyn FnMut(usize),
+}
+
+impl<'a> Solves<'a> {
+    /// None yet; `tell` hears of each, with their number.
+    pub fn new(tell: &'a mut dyn FnMut(usize)) -> Self {
+        Self { count: 0, tell }
+    }
+
+    /// Another solve was done.
+    pub fn one_more(&mut self) {
+        self.count += 1;
+        (self.tell)(self.count);
+    }
+}
+
+/// Wall time spent in each phase [s].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clock {
+    /// Solids.
+    pub elements: f64,
+    /// Interfaces, with the search.
+    pub contact: f64,
+    /// Gather.
+    pub assembly: f64,
+    /// Analysis and factorisation.
+    pub factorise: f64,
+    /// Triangular solves.
+    pub solve: f64,
+}
+
+impl std::ops::Add for Clock {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            elements: self.elements + other.elements,
+            contact: self.contact + other.contact,
+            assembly: self.assembly + other.assembly,
+            factorise: self.factorise + other.factorise,
+            solve: self.solve + other.solve,
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Lumped mass from the densities, and the forces of a uniform acceleration.
+//!
+//! Row sum of the consistent mass, element by element (Hughes 2000, §7.3.2):
+//!
+//! ```text
+//! m_a = Σ_b ∫ ρ N_a N_b dV = ∫ ρ N_a dV
+//! ```
+//!
+//! with the element's own 2×2×2 points, which integrate the volume of a trilinear hexahedron exactly:
+//! the total is the mass. Nodes tied to a beam add to its mass; what a support holds moves nothing.
+
+use super::Bulk;
+use super::dofs::{DofMap, HELD};
+use crate::element::hex8::CORNERS;
+use crate::model::Model;
+
+/// Masses of nodes and of generalised displacements.
+#[derive(Clone, Debug)]
+pub struct Mass {
+    /// Mass of each node [tonne]. `[node]`
+    pub node: Vec<f64>,
+    /// Mass that each generalised displacement moves [tonne]. `[slot]`
+    pub slot: Vec<f64>,
+    /// Direction of each generalised displacement. `[slot]`
+    direction: Vec<u8>,
+    /// Elements, for the mean over their nodes.
+    elements: usize,
+}
+
+impl Mass {
+    /// Sums the masses of a model.
+    pub fn new(model: &Model, bulk: &Bulk, dofs: &DofMap) -> Self {
+        let mut node = vec![0.0; model.mesh.nodes.len()];
+        for (e, nodes) in bulk.elements.iter().enumerate() {
+            let material = &model.materials[model.mesh.material[e] as usize].parameters;
+            let density = material.elastic().density;
+            let volumes = nodal_volumes(&bulk.shape(e).weight);
+            for (&n, volume) in nodes.iter().zip(volumes) {
+                node[n as usize] += density * volume;
+            }
+        }
+        let mut slot = vec![0.0; dofs.slots];
+        let mut direction = vec![0; dofs.slots];
+        for (mass, slots) in node.iter().zip(&dofs.slot) {
+            for (i, &s) in slots.iter().enumerate() {
+                if s != HELD {
+                    slot[s as usize] += mass;
+                    direction[s as usize] = i as u8;
+                }
+            }
+        }
+        Self {
+            node,
+            slot,
+            direction,
+            elements: bulk.elements.len(),
+        }
+    }
+
+    /// Mass of everything [tonne].
+    pub fn total(&self) -> f64 {
+        self.node.iter().sum()
+    }
+
+    /// Acceleration of a slot in a uniform one.
+    pub fn along(&self, slot: usize, acceleration: [f64; 3]) -> f64 {
+        acceleration[self.direction[slot] as usize]
+    }
+
+    /// Forces M a of a uniform acceleration [N]. `[slot]`
+    pub fn forces(&self, acceleration: [f64; 3], forces: &mut [f64]) {
+        for ((f, m), &i) in forces.iter_mut().zip(&self.slot).zip(&self.direction) {
+            *f = m * acceleration[i as usize];
+        }
+    }
+
+    /// Generalised velocities of nodal ones `[node]` [mm/s]: what is tied keeps its momentum.
+    pub fn mean_velocity(&self, dofs: &DofMap, nodal: &[[f64; 3]], velocity: &mut [f64]) {
+        velocity.fill(0.0);
+        for ((v, m), slots) in nodal.iter().zip(&self.node).zip(&dofs.slot) {
+            for (i, &s) in slots.iter().enumerate() {
+                if s != HELD {
+                    velocity[s as usize] += m * v[i] / self.slot[s as usize];
+                }
+            }
+        }
+    }
+
+    /// ½ vᵀ M v [N mm].
+    pub fn kinetic_energy(&self, velocity: &[f64]) -> f64 {
+        let twice: f64 = self.slot.iter().zip(velocity).map(|(m, v)| m * v * v).sum();
+        0.5 * twice
+    }
+
+    /// Mean magnitude of M a over the elements' nodes [N], a by slot [mm/s²]: a scale of forces where
+    /// nothing is stressed.
+    pub fn mean_force(&self, acceleration: impl Iterator<Item = f64>) -> f64 {
+        let sum: f64 = self
+            .slot
+            .iter()
+            .zip(acceleration)
+            .map(|(m, a)| m * a.abs())
+            .sum();
+        sum / (8 * self.elements.max(1)) as f64
+    }
+}
+
+/// ∫ N_a dV from det J · w at the Gauss points, which lie in the order of the nodes [mm³].
+fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
+    let at = 1.0 / 3.0_f64.sqrt();
+    CORNERS.map(|a| {
+        CORNERS
+            .iter()
+            .zip(weight)
+            .map(|(g, w)| {
+                w * (0..3)
+                    .map(|i| 0.5 * (1.0 + at * a[i] * g[i]))
+                    .product::<f64>()
+            })
+            .sum()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scene::Support;
+    use crate::results::fake;
+
+    #[test]
+    fn the_total_is_the_mass_and_supports_do_not_move() {
+        let mut model = fake::model();
+        // A skewed element has its volume still, unevenly spread.
+        let mass = |model: &Model| {
+            let bulk = Bulk::new(model).unwrap();
+            Mass::new(model, &bulk, &DofMap::new(model))
+        };
+        let even = mass(&model);
+        let cubes: f64 = (0..2).map(|e| volume_of(&model, e)).sum();
+        // Rounding of a few sums.
+        assert!((even.total() / (1.9e-9 * cubes) - 1.0).abs() < 1e-14);
+        let corner = model.mesh.elements[0][6] as usize;
+        model.mesh.nodes[corner][0] *= 1.3;
+        let uneven = mass(&model);
+        let volumes: f64 = (0..2).map(|e| volume_of(&model, e)).sum();
+        assert!((uneven.total() / (1.9e-9 * volumes) - 1.0).abs() < 1e-13);
+        assert!(uneven.node[corner] > even.node[corner]);
+        model.supports.push(Support {
+            name: "base".to_owned(),
+            nodes: vec![0],
+            fixed: [true; 3],
+        });
+        let held = mass(&model);
+        let moving: f64 = held.slot.iter().sum();
+        let expected = 3.0 * (held.total() - held.node[0]);
+        assert!((moving / expected - 1.0).abs() < 1e-14);
+    }
+
+    /// Divergence theorem over the faces, each two triangles' worth of a bilinear patch.
+    fn volume_of(model: &Model, e: usize) -> f64 {
+        use nalgebra::Vector3;
+        let x = model.mesh.corners(e).map(Vector3::from);
+        crate::element::hex8::FACES
+            .iter()
+            .map(|face| {
+                let c = face.map(|a| x[a]);
+                // ∫ x·n dA of a bilinear patch: mean of both ways to cut it into triangles.
+                let cut = |i: [usize; 4]| {
+                    c[i[0]].dot(&c[i[1]].cross(&c[i[2]])) + c[i[0]].dot(&c[i[2]].cross(&c[i[3]]))
+                };
+                0.5 * (cut([0, 1, 2, 3]) + cut([1, 2, 3, 0])) / 6.0
+            })
+            .sum()
+    }
+}

@@ -1,0 +1,480 @@
+//! Inertia, gravity and damping against closed forms, and their energies.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::scene::{self, Face, Recording};
+use wythe::model::Model;
+use wythe::model::scene::{BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Step};
+use wythe::results::{HistoryRow, Status};
+use wythe::solve::RunError;
+
+const G: f64 = 9810.0;
+const DENSITY: f64 = 2e-9;
+/// Of the mean nodal force: linear problems are solved to rounding by one iteration. Where an oscillator
+/// passes zero a hundredth of its largest force remains, and rounding is 1e-11 of it.
+const EXACT: f64 = 1e-8;
+/// The weight is 1e-6 of what the elements carry at a strain of 1: so much larger is rounding.
+const OF_WEIGHT: f64 = 1e-5;
+
+fn completed(model: &Model) -> Recording {
+    let (recording, summary) = scene::run(model);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    recording
+}
+
+/// W − (E + T + ΣD) [J].
+fn gap(row: &HistoryRow) -> f64 {
+    row.external_work_J
+        - row.elastic_energy_J
+        - row.kinetic_energy_J
+        - row.plastic_damage_dissipation_J
+        - row.interface_dissipation_J
+        - row.viscous_dissipation_J
+        - row.damping_dissipation_J
+        - row.numerical_dissipation_J
+}
+
+/// One element held but for its top, which moves axially: k = EA/L, m = ϱAL/2.
+struct Oscillator {
+    model: Model,
+    /// √(k/m) [1/s].
+    omega: f64,
+}
+
+const V0: f64 = 100.0;
+
+fn oscillator() -> Oscillator {
+    let (e, length) = (1e4, 100.0);
+    let mut model = scene::empty();
+    let solid = scene::heavy(e, 0.0, DENSITY);
+    let column = scene::block(
+        &mut model,
+        [0.0; 3],
+        [10.0, 10.0, length],
+        [1, 1, 1],
+        &solid,
+    );
+    scene::hold(&mut model, column.face(Face::Bottom), [true; 3]);
+    scene::hold(&mut model, column.face(Face::Top), [true, true, false]);
+    model.initial_velocity = vec![[0.0, 0.0, V0]; model.mesh.nodes.len()];
+    Oscillator {
+        model,
+        omega: (2.0 * e / DENSITY).sqrt() / length,
+    }
+}
+
+impl Oscillator {
+    /// `periods` periods in increments of 1/`per_period`; (u, v) at each.
+    fn swing(
+        &mut self,
+        dynamics: Dynamics,
+        periods: usize,
+        per_period: usize,
+    ) -> (Recording, Vec<[f64; 2]>, f64) {
+        let duration = periods as f64 * std::f64::consts::TAU / self.omega;
+        let count = periods * per_period;
+        self.model.steps = vec![Step {
+            dynamics,
+            procedure: Procedure::Implicit,
+            ..scene::left_alone(Gravity::None, duration, count, EXACT)
+        }];
+        let recording = completed(&self.model);
+        assert_eq!(recording.states.len(), count);
+        let path = recording
+            .states
+            .iter()
+            .map(|s| [s.q[0], s.velocity[0]])
+            .collect();
+        (recording, path, duration / count as f64)
+    }
+}
+
+/// The same oscillator as one equation of unit mass: HHT-α after one increment of backward Euler.
+fn scalar(alpha: f64, damping: Rayleigh, omega: f64, dt: f64, count: usize) -> Vec<[f64; 2]> {
+    let (k, c) = (
+        omega * omega,
+        damping.mass + damping.stiffness * omega * omega,
+    );
+    let (beta, gamma) = ((1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha);
+    let v = V0 / (1.0 + dt * c + dt * dt * k);
+    let (mut u, mut v, mut a) = (dt * v, v, (v - V0) / dt);
+    let mut path = vec![[u, v]];
+    for _ in 1..count {
+        let u_star = u + dt * v + dt * dt * (0.5 - beta) * a;
+        let v_star = v + dt * (1.0 - gamma) * a;
+        let before = c * v + k * u;
+        let next = (alpha * before - (1.0 + alpha) * (c * v_star + k * u_star))
+            / (1.0 + (1.0 + alpha) * (c * gamma * dt + k * beta * dt * dt));
+        (u, v, a) = (
+            u_star + beta * dt * dt * next,
+            v_star + gamma * dt * next,
+            next,
+        );
+        path.push([u, v]);
+    }
+    path
+}
+
+#[test]
+fn an_oscillator_follows_the_scheme_with_and_without_damping() {
+    let mut oscillator = oscillator();
+    let omega = oscillator.omega;
+    for damping in [
+        Rayleigh::default(),
+        Rayleigh {
+            mass: 0.1 * omega,
+            stiffness: 0.0,
+        },
+        Rayleigh {
+            mass: 0.0,
+            stiffness: 0.1 / omega,
+        },
+    ] {
+        for alpha in [0.0, -0.1, -1.0 / 3.0] {
+            let dynamics = Dynamics::Dynamic { alpha, damping };
+            let (recording, path, dt) = oscillator.swing(dynamics, 2, 40);
+            let expected = scalar(alpha, damping, omega, dt, path.len());
+            for ([u, v], [u_expected, v_expected]) in path.iter().zip(&expected) {
+                // The residual, 1e-8 of the forces, over 80 increments, in units of the swing.
+                assert!(
+                    (u - u_expected).abs() < 1e-6 * V0 / omega,
+                    "{u} {u_expected}"
+                );
+                assert!((v - v_expected).abs() < 1e-6 * V0, "{v} {v_expected}");
+            }
+            let first = recording.rows[0].external_work_J;
+            for row in &recording.rows {
+                // The residual again.
+                assert!(gap(row).abs() < 1e-7 * first, "{row:?}");
+            }
+            let last = recording.rows.last().unwrap();
+            let damped = last.damping_dissipation_J;
+            assert_eq!(damped > 0.0, damping != Rayleigh::default());
+        }
+    }
+}
+
+#[test]
+fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
+    let mut oscillator = oscillator();
+    let omega = oscillator.omega;
+    let dynamics = Dynamics::Dynamic {
+        alpha: 0.0,
+        damping: Rayleigh::default(),
+    };
+    let (recording, path, dt) = oscillator.swing(dynamics, 5, 20);
+    // From the first increment on: ω̄ Δt = 2 atan(ω Δt/2) (Hughes 2000, §9.1.2).
+    let turn = 2.0 * (0.5 * omega * dt).atan();
+    let [u, v] = path[0];
+    let (swing, phase) = (u.hypot(v / omega), (omega * u).atan2(v));
+    for (n, [u, _]) in path.iter().enumerate() {
+        let expected = swing * (n as f64 * turn + phase).sin();
+        // As above.
+        assert!((u - expected).abs() < 1e-6 * swing, "{n}: {u} {expected}");
+    }
+    let numerical: Vec<f64> = recording
+        .rows
+        .iter()
+        .map(|r| r.numerical_dissipation_J)
+        .collect();
+    let first = recording.rows[0].external_work_J;
+    // Backward Euler takes 1 − 1/(1 + ω²Δt²) of the energy, the trapezoidal rule nothing.
+    let euler = 1.0 - 1.0 / (1.0 + (omega * dt) * (omega * dt));
+    for taken in &numerical {
+        assert!((taken / first - euler).abs() < 1e-7, "{taken}, {euler}");
+    }
+}
+
+#[test]
+fn backward_euler_takes_its_known_part_of_the_energy() {
+    let mut oscillator = oscillator();
+    let omega = oscillator.omega;
+    let (recording, path, dt) = oscillator.swing(Dynamics::QuasiStatic, 3, 20);
+    let factor = 1.0 + (omega * dt) * (omega * dt);
+    let mut energy = V0 * V0;
+    for [u, v] in path {
+        energy /= factor;
+        let found = omega * omega * u * u + v * v;
+        // The residual, as above.
+        assert!((found / energy - 1.0).abs() < 1e-6, "{found} {energy}");
+    }
+    let last = recording.rows.last().unwrap();
+    assert!(gap(last).abs() < 1e-7 * last.external_work_J);
+    assert!(last.numerical_dissipation_J > 0.99 * last.external_work_J);
+}
+
+#[test]
+fn damping_has_the_period_and_the_decrement_of_the_textbook() {
+    let mut oscillator = oscillator();
+    let omega = oscillator.omega;
+    // ζ = a/(2ω) + bω/2 = 3 % + 2 %.
+    let zeta = 0.05_f64;
+    let dynamics = Dynamics::Dynamic {
+        alpha: 0.0,
+        damping: Rayleigh {
+            mass: 0.06 * omega,
+            stiffness: 0.04 / omega,
+        },
+    };
+    let (_, path, dt) = oscillator.swing(dynamics, 4, 200);
+    // Upward passages through zero, linear between increments: times and the velocities there.
+    let passages: Vec<[f64; 2]> = path
+        .windows(2)
+        .enumerate()
+        .filter(|(_, w)| w[0][0] < 0.0 && w[1][0] >= 0.0)
+        .map(|(n, w)| {
+            let part = w[0][0] / (w[0][0] - w[1][0]);
+            [(n as f64 + part) * dt, w[0][1] + part * (w[1][1] - w[0][1])]
+        })
+        .collect();
+    assert!(passages.len() >= 3);
+    let root = (1.0 - zeta * zeta).sqrt();
+    for pair in passages.windows(2) {
+        let period = pair[1][0] - pair[0][0];
+        let decrement = (pair[0][1] / pair[1][1]).ln();
+        // The rule lengthens periods by (ωΔt)²/12 = 8e-5.
+        let expected = std::f64::consts::TAU / (omega * root);
+        assert!(
+            (period / expected - 1.0).abs() < 2e-4,
+            "{period} {expected}"
+        );
+        // Second order too, times a factor of order one, of a decrement of 0.31.
+        let expected = std::f64::consts::TAU * zeta / root;
+        assert!(
+            (decrement / expected - 1.0).abs() < 1e-3,
+            "{decrement} {expected}"
+        );
+    }
+}
+
+/// A block in the air.
+fn block_in_the_air() -> Model {
+    let mut model = scene::empty();
+    let solid = scene::heavy(1e4, 0.2, DENSITY);
+    scene::block(&mut model, [0.0; 3], [60.0, 40.0, 50.0], [2, 2, 2], &solid);
+    model
+}
+
+#[test]
+fn a_block_falls_freely() {
+    let mut model = block_in_the_air();
+    let count = 50;
+    model.steps = vec![scene::set_free(
+        Gravity::Constant([0.0, 0.0, -G]),
+        0.1,
+        count,
+        OF_WEIGHT,
+        -0.05,
+    )];
+    let recording = completed(&model);
+    let dt = 0.1 / count as f64;
+    for (n, state) in recording.states.iter().enumerate() {
+        let t = (n + 1) as f64 * dt;
+        // The first increment, backward Euler's, falls half g Δt² too far; the rest is exact.
+        let fall = 0.5 * G * (t * t + dt * dt);
+        for s in 0..state.q.len() {
+            let (u, v) = if s % 3 == 2 {
+                (-fall, -G * t)
+            } else {
+                (0.0, 0.0)
+            };
+            // The residual, 1e-5 of the weight at a node and not of one sign.
+            assert!(
+                (state.q[s] - u).abs() < 1e-5 * fall,
+                "{n} {s}: {}",
+                state.q[s]
+            );
+            assert!((state.velocity[s] - v).abs() < 1e-5 * G * t);
+        }
+    }
+    let last = recording.rows.last().unwrap();
+    let weight = DENSITY * 60.0 * 40.0 * 50.0 * G;
+    let fall = 0.5 * G * (0.01 + dt * dt);
+    assert!((last.external_work_J * 1e3 / (weight * fall) - 1.0).abs() < 1e-6);
+    assert!(gap(last).abs() < 1e-6 * last.external_work_J);
+    // Constant acceleration is found without a solve but for rounding.
+    let solves: usize = recording.rows[1..].iter().map(|r| r.iterations).sum();
+    assert!(solves < count / 2, "{solves}");
+}
+
+#[test]
+fn a_block_flies_on_without_forces_and_turns_without_damping() {
+    let mut model = block_in_the_air();
+    // Thrown with a turn of 10 rad/s about y through its centre, a quarter of a turn in all.
+    let spin = 10.0;
+    let centre = [30.0, 20.0, 25.0];
+    model.initial_velocity = model
+        .mesh
+        .nodes
+        .iter()
+        .map(|x| [spin * (x[2] - centre[2]), 300.0, -spin * (x[0] - centre[0])])
+        .collect();
+    let quarter = 0.5 * std::f64::consts::PI / spin;
+    let mut step = scene::set_free(Gravity::None, quarter, 400, 1e-6, -0.05);
+    step.dynamics = Dynamics::Dynamic {
+        alpha: -0.05,
+        damping: Rayleigh {
+            mass: 0.0,
+            // Critical for what vibrates at 20,000 rad/s, a tenth of an increment.
+            stiffness: 1e-4,
+        },
+    };
+    step.procedure = Procedure::Implicit;
+    model.steps = vec![step];
+    let recording = completed(&model);
+    let (first, last) = (&recording.rows[0], recording.rows.last().unwrap());
+    let frame = recording.frames.last().unwrap();
+    println!("{last:?}");
+    // x → z: the corner at the origin has gone to the place of a block turned by a quarter.
+    let corner = frame.displacement[0];
+    let [dx, dz] = [-centre[0], -centre[2]];
+    let expected = [dz - dx, 300.0 * quarter, -dx - dz];
+    for i in 0..3 {
+        // Phase error of a turn of (spin Δt)² a part, 1.5e-5 of 39 mm, and what it stretches.
+        assert!(
+            (corner[i] - expected[i]).abs() < 0.05,
+            "{corner:?} {expected:?}"
+        );
+    }
+    // Stresses of a turning block: ϱ(spin × 30 mm)² = 1e-4 MPa; what they store and damp is nothing.
+    let energy = first.external_work_J;
+    assert!(last.damping_dissipation_J < 1e-3 * energy, "{last:?}");
+    assert!(
+        (last.kinetic_energy_J / energy - 1.0).abs() < 1e-3,
+        "{last:?}"
+    );
+    assert!(gap(last).abs() < 1e-4 * energy, "{}", gap(last));
+}
+
+/// A column of four elements on a fixed base.
+fn column() -> (Model, usize) {
+    let mut model = scene::empty();
+    let solid = scene::heavy(1e3, 0.0, DENSITY);
+    let column = scene::block(&mut model, [0.0; 3], [50.0, 50.0, 200.0], [1, 1, 4], &solid);
+    scene::hold(&mut model, column.face(Face::Bottom), [true; 3]);
+    let top = column.face(Face::Top)[0] as usize;
+    (model, top)
+}
+
+#[test]
+fn a_column_settles_under_its_weight_and_stays() {
+    let (mut model, top) = column();
+    let down = [0.0, 0.0, -G];
+    let settle = scene::left_alone(Gravity::Growing(down), 1.0, 4, EXACT);
+    let stay = scene::set_free(Gravity::Constant(down), 0.1, 20, EXACT, -0.05);
+    model.steps = vec![settle, stay];
+    let recording = completed(&model);
+    // ϱgL²/2E: linear elements are exact at their nodes.
+    let expected = -DENSITY * G * 200.0 * 200.0 / (2.0 * 1e3);
+    for row_frame in recording.rows.iter().zip(&recording.frames) {
+        let (row, frame) = row_frame;
+        if row.step == 0 && row.time < 1.0 {
+            continue;
+        }
+        let u = frame.displacement[top][2];
+        // The rotated element strains by its stretch: linear to σ/E = 4e-6.
+        assert!((u / expected - 1.0).abs() < 1e-5, "{u} {expected}");
+    }
+    let settled = recording.rows.iter().rfind(|r| r.step == 0).unwrap();
+    let last = recording.rows.last().unwrap();
+    assert!((settled.external_work_J / settled.elastic_energy_J - 1.0).abs() < 1e-6);
+    // Nothing moves: the residual alone.
+    assert!(last.kinetic_energy_J < 1e-9 * last.elastic_energy_J);
+}
+
+#[test]
+fn a_ground_that_accelerates_acts_as_gravity_does() {
+    let (mut model, _) = column();
+    let shaken = |gravity, ground| {
+        let mut step = scene::set_free(gravity, 0.02, 100, 1e-8, -0.05);
+        step.ground = ground;
+        step
+    };
+    let down = [0.0, 0.0, -G];
+    let up = GroundMotion {
+        acceleration: [Vec::new(), Vec::new(), vec![[0.0, G], [0.02, G]]],
+    };
+    model.steps = vec![shaken(Gravity::Constant(down), GroundMotion::default())];
+    let by_gravity = completed(&model);
+    model.steps = vec![shaken(Gravity::None, up)];
+    let by_ground = completed(&model);
+    let last = |r: &Recording| r.states.last().unwrap().q.clone();
+    assert_eq!(last(&by_gravity), last(&by_ground));
+    let row = by_ground.rows.last().unwrap();
+    assert!(row.kinetic_energy_J > 0.0);
+    assert!(gap(row).abs() < 1e-5 * row.external_work_J, "{row:?}");
+}
+
+#[test]
+fn a_record_is_linear_between_its_rows_and_zero_outside() {
+    let motion = GroundMotion {
+        acceleration: [
+            vec![[0.0, 1.0], [0.5, 2.0], [1.0, 0.0]],
+            Vec::new(),
+            Vec::new(),
+        ],
+    };
+    for (time, expected) in [
+        (-0.1, 0.0),
+        (0.0, 1.0),
+        (0.25, 1.5),
+        (0.5, 2.0),
+        (0.75, 1.0),
+        (1.0, 0.0),
+        (1.1, 0.0),
+    ] {
+        assert_eq!(motion.at(time), [expected, 0.0, 0.0]);
+    }
+}
+
+#[test]
+fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
+    let (mut model, _) = column();
+    let top: Vec<u32> = (0..model.mesh.nodes.len() as u32)
+        .filter(|&n| model.mesh.nodes[n as usize][2] == 200.0)
+        .collect();
+    scene::beam(&mut model, top);
+    let pulled = [
+        BeamMotion::Locked,
+        BeamMotion::Locked,
+        BeamMotion::Driven(1.0),
+    ];
+    for dynamics in [
+        Dynamics::QuasiStatic,
+        Dynamics::Dynamic {
+            alpha: -0.1,
+            damping: Rayleigh {
+                mass: 10.0,
+                stiffness: 1e-5,
+            },
+        },
+    ] {
+        let mut step = scene::step(pulled, 2, 100, 1e-8);
+        step.duration = 0.01;
+        step.dynamics = dynamics;
+        model.steps = vec![step];
+        let recording = completed(&model);
+        let last = recording.rows.last().unwrap();
+        let worst = recording
+            .rows
+            .iter()
+            .map(|r| gap(r).abs())
+            .fold(0.0, f64::max);
+        println!("{dynamics:?}: {worst:e} of {last:?}");
+        // The residual.
+        assert!(worst < 1e-5 * last.external_work_J);
+        assert!(last.kinetic_energy_J > 0.0);
+    }
+}
+
+#[test]
+fn inertia_without_mass_is_refused() {
+    let mut model = scene::empty();
+    let solid = scene::elastic(1e4, 0.2);
+    scene::block(&mut model, [0.0; 3], [60.0, 40.0, 50.0], [1, 1, 1], &solid);
+    model.steps = vec![scene::set_free(Gravity::None, 1.0, 10, EXACT, 0.0)];
+    let error = wythe::solve::run(&model, &mut Recording::default()).unwrap_err();
+    assert!(matches!(error, RunError::NoMass { step: 0, .. }), "{error}");
+    assert!(error.to_string().contains("density"), "{error}");
+}
