@@ -4,10 +4,10 @@
 mod common;
 
 use common::scene::{self, Face, Recording};
-use wythe::model::Model;
 use wythe::model::scene::{
     BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Spring, Step,
 };
+use wythe::model::{Deck, Model};
 use wythe::results::{HistoryRow, Status};
 use wythe::solve::RunError;
 use wythe::system::{Bulk, DofMap, Mass};
@@ -621,4 +621,80 @@ fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
     let inside = last.elastic_energy_J + last.interface_dissipation_J;
     assert!(last.kinetic_energy_J < 1e-3 * inside && last.kinetic_energy_J > 0.0);
     assert!(gap(last).abs() < 1e-2 * last.external_work_J, "{last:?}");
+}
+
+/// The example of the wall J7D with these keys said anew.
+fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelError> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("examples/03_shear_wall_j7d.toml")).unwrap();
+    let mut all = vec![("materials.brick.density", "1900 kg/m^3")];
+    all.push(("materials.mortar.density", "1900 kg/m^3"));
+    all.extend(overrides);
+    let all: Vec<_> = all
+        .iter()
+        .map(|(k, v)| ((*k).into(), (*v).into()))
+        .collect();
+    // Files are named relative to the deck's folder.
+    let file = root.join("tests/data/ground/deck.toml");
+    let deck = Deck::from_str_with(&text, &file.display().to_string(), &all)?;
+    Ok(Model::from_deck(&deck)?.0)
+}
+
+#[test]
+fn the_deck_says_what_inertia_does() {
+    let model = wall_with(&[
+        ("steps.0.dynamics", "quasi-static"),
+        ("steps.1.dynamics", "dynamic"),
+        ("steps.1.alpha", "-0.1"),
+        (
+            "steps.1.rayleigh",
+            "{ mass = \"0.5 s^-1\", stiffness = \"2 ms\" }",
+        ),
+        ("steps.1.ground", "{ x = \"pulse.csv\" }"),
+        ("steps.1.ground_unit", "9.81 m/s^2"),
+    ])
+    .unwrap();
+    assert_eq!(model.steps[0].dynamics, Dynamics::QuasiStatic);
+    let expected = Dynamics::Dynamic {
+        alpha: -0.1,
+        damping: Rayleigh {
+            mass: 0.5,
+            stiffness: 0.002,
+        },
+    };
+    assert_eq!(model.steps[1].dynamics, expected);
+    let [x, y, z] = model.steps[1].ground.at(0.05);
+    // One product and one interpolation.
+    assert!((x - 981.0).abs() < 1e-9 && y == 0.0 && z == 0.0);
+    assert!(!wall_with(&[]).unwrap().steps[1].dynamics.has_inertia());
+}
+
+#[test]
+fn keys_of_inertia_are_checked() {
+    let dynamic = ("steps.1.dynamics", "dynamic");
+    for (overrides, key) in [
+        (vec![("steps.1.alpha", "-0.1")], "steps.1.alpha"),
+        (vec![dynamic, ("steps.1.alpha", "0.1")], "steps.1.alpha"),
+        (vec![dynamic, ("steps.1.alpha", "-0.4")], "steps.1.alpha"),
+        (
+            vec![dynamic, ("steps.1.rayleigh", "{ mass = -1 }")],
+            "steps.1.rayleigh.mass",
+        ),
+        (
+            vec![dynamic, ("steps.1.ground", "{ x = \"missing.csv\" }")],
+            "steps.1.ground.x",
+        ),
+        (
+            vec![dynamic, ("steps.1.ground_unit", "1 m/s^2")],
+            "steps.1.ground_unit",
+        ),
+        (
+            vec![dynamic, ("materials.mortar.density", "0")],
+            "steps.1.dynamics",
+        ),
+    ] {
+        let error = wall_with(&overrides).unwrap_err();
+        assert_eq!(error.key(), key, "{error}");
+        assert!(!error.advice().is_empty());
+    }
 }
