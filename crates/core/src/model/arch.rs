@@ -9,12 +9,18 @@
 //! ```
 
 use super::deck::DeckArch;
+use super::hexahedron::Corners;
 
-/// Voussoirs from left to right as corners in VTK's order [mm], then the left and the right
-/// springing, each as deep as the arch is thick.
-///
-/// Voussoirs have flat faces: corners on the circles of radius R ∓ t/2 at equal angles.
-pub(super) fn corners(arch: &DeckArch) -> (Vec<[[f64; 3]; 8]>, [[[f64; 3]; 8]; 2]) {
+/// The stones of an arch.
+pub(super) struct Stones {
+    /// From left to right.
+    pub(super) voussoirs: Vec<Corners>,
+    /// Left and right, each as deep as the arch is thick.
+    pub(super) springings: [Corners; 2],
+}
+
+/// Stones with flat faces: corners on the circles of radius R ∓ t/2 at equal angles.
+pub(super) fn stones(arch: &DeckArch) -> Stones {
     let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
     let width = arch.width.get();
     let embrace = arch.angle.get().to_radians();
@@ -63,6 +69,8 @@ pub(super) fn corners(arch: &DeckArch) -> (Vec<[[f64; 3]; 8]>, [[[f64; 3]; 8]; 2
             l(high, width),
         ]
     };
-    let voussoirs = (0..count).map(voussoir).collect();
-    (voussoirs, [springing(0, -1.0), springing(count, 1.0)])
+    Stones {
+        voussoirs: (0..count).map(voussoir).collect(),
+        springings: [springing(0, -1.0), springing(count, 1.0)],
+    }
 }

@@ -1,8 +1,8 @@
 //! A scene of blocks: names, mesh, supports, springs, velocities.
 
-use super::arch;
+use super::arch::{Stones, stones};
 use super::deck::{Deck, DeckBlock, Names};
-use super::hexahedron::{Face, Placed, area_vector, norm};
+use super::hexahedron::{Corners, Face, Placed, area_vector, norm};
 use super::keys;
 use super::quantity::Quantity;
 use super::scene::{Spring, Support, turned};
@@ -123,7 +123,10 @@ impl<'a> Blocks<'a> {
         };
         let first = self.placed.len();
         let material = self.material(&arch.material);
-        let (voussoirs, springings) = arch::corners(arch);
+        let Stones {
+            voussoirs,
+            springings,
+        } = stones(arch);
         for (i, corners) in voussoirs.into_iter().enumerate() {
             self.add(
                 "arch",
@@ -150,7 +153,7 @@ impl<'a> Blocks<'a> {
         &mut self,
         path: &str,
         name: String,
-        corners: [[f64; 3]; 8],
+        corners: Corners,
         mesh: [u32; 3],
         material: u16,
     ) -> Result<(), ModelError> {
@@ -338,7 +341,7 @@ impl<'a> Blocks<'a> {
 }
 
 /// Corners of a block [mm]: its box or its own, turned about `at`.
-fn corners(block: &DeckBlock) -> [[f64; 3]; 8] {
+fn corners(block: &DeckBlock) -> Corners {
     let at = block.at.map(Quantity::get);
     let size = block.size.map_or([0.0; 3], |s| s.map(Quantity::get));
     let [l, t, h] = size;

@@ -78,7 +78,7 @@ fn surfaces(deck: &Deck) -> Result<Surfaces<'_>, ModelError> {
     let parameters = materials
         .map(|name| deck.material(name))
         .collect::<Result<Vec<_>, _>>()?;
-    let elastic: Vec<_> = parameters.iter().map(|p| p.elastic().clone()).collect();
+    let elastic: Vec<_> = parameters.iter().map(|p| *p.elastic()).collect();
     let meeting = meeting(deck, &blocks, &elastic)?;
     Ok(Surfaces {
         blocks,

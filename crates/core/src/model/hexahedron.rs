@@ -2,6 +2,10 @@
 
 use super::Mesh;
 
+/// Corners in VTK's order [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above.
+/// `[corner][xyz]`
+pub type Corners = [[f64; 3]; 8];
+
 /// A face of a block, by its outward normal where the block is not turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
@@ -51,7 +55,7 @@ const PLACES: [[usize; 3]; 8] = [
 
 /// Whether the trilinear map of these corners has a positive volume at each of them: at a corner the
 /// determinant is the triple product of its three edges.
-pub(super) fn is_upright(corners: &[[f64; 3]; 8]) -> bool {
+pub(super) fn is_upright(corners: &Corners) -> bool {
     let at = |place: [usize; 3]| {
         let corner = PLACES.iter().position(|p| *p == place).unwrap_or_default();
         corners[corner]
@@ -72,7 +76,7 @@ pub struct Placed {
     /// Name in the deck, with the numbers of its copy.
     pub name: String,
     /// Corners at rest [mm].
-    pub corners: [[f64; 3]; 8],
+    pub corners: Corners,
     /// Elements along ξ, η, ζ.
     pub cells: [usize; 3],
     /// Number of the body.
@@ -87,7 +91,7 @@ impl Placed {
     pub fn append(
         mesh: &mut Mesh,
         name: String,
-        corners: [[f64; 3]; 8],
+        corners: Corners,
         cells: [usize; 3],
         material: u16,
     ) -> Self {

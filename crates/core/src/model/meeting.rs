@@ -313,6 +313,7 @@ fn assemble(
             contact.slave_body.push(body);
             contact.slave_law.push(law);
         }
+        warnings.extend(overhang(deck, blocks, interface, pairing));
         let slave_area = mean_facet(blocks, pairing.slave);
         let coarser = pairing
             .masters
@@ -357,6 +358,41 @@ fn assemble(
         contact,
         touching,
         warnings,
+    })
+}
+
+/// Slave facets that reach over the edges of the masters below them: points beyond carry nothing, and
+/// the points that are left do not show where the edge is.
+fn overhang(
+    deck: &Deck,
+    blocks: &Blocks<'_>,
+    interface: &Interface,
+    pairing: &Pairing,
+) -> Option<Warning> {
+    let block = &blocks.placed[pairing.slave.0];
+    let reach = reach(deck, interface, blocks, pairing.slave);
+    let outlines = pairing.masters.iter();
+    let outlines: Vec<_> = outlines
+        .map(|(block, face)| blocks.placed[*block].outline(*face))
+        .collect();
+    let facets = block.facets(pairing.slave.1);
+    let over = |facet: &[u32; 4]| {
+        let x = facet.map(|n| blocks.mesh.nodes[n as usize]);
+        let below = |o: &&[[f64; 3]; 4]| touch::distance(&x, o).is_some_and(|d| d.abs() <= reach);
+        let below: Vec<_> = outlines.iter().filter(below).collect();
+        let covered = |corner: &[f64; 3]| below.iter().any(|o| touch::covers(o, *corner));
+        !below.is_empty() && !x.iter().all(covered)
+    };
+    let count = facets.iter().filter(|(_, facet)| over(facet)).count();
+    (count > 0).then(|| {
+        deck.warning(
+            &pairing.path,
+            format!(
+                "{count} facets of {} reach over the edge of what they rest on: points beyond it carry \
+                 nothing (let a line of the mesh follow the edge, or make the smaller face the slave)",
+                block.name
+            ),
+        )
     })
 }
 

@@ -34,6 +34,18 @@ pub(super) fn distance(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> Option<f64> {
     (!apart).then(|| dot(difference(mean(b), mean(a)), normal))
 }
 
+/// Whether a face has a point of another one's plane within its edges.
+pub(super) fn covers(face: &[[f64; 3]; 4], point: [f64; 3]) -> bool {
+    let normal = area_vector(face);
+    let area = norm(normal);
+    (0..4).all(|i| {
+        let edge = difference(face[(i + 1) % 4], face[i]);
+        // twice the area of the triangle of edge and point, by its side of the edge
+        let inwards = dot(cross(edge, difference(point, face[i])), normal) / area;
+        inwards >= -OVERLAP * area
+    })
+}
+
 /// Common length of the projections of two faces on a unit vector [mm].
 fn overlap(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], axis: [f64; 3]) -> f64 {
     let range = |q: &[[f64; 3]; 4]| {
@@ -70,6 +82,7 @@ mod tests {
         assert_eq!(distance(&base, &square(0.5, 0.25, false)), Some(0.25));
         assert_eq!(distance(&base, &square(0.5, -0.25, false)), Some(-0.25));
         assert_eq!(distance(&base, &square(0.5, 0.25, true)), None);
+        assert!(covers(&base, [0.5, 1.0, 0.25]) && !covers(&base, [1.1, 0.5, 0.0]));
         // edge to edge
         assert_eq!(distance(&base, &square(1.0, 0.0, false)), None);
         assert_eq!(distance(&base, &square(1.5, 0.0, false)), None);

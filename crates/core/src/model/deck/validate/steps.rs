@@ -5,6 +5,17 @@ use crate::model::deck::{DeckDynamics, DeckStep, Direction, StepKind};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
 
+/// Who may say a key of a step, and who must.
+struct Rule<'a> {
+    name: &'a str,
+    given: bool,
+    /// Kinds of steps that know it.
+    kinds: &'a [StepKind],
+    /// Scenes that know it: of blocks (true), of a wall (false), both (none).
+    scene: Option<bool>,
+    needed: bool,
+}
+
 impl Checks<'_> {
     pub(super) fn step(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
@@ -151,75 +162,61 @@ impl Checks<'_> {
         let kind = step.kind;
         let blocks = self.deck.has_blocks();
         let of_spring = step.spring.is_some();
-        // name, given, kinds that know it, whether blocks (or a wall) do, whether it is needed
-        let table: [(&str, bool, &[StepKind], Option<bool>, bool); 11] = [
-            (
+        let rule = |name, given, kinds, scene, needed| Rule {
+            name,
+            given,
+            kinds,
+            scene,
+            needed,
+        };
+        let (wall, stones) = (Some(false), Some(true));
+        let pushes: &[StepKind] = &[Preload, Drive];
+        let weighs: &[StepKind] = &[Gravity, Tilt, Free];
+        let rules = [
+            rule(
                 "top_pressure",
                 step.top_pressure.is_some(),
                 &[Preload],
-                Some(false),
+                wall,
                 true,
             ),
-            (
+            rule(
                 "pressure",
                 step.pressure.is_some(),
                 &[Preload],
-                Some(true),
+                stones,
                 true,
             ),
-            ("direction", step.direction.is_some(), &[Drive], None, true),
-            (
+            rule("direction", step.direction.is_some(), &[Drive], None, true),
+            rule(
                 "displacement",
                 step.displacement.is_some(),
                 &[Drive],
                 None,
                 true,
             ),
-            (
-                "vertical",
-                step.vertical.is_some(),
-                &[Drive],
-                Some(false),
-                false,
-            ),
-            (
-                "face",
-                step.face.is_some(),
-                &[Preload, Drive],
-                Some(true),
-                !of_spring,
-            ),
-            (
-                "free",
-                step.free.is_some(),
-                &[Preload, Drive],
-                Some(true),
-                false,
-            ),
-            ("spring", step.spring.is_some(), &[Drive], Some(true), false),
-            (
+            rule("vertical", step.vertical.is_some(), &[Drive], wall, false),
+            rule("face", step.face.is_some(), pushes, stones, !of_spring),
+            rule("free", step.free.is_some(), pushes, stones, false),
+            rule("spring", step.spring.is_some(), &[Drive], stones, false),
+            rule(
                 "gravity",
                 step.gravity.is_some(),
                 &[Gravity, Free],
                 None,
                 false,
             ),
-            (
-                "angle",
-                step.angle.is_some(),
-                &[Gravity, Tilt, Free],
-                None,
-                kind == Tilt,
-            ),
-            (
-                "axis",
-                step.axis.is_some(),
-                &[Gravity, Tilt, Free],
-                None,
-                false,
-            ),
+            rule("angle", step.angle.is_some(), weighs, None, kind == Tilt),
+            rule("axis", step.axis.is_some(), weighs, None, false),
         ];
-        for (name, given, kinds, scene, needed) in table {
+        for Rule {
+            name,
+            given,
+            kinds,
+            scene,
+            needed,
+        } in rules
+        {
             let known = kinds.contains(&kind);
             let here = scene.is_none_or(|of_blocks| of_blocks == blocks);
             self.require(
