@@ -521,6 +521,8 @@ fn dry_joints_need_no_softening() {
 fn the_documentation_lists_every_key() {
     let reference = include_str!("../../docs/deck.md");
     for (key, example) in keys::EXAMPLES {
+        // `table.key` where a key means different things in different tables
+        let key = key.rsplit('.').next().unwrap();
         assert!(
             reference.contains(&format!("`{key}`")),
             "docs/deck.md lacks `{key}`"

@@ -4,10 +4,13 @@
 mod common;
 
 use common::scene::{self, Face, Recording};
-use wythe::model::Model;
-use wythe::model::scene::{BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Step};
+use wythe::model::scene::{
+    BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Spring, Step,
+};
+use wythe::model::{Deck, Model};
 use wythe::results::{HistoryRow, Status};
 use wythe::solve::RunError;
+use wythe::system::{Bulk, DofMap, Mass};
 
 const G: f64 = 9810.0;
 const DENSITY: f64 = 2e-9;
@@ -477,4 +480,221 @@ fn inertia_without_mass_is_refused() {
     let error = wythe::solve::run(&model, &mut Recording::default()).unwrap_err();
     assert!(matches!(error, RunError::NoMass { step: 0, .. }), "{error}");
     assert!(error.to_string().contains("density"), "{error}");
+}
+
+/// Divergence theorem over the faces, each the mean of both ways to cut it into triangles.
+fn volume_of(x: [[f64; 3]; 8]) -> f64 {
+    use nalgebra::Vector3;
+    let x = x.map(Vector3::from);
+    let faces = wythe::element::hex8::FACES.iter();
+    faces
+        .map(|face| {
+            let c = face.map(|a| x[a]);
+            let cut = |i: [usize; 4]| {
+                c[i[0]].dot(&c[i[1]].cross(&c[i[2]])) + c[i[0]].dot(&c[i[2]].cross(&c[i[3]]))
+            };
+            0.5 * (cut([0, 1, 2, 3]) + cut([1, 2, 3, 0])) / 6.0
+        })
+        .sum()
+}
+
+#[test]
+fn the_total_of_the_masses_is_the_mass_and_supports_do_not_move() {
+    let mut model = block_in_the_air();
+    let mass = |model: &Model| {
+        let bulk = Bulk::new(model).unwrap();
+        Mass::new(model, &bulk, &DofMap::new(model))
+    };
+    let even = mass(&model);
+    // Rounding of a few sums, here and below.
+    assert!((even.total() / (DENSITY * 60.0 * 40.0 * 50.0) - 1.0).abs() < 1e-13);
+    // A corner that is pulled out takes mass with it; Gauss points integrate the skewed volume exactly.
+    let corner = model.mesh.nodes.len() - 1;
+    model.mesh.nodes[corner] = [70.0, 44.0, 58.0];
+    let uneven = mass(&model);
+    let elements = 0..model.mesh.elements.len();
+    let volume: f64 = elements.map(|e| volume_of(model.mesh.corners(e))).sum();
+    assert!((uneven.total() / (DENSITY * volume) - 1.0).abs() < 1e-13);
+    assert!(uneven.node[corner] > even.node[corner]);
+    scene::hold(&mut model, vec![0], [true; 3]);
+    let held = mass(&model);
+    let moving: f64 = held.slot.iter().sum();
+    let expected = 3.0 * (held.total() - held.node[0]);
+    assert!((moving / expected - 1.0).abs() < 1e-13);
+}
+
+/// A block that only moves in x, with a spring on all its nodes.
+fn block_on_a_spring(stiffness: f64) -> Model {
+    let mut model = block_in_the_air();
+    let nodes: Vec<u32> = (0..model.mesh.nodes.len() as u32).collect();
+    scene::hold(&mut model, nodes.clone(), [false, true, true]);
+    model.springs.push(Spring {
+        name: "spring".to_owned(),
+        nodes,
+        stiffness: [stiffness, 0.0, 0.0],
+    });
+    model
+}
+
+#[test]
+fn a_block_swings_on_its_spring() {
+    let stiffness = 5.0;
+    let mut model = block_on_a_spring(stiffness);
+    model.initial_velocity = vec![[V0, 0.0, 0.0]; model.mesh.nodes.len()];
+    let omega = (stiffness / (DENSITY * 60.0 * 40.0 * 50.0)).sqrt();
+    let period = std::f64::consts::TAU / omega;
+    // Two periods and a quarter: at the turn.
+    let count = 450;
+    model.steps = vec![scene::set_free(
+        Gravity::None,
+        2.25 * period,
+        count,
+        1e-6,
+        0.0,
+    )];
+    let recording = completed(&model);
+    let last = recording.rows.last().unwrap();
+    let u = recording.frames.last().unwrap().displacement[0][0];
+    // Backward Euler's first increment takes (ωΔt)²/2 = 5e-4 of the swing and the phase runs late by
+    // 2.25 × 8e-5 of a period, which the turn does not show.
+    assert!((u / (V0 / omega) - 1.0).abs() < 1e-3, "{u}");
+    assert!(last.kinetic_energy_J < 1e-3 * last.elastic_energy_J);
+    // The residual.
+    assert!(gap(last).abs() < 1e-5 * last.external_work_J);
+    // Each zero crossing half a period after the last, late by (ωΔt)²/12 = 8e-5.
+    let path: Vec<[f64; 2]> = recording
+        .frames
+        .iter()
+        .map(|f| [f.time, f.displacement[0][0]])
+        .collect();
+    let crossings: Vec<f64> = path
+        .windows(2)
+        .filter(|w| w[0][1] * w[1][1] < 0.0)
+        .map(|w| w[0][0] + (w[1][0] - w[0][0]) * w[0][1] / (w[0][1] - w[1][1]))
+        .collect();
+    assert_eq!(crossings.len(), 4);
+    for pair in crossings.windows(2) {
+        let half = pair[1] - pair[0];
+        // Linear between increments beside it.
+        assert!((2.0 * half / period - 1.0).abs() < 5e-4, "{half} {period}");
+    }
+}
+
+#[test]
+fn a_driven_spring_pulls_against_another() {
+    let mut model = block_on_a_spring(3.0);
+    let other = Spring {
+        stiffness: [1.0, 0.0, 0.0],
+        ..model.springs[0].clone()
+    };
+    model.springs.push(other);
+    let mut step = scene::left_alone(Gravity::None, 1.0, 4, EXACT);
+    step.springs = vec![[4.0, 0.0, 0.0], [0.0; 3]];
+    model.steps = vec![step.clone(), step];
+    let recording = completed(&model);
+    let last = recording.rows.last().unwrap();
+    for displacement in &recording.frames.last().unwrap().displacement {
+        // k₁/(k₁ + k₂) of 8 mm, to the residual.
+        assert!((displacement[0] - 6.0).abs() < 1e-6, "{displacement:?}");
+    }
+    // ½ × 3 × 2² + ½ × 1 × 6² = 24 N mm, all brought in by the driven end.
+    assert!((last.elastic_energy_J - 0.024).abs() < 1e-8, "{last:?}");
+    assert!((last.external_work_J - 0.024).abs() < 1e-8, "{last:?}");
+}
+
+#[test]
+fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
+    let mut model = common::small_wall();
+    for material in &mut model.materials {
+        if let wythe::material::MaterialParameters::DamagePlasticity(p) = &mut material.parameters {
+            p.elastic.density = 1.9e-9;
+        }
+    }
+    let still = completed(&model);
+    model.steps[1].dynamics = Dynamics::QuasiStatic;
+    let moved = completed(&model);
+    let peak = |r: &Recording| r.rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
+    let last = moved.rows.last().unwrap();
+    println!("{} {} {last:?}", peak(&still), peak(&moved));
+    // 0.3 mm in a second: the inertia is nothing, paths and increments differ within their tolerance.
+    assert!((peak(&moved) / peak(&still) - 1.0).abs() < 5e-3);
+    let inside = last.elastic_energy_J + last.interface_dissipation_J;
+    assert!(last.kinetic_energy_J < 1e-3 * inside && last.kinetic_energy_J > 0.0);
+    assert!(gap(last).abs() < 1e-2 * last.external_work_J, "{last:?}");
+}
+
+/// The example of the wall J7D with these keys said anew.
+fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelError> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("examples/03_shear_wall_j7d.toml")).unwrap();
+    let mut all = vec![("materials.brick.density", "1900 kg/m^3")];
+    all.push(("materials.mortar.density", "1900 kg/m^3"));
+    all.extend(overrides);
+    let all: Vec<_> = all
+        .iter()
+        .map(|(k, v)| ((*k).into(), (*v).into()))
+        .collect();
+    // Files are named relative to the deck's folder.
+    let file = root.join("tests/data/ground/deck.toml");
+    let deck = Deck::from_str_with(&text, &file.display().to_string(), &all)?;
+    Ok(Model::from_deck(&deck)?.0)
+}
+
+#[test]
+fn the_deck_says_what_inertia_does() {
+    let model = wall_with(&[
+        ("steps.0.dynamics", "quasi-static"),
+        ("steps.1.dynamics", "dynamic"),
+        ("steps.1.alpha", "-0.1"),
+        (
+            "steps.1.rayleigh",
+            "{ mass = \"0.5 s^-1\", stiffness = \"2 ms\" }",
+        ),
+        ("steps.1.ground", "{ x = \"pulse.csv\" }"),
+        ("steps.1.ground_unit", "9.81 m/s^2"),
+    ])
+    .unwrap();
+    assert_eq!(model.steps[0].dynamics, Dynamics::QuasiStatic);
+    let expected = Dynamics::Dynamic {
+        alpha: -0.1,
+        damping: Rayleigh {
+            mass: 0.5,
+            stiffness: 0.002,
+        },
+    };
+    assert_eq!(model.steps[1].dynamics, expected);
+    let [x, y, z] = model.steps[1].ground.at(0.05);
+    // One product and one interpolation.
+    assert!((x - 981.0).abs() < 1e-9 && y == 0.0 && z == 0.0);
+    assert!(!wall_with(&[]).unwrap().steps[1].dynamics.has_inertia());
+}
+
+#[test]
+fn keys_of_inertia_are_checked() {
+    let dynamic = ("steps.1.dynamics", "dynamic");
+    for (overrides, key) in [
+        (vec![("steps.1.alpha", "-0.1")], "steps.1.alpha"),
+        (vec![dynamic, ("steps.1.alpha", "0.1")], "steps.1.alpha"),
+        (vec![dynamic, ("steps.1.alpha", "-0.4")], "steps.1.alpha"),
+        (
+            vec![dynamic, ("steps.1.rayleigh", "{ mass = -1 }")],
+            "steps.1.rayleigh.mass",
+        ),
+        (
+            vec![dynamic, ("steps.1.ground", "{ x = \"missing.csv\" }")],
+            "steps.1.ground.x",
+        ),
+        (
+            vec![dynamic, ("steps.1.ground_unit", "1 m/s^2")],
+            "steps.1.ground_unit",
+        ),
+        (
+            vec![dynamic, ("materials.mortar.density", "0")],
+            "steps.1.dynamics",
+        ),
+    ] {
+        let error = wall_with(&overrides).unwrap_err();
+        assert_eq!(error.key(), key, "{error}");
+        assert!(!error.advice().is_empty());
+    }
 }

@@ -1,9 +1,11 @@
 //! Deck → [`Model`].
 
+use super::build_blocks;
 use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
+use super::gravity::GravityNow;
 use super::layout;
-use super::scene::{Beam, BeamMotion, Gravity, GroundMotion, Model, NamedMaterial, Output, Step};
+use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
 use crate::error::{ModelError, Warning};
@@ -15,20 +17,19 @@ impl Model {
     /// A missing wall or step, softening that would snap back in the elements of this mesh, bodies
     /// that nothing holds.
     pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
+        if deck.has_blocks() {
+            require_steps(deck)?;
+            return build_blocks::build(deck);
+        }
         let Some(wall) = &deck.wall else {
             return Err(deck.error(
                 "wall",
                 "the table [wall] is missing: there is nothing to load",
-                "add [wall] with unit, joints, length, courses, materials and interface",
+                "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], \
+                 or [arch]",
             ));
         };
-        if deck.steps.is_empty() {
-            return Err(deck.error(
-                "steps",
-                "there are no steps: nothing happens to the wall",
-                "add [[steps]] with kind = \"drive\", direction and displacement",
-            ));
-        }
+        require_steps(deck)?;
         let names = [&wall.unit_material, &wall.mortar_material];
         let materials = [deck.material(names[0])?, deck.material(names[1])?];
         let Some(interface) = deck.interfaces.get(&wall.interface) else {
@@ -64,7 +65,7 @@ impl Model {
             formulation: deck.element.formulation,
             contact,
             supports,
-            steps: with_records(deck, steps(&deck.steps, &beams[0]))?,
+            steps: steps(deck, &beams[0])?,
             beams,
             initial_velocity: Vec::new(),
             springs: Vec::new(),
@@ -75,6 +76,18 @@ impl Model {
         let warnings = findings::findings(deck, &model)?;
         Ok((model, warnings))
     }
+}
+
+fn require_steps(deck: &Deck) -> Result<(), ModelError> {
+    if !deck.steps.is_empty() {
+        return Ok(());
+    }
+    let what = if deck.has_blocks() { "blocks" } else { "wall" };
+    Err(deck.error(
+        "steps",
+        format!("there are no steps: nothing happens to the {what}"),
+        "add [[steps]] with kind = \"drive\", direction and displacement",
+    ))
 }
 
 /// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
@@ -102,10 +115,11 @@ fn require_countable(deck: &Deck, wall: &Wall, units: usize) -> Result<(), Model
 }
 
 /// Steps of the only beam. During a preload it moves vertically and no other way.
-fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
+fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
+    let mut gravity = GravityNow::none();
     let mut load = 0.0; // vertical force on the beam [N], upwards
-    let mut steps = Vec::with_capacity(deck.len());
-    for (i, step) in deck.iter().enumerate() {
+    let mut steps = Vec::with_capacity(deck.steps.len());
+    for (i, step) in deck.steps.iter().enumerate() {
         let mut motion = [BeamMotion::Locked; 3];
         match step.kind {
             StepKind::Preload => {
@@ -123,10 +137,14 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
                 let displacement = step.displacement.map_or(0.0, super::quantity::Length::get);
                 motion[axis] = BeamMotion::Driven(sign * displacement);
             }
+            // The beam stays under its load and moves vertically.
+            StepKind::Gravity | StepKind::Tilt | StepKind::Free => {
+                motion[2] = BeamMotion::Force(load);
+            }
         }
         // A preload is told in the direction of the drive that follows, so that the history keeps
         // one meaning of displacement and force.
-        let axis = deck[i..]
+        let axis = deck.steps[i..]
             .iter()
             .find(|s| s.kind == StepKind::Drive)
             .map_or(2, |s| drive_axis(s).0);
@@ -139,19 +157,11 @@ fn steps(deck: &[DeckStep], beam: &Beam) -> Vec<Step> {
             viscosity: step.viscosity.get(),
             procedure: step.procedure,
             tolerance: step.tolerance(),
-            gravity: Gravity::None,
             dynamics: step.dynamics.with(step.alpha, step.rayleigh),
-            ground: GroundMotion::default(),
+            ground: deck.ground_motion(i)?,
+            gravity: gravity.step(deck, i, step)?,
             springs: Vec::new(),
         });
-    }
-    steps
-}
-
-/// The steps with the records of the ground that they name.
-fn with_records(deck: &Deck, mut steps: Vec<Step>) -> Result<Vec<Step>, ModelError> {
-    for (i, step) in steps.iter_mut().enumerate() {
-        step.ground = deck.ground_motion(i)?;
     }
     Ok(steps)
 }

@@ -1,6 +1,6 @@
 //! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
 
-use super::deck::{Deck, Subdivision};
+use super::deck::{Deck, Interface, Subdivision};
 use super::findings;
 use super::scene::{BeamMotion, ContactPoints, Step};
 use super::{Model, layout};
@@ -149,37 +149,10 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         };
         notes.push(format!("material {name}: l_eq {lengths}; {kind}"));
     }
+    for (name, f) in findings::interfaces(deck, model) {
+        notes.extend(interface_notes(name, f, model));
+    }
     if let Some(wall) = &deck.wall {
-        if let Some(f) = deck.interfaces.get(&wall.interface) {
-            let name = &wall.interface;
-            if f.is_dry() {
-                notes.push(format!("interface {name}: dry, friction {}", f.mu.get()));
-            } else {
-                notes.push(format!(
-                    "interface {name}: u_k = {:.4} mm <=> G_I = {:.2} N/m; delta_k = {:.4} mm <=> G_II = \
-                     {:.2} N/m without normal stress, {:.2} N/m under 1 MPa",
-                    f.ultimate_opening(),
-                    1e3 * f.mode_1_energy(),
-                    f.ultimate_slip(),
-                    1e3 * f.mode_2_energy(0.0),
-                    1e3 * f.mode_2_energy(-1.0),
-                ));
-            }
-            let pairs = model.contact.laws.iter().map(|law| {
-                let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
-                format!("{normal:.0} / {shear:.0}")
-            });
-            let pairs: Vec<String> = pairs.collect();
-            notes.push(format!(
-                "interface {name}: k_n / k_s = {} N/mm^3{}",
-                pairs.join(", "),
-                if f.normal_stiffness.is_some() {
-                    " as given"
-                } else {
-                    " by the elements that meet"
-                }
-            ));
-        }
         if let Ok(pattern) = layout::course_pattern(wall) {
             let (shortest, lap) = layout::bat_and_lap(&pattern);
             if lap.is_finite() {
@@ -203,7 +176,75 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
             length * height * thickness
         ));
     }
+    if deck.has_blocks() {
+        notes.extend(block_notes(deck, model));
+    }
     notes.extend(pivot_note(model));
+    notes
+}
+
+/// What an interface is, and its stiffnesses in this model.
+fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
+    let kind = if f.is_dry() {
+        format!("interface {name}: dry, friction {}", f.mu.get())
+    } else {
+        format!(
+            "interface {name}: u_k = {:.4} mm <=> G_I = {:.2} N/m; delta_k = {:.4} mm <=> G_II = \
+             {:.2} N/m without normal stress, {:.2} N/m under 1 MPa",
+            f.ultimate_opening(),
+            1e3 * f.mode_1_energy(),
+            f.ultimate_slip(),
+            1e3 * f.mode_2_energy(0.0),
+            1e3 * f.mode_2_energy(-1.0),
+        )
+    };
+    let contact = &model.contact;
+    let laws = contact.laws.iter().zip(&contact.law_names);
+    let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
+        let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
+        format!("{normal:.0} / {shear:.0}")
+    });
+    let pairs: Vec<String> = pairs.collect();
+    let stiffness = format!(
+        "interface {name}: k_n / k_s = {} N/mm^3{}",
+        pairs.join(", "),
+        if f.normal_stiffness.is_some() {
+            " as given"
+        } else {
+            " by the elements that meet"
+        }
+    );
+    [kind, stiffness]
+}
+
+/// Mass, surfaces, arch.
+fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
+    let mesh = &model.mesh;
+    let volume: f64 = (0..mesh.elements.len()).map(|e| mesh.volume(e)).sum();
+    let mass: f64 = (0..mesh.elements.len())
+        .map(|e| {
+            let material = &model.materials[mesh.material[e] as usize].parameters;
+            material.elastic().density * mesh.volume(e)
+        })
+        .sum();
+    let mut notes = vec![
+        format!("blocks: {:.6} m^3, {:.3} kg", 1e-9 * volume, 1e3 * mass),
+        format!(
+            "surfaces: {} slave and {} master facets; a slave meets every master of another block that \
+             it comes to",
+            model.contact.slave_facets.len(),
+            model.contact.master_facets.len()
+        ),
+    ];
+    if let Some(arch) = &deck.arch {
+        let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
+        let half_angle = 0.5 * arch.angle.get().to_radians();
+        notes.push(format!(
+            "arch: centre line {radius:.2} mm, clear span {:.2} mm, thickness {:.5} of the radius",
+            (2.0 * radius - thickness) * half_angle.sin(),
+            thickness / radius
+        ));
+    }
     notes
 }
 

@@ -1,6 +1,7 @@
 //! Physics of a model that can be judged before it is run.
 
 use super::Model;
+use super::build_blocks;
 use super::deck::{Deck, Interface};
 use super::layout;
 use super::tables;
@@ -13,7 +14,7 @@ pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> V
     let mesh = &model.mesh;
     let mut lengths: Vec<f64> = (0..mesh.elements.len())
         .filter(|&e| of(mesh.material[e] as usize))
-        .map(|e| box_volume(&mesh.corners(e)).cbrt())
+        .map(|e| mesh.volume(e).cbrt())
         .collect();
     lengths.sort_by(f64::total_cmp);
     lengths.dedup_by(|b, a| *b <= *a * (1.0 + SAME_LENGTH));
@@ -22,13 +23,6 @@ pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> V
 
 /// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
 const SAME_LENGTH: f64 = 1e-9;
-
-/// Volume of a hex8 that is a parallelepiped.
-fn box_volume(c: &[[f64; 3]; 8]) -> f64 {
-    let edge = |n: usize| [0, 1, 2].map(|d| c[n][d] - c[0][d]);
-    let ([a, b, c], [d, e, f], [g, h, i]) = (edge(1), edge(3), edge(4));
-    a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-}
 
 /// All warnings of a model.
 ///
@@ -55,13 +49,27 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, Model
     if let Some(error) = ModelError::gather(errors) {
         return Err(error);
     }
-    if let Some(wall) = &deck.wall {
-        if let Some(interface) = deck.interfaces.get(&wall.interface) {
-            warnings.extend(check_interface(deck, &wall.interface, interface, model));
-        }
+    for (name, interface) in interfaces(deck, model) {
+        warnings.extend(check_interface(deck, name, interface, model));
+    }
+    if deck.wall.is_some() {
         warnings.extend(check_bond(deck));
+    } else {
+        warnings.extend(build_blocks::surface_warnings(deck)?);
     }
     Ok(warnings)
+}
+
+/// Interfaces that the model uses, each once.
+pub(super) fn interfaces<'a>(deck: &'a Deck, model: &'a Model) -> Vec<(&'a str, &'a Interface)> {
+    let of_wall = deck.wall.iter().map(|w| w.interface.as_str());
+    let mut names: Vec<&str> = of_wall
+        .chain(model.contact.law_names.iter().map(String::as_str))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let with_law = |name| Some((name, deck.interfaces.get(name)?));
+    names.into_iter().filter_map(with_law).collect()
 }
 
 /// A material in elements of these equivalent lengths [mm]: whether its tables are scaled, and what
@@ -135,12 +143,12 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     for (key, stiffness, least) in [
         (
             "normal_stiffness",
-            smallest(model, |l| l.normal_stiffness),
+            smallest(model, name, |l| l.normal_stiffness),
             least[0],
         ),
         (
             "shear_stiffness",
-            smallest(model, |l| l.shear_stiffness),
+            smallest(model, name, |l| l.shear_stiffness),
             least[1],
         ),
     ] {
@@ -173,13 +181,12 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     warnings
 }
 
-/// Smallest stiffness of the model's laws; infinite without interfaces.
-fn smallest(model: &Model, of: impl Fn(&wythe_contact::InterfaceLaw) -> f64) -> f64 {
-    model
-        .contact
-        .laws
-        .iter()
-        .map(of)
+/// Smallest stiffness of the laws of an interface; infinite if nothing meets.
+fn smallest(model: &Model, name: &str, of: impl Fn(&wythe_contact::InterfaceLaw) -> f64) -> f64 {
+    let contact = &model.contact;
+    let laws = contact.laws.iter().zip(&contact.law_names);
+    laws.filter(|(_, n)| *n == name)
+        .map(|(law, _)| of(law))
         .fold(f64::INFINITY, f64::min)
 }
 

@@ -1,7 +1,7 @@
 //! One example for every key of a deck: what an error shows when the key is missing or misread.
 
 /// Last part of the path, and a line that would be right.
-pub const EXAMPLES: [(&str, &str); 78] = [
+pub const EXAMPLES: &[(&str, &str)] = &[
     ("format", "format = 1"),
     ("title", "title = \"Wall J7D\""),
     ("materials", "[materials.brick]"),
@@ -73,7 +73,10 @@ pub const EXAMPLES: [(&str, &str); 78] = [
     ("search_radius", "search_radius = \"5 mm\""),
     ("steps", "[[steps]]"),
     ("name", "name = \"push\""),
-    ("kind", "kind = \"preload\"  # or \"drive\""),
+    (
+        "kind",
+        "kind = \"preload\"  # or \"drive\", \"gravity\", \"tilt\", \"free\"",
+    ),
     ("top_pressure", "top_pressure = \"2.12 MPa\""),
     (
         "direction",
@@ -119,11 +122,66 @@ pub const EXAMPLES: [(&str, &str); 78] = [
     ("x", "x = \"record.csv\""),
     ("y", "y = \"record.csv\""),
     ("z", "z = \"record.csv\""),
+    ("face", "face = \"block.top\"  # or a list of faces"),
+    ("pressure", "pressure = \"0.3 MPa\""),
+    ("free", "free = [\"z\"]"),
+    ("spring", "spring = \"pull\""),
+    ("gravity", "gravity = \"9.81 m/s^2\""),
+    ("angle", "angle = \"30 deg\""),
+    ("axis", "axis = \"y\"  # or \"-y\", \"x\", \"-x\""),
+    ("blocks", "[[blocks]]"),
+    (
+        "size",
+        "size = [\"200 mm\", \"100 mm\", \"50 mm\"]  # x, y, z",
+    ),
+    ("at", "at = [0, 0, \"50 mm\"]  # of its lowest corner"),
+    ("rotate", "rotate = { axis = \"y\", angle = \"30 deg\" }"),
+    (
+        "corners",
+        "corners = [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [0, 0, 9], [9, 0, 9], [9, 9, 9], \
+         [0, 9, 9]]",
+    ),
+    ("material", "material = \"stone\""),
+    ("blocks.mesh", "mesh = [4, 2, 2]  # elements along x, y, z"),
+    ("velocity", "velocity = [\"1 m/s\", 0, 0]"),
+    ("copies", "copies = [1, 1, 6]  # along x, y, z"),
+    ("pitch", "pitch = [0, 0, \"175 mm\"]"),
+    ("contacts", "[[contacts]]"),
+    ("slave", "slave = \"block.bottom\"  # the finer side"),
+    ("master", "master = \"base.top\""),
+    ("supports", "[[supports]]"),
+    ("on", "on = \"base\"  # a block, or a face: \"base.bottom\""),
+    ("fixed", "fixed = [\"x\", \"y\", \"z\"]"),
+    ("springs", "[[springs]]"),
+    (
+        "springs.stiffness",
+        "stiffness = [\"20 N/mm\", 0, 0]  # along x, y, z",
+    ),
+    ("arch", "[arch]"),
+    ("radius", "radius = \"1 m\"  # or span"),
+    ("span", "span = \"2 m\"  # or radius"),
+    ("thickness", "thickness = \"110 mm\""),
+    ("width", "width = \"200 mm\""),
+    ("voussoirs", "voussoirs = 11"),
+    (
+        "arch.mesh",
+        "mesh = [1, 1, 1]  # along the arch, its width, its thickness",
+    ),
 ];
 
-/// Advice for the key `name`: write it like this.
+/// Advice for the key `name`, the last part of a path: write it like this.
 pub(super) fn example(name: &str) -> String {
-    match EXAMPLES.iter().find(|(key, _)| *key == name) {
+    example_at(name)
+}
+
+/// Advice for the key at `path`; some names mean different things in different tables.
+pub(super) fn example_at(path: &str) -> String {
+    let mut parts = path.split('.').filter(|s| s.parse::<usize>().is_err());
+    let first = parts.next().unwrap_or_default();
+    let name = parts.next_back().unwrap_or(first);
+    let in_table = format!("{first}.{name}");
+    let found = |wanted: &str| EXAMPLES.iter().find(|(key, _)| *key == wanted);
+    match found(&in_table).or_else(|| found(name)) {
         Some((_, line)) => format!("write it like this: {line}"),
         None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
     }

@@ -1,11 +1,19 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
+mod arch;
+mod blocks;
 pub mod build;
+mod build_blocks;
 pub mod check;
 pub mod deck;
 mod findings;
+mod gravity;
+pub mod hexahedron;
+mod joint;
 pub mod keys;
 pub mod layout;
+mod loading;
+mod meeting;
 pub mod mesh;
 mod overrides;
 pub mod quantity;
@@ -13,6 +21,7 @@ pub mod scene;
 mod source;
 mod supports;
 mod tables;
+mod touch;
 mod unit;
 pub mod wall;
 

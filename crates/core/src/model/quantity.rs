@@ -24,6 +24,10 @@ pub type Density = Quantity<-3, 1, 0, 0>;
 pub type FractureEnergy = Quantity<0, 1, -2, 0>;
 /// Stiffness per area [N/mm³].
 pub type InterfaceStiffness = Quantity<-2, 1, -2, 0>;
+/// Stiffness of a spring [N/mm].
+pub type SpringStiffness = Quantity<0, 1, -2, 0>;
+/// Velocity [mm/s].
+pub type Velocity = Quantity<1, 0, -1, 0>;
 /// Time [s].
 pub type Time = Quantity<0, 0, 1, 0>;
 /// Rate [1/s].

@@ -224,7 +224,7 @@ impl Source {
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("missing field")) {
             let path = join(span.as_ref().map_or("", |s| self.table_at(s)), name);
             let message = format!("the key `{name}` is missing");
-            return self.error_at(span, &path, message, &keys::example(name));
+            return self.error_at(span, &path, message, &keys::example_at(&path));
         }
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("unknown")) {
             let known = message.split('`').skip(3).step_by(2);
@@ -244,11 +244,7 @@ impl Source {
             let help = "the text is no TOML here: strings want quotes, each key its own line";
             return self.error_at(span, "", message, help);
         }
-        let name = at
-            .split('.')
-            .rfind(|s| s.parse::<usize>().is_err())
-            .unwrap_or_default();
-        self.error_at(span, at, message, &keys::example(name))
+        self.error_at(span, at, message, &keys::example_at(at))
     }
 }
 

@@ -166,7 +166,11 @@ pub(super) fn refusal(
                      {l_max:.1} mm: beyond it the softening of this table{of} to row {row} snaps \
                      back within an element"
                 ),
-                "refine wall.mesh, or give the last row a larger inelastic strain",
+                if deck.has_blocks() {
+                    "refine `mesh` of its blocks, or give the last row a larger inelastic strain"
+                } else {
+                    "refine wall.mesh, or give the last row a larger inelastic strain"
+                },
             )
         }
     }

@@ -8,7 +8,7 @@ use std::fmt;
 pub struct Dimension(pub [i8; 4]);
 
 /// Dimension, what it is called, its base unit.
-const NAMES: [([i8; 4], &str, &str); 15] = [
+const NAMES: [([i8; 4], &str, &str); 16] = [
     ([0, 0, 0, 0], "a number without a unit", ""),
     ([1, 0, 0, 0], "a length", "mm"),
     ([2, 0, 0, 0], "an area", "mm^2"),
@@ -16,12 +16,13 @@ const NAMES: [([i8; 4], &str, &str); 15] = [
     ([0, 1, 0, 0], "a mass", "tonne"),
     ([0, 0, 1, 0], "a time", "s"),
     ([0, 0, -1, 0], "a rate", "s^-1"),
+    ([1, 0, -1, 0], "a velocity", "mm/s"),
     ([1, 0, -2, 0], "an acceleration", "mm/s^2"),
     ([0, 0, 0, 1], "an angle", "deg"),
     ([1, 1, -2, 0], "a force", "N"),
     ([-1, 1, -2, 0], "a pressure", "MPa"),
     ([-3, 1, 0, 0], "a density", "tonne/mm^3"),
-    ([0, 1, -2, 0], "an energy per area", "N/mm"),
+    ([0, 1, -2, 0], "a force per length", "N/mm"),
     ([-2, 1, -2, 0], "a stiffness per area", "N/mm^3"),
     ([2, 1, -2, 0], "an energy", "N mm"),
 ];

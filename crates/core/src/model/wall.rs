@@ -12,6 +12,7 @@
 
 use super::Mesh;
 use super::deck::{Interface, Subdivision, Wall};
+use super::joint::{Side, law_between};
 use super::layout::Slot;
 use super::scene::{Beam, ContactSurfaces, Support};
 use crate::material::ElasticParameters;
@@ -53,13 +54,6 @@ struct Block {
     unit_x: usize,
     /// Elements of the unit along z; those beyond are the bed joint.
     unit_z: usize,
-}
-
-/// Stiffness of an element's material and its size normal to an interface.
-#[derive(Clone, Copy)]
-struct Side<'a> {
-    material: &'a ElasticParameters,
-    size: f64,
 }
 
 impl Block {
@@ -312,32 +306,9 @@ impl<'a> Builder<'a> {
         self.parts.contact.master_body.push(body);
     }
 
-    /// Index of the law between two elements: explicit stiffnesses, or (theory C.8)
-    /// k_n = factor × min E/h over both, k_s = factor × G/h of the same element.
     fn law(&mut self, a: Side<'_>, b: Side<'_>) -> u16 {
-        let stiffness = |s: &Side<'_>| s.material.E / s.size;
-        let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
-        let normal = self.interface.penalty_factor.get() * stiffness(&softer);
-        let shear = normal / (2.0 * (1.0 + softer.material.nu));
-        let law = match (
-            self.interface.normal_stiffness,
-            self.interface.shear_stiffness,
-        ) {
-            (Some(normal), Some(shear)) => self.interface.law(normal.get(), shear.get()),
-            _ => self.interface.law(normal, shear),
-        };
-        // Sizes are differences of coordinates: equal ones may differ in their last bits.
-        let alike = |l: &wythe_contact::InterfaceLaw| {
-            (l.normal_stiffness - law.normal_stiffness).abs() <= 1e-9 * law.normal_stiffness
-                && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
-        };
-        let contact = &mut self.parts.contact;
-        let found = contact.laws.iter().position(alike);
-        found.unwrap_or_else(|| {
-            contact.laws.push(law);
-            contact.law_names.push(self.wall.interface.clone());
-            contact.laws.len() - 1
-        }) as u16
+        let name = &self.wall.interface;
+        law_between(&mut self.parts.contact, name, self.interface, a, b)
     }
 
     /// Notes the nodes of `block` (which begin at `base`) that are held or tied to the beam.

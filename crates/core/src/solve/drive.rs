@@ -294,7 +294,11 @@ impl<'m> Run<'m> {
         newton.account(&self.system, state, trial, &dq);
         let energies = &mut state.energies;
         energies.elastic = trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
-            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>();
+            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
+            + self
+                .system
+                .springs
+                .energy(state.spring_forces.iter().copied());
         energies.plastic_damage += trial
             .element_energy
             .iter()

@@ -193,12 +193,11 @@ impl Motion {
         tangent: bool,
     ) {
         for s in 0..q.len() {
-            [self.velocity[s], self.acceleration[s]] = match self.prescribed[s] {
-                Some(velocity) => [velocity, 0.0],
-                None => {
-                    let start = [state.velocity[s], state.acceleration[s]];
-                    self.scheme.rates(q[s] - state.q[s], self.dt, start)
-                }
+            [self.velocity[s], self.acceleration[s]] = if let Some(velocity) = self.prescribed[s] {
+                [velocity, 0.0]
+            } else {
+                let start = [state.velocity[s], state.acceleration[s]];
+                self.scheme.rates(q[s] - state.q[s], self.dt, start)
             };
         }
         let slope = tangent.then(|| self.scheme.slopes(self.dt)[1]);

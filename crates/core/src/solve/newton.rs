@@ -31,6 +31,8 @@ pub struct Newton<'m> {
     residual: Vec<f64>,
     q: Vec<f64>,
     q_start: Vec<f64>,
+    /// Ends of the springs when the step began [mm]. `[spring][xyz]`
+    ends_start: Vec<[f64; 3]>,
     /// Loads at the end of the increment.
     loads: Loads,
     /// Loads at its start.
@@ -76,6 +78,7 @@ impl<'m> Newton<'m> {
             residual: vec![0.0; n],
             q: state.q.clone(),
             q_start: state.q.clone(),
+            ends_start: state.spring_ends.clone(),
             loads_start: loads.clone(),
             loads,
             motion,
@@ -106,6 +109,16 @@ impl<'m> Newton<'m> {
                     BeamMotion::Driven(by) => q[slot] = self.q_start[slot] + s * by,
                     BeamMotion::Force(_) => {}
                 }
+            }
+        }
+    }
+
+    /// Ends of the springs at fraction `s` of the step.
+    fn drive_springs(&self, trial: &mut Trial, s: f64) {
+        trial.spring_ends.clone_from(&self.ends_start);
+        for (end, by) in trial.spring_ends.iter_mut().zip(&self.step.springs) {
+            for i in 0..3 {
+                end[i] += s * by[i];
             }
         }
     }
@@ -223,6 +236,7 @@ impl<'m> Newton<'m> {
         let mut target = std::mem::take(&mut self.q);
         self.boundary(system, attempt.increment.end(), &mut target);
         self.q = target;
+        self.drive_springs(trial, attempt.increment.end());
         let Increment { start, .. } = attempt.increment;
         self.loads_start.at(self.step, system, start);
         self.loads.at(self.step, system, attempt.increment.end());
@@ -446,6 +460,15 @@ impl<'m> Newton<'m> {
             state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];
             state.applied[slot] = applied;
         }
+        let forces = system.spring_forces(trial);
+        for (s, force) in forces.iter().enumerate() {
+            for i in 0..3 {
+                let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
+                state.energies.external += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
+            }
+        }
+        state.spring_forces = forces;
+        state.spring_ends.clone_from(&trial.spring_ends);
         if let Some(motion) = &self.motion {
             motion.commit(&system.mass, state, trial, dq, &self.loads.total);
         }

@@ -52,6 +52,10 @@ pub struct State {
     pub acceleration: Vec<f64>,
     /// Generalised internal forces at the last commit [N]. `[slot]`
     pub force: Vec<f64>,
+    /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
+    pub spring_ends: Vec<[f64; 3]>,
+    /// Forces of the springs on their nodes [N]. `[spring][xyz]`
+    pub spring_forces: Vec<[f64; 3]>,
     /// Forces that act on the beams from outside at the last commit [N]; zero at nodes. `[slot]`
     pub applied: Vec<f64>,
     /// Forces of the Rayleigh damping at the last commit [N]. `[slot]`

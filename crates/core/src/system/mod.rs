@@ -8,6 +8,7 @@ pub mod linear;
 mod mass;
 mod numerical;
 pub mod pattern;
+mod springs;
 
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
@@ -15,6 +16,7 @@ pub use damping::StiffnessDamping;
 pub use dofs::{DofMap, Equations};
 pub use mass::Mass;
 pub use pattern::Gather;
+pub use springs::Springs;
 
 use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
 use crate::model::Model;
@@ -77,6 +79,8 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
+    /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
+    pub spring_ends: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
     pub inertia: f64,
     /// What each point did in the last iterate. `[point]`
@@ -145,6 +149,8 @@ pub struct System {
     pub contact: Contact,
     /// Masses.
     pub mass: Mass,
+    /// Springs to the ground.
+    pub springs: Springs,
     gather: Option<Gather>,
     analysed_version: usize,
 }
@@ -161,6 +167,7 @@ impl System {
             dofs,
             bulk,
             contact: Contact::new(model),
+            springs: Springs::new(model),
             gather: None,
             analysed_version: 0,
         })
@@ -175,6 +182,8 @@ impl System {
             velocity: vec![0.0; self.dofs.slots],
             acceleration: vec![0.0; self.dofs.slots],
             force: vec![0.0; self.dofs.slots],
+            spring_ends: vec![[0.0; 3]; model.springs.len()],
+            spring_forces: vec![[0.0; 3]; model.springs.len()],
             applied: vec![0.0; self.dofs.slots],
             damping: vec![0.0; self.dofs.slots],
             material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
@@ -244,6 +253,7 @@ impl System {
     ) -> Result<(usize, LinearSolver), LinearError> {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
+        cells.extend(self.springs.cells());
         let gather = Gather::new(&cells, &self.dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
@@ -305,9 +315,10 @@ impl System {
     ) -> Result<(), (usize, LocalFailure)> {
         let nodes = self.bulk.reference.len();
         let n_elements = self.bulk.elements.len();
-        let n_cells = n_elements + self.contact.cell_count();
+        let n_loaded = n_elements + self.contact.cell_count();
+        let n_cells = n_loaded + self.springs.cells().len();
         self.place(trial, q);
-        trial.cell_force.resize(n_cells, [[0.0; 3]; 8]);
+        trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.resize(n_cells * CELL, 0.0);
         trial.active.resize(n_cells, false);
 
@@ -330,6 +341,16 @@ impl System {
                 }
             }
         }
+        if !trial.spring_ends.is_empty() {
+            let (u, ends) = (&trial.displacement, &trial.spring_ends);
+            self.springs.add_forces(u, ends, &mut trial.node_force);
+            if setting.tangent {
+                let from = n_loaded * CELL;
+                self.springs
+                    .write_stiffness(&mut trial.cells[from..n_cells * CELL]);
+                trial.active[n_loaded..n_cells].fill(true);
+            }
+        }
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);
         let magnitude: f64 = trial.cell_force[..n_elements]
@@ -341,6 +362,12 @@ impl System {
         Ok(())
     }
 
+    /// Forces of the springs on their nodes at the trial's positions [N]. `[spring][xyz]`
+    pub fn spring_forces(&self, trial: &Trial) -> Vec<[f64; 3]> {
+        let ends = &trial.spring_ends;
+        self.springs.forces(&trial.displacement, ends).collect()
+    }
+
     /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`
     pub fn multiply(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
         let nodes = self.bulk.reference.len();
@@ -348,6 +375,7 @@ impl System {
         self.dofs.spread(dq, &mut du);
         let mut force = vec![[0.0; 3]; nodes];
         let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
+        let connectivity = connectivity.chain(self.springs.cells());
         for (c, nodes) in connectivity.enumerate() {
             if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
                 continue;

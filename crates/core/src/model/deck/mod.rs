@@ -2,6 +2,8 @@
 //!
 //! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
 
+mod arch;
+mod blocks;
 mod dynamics;
 mod ground;
 mod interfaces;
@@ -10,6 +12,8 @@ mod steps;
 mod validate;
 mod wall;
 
+pub use arch::DeckArch;
+pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
 pub use dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
 pub use interfaces::Interface;
 pub use materials::{Material, Row};
@@ -46,6 +50,21 @@ pub struct Deck {
     /// The wall. A deck without one serves only to drive single points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<Wall>,
+    /// Single blocks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub blocks: Vec<DeckBlock>,
+    /// An arch of voussoirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arch: Option<DeckArch>,
+    /// Faces of blocks that may meet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<DeckContact>,
+    /// Blocks and faces that are held.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<DeckSupport>,
+    /// Springs to the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<DeckSpring>,
     /// Element formulation.
     #[serde(default)]
     pub element: Element,
@@ -212,6 +231,11 @@ impl Deck {
         self.source.warning(path, message)
     }
 
+    /// Whether the scene is made of blocks or an arch, not of a wall.
+    pub fn has_blocks(&self) -> bool {
+        !self.blocks.is_empty() || self.arch.is_some()
+    }
+
     /// `name` is asked for at `path`, but `[table.name]` is not there.
     fn unknown(&self, path: &str, kind: &str, name: &str, table: &str) -> ModelError {
         let names: Vec<&str> = if table == "materials" {
@@ -236,6 +260,11 @@ impl PartialEq for Deck {
             && self.materials == other.materials
             && self.interfaces == other.interfaces
             && self.wall == other.wall
+            && self.blocks == other.blocks
+            && self.arch == other.arch
+            && self.contacts == other.contacts
+            && self.supports == other.supports
+            && self.springs == other.springs
             && self.element == other.element
             && self.contact == other.contact
             && self.steps == other.steps

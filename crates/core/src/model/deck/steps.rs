@@ -1,7 +1,8 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
 use super::dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
-use crate::model::quantity::{Acceleration, Length, Number, Pressure, Time};
+use super::{Axis, Names};
+use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Procedure, Tolerance};
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,27 @@ pub struct DeckStep {
     /// Drive in x or y: what the beam does vertically meanwhile; locked if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical: Option<Vertical>,
+    /// Preload, drive of blocks: the faces that move as one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub face: Option<Names>,
+    /// Preload of blocks: pressure on the face [MPa], compression positive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Pressure>,
+    /// Preload, drive of blocks: directions in which the face is free under what it carries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free: Option<Vec<Axis>>,
+    /// Drive of blocks: the spring whose far end moves, instead of a face.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spring: Option<String>,
+    /// Gravity, free: acceleration of gravity [mm/s²].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Acceleration>,
+    /// Gravity, free: inclination of the ground. Tilt: that at its end [deg].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Angle>,
+    /// Gravity, tilt, free: horizontal axis about which the ground is turned, right-handed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<Direction>,
     /// Duration [s]; viscosity is measured in it.
     #[serde(default = "one_second")]
     pub duration: Time,
@@ -64,8 +86,27 @@ pub struct DeckStep {
 pub enum StepKind {
     /// Presses the top, free to move vertically and nowhere else.
     Preload,
-    /// Drives the top beam.
+    /// Drives the top beam, a face of a block, or the far end of a spring.
     Drive,
+    /// Gravity grows from nothing.
+    Gravity,
+    /// The ground is tilted: gravity turns.
+    Tilt,
+    /// Nothing changes but time: for motion under inertia.
+    Free,
+}
+
+impl StepKind {
+    /// As the deck spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preload => "preload",
+            Self::Drive => "drive",
+            Self::Gravity => "gravity",
+            Self::Tilt => "tilt",
+            Self::Free => "free",
+        }
+    }
 }
 
 /// A direction of the axes.
@@ -163,11 +204,13 @@ impl DeckStep {
     /// Sizes of increments with the defaults of this kind of step.
     ///
     /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area
-    /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic.
+    /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic, and so
+    /// is gravity; what tilts or moves freely is to be seen in a hundred pictures.
     pub fn increments(&self) -> Increments {
         let [initial, max, min] = match self.kind {
-            StepKind::Preload => [0.25, 0.5, 1e-4],
+            StepKind::Preload | StepKind::Gravity => [0.25, 0.5, 1e-4],
             StepKind::Drive => [0.005, 0.0125, 1e-6],
+            StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
         let max = self.increments.max.map_or(max, Number::get);
         // A default yields to what is said: never a first increment above the largest.
@@ -195,10 +238,9 @@ impl DeckStep {
 
     /// Name, or the kind where none is given.
     pub fn name(&self) -> &str {
-        match (&self.name, self.kind) {
-            (Some(name), _) => name,
-            (None, StepKind::Preload) => "preload",
-            (None, StepKind::Drive) => "drive",
+        match &self.name {
+            Some(name) => name,
+            None => self.kind.name(),
         }
     }
 }

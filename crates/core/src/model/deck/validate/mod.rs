@@ -1,5 +1,6 @@
 //! Ranges of a deck, and what its keys demand of each other. Every error is found, not the first.
 
+mod blocks;
 mod interfaces;
 mod materials;
 mod steps;
@@ -39,6 +40,7 @@ pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
     if let Some(wall) = &deck.wall {
         checks.wall(wall);
     }
+    checks.scene();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }
@@ -136,23 +138,9 @@ impl Checks<'_> {
                 "clamp fewer courses; 0 holds only the face",
             );
         }
-        for (path, name) in [
-            ("unit_material", &wall.unit_material),
-            ("mortar_material", &wall.mortar_material),
-        ] {
-            if !self.deck.materials.contains_key(name) {
-                let error =
-                    self.deck
-                        .unknown(&format!("wall.{path}"), "material", name, "materials");
-                self.errors.push(error);
-            }
-        }
-        if !self.deck.interfaces.contains_key(&wall.interface) {
-            let error =
-                self.deck
-                    .unknown("wall.interface", "interface", &wall.interface, "interfaces");
-            self.errors.push(error);
-        }
+        self.known_material("wall.unit_material", &wall.unit_material);
+        self.known_material("wall.mortar_material", &wall.mortar_material);
+        self.known_interface("wall.interface", &wall.interface);
         let sizes = [
             wall.bed_joint,
             wall.head_joint,

@@ -3,54 +3,68 @@
 use super::Checks;
 use crate::model::deck::{DeckDynamics, DeckStep, Direction, StepKind};
 use crate::model::keys;
+use crate::model::quantity::Quantity;
+
+/// Who may say a key of a step, and who must.
+struct Rule<'a> {
+    name: &'a str,
+    given: bool,
+    /// Kinds of steps that know it.
+    kinds: &'a [StepKind],
+    /// Scenes that know it: of blocks (true), of a wall (false), both (none).
+    scene: Option<bool>,
+    needed: bool,
+}
 
 impl Checks<'_> {
     pub(super) fn step(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
         self.positive(&key("duration"), step.duration);
+        self.keys_of_kind(path, step);
         let drive = step.kind == StepKind::Drive;
         let horizontal = !matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
-        let other = |name: &str| {
-            let (kind, own) = if drive {
-                ("drive", "preload")
-            } else {
-                ("preload", "drive")
-            };
-            format!("`{name}` belongs to a {own}, and this step is a {kind}")
-        };
-        for (name, given, allowed) in [
-            ("top_pressure", step.top_pressure.is_some(), !drive),
-            ("direction", step.direction.is_some(), drive),
-            ("displacement", step.displacement.is_some(), drive),
-            ("vertical", step.vertical.is_some(), drive),
-        ] {
-            self.require(
-                !given || allowed,
-                &key(name),
-                || other(name),
-                "leave it out here, or make it a step of its own",
-            );
-            let needed = allowed && name != "vertical";
-            self.require(
-                !needed || given,
-                &key(name),
-                || format!("the key `{name}` is missing"),
-                &keys::example(name),
-            );
-        }
         self.require(
             step.vertical.is_none() || !drive || horizontal,
             &key("vertical"),
             || "the vertical motion is the one that is driven".to_owned(),
             "leave out `vertical`, or drive in x or y",
         );
-        if let Some(pressure) = step.top_pressure {
-            let value = pressure.get();
+        for (name, pressure) in [
+            ("top_pressure", step.top_pressure),
+            ("pressure", step.pressure),
+        ] {
+            let value = pressure.map_or(0.0, Quantity::get);
             self.require(
                 value >= 0.0,
-                &key("top_pressure"),
+                &key(name),
                 || format!("the pressure {value} MPa pulls"),
                 "compression is positive here; to pull, drive in z",
+            );
+        }
+        if let Some(gravity) = step.gravity {
+            self.positive(&key("gravity"), gravity);
+        }
+        if let (Some(free), Some(direction), true) = (&step.free, step.direction, drive) {
+            let driven = direction.axis().0;
+            self.require(
+                free.iter().all(|axis| axis.index() != driven),
+                &key("free"),
+                || "the direction that is driven cannot be free".to_owned(),
+                "name the other directions only",
+            );
+        }
+        self.require(
+            !matches!(step.axis, Some(Direction::Z | Direction::MinusZ)),
+            &key("axis"),
+            || "a turn about z tilts nothing".to_owned(),
+            &keys::example("axis"),
+        );
+        if let Some(angle) = step.angle.map(Quantity::get) {
+            self.require(
+                angle.abs() <= 180.0,
+                &key("angle"),
+                || format!("{angle} degrees are more than half a turn"),
+                &keys::example("angle"),
             );
         }
         if let Some(displacement) = step.displacement {
@@ -139,5 +153,111 @@ impl Checks<'_> {
                 );
             }
         }
+    }
+
+    /// Keys that the kind of the step, and of the scene, knows; and those that it needs.
+    fn keys_of_kind(&mut self, path: &str, step: &DeckStep) {
+        use StepKind::{Drive, Free, Gravity, Preload, Tilt};
+        let key = |name: &str| format!("{path}.{name}");
+        let kind = step.kind;
+        let blocks = self.deck.has_blocks();
+        let of_spring = step.spring.is_some();
+        let rule = |name, given, kinds, scene, needed| Rule {
+            name,
+            given,
+            kinds,
+            scene,
+            needed,
+        };
+        let (wall, stones) = (Some(false), Some(true));
+        let pushes: &[StepKind] = &[Preload, Drive];
+        let weighs: &[StepKind] = &[Gravity, Tilt, Free];
+        let rules = [
+            rule(
+                "top_pressure",
+                step.top_pressure.is_some(),
+                &[Preload],
+                wall,
+                true,
+            ),
+            rule(
+                "pressure",
+                step.pressure.is_some(),
+                &[Preload],
+                stones,
+                true,
+            ),
+            rule("direction", step.direction.is_some(), &[Drive], None, true),
+            rule(
+                "displacement",
+                step.displacement.is_some(),
+                &[Drive],
+                None,
+                true,
+            ),
+            rule("vertical", step.vertical.is_some(), &[Drive], wall, false),
+            rule("face", step.face.is_some(), pushes, stones, !of_spring),
+            rule("free", step.free.is_some(), pushes, stones, false),
+            rule("spring", step.spring.is_some(), &[Drive], stones, false),
+            rule(
+                "gravity",
+                step.gravity.is_some(),
+                &[Gravity, Free],
+                None,
+                false,
+            ),
+            rule("angle", step.angle.is_some(), weighs, None, kind == Tilt),
+            rule("axis", step.axis.is_some(), weighs, None, false),
+        ];
+        for Rule {
+            name,
+            given,
+            kinds,
+            scene,
+            needed,
+        } in rules
+        {
+            let known = kinds.contains(&kind);
+            let here = scene.is_none_or(|of_blocks| of_blocks == blocks);
+            self.require(
+                !given || known,
+                &key(name),
+                || {
+                    let own: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
+                    let (own, kind) = (own.join(" or "), kind.name());
+                    format!("`{name}` belongs to a {own}, and this step is a {kind}")
+                },
+                "leave it out here, or make it a step of its own",
+            );
+            self.require(
+                !given || !known || here,
+                &key(name),
+                || {
+                    let other = if blocks {
+                        "a wall"
+                    } else {
+                        "blocks or an arch"
+                    };
+                    format!("`{name}` belongs to a scene of {other}")
+                },
+                if blocks {
+                    "of blocks: `face`, `pressure`, `free`"
+                } else {
+                    "of a wall: `top_pressure`, `vertical`; its beam is the face"
+                },
+            );
+            self.require(
+                !(needed && known && here) || given,
+                &key(name),
+                || format!("the key `{name}` is missing"),
+                &keys::example(name),
+            );
+        }
+        self.require(
+            !of_spring || (step.face.is_none() && step.free.is_none()),
+            &key("spring"),
+            || "a drive moves either a face or a spring".to_owned(),
+            "make the other a step of its own",
+        );
     }
 }

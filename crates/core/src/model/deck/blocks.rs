@@ -1,0 +1,156 @@
+//! `[[blocks]]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`: scenes of single blocks.
+
+use super::Direction;
+use crate::model::quantity::{Angle, Length, SpringStiffness, Velocity};
+use serde::de::{self, Deserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+use std::fmt;
+
+/// A block of hex8: a box by its size, or any hexahedron by its eight corners.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckBlock {
+    /// Name, by which faces, supports and springs call it.
+    pub name: String,
+    /// Length (x), thickness (y), height (z) of a box [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[Length; 3]>,
+    /// Where its lowest corner lies, or by how much `corners` are moved [mm].
+    #[serde(default)]
+    pub at: [Length; 3],
+    /// Turned about the point `at`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotate: Option<Rotation>,
+    /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corners: Option<[[Length; 3]; 8]>,
+    /// Its material.
+    pub material: String,
+    /// Elements along x, y, z.
+    #[serde(default = "one_element")]
+    pub mesh: [u32; 3],
+    /// Velocity when the first step with inertia begins [mm/s].
+    #[serde(default)]
+    pub velocity: [Velocity; 3],
+    /// How many of it stand along x, y, z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub copies: Option<[u32; 3]>,
+    /// Distances of the copies [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<[Length; 3]>,
+}
+
+/// A turn about an axis, right-handed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// The axis.
+    pub axis: Direction,
+    /// The angle [deg].
+    pub angle: Angle,
+}
+
+/// Faces that may meet: points on slaves against masters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckContact {
+    /// Slave faces, the finer side; all faces that touch at rest if neither side is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slave: Option<Names>,
+    /// Master faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub master: Option<Names>,
+    /// The interface.
+    pub interface: String,
+}
+
+/// Blocks or faces that are held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckSupport {
+    /// Blocks (`"base"`) or faces (`"base.bottom"`).
+    pub on: Names,
+    /// Held directions.
+    #[serde(default = "all_axes")]
+    pub fixed: Vec<Axis>,
+}
+
+/// A spring to the ground, whose far end a drive may move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckSpring {
+    /// Name, by which a drive calls it.
+    pub name: String,
+    /// Blocks or faces whose mean displacement it follows.
+    pub on: Names,
+    /// Stiffness along x, y, z [N/mm].
+    pub stiffness: [SpringStiffness; 3],
+}
+
+/// An axis without a sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+}
+
+impl Axis {
+    /// 0, 1, 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// One name or a list of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names(pub Vec<String>);
+
+impl Serialize for Names {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0[..] {
+            [one] => one.serialize(serializer),
+            many => many.serialize(serializer),
+        }
+    }
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Names;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a name or a list of names")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<Names, E> {
+        Ok(Names(vec![name.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Names, A::Error> {
+        let mut names = Vec::new();
+        while let Some(name) = seq.next_element()? {
+            names.push(name);
+        }
+        Ok(Names(names))
+    }
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
+    }
+}
+
+fn one_element() -> [u32; 3] {
+    [1; 3]
+}
+
+fn all_axes() -> Vec<Axis> {
+    vec![Axis::X, Axis::Y, Axis::Z]
+}

@@ -1,0 +1,222 @@
+//! Ranges of `[[blocks]]`, `[arch]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`.
+
+use super::Checks;
+use crate::model::deck::{DeckArch, DeckBlock, Names};
+use crate::model::keys;
+use crate::model::quantity::Quantity;
+
+/// More copies of one block than this are a slip.
+const MOST_COPIES: f64 = 1e5;
+
+impl Checks<'_> {
+    /// A scene of blocks, or what stands where none is.
+    pub(super) fn scene(&mut self) {
+        let deck = self.deck;
+        let blocks = deck.has_blocks();
+        self.require(
+            deck.wall.is_none() || !blocks,
+            "wall",
+            || "a scene is either a wall, or blocks and an arch".to_owned(),
+            "take out [wall], or [[blocks]] and [arch]",
+        );
+        for (name, given) in [
+            ("contacts", !deck.contacts.is_empty()),
+            ("supports", !deck.supports.is_empty()),
+            ("springs", !deck.springs.is_empty()),
+        ] {
+            self.require(
+                blocks || !given,
+                name,
+                || format!("[[{name}]] belongs to a scene of blocks, and there is none"),
+                "add [[blocks]] or [arch]",
+            );
+        }
+        for (i, block) in deck.blocks.iter().enumerate() {
+            self.block(&format!("blocks.{i}"), block);
+        }
+        if let Some(arch) = &deck.arch {
+            self.arch(arch);
+        }
+        for (i, contact) in deck.contacts.iter().enumerate() {
+            let path = format!("contacts.{i}");
+            let sides = [("slave", &contact.slave), ("master", &contact.master)];
+            for (name, side) in sides {
+                self.not_empty(&format!("{path}.{name}"), side.as_ref());
+            }
+            if let [Some(_), None] | [None, Some(_)] = sides.map(|(_, side)| side.as_ref()) {
+                let missing = sides[usize::from(contact.slave.is_some())].0;
+                self.require(
+                    false,
+                    &format!("{path}.{missing}"),
+                    || format!("the key `{missing}` is missing"),
+                    "give both sides, or neither: then all faces that touch at rest meet",
+                );
+            }
+            self.known_interface(&format!("{path}.interface"), &contact.interface);
+        }
+        for (i, support) in deck.supports.iter().enumerate() {
+            self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
+            self.require(
+                !support.fixed.is_empty(),
+                &format!("supports.{i}.fixed"),
+                || "a support that holds no direction".to_owned(),
+                &keys::example("fixed"),
+            );
+        }
+        for (i, spring) in deck.springs.iter().enumerate() {
+            self.not_empty(&format!("springs.{i}.on"), Some(&spring.on));
+            for (d, stiffness) in spring.stiffness.into_iter().enumerate() {
+                self.not_negative(&format!("springs.{i}.stiffness.{d}"), stiffness);
+            }
+            self.require(
+                spring.stiffness.iter().any(|k| k.get() > 0.0),
+                &format!("springs.{i}.stiffness"),
+                || "a spring without stiffness".to_owned(),
+                &keys::example_at("springs.stiffness"),
+            );
+        }
+    }
+
+    fn block(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
+        let plain = !block.name.is_empty() && !block.name.contains('.');
+        self.require(
+            plain,
+            &key("name"),
+            || format!("`{}` is no name for a block", block.name),
+            "letters, digits, - and _; a dot parts the block from its face",
+        );
+        match (&block.size, &block.corners) {
+            (Some(size), None) => {
+                for (d, size) in size.iter().enumerate() {
+                    self.positive(&format!("{path}.size.{d}"), *size);
+                }
+            }
+            (None, Some(corners)) => {
+                let corners = corners.map(|x| x.map(Quantity::get));
+                self.require(
+                    crate::model::hexahedron::is_upright(&corners),
+                    &key("corners"),
+                    || "the corners are not in order, or the block is flat or folded".to_owned(),
+                    "(-,-,-) (+,-,-) (+,+,-) (-,+,-), then the same four above them",
+                );
+            }
+            (Some(_), Some(_)) => self.require(
+                false,
+                &key("corners"),
+                || "both `size` and `corners` are given".to_owned(),
+                "leave out one",
+            ),
+            (None, None) => self.require(
+                false,
+                &key("size"),
+                || "neither `size` nor `corners` is given".to_owned(),
+                &keys::example("size"),
+            ),
+        }
+        self.known_material(&key("material"), &block.material);
+        self.elements(&key("mesh"), block.mesh, "blocks.mesh");
+        let copies = block.copies.unwrap_or([1; 3]);
+        let count: f64 = copies.iter().map(|n| f64::from(*n)).product();
+        self.require(
+            (1.0..=MOST_COPIES).contains(&count),
+            &key("copies"),
+            || format!("{count} copies of a block"),
+            "at least 1 along each axis, at most 1e5 in all",
+        );
+        self.require(
+            block.copies.is_some() || block.pitch.is_none(),
+            &key("pitch"),
+            || "there are no copies that would stand at this distance".to_owned(),
+            &keys::example("copies"),
+        );
+        if block.copies.is_some() {
+            let pitch = block.pitch.map_or([0.0; 3], |p| p.map(Quantity::get));
+            let apart = (0..3).all(|d| copies[d] < 2 || pitch[d] != 0.0);
+            self.require(
+                apart,
+                &key("pitch"),
+                || "copies would stand in the same place".to_owned(),
+                &keys::example("pitch"),
+            );
+        }
+    }
+
+    fn arch(&mut self, arch: &DeckArch) {
+        self.positive("arch.thickness", arch.thickness);
+        self.positive("arch.width", arch.width);
+        for (name, length) in [("radius", arch.radius), ("span", arch.span)] {
+            if let Some(length) = length {
+                self.positive(&format!("arch.{name}"), length);
+            }
+        }
+        self.require(
+            arch.radius.is_some() || arch.span.is_some(),
+            "arch.radius",
+            || "neither `radius` nor `span` is given".to_owned(),
+            &keys::example("radius"),
+        );
+        self.require(
+            arch.radius.is_none() || arch.span.is_none(),
+            "arch.span",
+            || "both `radius` and `span` are given".to_owned(),
+            "each follows from the other: leave out one",
+        );
+        let angle = arch.angle.get();
+        self.require(
+            angle > 0.0 && angle <= 180.0,
+            "arch.angle",
+            || format!("an arch over {angle} degrees"),
+            "above 0, up to 180 (a semicircle)",
+        );
+        let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
+        self.require(
+            angle <= 0.0 || thickness < radius || radius <= 0.0,
+            "arch.thickness",
+            || format!("{thickness} mm are no arch of {radius} mm radius"),
+            "a ring is thinner than its radius",
+        );
+        let count = arch.voussoirs;
+        self.require(
+            (2..=10_000).contains(&count),
+            "arch.voussoirs",
+            || format!("{count} voussoirs are no arch"),
+            "2 to 10000",
+        );
+        self.known_material("arch.material", &arch.material);
+        self.known_interface("arch.interface", &arch.interface);
+        self.elements("arch.mesh", arch.mesh, "arch.mesh");
+    }
+
+    fn elements(&mut self, path: &str, mesh: [u32; 3], example: &str) {
+        self.require(
+            mesh.iter().all(|n| *n > 0),
+            path,
+            || format!("{mesh:?} leaves no element"),
+            &keys::example_at(example),
+        );
+    }
+
+    fn not_empty(&mut self, path: &str, names: Option<&Names>) {
+        self.require(
+            names.is_none_or(|names| !names.0.is_empty()),
+            path,
+            || "the list is empty".to_owned(),
+            "name a block or a face",
+        );
+    }
+
+    pub(super) fn known_material(&mut self, path: &str, name: &str) {
+        if !self.deck.materials.contains_key(name) {
+            let error = self.deck.unknown(path, "material", name, "materials");
+            self.errors.push(error);
+        }
+    }
+
+    pub(super) fn known_interface(&mut self, path: &str, name: &str) {
+        if !self.deck.interfaces.contains_key(name) {
+            let error = self.deck.unknown(path, "interface", name, "interfaces");
+            self.errors.push(error);
+        }
+    }
+}

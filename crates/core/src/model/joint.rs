@@ -1,0 +1,45 @@
+//! The law of a joint between two elements: its stiffnesses by what meets.
+
+use super::deck::Interface;
+use super::scene::ContactSurfaces;
+use crate::material::ElasticParameters;
+use wythe_contact::InterfaceLaw;
+
+/// Stiffness of an element's material and its size normal to an interface.
+#[derive(Clone, Copy)]
+pub(super) struct Side<'a> {
+    pub(super) material: &'a ElasticParameters,
+    /// [mm]
+    pub(super) size: f64,
+}
+
+/// Index of the law between two elements, added where it is new: explicit stiffnesses, or (theory
+/// C.8) k_n = factor × min E/h over both, k_s = factor × G/h of the same element.
+pub(super) fn law_between(
+    contact: &mut ContactSurfaces,
+    name: &str,
+    interface: &Interface,
+    a: Side<'_>,
+    b: Side<'_>,
+) -> u16 {
+    let stiffness = |s: &Side<'_>| s.material.E / s.size;
+    let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
+    let normal = interface.penalty_factor.get() * stiffness(&softer);
+    let shear = normal / (2.0 * (1.0 + softer.material.nu));
+    let law = match (interface.normal_stiffness, interface.shear_stiffness) {
+        (Some(normal), Some(shear)) => interface.law(normal.get(), shear.get()),
+        _ => interface.law(normal, shear),
+    };
+    // Sizes are differences of coordinates: equal ones may differ in their last bits.
+    let alike = |l: &InterfaceLaw| {
+        (l.normal_stiffness - law.normal_stiffness).abs() <= 1e-9 * law.normal_stiffness
+            && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
+    };
+    let mut known = contact.laws.iter().zip(&contact.law_names);
+    let found = known.position(|(l, n)| n == name && alike(l));
+    found.unwrap_or_else(|| {
+        contact.laws.push(law);
+        contact.law_names.push(name.to_owned());
+        contact.laws.len() - 1
+    }) as u16
+}

@@ -1,0 +1,210 @@
+//! Steps of a scene of blocks: which faces move as one, and how.
+
+use super::blocks::Blocks;
+use super::deck::{Deck, DeckStep, Direction, Names, StepKind};
+use super::gravity::GravityNow;
+use super::keys;
+use super::quantity::Quantity;
+use super::scene::{Beam, BeamMotion, Spring, Step, Support};
+use crate::error::ModelError;
+
+/// Beams and steps of a scene of blocks.
+pub(super) struct Loading {
+    pub(super) beams: Vec<Beam>,
+    pub(super) steps: Vec<Step>,
+}
+
+/// A face counts as normal to an axis if its unit normal has this much along it.
+const ALONG: f64 = 1.0 - 1e-9;
+
+/// Every face that a step presses or drives is a beam for the whole run: free until a step moves it,
+/// then held where it stands, or left under its pressure.
+///
+/// # Errors
+/// Names of nothing, faces with common nodes, pressure on a face that no axis is normal to.
+pub(super) fn loading(
+    deck: &Deck,
+    blocks: &Blocks<'_>,
+    supports: &[Support],
+    springs: &[Spring],
+) -> Result<Loading, ModelError> {
+    let beams = beams(deck, blocks, supports)?;
+    let names: Vec<&str> = beams.iter().map(|b| b.name.as_str()).collect();
+    let beam_of = |step: &DeckStep| {
+        let name = beam_name(step.face.as_ref()?);
+        names.iter().position(|n| **n == name)
+    };
+    let mut now = vec![[BeamMotion::Force(0.0); 3]; beams.len()];
+    let mut load = vec![[0.0; 3]; beams.len()];
+    let mut gravity = GravityNow::none();
+    let mut steps = Vec::with_capacity(deck.steps.len());
+    for (i, step) in deck.steps.iter().enumerate() {
+        // What was driven is held where it stands.
+        for motion in now.iter_mut().flatten() {
+            if let BeamMotion::Driven(_) = motion {
+                *motion = BeamMotion::Locked;
+            }
+        }
+        let mut far_ends = vec![[0.0; 3]; springs.len()];
+        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+        let displacement = sign * step.displacement.map_or(0.0, Quantity::get);
+        let beam = beam_of(step);
+        if let Some(b) = beam {
+            let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
+            if step.kind == StepKind::Preload {
+                load[b] = pressure(deck, i, step, &beams[b])?;
+            }
+            for d in 0..3 {
+                let pressed = step.kind == StepKind::Preload && beams[b].normal[d].abs() > ALONG;
+                let driven = step.kind == StepKind::Drive && d == axis;
+                now[b][d] = if driven {
+                    BeamMotion::Driven(displacement)
+                } else if pressed || free(d) {
+                    BeamMotion::Force(load[b][d])
+                } else {
+                    BeamMotion::Locked
+                };
+            }
+        } else if let Some(name) = &step.spring {
+            let Some(s) = springs.iter().position(|s| s.name == *name) else {
+                let known = springs.iter().map(|s| s.name.as_str());
+                let help = keys::nearest(name, known).map_or_else(
+                    || keys::example("springs"),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                let path = format!("steps.{i}.spring");
+                return Err(deck.error(&path, format!("there is no spring named `{name}`"), &help));
+            };
+            if springs[s].stiffness[axis] == 0.0 {
+                return Err(deck.error(
+                    &format!("steps.{i}.direction"),
+                    format!("the spring `{name}` has no stiffness in this direction"),
+                    "give it one: springs.stiffness, along x, y, z",
+                ));
+            }
+            far_ends[s][axis] = displacement;
+        }
+        // The history tells of the face that is driven; before that of the one that will be.
+        let driven = deck.steps[i..].iter().find_map(|s| {
+            let (axis, _) = s.direction.map_or((0, 1.0), Direction::axis);
+            (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, axis)))?
+        });
+        let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
+        let pressed = beam.and_then(|b| Some((b, normal(b)?)));
+        steps.push(Step {
+            name: step.name().to_owned(),
+            duration: step.duration.get(),
+            motion: now.clone(),
+            driven: driven.or(pressed),
+            increments: step.increments(),
+            viscosity: step.viscosity.get(),
+            procedure: step.procedure,
+            tolerance: step.tolerance(),
+            gravity: gravity.step(deck, i, step)?,
+            dynamics: step.dynamics.with(step.alpha, step.rayleigh),
+            ground: deck.ground_motion(i)?,
+            springs: far_ends,
+        });
+    }
+    Ok(Loading { beams, steps })
+}
+
+fn beam_name(faces: &Names) -> String {
+    faces.0.join(", ")
+}
+
+/// The faces that steps name, each once.
+fn beams(deck: &Deck, blocks: &Blocks<'_>, supports: &[Support]) -> Result<Vec<Beam>, ModelError> {
+    let mut beams: Vec<Beam> = Vec::new();
+    for (i, step) in deck.steps.iter().enumerate() {
+        let Some(faces) = &step.face else { continue };
+        let path = format!("steps.{i}.face");
+        let name = beam_name(faces);
+        if beams.iter().any(|b| b.name == name) {
+            continue;
+        }
+        let places = blocks.places(&path, faces, true)?;
+        if places.is_empty() {
+            return Err(deck.error(&path, "the list is empty", &keys::example("face")));
+        }
+        let nodes = blocks.nodes(&places);
+        if let Some(other) = beams
+            .iter()
+            .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
+        {
+            return Err(deck.error(
+                &path,
+                format!("{name} has nodes in common with {}", other.name),
+                "a node follows one face: drive one of them, or faces of different blocks",
+            ));
+        }
+        let (vector, area) = blocks.area(&places);
+        let length = super::hexahedron::norm(vector);
+        beams.push(Beam {
+            name,
+            nodes,
+            area,
+            normal: if length > 0.0 {
+                vector.map(|x| x / length)
+            } else {
+                [0.0; 3]
+            },
+        });
+    }
+    require_movable(deck, &beams, supports)?;
+    Ok(beams)
+}
+
+/// Refuses a drive of a face that supports hold in that direction.
+fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<(), ModelError> {
+    for (i, step) in deck.steps.iter().enumerate() {
+        let (Some(faces), Some(direction)) = (&step.face, step.direction) else {
+            continue;
+        };
+        let name = beam_name(faces);
+        let Some(beam) = beams.iter().find(|b| b.name == name) else {
+            continue;
+        };
+        let axis = direction.axis().0;
+        let held = |n: &u32| {
+            supports
+                .iter()
+                .any(|s| s.fixed[axis] && s.nodes.contains(n))
+        };
+        if beam.nodes.iter().all(held) {
+            return Err(deck.error(
+                &format!("steps.{i}.face"),
+                format!("supports hold {name} in the direction that is driven"),
+                "take the support away, or drive another face",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Force of a pressure on a face, against its normal [N].
+fn pressure(
+    deck: &Deck,
+    index: usize,
+    step: &DeckStep,
+    beam: &Beam,
+) -> Result<[f64; 3], ModelError> {
+    if !beam.normal.iter().any(|n| n.abs() > ALONG) {
+        return Err(deck.error(
+            &format!("steps.{index}.face"),
+            format!(
+                "no axis is normal to {}: pressure would have to turn with it",
+                beam.name
+            ),
+            "press a face that looks along x, y or z",
+        ));
+    }
+    let force = step.pressure.map_or(0.0, Quantity::get) * beam.area;
+    Ok(beam.normal.map(|n| {
+        if n.abs() > ALONG {
+            -force * n.signum()
+        } else {
+            0.0
+        }
+    }))
+}
