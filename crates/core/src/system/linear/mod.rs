@@ -16,6 +16,7 @@ mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
+mod pivoting;
 #[cfg(test)]
 mod stencils;
 mod substitution;
@@ -23,6 +24,7 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod vector;
 
 use std::time::Instant;
 
