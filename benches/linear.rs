@@ -123,9 +123,7 @@ fn main() -> std::io::Result<()> {
         }
         _ => {
             benches();
-            Criterion::default()
-                .configure_from_args()
-                .final_summary();
+            Criterion::default().configure_from_args().final_summary();
             Ok(())
         }
     }

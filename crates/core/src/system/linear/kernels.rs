@@ -14,9 +14,9 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
-use super::{Kind, LinearError};
-use super::pivoting;
 use super::tree::flops;
+use super::{Kind, LinearError};
+use super::{pivoting, triangular};
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
@@ -122,7 +122,7 @@ pub(super) fn llt(
         let most = if large { piece(m - j) } else { m };
         in_rows(most, below, j + width, &|mut rows, first| {
             update(rows.rb_mut(), first);
-            solve_lower_triangular_in_place(own, rows.transpose_mut(), Par::Seq);
+            triangular::divide(own, rows);
         });
     }
     let b = m - k;
@@ -196,7 +196,7 @@ pub(super) fn lu(
     // L₂₁ U₁₁ = F₂₁, transposed.
     let most = if large { piece(b) } else { b };
     in_rows(most, below.rb_mut(), 0, &|rows, _| {
-        solve_lower_triangular_in_place(own.transpose(), rows.transpose_mut(), Par::Seq);
+        triangular::divide(own.transpose(), rows);
     });
     for column in rest.chunks_exact_mut(k) {
         scratch.exchange(column, pivots);

@@ -24,6 +24,7 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod triangular;
 mod vector;
 
 use std::time::Instant;

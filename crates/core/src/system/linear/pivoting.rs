@@ -1,11 +1,11 @@
 //! P F = L U of the block of its own rows that a front eliminates, its columns in parallel where it is
 //! large: panels of columns from left to right, each with its pivots, then the rest updated at once.
 
+use faer::dyn_stack::MemStack;
 use faer::linalg::lu::partial_pivoting::factor::lu_in_place;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
-use faer::dyn_stack::MemStack;
 use rayon::prelude::*;
 
 use super::kernels::Scratch;
