@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::tree::flops;
 use super::{Kind, LinearError};
-use super::{pivoting, triangular};
+use super::{division, pivoting};
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
@@ -122,7 +122,7 @@ pub(super) fn llt(
         let most = if large { piece(m - j) } else { m };
         in_rows(most, below, j + width, &|mut rows, first| {
             update(rows.rb_mut(), first);
-            triangular::divide(own, rows);
+            division::divide(own, rows);
         });
     }
     let b = m - k;
@@ -196,7 +196,7 @@ pub(super) fn lu(
     // L₂₁ U₁₁ = F₂₁, transposed.
     let most = if large { piece(b) } else { b };
     in_rows(most, below.rb_mut(), 0, &|rows, _| {
-        triangular::divide(own.transpose(), rows);
+        division::divide(own.transpose(), rows);
     });
     for column in rest.chunks_exact_mut(k) {
         scratch.exchange(column, pivots);

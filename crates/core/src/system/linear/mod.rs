@@ -6,7 +6,9 @@
 //! above [`Options::accept`].
 
 mod assembly;
+mod directions;
 mod dissection;
+mod division;
 mod error;
 mod extend;
 mod faer_llt;
@@ -24,7 +26,6 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod tree;
-mod triangular;
 mod vector;
 
 use std::time::Instant;
