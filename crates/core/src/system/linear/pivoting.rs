@@ -75,6 +75,7 @@ fn transpositions(p: &mut [u32]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::stencils::Noise;
     use super::*;
 
     #[test]
@@ -87,5 +88,32 @@ mod tests {
             rows.swap(i, p as usize);
         }
         assert_eq!(rows, permutation);
+    }
+
+    #[test]
+    fn a_block_in_panels_is_p_f_as_its_factors_say() {
+        // Two panels' width beyond what is done at once, and rows below that stay as they are.
+        let (k, m) = (LARGE + 70, LARGE + 75);
+        let mut noise = Noise(5);
+        let front: Vec<f64> = (0..m * k).map(|_| noise.next()).collect();
+        let (mut columns, mut pivots) = (front.clone(), vec![0u32; k]);
+        lu(&mut columns, m, &mut pivots, &mut Scratch::new(k).unwrap());
+        assert!(pivots.iter().enumerate().any(|(i, &p)| p as usize != i));
+        for j in 0..k {
+            for i in 0..k {
+                // Row i of L, its diagonal 1, times column j of U.
+                let product: f64 = (0..=i.min(j))
+                    .map(|p| if p == i { 1.0 } else { columns[i + p * m] } * columns[p + j * m])
+                    .sum();
+                let error = (product - front[pivots[i] as usize + j * m]).abs();
+                // |L| ≤ 1, pivots of random numbers grow to some tens: 326 roundings of those.
+                assert!(error < 1e-11, "({i}, {j}): {error:e}");
+                assert!(i <= j || columns[i + j * m].abs() <= 1.0);
+            }
+            assert_eq!(
+                columns[k + j * m..(j + 1) * m],
+                front[k + j * m..(j + 1) * m]
+            );
+        }
     }
 }
