@@ -50,7 +50,10 @@ pub(super) fn divide(lower: MatRef<'_, f64>, mut rows: MatMut<'_, f64>) {
                 }
             }),
             columns: std::array::from_fn(|_| {
-                let column = columns.next().and_then(|c| c.try_as_col_major_mut());
+                let Some(column) = columns.next() else {
+                    return &mut [][..];
+                };
+                let column = column.try_as_col_major_mut();
                 column.map_or(&mut [][..], |c| c.as_slice_mut())
             }),
             width,
