@@ -1,90 +1,130 @@
-//! The matrix of the wall J7D (coarse, at rest): factorised and solved by every back end.
+//! Linear systems: the matrix of the wall J7D (coarse, at rest) factorised and solved by every back
+//! end, a thick wall and a cube by ours, and several right-hand sides at once.
 //!
 //! The rates are operations a second (Throughput: elements are operations of that back end's own
 //! factor, so that rates of different orderings tell efficiency, times tell speed). faer's back
 //! ends are serial. Not covered: the analysis (once per set of contact candidates), and tangents of
 //! a damaged wall, whose values change nothing but pivots.
+//!
+//! Not measured here but with this binary, after `cargo bench --bench linear --no-run`:
+//! `<binary> --peers <folder>` serves `benches/peers/pardiso.py`;
+//! `<binary> --once <matrix> llt|lu [threads] [right-hand sides]` factorises one large matrix
+//! (`wall-240-5-139`, `cube-55`) and tells the memory.
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+#[path = "peers/matrices.rs"]
+mod matrices;
+#[path = "peers/serve.rs"]
+mod serve;
+
+use criterion::{Criterion, Throughput, criterion_group};
+use matrices::matrix;
 use std::path::Path;
-use wythe::model::{Deck, Model};
-use wythe::solve::Clock;
-use wythe::system::linear::{Backend, LinearSolver};
-use wythe::system::{Equations, Evaluation, Solids, System, Trial};
+use wythe::system::linear::Backend;
 
-/// An analysed solver of the wall, and the values of its tangent. `[entry]`
-fn wall(backend: Backend) -> (LinearSolver, Vec<f64>) {
-    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/03_shear_wall_j7d.toml");
-    let deck = Deck::load(deck.to_str().expect("a path in UTF-8"), &[]).expect("a deck");
-    let (model, _) = Model::from_deck(&deck).expect("a model");
-    let mut system = System::new(&model).expect("a system");
-    let state = system.initial_state(&model);
-    let mut trial = Trial::default();
-    trial.start(&state);
-    let q = vec![0.0; system.dofs.slots];
-    system.search(&mut trial, &q);
-    let equations = Equations::new(&system.dofs, model.steps.last().expect("a step"));
-    let setting = Evaluation {
-        dt: 0.01,
-        solids: Solids::Implicit,
-        shifted: true,
-        tangent: true,
-    };
-    let clock = &mut Clock::default();
-    system
-        .evaluate(&model, &state, &mut trial, &q, setting, clock)
-        .expect("forces");
-    let (entries, solver) = system.analyse(&equations, backend).expect("an analysis");
-    let mut values = vec![0.0; entries];
-    system.fill(&trial, &mut values);
-    (solver, values)
-}
-
-fn linear(c: &mut Criterion) {
-    let pools = [1, 2, 4].map(|threads| {
+fn pools() -> [(usize, rayon::ThreadPool); 3] {
+    [1, 2, 4].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         (threads, pool.build().expect("threads"))
-    });
-    for (name, backend, parallel) in [
-        ("faer_llt", Backend::FaerLlt, false),
-        ("multifrontal_llt", Backend::MultifrontalLlt, true),
-        ("faer_lu", Backend::FaerLu, false),
-        ("multifrontal_lu", Backend::MultifrontalLu, true),
-    ] {
-        let (mut solver, values) = wall(backend);
-        let stats = solver.stats();
-        eprintln!(
-            "{name}: {} equations, {:.2e} numbers in the factor, {:.2e} operations, analysis {:.0} ms",
-            solver.n(),
-            stats.nnz as f64,
-            stats.flops,
-            1e3 * stats.analysis_seconds
-        );
-        for (threads, pool) in pools.iter().take(if parallel { 3 } else { 1 }) {
-            let mut group = c.benchmark_group("factorise");
-            if stats.flops > 0.0 {
-                group.throughput(Throughput::Elements(stats.flops as u64));
-            }
-            group.sample_size(if backend == Backend::FaerLu { 10 } else { 50 });
-            group.bench_function(format!("{name}/{threads}"), |b| {
-                pool.install(|| b.iter(|| solver.factorise(&values).expect("factors")));
-            });
-            group.finish();
-            let mut group = c.benchmark_group("solve");
-            let rhs = vec![1.0; solver.n()];
-            let mut x = rhs.clone();
-            group.bench_function(format!("{name}/{threads}"), |b| {
-                pool.install(|| {
-                    b.iter(|| {
-                        x.copy_from_slice(&rhs);
-                        solver.solve(&mut x).expect("a solution")
-                    });
+    })
+}
+
+/// Factorisation and solve of one matrix by one back end on several numbers of threads.
+fn measure(c: &mut Criterion, name: &str, backend: Backend, samples: usize) {
+    let matrix = matrix(name);
+    let mut solver = matrix.analyse(backend);
+    let (stats, label) = (solver.stats(), format!("{name}/{backend:?}"));
+    eprintln!(
+        "{label}: {} equations, {:.2e} numbers in the factor, {:.2e} operations, analysis {:.0} ms",
+        solver.n(),
+        stats.nnz as f64,
+        stats.flops,
+        1e3 * stats.analysis_seconds
+    );
+    let serial = matches!(backend, Backend::FaerLlt | Backend::FaerLu);
+    for (threads, pool) in pools().iter().take(if serial { 1 } else { 3 }) {
+        let mut group = c.benchmark_group("factorise");
+        if stats.flops > 0.0 {
+            group.throughput(Throughput::Elements(stats.flops as u64));
+        }
+        group.sample_size(samples);
+        group.bench_function(format!("{label}/{threads}"), |b| {
+            pool.install(|| b.iter(|| solver.factorise(&matrix.values).expect("factors")));
+        });
+        group.finish();
+        let mut group = c.benchmark_group("solve");
+        group.sample_size(samples);
+        let rhs = vec![1.0; solver.n()];
+        let mut x = rhs.clone();
+        group.bench_function(format!("{label}/{threads}"), |b| {
+            pool.install(|| {
+                b.iter(|| {
+                    x.copy_from_slice(&rhs);
+                    solver.solve(&mut x).expect("a solution")
                 });
             });
-            group.finish();
-        }
+        });
+        group.finish();
     }
 }
 
-criterion_group!(benches, linear);
-criterion_main!(benches);
+fn linear(c: &mut Criterion) {
+    for backend in [
+        Backend::FaerLlt,
+        Backend::MultifrontalLlt,
+        Backend::FaerLu,
+        Backend::MultifrontalLu,
+    ] {
+        let samples = if backend == Backend::FaerLu { 10 } else { 50 };
+        measure(c, "j7d", backend, samples);
+    }
+    for name in ["thick", "cube-20"] {
+        measure(c, name, Backend::MultifrontalLlt, 10);
+        measure(c, name, Backend::MultifrontalLu, 10);
+    }
+}
+
+/// Right-hand sides solved at once; elements are right-hand sides.
+fn columns(c: &mut Criterion) {
+    let matrix = matrix("j7d");
+    let mut solver = matrix.analyse(Backend::MultifrontalLlt);
+    solver.factorise(&matrix.values).expect("factors");
+    let mut group = c.benchmark_group("right_hand_sides");
+    for columns in [1, 2, 4, 8, 32] {
+        group.throughput(Throughput::Elements(columns as u64));
+        let rhs = vec![1.0; solver.n() * columns];
+        let mut x = rhs.clone();
+        let (_, pool) = &pools()[0];
+        group.bench_function(columns.to_string(), |b| {
+            pool.install(|| {
+                b.iter(|| {
+                    x.copy_from_slice(&rhs);
+                    solver.solve(&mut x).expect("a solution")
+                });
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, linear, columns);
+
+fn main() -> std::io::Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words[..] {
+        ["--peers", folder] => serve::serve(Path::new(folder)),
+        ["--once", name, kind, ref counts @ ..] => {
+            let backend = match kind {
+                "lu" => Backend::MultifrontalLu,
+                _ => Backend::MultifrontalLlt,
+            };
+            let count = |i: usize| counts.get(i).and_then(|n| n.parse().ok()).unwrap_or(1);
+            serve::once(name, backend, count(0), count(1))
+        }
+        _ => {
+            benches();
+            Criterion::default().configure_from_args().final_summary();
+            Ok(())
+        }
+    }
+}

@@ -1,12 +1,14 @@
 //! Geometric nested dissection (George 1973) of a mesh: planes cut the node graph in two, the nodes
 //! that keep the halves apart are eliminated last.
 //!
-//! Of all planes across each axis the one with the fewest nodes beside it, relative to what it cuts
+//! Of all planes across each of three directions (the axes; where the mesh lies askew those of its
+//! edges that cut best) the one with the fewest nodes beside it, relative to what it cuts
 //! off, is taken; its separator is the smallest set of nodes that covers the cut edges (König), so
 //! that a plane through staggered bricks follows joints and bricks as it may. What is small is
 //! ordered by minimum degree together with the separators around it, which come after it.
 
 use super::LinearError;
+use super::directions::{self, dot};
 use super::ordering::Graph;
 
 /// Parts of at most this many nodes are ordered by minimum degree.
@@ -34,20 +36,39 @@ pub(super) fn dissect(graph: &Graph, places: &[[f64; 3]]) -> Result<Vec<u32>, Li
     let n = graph.len() as u32;
     let placed = |&v: &u32| places[v as usize].iter().all(|x| x.is_finite());
     let (inside, outside): (Vec<u32>, Vec<u32>) = (0..n).partition(placed);
+    let mut part = vec![NONE; n as usize];
+    for &v in &inside {
+        part[v as usize] = 0;
+    }
+    let turned = turn(graph, places, &inside, &part);
     let mut work = Dissection {
         graph,
-        places,
-        part: vec![NONE; n as usize],
+        places: turned.as_deref().unwrap_or(places),
+        part,
         parts: 0,
         local: vec![NONE; n as usize],
         order: Vec::with_capacity(n as usize),
     };
-    for &v in &inside {
-        work.part[v as usize] = 0;
-    }
     work.recurse(inside)?;
     work.order.extend(outside);
     Ok(work.order)
+}
+
+/// Coordinates along three directions across which the whole is cut better than across the axes, if
+/// it has no planes across those.
+fn turn(graph: &Graph, places: &[[f64; 3]], inside: &[u32], part: &[u32]) -> Option<Vec<[f64; 3]>> {
+    if inside.len() <= LEAF || directions::along_axes(places, inside) {
+        return None;
+    }
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let edges = directions::of_edges(graph, places, inside);
+    let score = |direction: [f64; 3]| {
+        let place = |v: u32| dot(places[v as usize], direction);
+        sweep(graph, part, inside, place).map(|(score, _)| (score, direction))
+    };
+    let scored = axes.into_iter().chain(edges).filter_map(score).collect();
+    let chosen = directions::choose(scored)?;
+    Some(places.iter().map(|&x| chosen.map(|d| dot(x, d))).collect())
 }
 
 impl Dissection<'_> {
@@ -84,43 +105,13 @@ impl Dissection<'_> {
 
     /// Axis and coordinate of the best cut: x ≤ at on one side.
     fn plane(&self, vertices: &[u32]) -> Option<(usize, f64)> {
-        let here = self.part[vertices[0] as usize];
         let mut best = (f64::INFINITY, None);
         for axis in 0..3 {
-            let x = |v: u32| self.places[v as usize][axis];
-            let mut values: Vec<f64> = vertices.iter().map(|&v| x(v)).collect();
-            values.sort_unstable_by(f64::total_cmp);
-            values.dedup();
-            let rank = |x: f64| values.partition_point(|&value| value < x);
-            // Changes along the planes of: vertices on the left, left beside it, right beside it.
-            let mut change = vec![[0i64; 3]; values.len() + 1];
-            for &v in vertices {
-                let (mut low, mut high) = (x(v), x(v));
-                for &u in self.graph.neighbours_of(v as usize) {
-                    if self.part[u as usize] == here {
-                        low = low.min(x(u));
-                        high = high.max(x(u));
-                    }
-                }
-                let at = rank(x(v));
-                change[at][0] += 1;
-                change[at][1] += 1;
-                change[rank(high)][1] -= 1;
-                change[rank(low)][2] += 1;
-                change[at][2] -= 1;
-            }
-            let mut sums = [0i64; 3];
-            for (&at, change) in values.iter().zip(&change) {
-                (0..3).for_each(|i| sums[i] += change[i]);
-                let left = sums[0] as f64;
-                let smaller = left.min(vertices.len() as f64 - left);
-                if smaller < BALANCE * vertices.len() as f64 {
-                    continue;
-                }
-                let score = sums[1].min(sums[2]) as f64 / smaller;
-                if score < best.0 {
-                    best = (score, Some((axis, at)));
-                }
+            let place = |v: u32| self.places[v as usize][axis];
+            if let Some((score, at)) = sweep(self.graph, &self.part, vertices, place)
+                && score < best.0
+            {
+                best = (score, Some((axis, at)));
             }
         }
         best.1
@@ -225,6 +216,52 @@ impl Dissection<'_> {
         self.order.extend(inside.map(|&l| list[l as usize]));
         Ok(())
     }
+}
+
+/// The best of all cuts x ≤ at of a part: nodes beside it over nodes that it cuts off, and `at`.
+fn sweep(
+    graph: &Graph,
+    part: &[u32],
+    vertices: &[u32],
+    place: impl Fn(u32) -> f64,
+) -> Option<(f64, f64)> {
+    let here = part[vertices[0] as usize];
+    let mut values: Vec<f64> = vertices.iter().map(|&v| place(v)).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.dedup();
+    let rank = |x: f64| values.partition_point(|&value| value < x);
+    // Changes along the planes of: vertices on the left, left beside it, right beside it.
+    let mut change = vec![[0i64; 3]; values.len() + 1];
+    for &v in vertices {
+        let (mut low, mut high) = (place(v), place(v));
+        for &u in graph.neighbours_of(v as usize) {
+            if part[u as usize] == here {
+                low = low.min(place(u));
+                high = high.max(place(u));
+            }
+        }
+        let at = rank(place(v));
+        change[at][0] += 1;
+        change[at][1] += 1;
+        change[rank(high)][1] -= 1;
+        change[rank(low)][2] += 1;
+        change[at][2] -= 1;
+    }
+    let mut sums = [0i64; 3];
+    let mut best = None;
+    for (&at, change) in values.iter().zip(&change) {
+        (0..3).for_each(|i| sums[i] += change[i]);
+        let left = sums[0] as f64;
+        let smaller = left.min(vertices.len() as f64 - left);
+        if smaller < BALANCE * vertices.len() as f64 {
+            continue;
+        }
+        let score = sums[1].min(sums[2]) as f64 / smaller;
+        if best.is_none_or(|(least, _)| score < least) {
+            best = Some((score, at));
+        }
+    }
+    best
 }
 
 /// Maximum matching of a bipartite graph: the mate of each left and of each right vertex.

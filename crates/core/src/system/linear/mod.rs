@@ -6,7 +6,9 @@
 //! above [`Options::accept`].
 
 mod assembly;
+mod directions;
 mod dissection;
+mod division;
 mod error;
 mod extend;
 mod faer_llt;
@@ -16,6 +18,7 @@ mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
+mod pivoting;
 #[cfg(test)]
 mod stencils;
 mod substitution;
@@ -23,6 +26,7 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod vector;
 
 use std::time::Instant;
 

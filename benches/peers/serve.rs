@@ -1,0 +1,127 @@
+//! Our side of a comparison with other programs: matrices written for them, and our own times on
+//! request, so that both can be measured turn by turn in one sitting.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufWriter, Write};
+use std::path::Path;
+use std::time::Instant;
+
+use wythe::system::linear::{Backend, LinearSolver};
+
+use super::matrices::{Matrix, NAMES, matrix};
+
+/// Writes `name.bin` in little endian: n and the number of entries (u64), column pointers (u64),
+/// rows (u32), values (f64), both triangles.
+fn write(path: &Path, matrix: &Matrix) -> std::io::Result<()> {
+    let mut file = BufWriter::new(std::fs::File::create(path)?);
+    let pattern = &matrix.pattern;
+    for size in [pattern.n(), pattern.nnz()] {
+        file.write_all(&(size as u64).to_le_bytes())?;
+    }
+    for &start in pattern.col_ptr() {
+        file.write_all(&(start as u64).to_le_bytes())?;
+    }
+    for &row in pattern.row_idx() {
+        file.write_all(&row.to_le_bytes())?;
+    }
+    for value in &matrix.values {
+        file.write_all(&value.to_le_bytes())?;
+    }
+    file.flush()
+}
+
+/// Seconds this thread has had a core (Linux; elsewhere nought): on a shared host the wall clock
+/// measures the neighbours.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds = text.split_whitespace().next().and_then(|n| n.parse().ok());
+    1e-9 * nanoseconds.unwrap_or(0.0)
+}
+
+/// Writes the matrices to `folder`, then answers lines `matrix llt|lu threads` with a line of
+/// seconds to factorise and to solve, residual, numbers in the factor, operations, and of the calling
+/// thread the seconds on a core to factorise and to solve.
+pub fn serve(folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let matrices: BTreeMap<&str, Matrix> = NAMES.map(|name| (name, matrix(name))).into();
+    for (name, matrix) in &matrices {
+        write(&folder.join(format!("{name}.bin")), matrix)?;
+    }
+    println!("ready");
+    let mut solvers: BTreeMap<(String, String), LinearSolver> = BTreeMap::new();
+    let mut pools: BTreeMap<usize, rayon::ThreadPool> = BTreeMap::new();
+    for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [name, kind, threads] = words[..] else {
+            break;
+        };
+        let backend = match kind {
+            "lu" => Backend::MultifrontalLu,
+            _ => Backend::MultifrontalLlt,
+        };
+        let threads = threads.parse().expect("a number of threads");
+        let pool = pools.entry(threads).or_insert_with(|| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().expect("threads")
+        });
+        let matrix = &matrices[name];
+        let solver = solvers
+            .entry((name.to_owned(), kind.to_owned()))
+            .or_insert_with(|| matrix.analyse(backend));
+        let answer = pool.install(|| {
+            let (start, cpu) = (Instant::now(), cpu_seconds());
+            let stats = solver.factorise(&matrix.values).expect("factors");
+            let factorised = (start.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+            let mut x = vec![1.0; solver.n()];
+            let (start, cpu) = (Instant::now(), cpu_seconds());
+            let report = solver.solve(&mut x).expect("a solution");
+            let solved = (start.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+            let residual = report.relative;
+            format!(
+                "{:e} {:e} {residual:e} {} {:e} {:e} {:e}",
+                factorised.0, solved.0, stats.nnz, stats.flops, factorised.1, solved.1
+            )
+        });
+        println!("{answer}");
+    }
+    Ok(())
+}
+
+/// Analyses and factorises one matrix twice and solves for `columns` right-hand sides; prints
+/// times and the largest memory the process ever held (Linux).
+pub fn once(name: &str, backend: Backend, threads: usize, columns: usize) -> std::io::Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.build().expect("threads");
+    let matrix = matrix(name);
+    pool.install(|| {
+        let mut solver = matrix.analyse(backend);
+        let stats = solver.stats();
+        println!(
+            "{name} {backend:?}: {} equations, {:.2e} entries, {:.2e} numbers, {:.2e} operations, \
+             analysis {:.2} s",
+            solver.n(),
+            matrix.pattern.nnz() as f64,
+            stats.nnz as f64,
+            stats.flops,
+            stats.analysis_seconds
+        );
+        for _ in 0..2 {
+            let seconds = solver.factorise(&matrix.values).expect("factors").seconds;
+            println!(
+                "factorised in {seconds:.2} s, {:.1e} /s",
+                stats.flops / seconds
+            );
+        }
+        let mut x = vec![1.0; solver.n() * columns];
+        let start = Instant::now();
+        let report = solver.solve(&mut x).expect("a solution");
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{columns} right-hand sides in {seconds:.3} s, {report:?}");
+    });
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    if let Some(line) = status.lines().find(|line| line.starts_with("VmHWM")) {
+        println!("{line}");
+    }
+    Ok(())
+}
