@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
 };
-use faer::linalg::lu::partial_pivoting::factor::lu_in_place_scratch;
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
@@ -14,9 +14,8 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
+use super::LinearError;
 use super::tree::flops;
-use super::{Kind, LinearError};
-use super::{division, pivoting};
 
 /// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
 /// of such a block is computed for nothing, but one product is faster than two halves.
@@ -37,9 +36,8 @@ fn piece(all: usize) -> usize {
 
 /// Memory that the dense kernels need beside their arguments.
 pub(super) struct Scratch {
-    pub memory: MemBuffer,
-    pub inverse: Vec<u32>,
-    pub swaps: Vec<u32>,
+    memory: MemBuffer,
+    inverse: Vec<u32>,
     column: Vec<f64>,
 }
 
@@ -52,7 +50,6 @@ impl Scratch {
         Ok(Self {
             memory: MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?,
             inverse: vec![0; k],
-            swaps: vec![0; k],
             column: vec![0.0; k],
         })
     }
@@ -80,7 +77,7 @@ fn split(columns: &mut [f64], m: usize, k: usize) -> (MatMut<'_, f64>, MatMut<'_
 }
 
 /// The same, to read.
-fn parts(columns: &[f64], m: usize, k: usize) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
+pub(super) fn parts(columns: &[f64], m: usize, k: usize) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
     MatRef::from_column_major_slice(columns, m, k).split_at_row(k)
 }
 
@@ -122,7 +119,7 @@ pub(super) fn llt(
         let most = if large { piece(m - j) } else { m };
         in_rows(most, below, j + width, &|mut rows, first| {
             update(rows.rb_mut(), first);
-            division::divide(own, rows);
+            solve_lower_triangular_in_place(own, rows.transpose_mut(), Par::Seq);
         });
     }
     let b = m - k;
@@ -186,17 +183,24 @@ pub(super) fn lu(
     scratch: &mut Scratch,
 ) {
     let b = m - k;
-    pivoting::lu(columns, m, pivots, scratch);
+    let (mut own, mut below) = split(columns, m, k);
+    lu_in_place(
+        own.rb_mut(),
+        pivots,
+        &mut scratch.inverse[..k],
+        Par::Seq,
+        MemStack::new(&mut scratch.memory),
+        Spec::default(),
+    );
     if b == 0 {
         return;
     }
     let large = is_large(m, k);
-    let (own, mut below) = split(columns, m, k);
     let own = own.rb();
     // L₂₁ U₁₁ = F₂₁, transposed.
     let most = if large { piece(b) } else { b };
     in_rows(most, below.rb_mut(), 0, &|rows, _| {
-        division::divide(own.transpose(), rows);
+        solve_lower_triangular_in_place(own.transpose(), rows.transpose_mut(), Par::Seq);
     });
     for column in rest.chunks_exact_mut(k) {
         scratch.exchange(column, pivots);
@@ -247,22 +251,14 @@ pub(super) fn forward(
     }
 }
 
-/// Back substitution of one front with U₁₂ (`rest`, or L₂₁ᵀ) and U₁₁ (or L₁₁ᵀ):
-/// x₁ ← U₁₁⁻¹ (x₁ − U₁₂ x₂).
+/// Back substitution of one front with U₁₂ (L₂₁ᵀ) and U₁₁ (L₁₁ᵀ): x₁ ← U₁₁⁻¹ (x₁ − U₁₂ x₂).
 pub(super) fn backward(
-    kind: Kind,
-    columns: &[f64],
-    rest: &[f64],
+    upper: MatRef<'_, f64>,
+    rest: MatRef<'_, f64>,
     mut x: MatMut<'_, f64>,
     known: MatRef<'_, f64>,
 ) {
-    let (k, b) = (x.nrows(), known.nrows());
-    let (own, below) = MatRef::from_column_major_slice(columns, k + b, k).split_at_row(k);
-    let (upper, rest) = match kind {
-        Kind::Symmetric => (own.transpose(), below.transpose()),
-        Kind::Unsymmetric => (own, MatRef::from_column_major_slice(rest, k, b)),
-    };
-    if b > 0 {
+    if known.nrows() > 0 {
         matmul(x.rb_mut(), Accum::Add, rest, known, -1.0, Par::Seq);
     }
     solve_upper_triangular_in_place(upper, x, Par::Seq);

@@ -8,7 +8,6 @@
 mod assembly;
 mod directions;
 mod dissection;
-mod division;
 mod error;
 mod extend;
 mod faer_llt;
@@ -18,7 +17,6 @@ mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
-mod pivoting;
 #[cfg(test)]
 mod stencils;
 mod substitution;
@@ -26,7 +24,6 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod tree;
-mod vector;
 
 use std::time::Instant;
 

@@ -12,11 +12,6 @@ use super::Kind;
 use super::kernels;
 use super::multifrontal::Plan;
 use super::tasks::Task;
-use super::vector::{self, Backward, BackwardTransposed, Forward};
-
-/// Right-hand sides up to which each is worked on by itself: dense kernels for several at once are
-/// slow at few.
-const FEW: usize = 2;
 
 /// The factors, read by all.
 #[derive(Clone, Copy)]
@@ -114,20 +109,9 @@ impl Plan {
             }
             let m = k + b;
             let front = &factors.numbers[self.assembly.storage[s]..][..m * k];
-            if columns > FEW {
-                let x = MatMut::from_column_major_slice_mut(x, k, columns);
-                let below = MatMut::from_column_major_slice_mut(below, b, columns);
-                kernels::forward(unit, front, m, x, below);
-                continue;
-            }
-            for q in 0..columns {
-                vector::run(Forward {
-                    unit,
-                    columns: front,
-                    x: &mut x[q * k..][..k],
-                    below: &mut below[q * b..][..b],
-                });
-            }
+            let x = MatMut::from_column_major_slice_mut(x, k, columns);
+            let below = MatMut::from_column_major_slice_mut(below, b, columns);
+            kernels::forward(unit, front, m, x, below);
         }
     }
 
@@ -157,33 +141,20 @@ impl Plan {
             let known = &here[..b * columns];
             let start = self.assembly.storage[s];
             let m = k + b;
-            let front = &factors.numbers[start..][..m * k];
-            let upper = match self.kind {
-                Kind::Symmetric => &[][..],
-                Kind::Unsymmetric => &factors.numbers[start + m * k..][..k * b],
-            };
-            if columns > FEW {
-                let x = MatMut::from_column_major_slice_mut(x, k, columns);
-                let known = MatRef::from_column_major_slice(known, b, columns);
-                kernels::backward(self.kind, front, upper, x, known);
-            } else {
-                for q in 0..columns {
-                    let (x, known) = (&mut x[q * k..][..k], &known[q * b..][..b]);
-                    match self.kind {
-                        Kind::Symmetric => vector::run(BackwardTransposed {
-                            columns: front,
-                            x,
-                            known,
-                        }),
-                        Kind::Unsymmetric => vector::run(Backward {
-                            columns: front,
-                            rest: upper,
-                            x,
-                            known,
-                        }),
-                    }
+            let (own, below) = kernels::parts(&factors.numbers[start..][..m * k], m, k);
+            let (upper, rest) = match self.kind {
+                Kind::Symmetric => (own.transpose(), below.transpose()),
+                Kind::Unsymmetric => {
+                    let rest = &factors.numbers[start + m * k..][..k * b];
+                    (own, MatRef::from_column_major_slice(rest, k, b))
                 }
-            }
+            };
+            kernels::backward(
+                upper,
+                rest,
+                MatMut::from_column_major_slice_mut(x, k, columns),
+                MatRef::from_column_major_slice(known, b, columns),
+            );
             for &c in self.children(s) {
                 let (_, start) = self.extent(task.start..c as usize, columns);
                 let rows = self.tree.below(c as usize).len();
