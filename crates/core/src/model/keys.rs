@@ -94,7 +94,16 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("duration", "duration = \"1 s\""),
     (
         "procedure",
-        "procedure = \"secant\"  # or \"implex\", \"implicit\", \"direct\"",
+        "procedure = \"auto\"  # or \"static\", \"implex\", \"quasi_static\", \"dynamic\", \"arc_length\", \
+         \"dissipation\", \"displacement_control\"",
+    ),
+    (
+        "tangent",
+        "tangent = \"secant\"  # or \"consistent\", \"direct\"",
+    ),
+    (
+        "control",
+        "control = { probe = \"crown\", displacement = \"-5 mm\" }",
     ),
     (
         "tolerance",
@@ -103,10 +112,6 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("residual", "residual = 5e-3"),
     ("max_iterations", "max_iterations = 25"),
     ("every", "every = 5"),
-    (
-        "dynamics",
-        "dynamics = \"static\"  # or \"quasi-static\", \"dynamic\"",
-    ),
     ("alpha", "alpha = -0.05  # -1/3 to 0"),
     (
         "rayleigh",

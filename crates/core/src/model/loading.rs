@@ -98,10 +98,11 @@ pub(super) fn loading(
             driven: driven.or(pressed),
             increments: step.increments(),
             viscosity: step.viscosity.get(),
-            procedure: step.procedure,
+            procedure: step.procedure.with(step.alpha, step.rayleigh),
+            tangent: step.tangent,
+            control: None,
             tolerance: step.tolerance(),
             gravity: gravity.step(deck, i, step)?,
-            dynamics: step.dynamics.with(step.alpha, step.rayleigh),
             ground: deck.ground_motion(i)?,
             springs: far_ends,
         });

@@ -56,6 +56,8 @@ pub struct SummaryFile {
     pub version: String,
     /// Warnings of the model, then of the run.
     pub warnings: Vec<String>,
+    /// Where the procedure changed, and why.
+    pub log: Vec<String>,
 }
 
 /// Wall-clock seconds of the phases of a run.
@@ -183,6 +185,7 @@ impl SummaryFile {
             threads: run.threads,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             warnings,
+            log: run.log.clone(),
         }
     }
 
@@ -294,6 +297,7 @@ mod tests {
             "threads",
             "version",
             "warnings",
+            "log",
         ];
         let mut rest = text.as_str();
         for key in keys {

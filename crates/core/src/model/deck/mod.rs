@@ -4,19 +4,19 @@
 
 mod arch;
 mod blocks;
-mod dynamics;
 mod ground;
 mod interfaces;
 mod materials;
+mod procedure;
 mod steps;
 mod validate;
 mod wall;
 
 pub use arch::DeckArch;
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
-pub use dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
 pub use interfaces::Interface;
 pub use materials::{Material, Row};
+pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{Bond, Clamped, Subdivision, Wall};
 
