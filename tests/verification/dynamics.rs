@@ -3,40 +3,19 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Face, Recording};
+use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
 use wythe::model::scene::{
     BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Spring, Step,
 };
 use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
 use wythe::solve::RunError;
 use wythe::system::{Bulk, DofMap, Mass};
 
-const G: f64 = 9810.0;
-const DENSITY: f64 = 2e-9;
 /// Of the mean nodal force: linear problems are solved to rounding by one iteration. Where an oscillator
 /// passes zero a hundredth of its largest force remains, and rounding is 1e-11 of it.
 const EXACT: f64 = 1e-8;
 /// The weight is 1e-6 of what the elements carry at a strain of 1: so much larger is rounding.
 const OF_WEIGHT: f64 = 1e-5;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
-
-/// W − (E + T + ΣD) [J].
-fn gap(row: &HistoryRow) -> f64 {
-    row.external_work_J
-        - row.elastic_energy_J
-        - row.kinetic_energy_J
-        - row.plastic_damage_dissipation_J
-        - row.interface_dissipation_J
-        - row.viscous_dissipation_J
-        - row.damping_dissipation_J
-        - row.numerical_dissipation_J
-}
 
 /// One element held but for its top, which moves axially: k = EA/L, m = ϱAL/2.
 struct Oscillator {
