@@ -104,45 +104,44 @@ on = "b"
 
 #[test]
 fn touching_faces_find_each_other_in_running_bond() {
-    let wall = r#"
+    // Name, length, place along x and z, copies along x and their pitch [mm].
+    let units = [
+        ("even", 400, [0, 0], [2, 400]),
+        ("odd", 400, [200, 175], [1, 0]),
+        ("half", 200, [0, 175], [2, 600]),
+    ]
+    .map(|(name, length, [x, z], [copies, pitch])| {
+        let cells = length / 200;
+        format!(
+            r#"
+[[blocks]]
+name = "{name}"
+size = [{length}, 200, 175]
+mesh = [{cells}, 1, 1]
+at = [{x}, 0, {z}]
+copies = [{copies}, 1, 2]
+pitch = [{pitch}, 0, 350]
+material = "stone"
+"#
+        )
+    })
+    .concat();
+    let wall = format!(
+        r#"
 [[blocks]]
 name = "table"
 size = [1400, 300, 100]
 at = [-200, -50, -100]
 material = "stone"
-
-[[blocks]]
-name = "even"
-size = [400, 200, 175]
-mesh = [2, 1, 1]
-copies = [2, 1, 2]
-pitch = [400, 0, 350]
-material = "stone"
-
-[[blocks]]
-name = "odd"
-size = [400, 200, 175]
-mesh = [2, 1, 1]
-at = [200, 0, 175]
-copies = [1, 1, 2]
-pitch = [0, 0, 350]
-material = "stone"
-
-[[blocks]]
-name = "half"
-size = [200, 200, 175]
-at = [0, 0, 175]
-copies = [2, 1, 2]
-pitch = [600, 0, 350]
-material = "stone"
-
+{units}
 [[contacts]]
 interface = "dry"
 
 [[supports]]
 on = "table"
-"#;
-    let model = model(wall, GRAVITY);
+"#
+    );
+    let model = model(&wall, GRAVITY);
     assert_eq!(model.mesh.elements.len(), 1 + 2 * 4 + 2 * 2 + 4);
     normals_point_out(&model);
     // Every joint is covered once by slaves and can be met by masters. Courses of 800 × 200: bed joints
