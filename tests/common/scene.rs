@@ -2,24 +2,19 @@
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
+pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
     Beam, BeamMotion, ContactPoints, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion,
     Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tolerance,
 };
 use wythe::model::{Mesh, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Summary};
+use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
 use wythe::solve::State;
 
-/// A face of a block, by its outward normal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
-    Left,
-    Right,
-    Front,
-    Back,
-    Bottom,
-    Top,
-}
+/// Gravity [mm/s²].
+pub const G: f64 = 9810.0;
+/// Density of the blocks that move [tonne/mm³].
+pub const DENSITY: f64 = 2e-9;
 
 /// A block of a scene: its grid of nodes.
 #[derive(Clone, Copy, Debug)]
@@ -302,6 +297,29 @@ pub fn run(model: &Model) -> (Recording, Summary) {
     let mut recording = Recording::default();
     let summary = wythe::solve::run(model, &mut recording).expect("the model can be run");
     (recording, summary)
+}
+
+/// Runs a model to its end.
+pub fn completed(model: &Model) -> Recording {
+    let (recording, summary) = run(model);
+    println!(
+        "{} increments, {} solves, {} cuts",
+        summary.increments, summary.iterations, summary.cutbacks
+    );
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    recording
+}
+
+/// W − (E + T + ΣD), what the energies of a row lack [J].
+pub fn gap(row: &HistoryRow) -> f64 {
+    row.external_work_J
+        - row.elastic_energy_J
+        - row.kinetic_energy_J
+        - row.plastic_damage_dissipation_J
+        - row.interface_dissipation_J
+        - row.viscous_dissipation_J
+        - row.damping_dissipation_J
+        - row.numerical_dissipation_J
 }
 
 /// Points that slid from one commit to the next, and do not face nothing: index and history.

@@ -3,35 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Block, Face, Recording};
+use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, gap};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure};
-use wythe::results::{HistoryRow, Status};
+use wythe::results::HistoryRow;
 
-const G: f64 = 9810.0;
 const MU: f64 = 0.4;
-const DENSITY: f64 = 2e-9;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    println!(
-        "{} increments, {} solves, {} cuts",
-        summary.increments, summary.iterations, summary.cutbacks
-    );
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
-
-/// W − (E + T + ΣD) [J].
-fn gap(row: &HistoryRow) -> f64 {
-    row.external_work_J
-        - row.elastic_energy_J
-        - row.kinetic_energy_J
-        - row.interface_dissipation_J
-        - row.damping_dissipation_J
-        - row.numerical_dissipation_J
-}
 
 /// Worst gap of the energies over the most that was put in.
 fn imbalance(recording: &Recording) -> f64 {

@@ -79,13 +79,7 @@ fn compress(slave: usize, master: usize, nu: f64, how: (Procedure, f64)) -> Erro
     let mut step = scene::step(motion, 2, 1, tolerance);
     step.procedure = procedure;
     model.steps.push(step);
-    let (recording, summary) = scene::run(&model);
-    assert_eq!(
-        summary.status,
-        wythe::results::Status::Completed,
-        "{}",
-        summary.message
-    );
+    let recording = scene::completed(&model);
     let frame = recording.frames.last().unwrap();
     let worst = |block: &Block| {
         let errors = block

@@ -6,11 +6,11 @@ mod common;
 
 use std::path::Path;
 
-use common::scene::{self, Face, Recording};
+use common::scene::{self, Face, completed};
 use wythe::contact::InterfaceLaw;
 use wythe::model::scene::{BeamMotion, Procedure};
 use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
+use wythe::results::HistoryRow;
 
 /// Pressure, peak of shear and residual friction of Fig. 7 [MPa].
 const FIGURE_7: [[f64; 3]; 3] = [
@@ -21,12 +21,6 @@ const FIGURE_7: [[f64; 3]; 3] = [
 /// Tensile strength [MPa] and mode I energy [N/mm] of Table 1.
 const TENSION: [f64; 2] = [0.28, 12.08e-3];
 const LOCKED: BeamMotion = BeamMotion::Locked;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
 
 fn largest(rows: &[HistoryRow], value: impl Fn(&HistoryRow) -> f64) -> f64 {
     rows.iter().map(value).fold(0.0, f64::max)

@@ -3,11 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Face, Recording};
+use common::scene::{self, Face, Recording, completed};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Procedure, Step};
-use wythe::results::Status;
 
 const MU: f64 = 0.6;
 /// Normal force [N].
@@ -40,12 +39,6 @@ fn three_blocks(e: f64, k_n: f64, points: ContactPoints) -> Model {
 fn with(mut step: Step, procedure: Procedure) -> Step {
     step.procedure = procedure;
     step
-}
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
 }
 
 /// Presses the slider on and pulls it by 120 mm, six elements and across the seam.

@@ -375,23 +375,23 @@ impl<'m> Newton<'m> {
     /// d = −K⁻¹ r.
     fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
         let backend = self.backend();
-        if self.linear.is_none() || system.pattern_changed() {
-            let (gather, linear) = timed(&mut self.clock.factorise, || {
-                system.analyse(&self.equations, backend)
-            })
-            .map_err(|why| Refusal::Linear { why, dof: None })?;
-            self.values = vec![0.0; gather];
-            self.linear = Some(linear);
-        }
+        let linear = match &mut self.linear {
+            Some(linear) if !system.pattern_changed() => linear,
+            linear => {
+                let (gather, analysed) = timed(&mut self.clock.factorise, || {
+                    system.analyse(&self.equations, backend)
+                })
+                .map_err(|why| Refusal::Linear { why, dof: None })?;
+                self.values = vec![0.0; gather];
+                linear.insert(analysed)
+            }
+        };
         timed(&mut self.clock.assembly, || {
             system.fill(trial, &mut self.values);
             if let Some(motion) = &self.motion {
                 system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
             }
         });
-        let Some(linear) = &mut self.linear else {
-            unreachable!("analysed above")
-        };
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
         }
