@@ -4,8 +4,8 @@ use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
 pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion,
-    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion,
+    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
 use wythe::model::{Mesh, Model};
 use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
@@ -15,6 +15,17 @@ use wythe::solve::State;
 pub const G: f64 = 9810.0;
 /// Density of the blocks that move [tonne/mm³].
 pub const DENSITY: f64 = 2e-9;
+
+/// A procedure and its tangents.
+pub type How = (Procedure, Tangent);
+/// Newton's method with the secant stiffness of the solids.
+pub const SECANT: How = (Procedure::Static, Tangent::Secant);
+/// The same with extrapolated solids.
+pub const IMPLEX: How = (Procedure::Implex, Tangent::Secant);
+/// Newton's method with consistent tangents and the shifted penalty.
+pub const CONSISTENT: How = (Procedure::Static, Tangent::Consistent);
+/// Newton's method on the law itself.
+pub const DIRECT: How = (Procedure::Static, Tangent::Direct);
 
 /// A block of a scene: its grid of nodes.
 #[derive(Clone, Copy, Debug)]
@@ -221,13 +232,14 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
             min: 1e-3 * size,
         },
         viscosity: 0.0,
-        procedure: Procedure::Implicit,
+        procedure: Procedure::Static,
+        tangent: Tangent::Consistent,
+        control: None,
         tolerance: Tolerance {
             residual: tolerance,
             max_iterations: 60,
         },
         gravity: Gravity::None,
-        dynamics: Dynamics::Static,
         ground: GroundMotion::default(),
         springs: Vec::new(),
     }
@@ -240,7 +252,7 @@ pub fn left_alone(gravity: Gravity, duration: f64, increments: usize, tolerance:
         motion: Vec::new(),
         driven: None,
         gravity,
-        procedure: Procedure::Secant,
+        tangent: Tangent::Secant,
         ..step([BeamMotion::Locked; 3], 0, increments, tolerance)
     }
 }
@@ -254,7 +266,7 @@ pub fn set_free(
     alpha: f64,
 ) -> Step {
     Step {
-        dynamics: Dynamics::Dynamic {
+        procedure: Procedure::Dynamic {
             alpha,
             damping: Rayleigh::default(),
         },

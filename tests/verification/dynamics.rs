@@ -4,7 +4,7 @@
 mod common;
 
 use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
-use wythe::model::scene::{BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh};
+use wythe::model::scene::{BeamMotion, Gravity, GroundMotion, Procedure, Rayleigh, Tangent};
 use wythe::model::{Deck, Model};
 use wythe::solve::RunError;
 use wythe::system::{Bulk, DofMap, Mass};
@@ -78,7 +78,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
         .collect();
     let quarter = 0.5 * std::f64::consts::PI / spin;
     let mut step = scene::set_free(Gravity::None, quarter, 400, 1e-6, -0.05);
-    step.dynamics = Dynamics::Dynamic {
+    step.procedure = Procedure::Dynamic {
         alpha: -0.05,
         damping: Rayleigh {
             mass: 0.0,
@@ -86,7 +86,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
             stiffness: 1e-4,
         },
     };
-    step.procedure = Procedure::Implicit;
+    step.tangent = Tangent::Consistent;
     model.steps = vec![step];
     let recording = completed(&model);
     let (first, last) = (&recording.rows[0], recording.rows.last().unwrap());
@@ -206,9 +206,9 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
         BeamMotion::Locked,
         BeamMotion::Driven(1.0),
     ];
-    for dynamics in [
-        Dynamics::QuasiStatic,
-        Dynamics::Dynamic {
+    for procedure in [
+        Procedure::QuasiStatic,
+        Procedure::Dynamic {
             alpha: -0.1,
             damping: Rayleigh {
                 mass: 10.0,
@@ -218,7 +218,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
     ] {
         let mut step = scene::step(pulled, 2, 100, 1e-8);
         step.duration = 0.01;
-        step.dynamics = dynamics;
+        step.procedure = procedure;
         model.steps = vec![step];
         let recording = completed(&model);
         let last = recording.rows.last().unwrap();
@@ -227,7 +227,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
             .iter()
             .map(|r| gap(r).abs())
             .fold(0.0, f64::max);
-        println!("{dynamics:?}: {worst:e} of {last:?}");
+        println!("{procedure:?}: {worst:e} of {last:?}");
         // The residual.
         assert!(worst < 1e-5 * last.external_work_J);
         assert!(last.kinetic_energy_J > 0.0);
@@ -295,7 +295,7 @@ fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
         }
     }
     let still = completed(&model);
-    model.steps[1].dynamics = Dynamics::QuasiStatic;
+    model.steps[1].procedure = Procedure::QuasiStatic;
     let moved = completed(&model);
     let peak = |r: &Recording| r.rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
     let last = moved.rows.last().unwrap();
@@ -327,8 +327,8 @@ fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelErr
 #[test]
 fn the_deck_says_what_inertia_does() {
     let model = wall_with(&[
-        ("steps.0.dynamics", "quasi-static"),
-        ("steps.1.dynamics", "dynamic"),
+        ("steps.0.procedure", "quasi_static"),
+        ("steps.1.procedure", "dynamic"),
         ("steps.1.alpha", "-0.1"),
         (
             "steps.1.rayleigh",
@@ -338,24 +338,24 @@ fn the_deck_says_what_inertia_does() {
         ("steps.1.ground_unit", "9.81 m/s^2"),
     ])
     .unwrap();
-    assert_eq!(model.steps[0].dynamics, Dynamics::QuasiStatic);
-    let expected = Dynamics::Dynamic {
+    assert_eq!(model.steps[0].procedure, Procedure::QuasiStatic);
+    let expected = Procedure::Dynamic {
         alpha: -0.1,
         damping: Rayleigh {
             mass: 0.5,
             stiffness: 0.002,
         },
     };
-    assert_eq!(model.steps[1].dynamics, expected);
+    assert_eq!(model.steps[1].procedure, expected);
     let [x, y, z] = model.steps[1].ground.at(0.05);
     // One product and one interpolation.
     assert!((x - 981.0).abs() < 1e-9 && y == 0.0 && z == 0.0);
-    assert!(!wall_with(&[]).unwrap().steps[1].dynamics.has_inertia());
+    assert!(!wall_with(&[]).unwrap().steps[1].procedure.has_inertia());
 }
 
 #[test]
 fn keys_of_inertia_are_checked() {
-    let dynamic = ("steps.1.dynamics", "dynamic");
+    let dynamic = ("steps.1.procedure", "dynamic");
     for (overrides, key) in [
         (vec![("steps.1.alpha", "-0.1")], "steps.1.alpha"),
         (vec![dynamic, ("steps.1.alpha", "0.1")], "steps.1.alpha"),
@@ -374,7 +374,7 @@ fn keys_of_inertia_are_checked() {
         ),
         (
             vec![dynamic, ("materials.mortar.density", "0")],
-            "steps.1.dynamics",
+            "steps.1.procedure",
         ),
     ] {
         let error = wall_with(&overrides).unwrap_err();

@@ -5,7 +5,7 @@ mod common;
 
 use common::scene::{self, DENSITY, Face, Recording, completed, gap};
 use wythe::model::Model;
-use wythe::model::scene::{Dynamics, Gravity, Procedure, Rayleigh, Spring, Step};
+use wythe::model::scene::{Gravity, Procedure, Rayleigh, Spring, Step, Tangent};
 
 /// Of the mean nodal force: linear problems are solved to rounding by one iteration. Where an oscillator
 /// passes zero a hundredth of its largest force remains, and rounding is 1e-11 of it.
@@ -45,15 +45,15 @@ impl Oscillator {
     /// `periods` periods in increments of 1/`per_period`; (u, v) at each.
     fn swing(
         &mut self,
-        dynamics: Dynamics,
+        procedure: Procedure,
         periods: usize,
         per_period: usize,
     ) -> (Recording, Vec<[f64; 2]>, f64) {
         let duration = periods as f64 * std::f64::consts::TAU / self.omega;
         let count = periods * per_period;
         self.model.steps = vec![Step {
-            dynamics,
-            procedure: Procedure::Implicit,
+            procedure,
+            tangent: Tangent::Consistent,
             ..scene::left_alone(Gravity::None, duration, count, EXACT)
         }];
         let recording = completed(&self.model);
@@ -109,8 +109,8 @@ fn an_oscillator_follows_the_scheme_with_and_without_damping() {
         },
     ] {
         for alpha in [0.0, -0.1, -1.0 / 3.0] {
-            let dynamics = Dynamics::Dynamic { alpha, damping };
-            let (recording, path, dt) = oscillator.swing(dynamics, 2, 40);
+            let procedure = Procedure::Dynamic { alpha, damping };
+            let (recording, path, dt) = oscillator.swing(procedure, 2, 40);
             let expected = scalar(alpha, damping, omega, dt, path.len());
             for ([u, v], [u_expected, v_expected]) in path.iter().zip(&expected) {
                 // The residual, 1e-8 of the forces, over 80 increments, in units of the swing.
@@ -136,11 +136,11 @@ fn an_oscillator_follows_the_scheme_with_and_without_damping() {
 fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
     let mut oscillator = oscillator();
     let omega = oscillator.omega;
-    let dynamics = Dynamics::Dynamic {
+    let procedure = Procedure::Dynamic {
         alpha: 0.0,
         damping: Rayleigh::default(),
     };
-    let (recording, path, dt) = oscillator.swing(dynamics, 5, 20);
+    let (recording, path, dt) = oscillator.swing(procedure, 5, 20);
     // From the first increment on: ω̄ Δt = 2 atan(ω Δt/2) (Hughes 2000, §9.1.2).
     let turn = 2.0 * (0.5 * omega * dt).atan();
     let [u, v] = path[0];
@@ -167,7 +167,7 @@ fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
 fn backward_euler_takes_its_known_part_of_the_energy() {
     let mut oscillator = oscillator();
     let omega = oscillator.omega;
-    let (recording, path, dt) = oscillator.swing(Dynamics::QuasiStatic, 3, 20);
+    let (recording, path, dt) = oscillator.swing(Procedure::QuasiStatic, 3, 20);
     let factor = 1.0 + (omega * dt) * (omega * dt);
     let mut energy = V0 * V0;
     for [u, v] in path {
@@ -187,14 +187,14 @@ fn damping_has_the_period_and_the_decrement_of_the_textbook() {
     let omega = oscillator.omega;
     // ζ = a/(2ω) + bω/2 = 3 % + 2 %.
     let zeta = 0.05_f64;
-    let dynamics = Dynamics::Dynamic {
+    let procedure = Procedure::Dynamic {
         alpha: 0.0,
         damping: Rayleigh {
             mass: 0.06 * omega,
             stiffness: 0.04 / omega,
         },
     };
-    let (_, path, dt) = oscillator.swing(dynamics, 4, 200);
+    let (_, path, dt) = oscillator.swing(procedure, 4, 200);
     // Upward passages through zero, linear between increments: times and the velocities there.
     let passages: Vec<[f64; 2]> = path
         .windows(2)

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use wythe_core::material::{ElasticParameters, MaterialParameters};
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tolerance,
+    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::{Mesh, Model};
 use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Status, Summary};
@@ -66,13 +66,14 @@ fn model() -> Model {
                 min: 1e-6,
             },
             viscosity: 0.0,
-            procedure: Procedure::Direct,
+            procedure: Procedure::Static,
+            tangent: Tangent::Direct,
+            control: None,
             tolerance: Tolerance {
                 residual: 5e-3,
                 max_iterations: 25,
             },
             gravity: Gravity::None,
-            dynamics: Dynamics::Static,
             ground: GroundMotion::default(),
             springs: Vec::new(),
         }],
@@ -131,6 +132,7 @@ fn summary() -> Summary {
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),
+        log: Vec::new(),
     }
 }
 

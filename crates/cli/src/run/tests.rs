@@ -44,6 +44,7 @@ fn solve(
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),
+        log: Vec::new(),
     };
     for increment in 1..=increments {
         let t = increment as f64 / increments as f64;

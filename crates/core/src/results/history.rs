@@ -88,7 +88,7 @@ mod tests {
             header.strip_prefix(HEADER),
             Some(
                 ",out_of_balance,residual,kinetic_energy_J,damping_dissipation_J,\
-                 numerical_dissipation_J"
+                 numerical_dissipation_J,load_factor,procedure"
             )
         );
     }
