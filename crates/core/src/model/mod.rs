@@ -16,6 +16,7 @@ mod loading;
 mod meeting;
 pub mod mesh;
 mod overrides;
+mod pairing;
 pub mod quantity;
 pub mod scene;
 mod source;
