@@ -51,6 +51,7 @@ fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: vec![Step {
             name: "drive".to_owned(),
             duration: 2.0,
@@ -95,6 +96,7 @@ fn frame(model: &Model, t: f64) -> Frame {
         plastic_strain: elements().map(|e| tensor(1e-3, e)).collect(),
         tensile_damage: elements().map(|e| t * e / 10.0).collect(),
         compressive_damage: elements().map(|e| t / (8.0 + e)).collect(),
+        probes: Vec::new(),
     }
 }
 

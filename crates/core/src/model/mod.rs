@@ -16,6 +16,7 @@ mod loading;
 mod meeting;
 pub mod mesh;
 mod overrides;
+pub mod probes;
 pub mod quantity;
 pub mod scene;
 mod source;

@@ -64,6 +64,7 @@ pub fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
@@ -91,6 +92,7 @@ pub fn frame(model: &Model, time: f64) -> Frame {
             .collect(),
         compressive_damage: elements.clone().map(|e| 0.4 * e as f64).collect(),
         plastic_strain: elements.map(tensor).collect(),
+        probes: Vec::new(),
     }
 }
 

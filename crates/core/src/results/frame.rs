@@ -55,6 +55,9 @@ pub struct HistoryRow {
     pub damping_dissipation_J: f64,
     /// What the time integration has taken out since the start [J].
     pub numerical_dissipation_J: f64,
+    /// Values of the model's probes, columns of their own after these [mm, mm/s]. `[probe]`
+    #[serde(skip)]
+    pub probes: Vec<f64>,
 }
 
 /// Fields of one output increment.
@@ -72,6 +75,8 @@ pub struct Frame {
     pub compressive_damage: Vec<f64>,
     /// Plastic strain, mean over the element's points [-], engineering shear. `[element][xx,yy,zz,xy,yz,zx]`
     pub plastic_strain: Vec<[f64; 6]>,
+    /// Values of the model's probes [mm, mm/s]. `[probe]`
+    pub probes: Vec<f64>,
 }
 
 /// Sizes of a model.

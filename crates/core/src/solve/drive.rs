@@ -7,6 +7,7 @@ use wythe_contact::{InterfaceHistory, PointStatus};
 use super::explain::explain;
 use super::newton::{IMBALANCE, Newton};
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
+use super::probes::probes;
 use super::schedule::{Increment, Schedule};
 use super::state::{LastIncrement, State};
 use super::tally::{Snaps, Swings};
@@ -362,6 +363,7 @@ impl<'m> Run<'m> {
             kinetic_energy_J: e.kinetic * 1e-3,
             damping_dissipation_J: e.damping * 1e-3,
             numerical_dissipation_J: e.numerical * 1e-3,
+            probes: probes(self.model, dofs, state),
         }
     }
 
@@ -389,6 +391,7 @@ impl<'m> Run<'m> {
         let mut frame = Frame {
             time: state.time,
             displacement,
+            probes: probes(self.model, &self.system.dofs, state),
             ..Frame::default()
         };
         for points in state.material.chunks_exact(8) {

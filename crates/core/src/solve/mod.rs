@@ -7,6 +7,7 @@ mod line_search;
 mod loads;
 mod newton;
 mod outcome;
+mod probes;
 mod schedule;
 pub mod state;
 mod tally;
