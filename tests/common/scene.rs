@@ -110,6 +110,7 @@ pub fn empty() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: Vec::new(),
         output: Output { every: 1 },
     }

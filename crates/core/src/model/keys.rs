@@ -162,6 +162,13 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "springs.stiffness",
         "stiffness = [\"20 N/mm\", 0, 0]  # along x, y, z",
     ),
+    ("probes", "[[probes]]"),
+    ("near", "near = [\"100 mm\", 0, \"50 mm\"]"),
+    (
+        "minus",
+        "minus = \"base.top\"  # or { near = [0, 0, \"50 mm\"] }",
+    ),
+    ("quantity", "quantity = \"displacement\"  # or \"velocity\""),
     ("arch", "[arch]"),
     ("radius", "radius = \"1 m\"  # or span"),
     ("span", "span = \"2 m\"  # or radius"),

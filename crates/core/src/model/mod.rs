@@ -17,6 +17,7 @@ mod meeting;
 pub mod mesh;
 mod overrides;
 mod pairing;
+pub mod probes;
 pub mod quantity;
 pub mod scene;
 mod source;

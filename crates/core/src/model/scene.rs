@@ -1,6 +1,7 @@
 //! The frozen model: mesh, laws, contact surfaces, supports and steps.
 
 use super::Mesh;
+use super::probes::Probe;
 use wythe_contact::{InterfaceLaw, Surface};
 
 /// Everything that a run reads and nothing that it changes.
@@ -24,6 +25,8 @@ pub struct Model {
     pub initial_velocity: Vec<[f64; 3]>,
     /// Springs to the ground.
     pub springs: Vec<Spring>,
+    /// Places that the history follows, a column each.
+    pub probes: Vec<Probe>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.

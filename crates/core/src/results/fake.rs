@@ -3,8 +3,8 @@
 use super::{Frame, HistoryRow, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
 use crate::model::{Mesh, Model};
 
@@ -65,6 +65,7 @@ pub fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
@@ -92,6 +93,7 @@ pub fn frame(model: &Model, time: f64) -> Frame {
             .collect(),
         compressive_damage: elements.clone().map(|e| 0.4 * e as f64).collect(),
         plastic_strain: elements.map(tensor).collect(),
+        probes: Vec::new(),
     }
 }
 

@@ -59,6 +59,9 @@ pub struct HistoryRow {
     pub load_factor: f64,
     /// What solved the increment.
     pub procedure: Method,
+    /// Values of the model's probes, columns of their own after these [mm, mm/s]. `[probe]`
+    #[serde(skip)]
+    pub probes: Vec<f64>,
 }
 
 impl HistoryRow {
@@ -87,6 +90,8 @@ pub struct Frame {
     pub compressive_damage: Vec<f64>,
     /// Plastic strain, mean over the element's points [-], engineering shear. `[element][xx,yy,zz,xy,yz,zx]`
     pub plastic_strain: Vec<[f64; 6]>,
+    /// Values of the model's probes [mm, mm/s]. `[probe]`
+    pub probes: Vec<f64>,
 }
 
 /// Sizes of a model.

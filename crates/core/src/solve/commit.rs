@@ -4,6 +4,7 @@ use super::drive::{Run, RunError};
 use super::method::Method;
 use super::newton::Newton;
 use super::outcome::Report;
+use super::probes::probes;
 use super::state::LastIncrement;
 use crate::model::scene::Step;
 use crate::results::{Frame, HistoryRow, Recorder};
@@ -115,6 +116,7 @@ impl Run<'_> {
             numerical_dissipation_J: e.numerical * 1e-3,
             load_factor: report.load_factor,
             procedure: method,
+            probes: probes(self.model, dofs, state),
         }
     }
 
@@ -142,6 +144,7 @@ impl Run<'_> {
         let mut frame = Frame {
             time: state.time,
             displacement,
+            probes: probes(self.model, &self.system.dofs, state),
             ..Frame::default()
         };
         for points in state.material.chunks_exact(8) {

@@ -46,7 +46,11 @@ pub(super) struct Leg {
 
 impl Leg {
     /// How far the leg goes.
-    pub(super) fn advance<'a>(&self, trail: &'a Trail, control: &'a Option<Steering>) -> Advance<'a> {
+    pub(super) fn advance<'a>(
+        &self,
+        trail: &'a Trail,
+        control: &'a Option<Steering>,
+    ) -> Advance<'a> {
         match (self.method, control) {
             (Method::DisplacementControl, Some(control)) => Advance::Along {
                 gradient: &control.gradient,
@@ -149,5 +153,9 @@ fn longest_drive(step: &Step) -> f64 {
     });
     let springs = step.springs.iter().flatten().map(|by| by.abs());
     let longest = beams.chain(springs).fold(0.0, f64::max);
-    if longest > 0.0 { longest } else { f64::INFINITY }
+    if longest > 0.0 {
+        longest
+    } else {
+        f64::INFINITY
+    }
 }

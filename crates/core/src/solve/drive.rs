@@ -340,7 +340,9 @@ impl<'m> Run<'m> {
         let q = course.newton.q();
         let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
         let (system, trial) = (&self.system, &self.trial);
-        course.trail.learn(method, system, trial, &dq, (size, 0.0), GUESS)
+        course
+            .trail
+            .learn(method, system, trial, &dq, (size, 0.0), GUESS)
     }
 
     /// Counts a refused or repeated increment.

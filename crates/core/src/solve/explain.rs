@@ -1,7 +1,7 @@
 //! Lost convergence in words: where, why, and what to try.
 
-use super::newton::IMBALANCE;
 use super::course::Leg;
+use super::newton::IMBALANCE;
 use super::outcome::Refusal;
 use crate::material::MaterialParameters;
 use crate::model::Model;

@@ -102,9 +102,7 @@ impl Ladder {
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
-            Method::Static => {
-                self.is_small(refusal, size) || (free && self.inertia().is_some())
-            }
+            Method::Static => self.is_small(refusal, size) || (free && self.inertia().is_some()),
             Method::Implex => size <= IMPLEX_FLOOR * self.floor,
             _ => false,
         };

@@ -12,6 +12,7 @@ mod method;
 mod newton;
 mod outcome;
 mod path;
+mod probes;
 mod schedule;
 pub mod state;
 mod tally;

@@ -197,7 +197,7 @@ impl Checks<'_> {
         );
     }
 
-    fn not_empty(&mut self, path: &str, names: Option<&Names>) {
+    pub(super) fn not_empty(&mut self, path: &str, names: Option<&Names>) {
         self.require(
             names.is_none_or(|names| !names.0.is_empty()),
             path,
