@@ -18,7 +18,7 @@ pub mod mesh;
 mod overrides;
 pub mod quantity;
 pub mod scene;
-mod source;
+pub(crate) mod source;
 mod supports;
 mod tables;
 mod touch;
