@@ -71,6 +71,18 @@ Example, shear at constant compression:
   wythe drive interface joint --model wall.toml --path shear.csv --stress normal \\
     --set interfaces.joint.normal_stiffness=34000 --set interfaces.joint.shear_stiffness=14783";
 
+const STABILITY_HELP: &str = "\
+Every case is a folder with case.toml and a deck (tests/stability/README.md lists the keys). A line a \
+cell tells how it went; a cell that fails is a finding, not an error of the command.
+
+DIR then holds stability.md and stability.svg. Without --out the whole atlas is written to docs, and a \
+part of it (--only, --methods, --short) to standard output.
+
+Examples:
+  wythe study stability
+  wythe study stability --only 1,17 --methods auto,secant --verbose
+  wythe study stability --short --jobs 2 --out target/atlas";
+
 /// The sub-commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -82,6 +94,46 @@ pub enum Command {
     Check(Check),
     /// Take one material or interface point along a prescribed path.
     Drive(Drive),
+    /// Many runs side by side, judged and told on one page.
+    #[command(subcommand)]
+    Study(Study),
+}
+
+/// `wythe study`
+#[derive(Debug, Subcommand)]
+pub enum Study {
+    /// Where each method fails: cases with known answers through all methods.
+    #[command(after_help = STABILITY_HELP)]
+    Stability(Stability),
+}
+
+/// `wythe study stability`
+#[derive(Debug, Args)]
+pub struct Stability {
+    /// Folder of the cases.
+    #[arg(long, value_name = "DIR", default_value = "tests/stability/cases")]
+    pub cases: PathBuf,
+    /// Cases of these numbers only, e.g. 1,5.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
+    pub only: Vec<u32>,
+    /// These methods only, e.g. auto,secant.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Wall seconds that a cell may take, looked at after each increment.
+    #[arg(long, value_name = "SECONDS", default_value = "600", value_parser = seconds)]
+    pub limit: f64,
+    /// Cells at a time, each on one thread [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// The short forms, as the tests run them.
+    #[arg(long)]
+    pub short: bool,
+    /// Tell what was measured, too.
+    #[arg(long)]
+    pub verbose: bool,
+    /// Folder for the page and its picture.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// A model and what is said anew of it.
@@ -167,6 +219,14 @@ fn key_value(text: &str) -> Result<(String, String), String> {
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("expected KEY=VALUE, e.g. steps.1.increments.max=0.02".to_owned()),
+    }
+}
+
+/// A time that a clock can hold: a year is longer than any run.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3.2e7 => Ok(seconds),
+        _ => Err("expected seconds above 0, e.g. 600".to_owned()),
     }
 }
 

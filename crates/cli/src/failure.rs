@@ -4,6 +4,7 @@ use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
 use wythe_core::results::OutputError;
 use wythe_core::solve::RunError;
+use wythe_core::study::StudyError;
 
 /// Exit code of our own mistakes.
 pub const BUG: u8 = 1;
@@ -103,6 +104,17 @@ impl From<RunError> for Failure {
                 help = "write it like this: density = \"1900 kg/m^3\"",
                 "{error}"
             )),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Case(error) => error.into(),
+            StudyError::Io(error) => error.into(),
+            StudyError::Deck(error) => error.into(),
+            error => Self::model(error),
         }
     }
 }

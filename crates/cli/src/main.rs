@@ -7,6 +7,7 @@ mod drive;
 mod failure;
 mod interrupt;
 mod run;
+mod study;
 mod terminal;
 
 use std::process::ExitCode;
@@ -41,5 +42,6 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Drive(arguments) => drive::drive(arguments),
+        Command::Study(arguments) => study::study(arguments),
     }
 }

@@ -9,5 +9,6 @@ pub mod material;
 pub mod model;
 pub mod results;
 pub mod solve;
+pub mod study;
 pub mod sym6;
 pub mod system;

@@ -20,7 +20,7 @@ mod pairing;
 pub mod probes;
 pub mod quantity;
 pub mod scene;
-mod source;
+pub(crate) mod source;
 mod supports;
 mod tables;
 mod touch;

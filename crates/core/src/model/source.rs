@@ -23,6 +23,8 @@ pub struct Source {
     pub(super) overrides: Vec<(Range<usize>, String)>,
     /// Bytes of the key and of its value, by dotted path.
     places: BTreeMap<String, Place>,
+    /// Advice for the key at a path; that of decks if none.
+    advice: Option<fn(&str) -> String>,
 }
 
 /// Only the name: the text would drown a printed deck.
@@ -49,7 +51,29 @@ impl Source {
             file_length,
             overrides: Vec::new(),
             places: BTreeMap::new(),
+            advice: None,
         }
+    }
+
+    /// A file that is no deck, all its keys located, with advice of its own for a key.
+    ///
+    /// # Errors
+    /// Syntax.
+    pub(crate) fn other<'t>(
+        file: &str,
+        text: &'t str,
+        advice: fn(&str) -> String,
+    ) -> Result<(Self, Spanned<DeTable<'t>>), ModelError> {
+        let mut source = Self::new(file, text);
+        source.advice = Some(advice);
+        let root = DeTable::parse(text).map_err(|e| source.toml_error(&e))?;
+        source.locate(root.get_ref());
+        Ok((source, root))
+    }
+
+    fn advice(&self, path: &str) -> String {
+        self.advice
+            .map_or_else(|| keys::example_at(path), |of| of(path))
     }
 
     /// Appends the line of an override and returns the byte at which its value begins.
@@ -207,7 +231,7 @@ impl Source {
     }
 
     /// What serde or the TOML parser says, with the path of the key and advice.
-    pub(super) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
+    pub(crate) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         let span = error.span();
         let message = error.message().trim_end().replace('\n', ", ");
         // Rust's names of integers are none of a deck's.
@@ -224,7 +248,7 @@ impl Source {
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("missing field")) {
             let path = join(span.as_ref().map_or("", |s| self.table_at(s)), name);
             let message = format!("the key `{name}` is missing");
-            return self.error_at(span, &path, message, &keys::example_at(&path));
+            return self.error_at(span, &path, message, &self.advice(&path));
         }
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("unknown")) {
             let known = message.split('`').skip(3).step_by(2);
@@ -244,7 +268,7 @@ impl Source {
             let help = "the text is no TOML here: strings want quotes, each key its own line";
             return self.error_at(span, "", message, help);
         }
-        self.error_at(span, at, message, &keys::example_at(at))
+        self.error_at(span, at, message, &self.advice(at))
     }
 }
 

@@ -9,6 +9,18 @@ pub fn cpu_seconds() -> Option<f64> {
     parse_cpu(&std::fs::read_to_string("/proc/self/stat").ok()?)
 }
 
+/// CPU seconds of the calling thread; none where `/proc` does not say.
+pub fn thread_cpu_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    parse_schedule(&text)
+}
+
+/// Nanoseconds on the CPU, nanoseconds waiting, time slices (Documentation/scheduler/sched-stats.rst).
+fn parse_schedule(schedstat: &str) -> Option<f64> {
+    let nanoseconds: f64 = schedstat.split_ascii_whitespace().next()?.parse().ok()?;
+    Some(nanoseconds * 1e-9)
+}
+
 /// Largest resident memory of this process so far [MB = 10⁶ byte]; none where `/proc` does not say.
 pub fn peak_memory_megabytes() -> Option<f64> {
     parse_peak(&std::fs::read_to_string("/proc/self/status").ok()?)
@@ -40,6 +52,12 @@ mod tests {
     fn a_name_with_brackets_does_not_shift_the_fields() {
         let stat = "42 (a) b (c)) R 1 42 42 0 -1 4194560 10 0 0 0 250 30 7 8 20 0 4 0 100 1 2";
         assert_eq!(parse_cpu(stat), Some(2.8));
+    }
+
+    #[test]
+    fn the_time_of_a_thread_is_read_in_nanoseconds() {
+        assert_eq!(parse_schedule("2500000000 17 3\n"), Some(2.5));
+        assert_eq!(parse_schedule(""), None);
     }
 
     #[test]

@@ -1,0 +1,115 @@
+//! `wythe study`: many runs side by side, judged and told on one page.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use wythe_core::error::IoError;
+use wythe_core::results::summary::write_whole;
+use wythe_core::study::{self, Case, Cell, Options, StudyError};
+
+use crate::arguments::{Stability, Study};
+use crate::check::print;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+
+/// The page and its picture.
+const PAGE: &str = "stability.md";
+const PICTURE: &str = "stability.svg";
+
+/// Runs the study that was asked for.
+pub fn study(arguments: &Study) -> Result<(), Failure> {
+    match arguments {
+        Study::Stability(arguments) => stability(arguments),
+    }
+}
+
+fn stability(arguments: &Stability) -> Result<(), Failure> {
+    let cases = chosen(study::cases(&arguments.cases)?, &arguments.only)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let options = Options {
+        methods: arguments.methods.clone(),
+        short: arguments.short,
+        limit: Duration::from_secs_f64(arguments.limit),
+        jobs: arguments.jobs.map_or(threads, usize::from),
+    };
+    // Part of the atlas must not take the place of the whole.
+    let whole = arguments.only.is_empty() && arguments.methods.is_empty() && !arguments.short;
+    let out = match &arguments.out {
+        Some(out) => Some(out.as_path()),
+        None => whole.then(|| Path::new("docs")),
+    };
+    let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
+    let count = AtomicUsize::new(0);
+    let progress = |case: &Case, cell: &Cell| {
+        // One line at a time.
+        let _line = lines.lock();
+        let number = count.fetch_add(1, Ordering::Relaxed) + 1;
+        eprintln!("{number:4}  {}", line(case, cell, arguments.verbose));
+    };
+    let atlas = study::stability(&cases, &options, &progress, &|| interrupt.requested())?;
+    if atlas.interrupted {
+        return Err(Failure::Interrupted);
+    }
+    let page = study::report(&atlas, PICTURE);
+    let Some(out) = out else {
+        return print(&page);
+    };
+    let picture = study::picture(&atlas).map_err(|why| failed(&out.join(PICTURE), other(why)))?;
+    std::fs::create_dir_all(out).map_err(|why| failed(out, why))?;
+    for (name, text) in [(PICTURE, &picture), (PAGE, &page)] {
+        let path = out.join(name);
+        write_whole(&path, text.as_bytes()).map_err(|why| failed(&path, why))?;
+    }
+    print(&format!("written to {}\n", out.join(PAGE).display()))
+}
+
+/// The cases of these numbers; all without a choice.
+fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
+    let known = || cases.iter().map(|c| c.number.to_string());
+    if let Some(number) = only.iter().find(|n| cases.iter().all(|c| c.number != **n)) {
+        return Err(StudyError::Unknown {
+            kind: "case",
+            name: number.to_string(),
+            known: known().collect::<Vec<_>>().join(", "),
+        });
+    }
+    let wanted = |case: &Case| only.is_empty() || only.contains(&case.number);
+    Ok(cases.into_iter().filter(wanted).collect())
+}
+
+/// The progress line of a cell; with what was measured if asked.
+fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
+    let cost = &cell.cost;
+    let mut line = format!(
+        "{:2} {:30} {:14} {}; {} increments, {} solves, {} cuts, {:.2} s",
+        case.number,
+        case.title,
+        cell.method,
+        study::brief(cell),
+        cost.increments,
+        cost.iterations,
+        cost.cutbacks,
+        cost.seconds
+    );
+    if verbose {
+        for text in cell.why().into_iter().chain(cell.measured.iter().cloned()) {
+            // A String cannot refuse.
+            let _ = write!(line, "\n        {text}");
+        }
+    }
+    line
+}
+
+fn other(why: String) -> std::io::Error {
+    std::io::Error::other(why)
+}
+
+fn failed(path: &Path, why: std::io::Error) -> Failure {
+    Failure::input_output(IoError {
+        path: path.to_owned(),
+        why,
+    })
+}

@@ -1,0 +1,208 @@
+//! A case of the atlas: a deck, what happens in it, and what must come out.
+
+use std::path::{Path, PathBuf};
+
+use miette::Diagnostic;
+use serde::Deserialize;
+
+use super::expect::Expectation;
+use super::written::{self, CaseFile};
+use crate::error::{DeckError, IoError, ModelError};
+use crate::model::source::Source;
+
+/// A deck, what happens in it and why methods fail there, and what must come out.
+///
+/// A case is a folder with `case.toml`; `tests/stability/README.md` lists the keys.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its number in the atlas.
+    pub number: u32,
+    /// Title.
+    pub title: String,
+    /// What happens, and why methods fail here.
+    pub mechanics: String,
+    /// Where the reference comes from.
+    pub source: String,
+    /// The deck's file.
+    pub deck: PathBuf,
+    /// Steps of the deck that take the method; every one but preloads if not said.
+    pub steps: Option<Vec<usize>>,
+    /// The form that the tests run.
+    pub short: Short,
+    /// Largest energy imbalance (theory F) [-].
+    pub energy: f64,
+    /// Why the energy imbalance may be another than usual.
+    pub why: String,
+    /// How the run must end.
+    pub status: End,
+    /// Methods of its own in the place of [`METHODS`](super::METHODS); empty if those apply.
+    pub methods: Vec<CaseMethod>,
+    /// What must come out; all of it.
+    pub expect: Vec<Expectation>,
+}
+
+/// How a run must end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// All steps done.
+    #[default]
+    Completed,
+    /// There is no equilibrium: losing it is the right answer.
+    NotConverged,
+}
+
+/// The form of a case that the tests run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Short {
+    /// The whole case.
+    Whole,
+    /// With these overrides of the deck.
+    Set(Vec<(String, String)>),
+    /// None: too long for the tests.
+    None,
+}
+
+/// A method that a case brings itself: overrides of the deck.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CaseMethod {
+    /// Label.
+    pub name: String,
+    /// Keys of the deck and their values.
+    pub set: Vec<(String, String)>,
+}
+
+/// Energy imbalance that a case does not name [-].
+pub const ENERGY: f64 = 0.01;
+/// The file that makes a folder a case.
+const FILE: &str = "case.toml";
+
+impl Case {
+    /// Reads the case in a folder.
+    ///
+    /// # Errors
+    /// [`StudyError`]: `case.toml` or a reference cannot be read, or says something impossible.
+    pub fn load(folder: &Path) -> Result<Self, StudyError> {
+        let path = folder.join(FILE);
+        let text = std::fs::read_to_string(&path).map_err(|why| IoError {
+            path: path.clone(),
+            why,
+        })?;
+        Self::from_str(&text, &path.display().to_string(), folder)
+    }
+
+    /// Reads a case from a text. `file` names it in errors, `folder` holds its deck and references.
+    ///
+    /// # Errors
+    /// As [`Case::load`].
+    pub fn from_str(text: &str, file: &str, folder: &Path) -> Result<Self, StudyError> {
+        let (source, root) = Source::other(file, text, written::advice)?;
+        let case = CaseFile::deserialize(toml::Deserializer::from(root))
+            .map_err(|error| source.toml_error(&error))?;
+        case.checked(&source, folder)
+    }
+
+    /// The label of the short or the full form, for messages.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.number, self.title)
+    }
+
+    /// Says nothing and expects nothing.
+    #[cfg(test)]
+    pub(super) fn empty() -> Self {
+        Self {
+            number: 1,
+            title: String::new(),
+            mechanics: String::new(),
+            source: String::new(),
+            deck: PathBuf::new(),
+            steps: None,
+            short: Short::Whole,
+            energy: ENERGY,
+            why: String::new(),
+            status: End::Completed,
+            methods: Vec::new(),
+            expect: Vec::new(),
+        }
+    }
+}
+
+/// All cases in the folders of `folder`, by number.
+///
+/// # Errors
+/// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
+pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
+    let reading = |why| IoError {
+        path: folder.to_owned(),
+        why,
+    };
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(reading)? {
+        let path = entry.map_err(reading)?.path();
+        if path.join(FILE).is_file() {
+            folders.push(path);
+        }
+    }
+    folders.sort();
+    let mut cases: Vec<(PathBuf, Case)> = Vec::new();
+    for path in folders {
+        let case = Case::load(&path)?;
+        if let Some((other, _)) = cases.iter().find(|(_, c)| c.number == case.number) {
+            return Err(StudyError::SameNumber {
+                number: case.number,
+                one: other.clone(),
+                other: path,
+            });
+        }
+        cases.push((path, case));
+    }
+    if cases.is_empty() {
+        return Err(StudyError::NoCase(folder.to_owned()));
+    }
+    let mut cases: Vec<Case> = cases.into_iter().map(|(_, case)| case).collect();
+    cases.sort_by_key(|case| case.number);
+    Ok(cases)
+}
+
+/// A study that could not begin.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum StudyError {
+    /// `case.toml` is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Case(#[from] ModelError),
+    /// A file cannot be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Io(#[from] IoError),
+    /// The deck of a case is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Deck(#[from] DeckError),
+    /// No cases.
+    #[error("{} holds no case", .0.display())]
+    #[diagnostic(help("a case is a folder with a case.toml: name the folder above them"))]
+    NoCase(PathBuf),
+    /// Two of the same number.
+    #[error("{} and {} both have the number {number}", one.display(), other.display())]
+    #[diagnostic(help("give one of them another number"))]
+    SameNumber {
+        /// The number.
+        number: u32,
+        /// A folder.
+        one: PathBuf,
+        /// Another.
+        other: PathBuf,
+    },
+    /// A number or a method that is not there.
+    #[error("there is no {kind} `{name}`")]
+    #[diagnostic(help("known: {known}"))]
+    Unknown {
+        /// Case or method.
+        kind: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+}

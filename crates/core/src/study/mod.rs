@@ -1,0 +1,32 @@
+//! Studies: many runs side by side, judged and told on one page.
+//!
+//! The stability atlas takes every case through every method and says which one gets through, which
+//! ends with a wrong answer, and which loses convergence, where and why.
+//!
+//! ```text
+//! cases/NN-name/case.toml ─▶ Case ─┐
+//!                     METHODS ─────┴▶ stability ─▶ Cell ─▶ report (Markdown), picture (SVG)
+//!                                     deck → run → History → judge
+//! ```
+
+mod case;
+mod cell;
+mod curve;
+mod expect;
+mod history;
+mod judge;
+mod method;
+mod picture;
+mod report;
+mod stability;
+mod written;
+
+pub use case::{Case, CaseMethod, End, Short, StudyError, cases};
+pub use cell::{Cell, Cost, Place, Verdict};
+pub use expect::{Expectation, Measure, Measured, Wanted};
+pub use history::History;
+pub use judge::{Ended, judge};
+pub use method::{METHODS, Method};
+pub use picture::picture;
+pub use report::{brief, report};
+pub use stability::{Options, Row, Study, stability};
