@@ -73,7 +73,7 @@ direction = "x"
 displacement = 2
 free = ["z"]
 increments = { initial = 0.1, max = 0.1 }
-dynamics = "dynamic"
+procedure = "dynamic"
 "#;
 
 fn model(text: &str) -> Model {

@@ -160,7 +160,7 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
             viscosity: step.viscosity.get(),
             procedure: step.procedure.with(step.alpha, step.rayleigh),
             tangent: step.tangent,
-            control: None,
+            control: probes::control(deck, i, step)?,
             tolerance: step.tolerance(),
             ground: deck.ground_motion(i)?,
             gravity: gravity.step(deck, i, step)?,

@@ -4,6 +4,7 @@ use super::blocks::Blocks;
 use super::deck::{Deck, DeckStep, Direction, Names, StepKind};
 use super::gravity::GravityNow;
 use super::keys;
+use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, Spring, Step, Support};
 use crate::error::ModelError;
@@ -100,7 +101,7 @@ pub(super) fn loading(
             viscosity: step.viscosity.get(),
             procedure: step.procedure.with(step.alpha, step.rayleigh),
             tangent: step.tangent,
-            control: None,
+            control: probes::control(deck, i, step)?,
             tolerance: step.tolerance(),
             gravity: gravity.step(deck, i, step)?,
             ground: deck.ground_motion(i)?,

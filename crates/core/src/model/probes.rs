@@ -2,9 +2,11 @@
 
 use super::Mesh;
 use super::blocks::Blocks;
-use super::deck::{Deck, DeckPlace, DeckProbe, Names, ProbeQuantity};
+use super::deck::{Deck, DeckPlace, DeckProbe, DeckStep, Names, ProbeQuantity};
 use super::hexahedron::{difference, norm};
+use super::keys;
 use super::quantity::Quantity;
+use super::scene::Control;
 use crate::error::ModelError;
 
 /// Motion of some nodes along an axis, less that of others: a column of the history.
@@ -52,6 +54,41 @@ pub(super) fn of_wall(deck: &Deck, mesh: &Mesh) -> Result<Vec<Probe>, ModelError
         ))
     };
     probes(deck, mesh, &named)
+}
+
+/// The displacement that steers a step, if one does.
+///
+/// # Errors
+/// No such probe, or one of a velocity.
+pub(super) fn control(
+    deck: &Deck,
+    index: usize,
+    step: &DeckStep,
+) -> Result<Option<Control>, ModelError> {
+    let Some(control) = &step.control else {
+        return Ok(None);
+    };
+    let path = format!("steps.{index}.control.probe");
+    let name = &control.probe;
+    let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
+        let known = deck.probes.iter().map(|p| p.name.as_str());
+        let help = keys::nearest(name, known).map_or_else(
+            || keys::example("probes"),
+            |near| format!("did you mean `{near}`?"),
+        );
+        return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
+    };
+    if deck.probes[probe].quantity != ProbeQuantity::Displacement {
+        return Err(deck.error(
+            &path,
+            format!("the probe `{name}` measures a velocity"),
+            "a displacement steers the load: name a probe of one",
+        ));
+    }
+    Ok(Some(Control {
+        probe,
+        displacement: control.displacement.get(),
+    }))
 }
 
 /// Nodes of the names at a path.

@@ -339,15 +339,11 @@ pub enum Tangent {
     Direct,
 }
 
-/// A displacement that steers a load: the mean of some nodes along a direction, less that of others.
-#[derive(Clone, Debug, PartialEq)]
+/// A displacement that steers the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
-    /// Nodes.
-    pub nodes: Vec<u32>,
-    /// Nodes whose mean is taken off; may be empty.
-    pub minus: Vec<u32>,
-    /// Unit vector.
-    pub direction: [f64; 3],
+    /// Which of the model's probes measures it.
+    pub probe: usize,
     /// How far it goes during the step [mm].
     pub displacement: f64,
 }

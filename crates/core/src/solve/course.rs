@@ -5,7 +5,8 @@ use super::method::Method;
 use super::newton::Newton;
 use super::path::{Advance, Trail};
 use super::schedule::{Increment, Schedule};
-use crate::model::scene::{Control, Procedure, Step};
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step};
 use crate::system::System;
 
 /// A step in progress.
@@ -82,23 +83,21 @@ impl<'m> Course<'m> {
     }
 
     /// Takes the displacement that steers the load, if the step has one.
-    pub(super) fn steer(&mut self, system: &System) {
-        let gradient = |control: &Control| {
-            let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
-            for (nodes, sign) in [(&control.nodes, 1.0), (&control.minus, -1.0)] {
-                for &n in nodes {
-                    for i in 0..3 {
-                        nodal[n as usize][i] += sign * control.direction[i] / nodes.len() as f64;
-                    }
-                }
-            }
-            let mut slots = vec![0.0; system.dofs.slots];
-            system.dofs.collect(&nodal, &mut slots);
-            slots
+    pub(super) fn steer(&mut self, model: &Model, system: &System) {
+        let Some(control) = self.step.control else {
+            return;
         };
-        let control = self.step.control.as_ref();
-        self.control = control.map(|control| Steering {
-            gradient: gradient(control),
+        let probe = &model.probes[control.probe];
+        let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
+        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+            for &n in nodes {
+                nodal[n as usize][probe.axis] += sign / nodes.len() as f64;
+            }
+        }
+        let mut gradient = vec![0.0; system.dofs.slots];
+        system.dofs.collect(&nodal, &mut gradient);
+        self.control = Some(Steering {
+            gradient,
             way: control.displacement,
         });
     }

@@ -179,7 +179,7 @@ impl<'m> Run<'m> {
         }
         let ladder = Ladder::new(model, step, massless.is_none());
         let mut course = Course::new(newton, ladder, index, step);
-        course.steer(&self.system);
+        course.steer(model, &self.system);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
         } else {
