@@ -2,7 +2,7 @@
 
 use super::blocks::{Blocks, Place};
 use super::deck::{Deck, DeckContact, Interface};
-use super::hexahedron::{Face, area_vector, difference, dot, mean, norm};
+use super::hexahedron::{Face, Shape, area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
@@ -189,17 +189,18 @@ fn add_touching(
     let mut sides = Vec::new();
     for (b, block) in blocks.placed.iter().enumerate() {
         for (_, face) in Face::ALL {
-            let outline = block.outline(face);
-            let x = outline.map(|x| x[0]);
-            let area = norm(area_vector(&outline));
-            sides.push(Side {
-                patch: (b, face),
-                outline,
-                from: x.iter().copied().fold(f64::INFINITY, f64::min),
-                to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                facet_area: area / block.facets(face).len() as f64,
-                area,
-            });
+            let facet_area = block.mean_facet(face, &blocks.mesh);
+            for outline in block.outlines(face, &blocks.mesh) {
+                let x = outline.map(|x| x[0]);
+                sides.push(Side {
+                    patch: (b, face),
+                    outline,
+                    from: x.iter().copied().fold(f64::INFINITY, f64::min),
+                    to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                    facet_area,
+                    area: norm(area_vector(&outline)),
+                });
+            }
         }
     }
     // Sorted along x, a face can touch only those that begin before it ends.
@@ -225,6 +226,7 @@ fn add_touching(
         }
     }
     found.sort_by_key(|((a, f), (b, g))| (*a, *f as usize, *b, *g as usize));
+    found.dedup();
     let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
         let is = |p: &Pairing, a, b| p.slave == a && p.masters.contains(&b);
         pairings.iter().any(|p| is(p, a, b) || is(p, b, a))
@@ -329,9 +331,8 @@ fn assemble(
                 ),
             ));
         }
-        let outline = |(block, face): Patch| blocks.placed[block].outline(face);
         for master in &pairing.masters {
-            let Some(gap) = touch::distance(&outline(pairing.slave), &outline(*master)) else {
+            let Some(gap) = gap(blocks, pairing.slave, *master) else {
                 continue;
             };
             let reach = reach(deck, interface, blocks, pairing.slave);
@@ -370,10 +371,14 @@ fn overhang(
     pairing: &Pairing,
 ) -> Option<Warning> {
     let block = &blocks.placed[pairing.slave.0];
+    let curved = |(b, _): &Patch| matches!(blocks.placed[*b].shape, Shape::Grid(_));
+    if pairing.masters.iter().any(curved) {
+        return None; // what is curved leaves its neighbour before its edge
+    }
     let reach = reach(deck, interface, blocks, pairing.slave);
     let outlines = pairing.masters.iter();
     let outlines: Vec<_> = outlines
-        .map(|(block, face)| blocks.placed[*block].outline(*face))
+        .flat_map(|(block, face)| blocks.placed[*block].outlines(*face, &blocks.mesh))
         .collect();
     let facets = block.facets(pairing.slave.1);
     let over = |facet: &[u32; 4]| {
@@ -412,8 +417,16 @@ fn add_masters(blocks: &Blocks<'_>, pairings: &[Pairing], contact: &mut ContactS
 
 /// Mean area of the facets of a face [mm²].
 fn mean_facet(blocks: &Blocks<'_>, (block, face): Patch) -> f64 {
-    let block = &blocks.placed[block];
-    norm(area_vector(&block.outline(face))) / block.facets(face).len() as f64
+    blocks.placed[block].mean_facet(face, &blocks.mesh)
+}
+
+/// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
+fn gap(blocks: &Blocks<'_>, a: Patch, b: Patch) -> Option<f64> {
+    let outlines = |(block, face): Patch| blocks.placed[block].outlines(face, &blocks.mesh);
+    let (a, b) = (outlines(a), outlines(b));
+    let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
+    let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
+    gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
 /// Gap up to which two faces hold each other at rest [mm]: that of the search, else 0.06 of a facet,

@@ -5,6 +5,7 @@
 mod arch;
 mod blocks;
 mod dynamics;
+mod grid;
 mod ground;
 mod interfaces;
 mod materials;
