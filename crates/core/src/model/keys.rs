@@ -146,6 +146,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "corners = [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [0, 0, 9], [9, 0, 9], [9, 9, 9], \
          [0, 9, 9]]",
     ),
+    ("nodes", "nodes = \"cylinder.csv\"  # x, y, z in mm a line"),
     ("material", "material = \"stone\""),
     ("blocks.mesh", "mesh = [4, 2, 2]  # elements along x, y, z"),
     ("velocity", "velocity = [\"1 m/s\", 0, 0]"),

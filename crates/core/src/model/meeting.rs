@@ -2,7 +2,7 @@
 
 use super::blocks::Blocks;
 use super::deck::{Deck, Interface};
-use super::hexahedron::{Face, area_vector, difference, dot, mean, norm};
+use super::hexahedron::{Face, Shape, area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
 use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
@@ -108,9 +108,8 @@ pub(super) fn meeting(
                 ),
             ));
         }
-        let outline = |(block, face): Patch| blocks.placed[block].outline(face);
         for master in &pairing.masters {
-            let Some(gap) = touch::distance(&outline(pairing.slave), &outline(*master)) else {
+            let Some(gap) = gap(blocks, pairing.slave, *master) else {
                 continue;
             };
             let reach = reach(deck, interface, blocks, pairing.slave);
@@ -149,10 +148,14 @@ fn overhang(
     pairing: &Pairing,
 ) -> Option<Warning> {
     let block = &blocks.placed[pairing.slave.0];
+    let curved = |(b, _): &Patch| matches!(blocks.placed[*b].shape, Shape::Grid(_));
+    if pairing.masters.iter().any(curved) {
+        return None; // what is curved leaves its neighbour before its edge
+    }
     let reach = reach(deck, interface, blocks, pairing.slave);
     let outlines = pairing.masters.iter();
     let outlines: Vec<_> = outlines
-        .map(|(block, face)| blocks.placed[*block].outline(*face))
+        .flat_map(|(block, face)| blocks.placed[*block].outlines(*face, &blocks.mesh))
         .collect();
     let facets = block.facets(pairing.slave.1);
     let over = |facet: &[u32; 4]| {
@@ -191,8 +194,16 @@ fn add_masters(blocks: &Blocks<'_>, pairings: &[Pairing], contact: &mut ContactS
 
 /// Mean area of the facets of a face [mm²].
 fn mean_facet(blocks: &Blocks<'_>, (block, face): Patch) -> f64 {
-    let block = &blocks.placed[block];
-    norm(area_vector(&block.outline(face))) / block.facets(face).len() as f64
+    blocks.placed[block].mean_facet(face, &blocks.mesh)
+}
+
+/// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
+fn gap(blocks: &Blocks<'_>, a: Patch, b: Patch) -> Option<f64> {
+    let outlines = |(block, face): Patch| blocks.placed[block].outlines(face, &blocks.mesh);
+    let (a, b) = (outlines(a), outlines(b));
+    let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
+    let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
+    gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
 /// Gap up to which two faces hold each other at rest [mm]: that of the search, else 0.06 of a facet,

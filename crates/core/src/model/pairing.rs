@@ -166,17 +166,18 @@ fn add_touching(
     let mut sides = Vec::new();
     for (b, block) in blocks.placed.iter().enumerate() {
         for (_, face) in Face::ALL {
-            let outline = block.outline(face);
-            let x = outline.map(|x| x[0]);
-            let area = norm(area_vector(&outline));
-            sides.push(Side {
-                patch: (b, face),
-                outline,
-                from: x.iter().copied().fold(f64::INFINITY, f64::min),
-                to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                facet_area: area / block.facets(face).len() as f64,
-                area,
-            });
+            let facet_area = block.mean_facet(face, &blocks.mesh);
+            for outline in block.outlines(face, &blocks.mesh) {
+                let x = outline.map(|x| x[0]);
+                sides.push(Side {
+                    patch: (b, face),
+                    outline,
+                    from: x.iter().copied().fold(f64::INFINITY, f64::min),
+                    to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                    facet_area,
+                    area: norm(area_vector(&outline)),
+                });
+            }
         }
     }
     // Sorted along x, a face can touch only those that begin before it ends.
@@ -202,6 +203,7 @@ fn add_touching(
         }
     }
     found.sort_by_key(|((a, f), (b, g))| (*a, *f as usize, *b, *g as usize));
+    found.dedup();
     let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
         let is = |p: &Pairing, a, b| p.slave == a && p.masters.contains(&b);
         pairings.iter().any(|p| is(p, a, b) || is(p, b, a))

@@ -4,6 +4,7 @@
 
 mod arch;
 mod blocks;
+mod grid;
 mod ground;
 mod interfaces;
 mod materials;
