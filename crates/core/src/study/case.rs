@@ -75,20 +75,21 @@ pub struct CaseMethod {
 /// Energy imbalance that a case does not name [-].
 pub const ENERGY: f64 = 0.01;
 /// The file that makes a folder a case.
-const FILE: &str = "case.toml";
+/// How its name, or those of its variants, begin.
+const FILE: &str = "case";
 
 impl Case {
     /// Reads the case in a folder.
     ///
     /// # Errors
     /// [`StudyError`]: `case.toml` or a reference cannot be read, or says something impossible.
-    pub fn load(folder: &Path) -> Result<Self, StudyError> {
-        let path = folder.join(FILE);
-        let text = std::fs::read_to_string(&path).map_err(|why| IoError {
-            path: path.clone(),
+    pub fn load(file: &Path) -> Result<Self, StudyError> {
+        let text = std::fs::read_to_string(file).map_err(|why| IoError {
+            path: file.to_owned(),
             why,
         })?;
-        Self::from_str(&text, &path.display().to_string(), folder)
+        let folder = file.parent().unwrap_or(Path::new("."));
+        Self::from_str(&text, &file.display().to_string(), folder)
     }
 
     /// Reads a case from a text. `file` names it in errors, `folder` holds its deck and references.
@@ -127,6 +128,26 @@ impl Case {
     }
 }
 
+/// `case.toml`, `case-a.toml` … of a folder.
+fn case_files(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    let reading = |why| IoError {
+        path: folder.to_owned(),
+        why,
+    };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(reading)? {
+        let path = entry.map_err(reading)?.path();
+        let named = path
+            .file_stem()
+            .and_then(|stem| stem.to_str())
+            .is_some_and(|stem| stem == FILE || stem.starts_with("case-"));
+        if named && path.extension().is_some_and(|e| e == "toml") {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
 /// All cases in the folders of `folder`, by number.
 ///
 /// # Errors
@@ -136,18 +157,23 @@ pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
         path: folder.to_owned(),
         why,
     };
-    let mut folders = Vec::new();
+    let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(reading)? {
         let path = entry.map_err(reading)?.path();
-        if path.join(FILE).is_file() {
-            folders.push(path);
+        if path.is_dir() {
+            files.extend(case_files(&path)?);
         }
     }
-    folders.sort();
+    files.sort();
     let mut cases: Vec<(PathBuf, Case)> = Vec::new();
-    for path in folders {
+    for path in files {
         let case = Case::load(&path)?;
-        if let Some((other, _)) = cases.iter().find(|(_, c)| c.number == case.number) {
+        // Variants of one case share its folder and its number.
+        let elsewhere = |other: &Path| other.parent() != path.parent();
+        if let Some((other, _)) = cases
+            .iter()
+            .find(|(other, c)| c.number == case.number && elsewhere(other))
+        {
             return Err(StudyError::SameNumber {
                 number: case.number,
                 one: other.clone(),

@@ -16,12 +16,13 @@ pub struct History {
 }
 
 impl History {
-    /// Columns of these rows. A number that is not finite becomes NaN.
-    pub fn new(rows: &[HistoryRow]) -> Self {
+    /// Columns of these rows, those of `probes` among them. A number that is not finite becomes NaN.
+    pub fn new(rows: &[HistoryRow], probes: &[String]) -> Self {
         let mut history = Self::default();
         for row in rows {
             history.steps.push(row.step);
-            for (name, value) in numbers(row) {
+            let probes = probes.iter().cloned().zip(row.probes.iter().copied());
+            for (name, value) in numbers(row).chain(probes) {
                 history.columns.entry(name).or_default().push(value);
             }
         }
@@ -88,11 +89,14 @@ mod tests {
         let mut rows = vec![HistoryRow::default(); 3];
         rows[1].step = 1;
         rows[2].step = 1;
-        assert_eq!(History::new(&rows).not_finite(), None);
-        assert_eq!(History::new(&rows).rows(Some(&[1])), [1, 2]);
+        assert_eq!(History::new(&rows, &[]).not_finite(), None);
+        assert_eq!(History::new(&rows, &[]).rows(Some(&[1])), [1, 2]);
         for bad in [f64::NAN, f64::INFINITY] {
             rows[2].reaction_kN = bad;
-            assert_eq!(History::new(&rows).not_finite(), Some((2, "reaction_kN")));
+            assert_eq!(
+                History::new(&rows, &[]).not_finite(),
+                Some((2, "reaction_kN"))
+            );
         }
     }
 }

@@ -11,14 +11,14 @@ use crate::results::{HistoryRow, Status};
 pub struct Ended {
     /// Its rows.
     pub rows: Vec<HistoryRow>,
+    /// Columns of its probes.
+    pub probes: Vec<String>,
     /// How it ended.
     pub status: Status,
     /// What the solver says of that.
     pub message: String,
     /// Tolerance of the residual. `[step]`
     pub tolerances: Vec<f64>,
-    /// Durations [s]. `[step]`
-    pub durations: Vec<f64>,
     /// Energy imbalance (theory F) [-].
     pub energy: f64,
 }
@@ -29,10 +29,9 @@ impl Ended {
         let Some(row) = self.rows.last() else {
             return Place::default();
         };
-        let before: f64 = self.durations[..row.step].iter().sum();
-        let done = (row.time - before) / self.durations[row.step];
+        let done = row.load_factor;
         // A whole step done: the next one gave nothing.
-        if done > 1.0 - 1e-9 && row.step + 1 < self.durations.len() {
+        if done > 1.0 - 1e-9 && row.step + 1 < self.tolerances.len() {
             return Place {
                 step: row.step + 1,
                 done: 0.0,
@@ -47,7 +46,7 @@ impl Ended {
 
 /// The verdict, and every expectation of this form of the case in words.
 pub fn judge(case: &Case, short: bool, run: &Ended) -> (Verdict, Vec<String>) {
-    let history = History::new(&run.rows);
+    let history = History::new(&run.rows, &run.probes);
     let mut wrong = Vec::new();
     if run.rows.is_empty() && run.status == Status::Completed {
         wrong.push("no increment".to_owned());
@@ -146,7 +145,7 @@ mod tests {
             status: Status::Completed,
             message: String::new(),
             tolerances: vec![5e-3],
-            durations: vec![1.0],
+            probes: Vec::new(),
             energy: 1e-3,
         }
     }

@@ -244,7 +244,7 @@ fn solved(
         status: summary.status,
         message: summary.message.clone(),
         tolerances: model.steps.iter().map(|s| s.tolerance.residual).collect(),
-        durations: model.steps.iter().map(|s| s.duration).collect(),
+        probes: model.probes.iter().map(|p| p.column.clone()).collect(),
         energy: kept.balance.error(),
         rows: kept.rows,
     };

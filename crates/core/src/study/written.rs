@@ -9,6 +9,8 @@ use super::curve;
 use super::expect::{Expectation, Measure, Wanted};
 use super::history::History;
 use crate::error::ModelError;
+use crate::model::Deck;
+use crate::model::deck::DeckProbe;
 use crate::model::source::Source;
 
 /// The serde mirror of `case.toml`.
@@ -190,7 +192,12 @@ impl CaseFile {
                 set: pairs(source, &format!("{path}.set"), &method.set)?,
             });
         }
-        let columns = History::names();
+        let mut columns = History::names();
+        let deck = folder.join(&self.deck);
+        if deck.is_file() {
+            let deck = Deck::load(&deck, &[])?;
+            columns.extend(deck.probes.iter().map(DeckProbe::column));
+        }
         let mut expect = Vec::new();
         for (i, written) in self.expect.into_iter().enumerate() {
             let checker = Checker {
