@@ -222,6 +222,9 @@ impl<'m> Run<'m> {
         let growth = growth(leg, report, course.ladder.floor());
         if leg.method.follows_path() {
             course.schedule.reach(course.load);
+        } else if leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto {
+            let hurry = self.state.energies.kinetic / before.kinetic;
+            course.schedule.accept(leg.increment, growth.min(resolving(hurry)));
         } else {
             course.schedule.accept(leg.increment, growth);
         }
@@ -289,7 +292,7 @@ impl<'m> Run<'m> {
         };
         let size = leg.increment.size;
         let mut answer = course.ladder.refused(refusal, size, spent);
-        if method.follows_path() && !on_path && course.ladder.is_small(refusal, size) {
+        if method.follows_path() && !on_path && course.ladder.is_small(size) {
             // Nothing has dissipated yet, and nothing is found before something does.
             if self.guess(course, method, size) {
                 return true;
@@ -319,6 +322,7 @@ impl<'m> Run<'m> {
                 self.adopt(course);
                 if course.ladder.method().has_inertia() {
                     self.state.last = None;
+                    course.schedule.resume(size.min(course.ladder.floor()));
                 }
                 self.note(course, &why, recorder);
                 true
@@ -370,7 +374,9 @@ impl<'m> Run<'m> {
     fn is_impact(&self, course: &Course, leg: Leg) -> bool {
         let size = leg.increment.size;
         let smallest = course.step.increments.min / CUT;
-        if leg.method != Method::Dynamic || size <= course.ladder.floor().max(smallest) {
+        let shocks = leg.method == Method::Dynamic
+            || leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
+        if !shocks || size <= course.ladder.floor().max(smallest) {
             return false;
         }
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
@@ -468,6 +474,18 @@ fn growth(leg: Leg, report: Report, floor: f64) -> f64 {
         .clamp(0.3, GROW);
     // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
     by_iterations.min(by_error.max((floor / leg.increment.size).min(1.0)))
+}
+
+/// How much larger an increment with inertia may be than the last one, in which the kinetic energy
+/// grew by `hurry`: backward Euler in large increments holds upright what should fall.
+fn resolving(hurry: f64) -> f64 {
+    if hurry > 2.0 {
+        0.7
+    } else if hurry > 1.2 {
+        1.0
+    } else {
+        GROW
+    }
 }
 
 /// Part of the energy that an increment takes in or gives back, from which on what it dissipates

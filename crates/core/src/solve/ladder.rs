@@ -5,6 +5,7 @@
 //!
 //! ```text
 //! static ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
+//!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
 //!        ──▶ dissipation (the load must fall before it rises: snap-back)
 //!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
 //! ```
@@ -17,13 +18,13 @@ use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
 use crate::material::MaterialParameters;
 use crate::model::Model;
-use crate::model::scene::{Procedure, Step};
+use crate::model::scene::{Procedure, Step, Tangent};
 
 /// Part of the first increment below which static increments are not cut before another method is
 /// tried.
 pub const FLOOR: f64 = 0.1;
-/// The same for extrapolated solids, of that.
-const IMPLEX_FLOOR: f64 = 0.1;
+/// The same for extrapolated solids and the direct method, of that.
+const SECOND_FLOOR: f64 = 0.1;
 /// Kinetic energy over what the solids and interfaces have taken below which nothing moves any more.
 const QUIET: f64 = 1e-3;
 /// Quiet increments after which statics is tried again; doubled each time that it fails.
@@ -68,6 +69,9 @@ impl Ladder {
             if softens {
                 rungs.push(Method::Implex);
             }
+            if step.tangent != Tangent::Direct {
+                rungs.push(Method::Direct);
+            }
             rungs.push(Method::Dissipation);
             if all_has_mass {
                 rungs.push(Method::QuasiStatic);
@@ -102,8 +106,8 @@ impl Ladder {
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
-            Method::Static => self.is_small(refusal, size) || (free && self.inertia().is_some()),
-            Method::Implex => size <= IMPLEX_FLOOR * self.floor,
+            Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
+            Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
         };
         match (enough, higher) {
@@ -113,9 +117,9 @@ impl Ladder {
         }
     }
 
-    /// Whether smaller increments are not worth trying. A snap is one in any.
-    pub fn is_small(&self, refusal: &Refusal, size: f64) -> bool {
-        size <= self.floor || *refusal == Refusal::Snap
+    /// Whether smaller increments are not worth trying.
+    pub fn is_small(&self, size: f64) -> bool {
+        size <= self.floor
     }
 
     /// Whether a snap should be followed along its path rather than jumped over.
@@ -152,6 +156,7 @@ impl Ladder {
         let (passed, needed) = match self.method() {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
             Method::QuasiStatic => (kinetic < QUIET, self.patience),
+            Method::Direct => (true, self.patience),
             Method::Static => (true, RISING),
             _ => (added > 0.0 && load >= self.left_at, RISING),
         };
@@ -159,7 +164,7 @@ impl Ladder {
         if self.calm < needed {
             return false;
         }
-        if self.method() == Method::QuasiStatic {
+        if matches!(self.method(), Method::QuasiStatic | Method::Direct) {
             self.patience *= 2;
         }
         (self.at, self.calm) = (0, 0);

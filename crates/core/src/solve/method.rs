@@ -11,6 +11,8 @@ pub enum Method {
     Static,
     /// The same with extrapolated solids.
     Implex,
+    /// Newton's method on the laws themselves, whatever the tangents of the step.
+    Direct,
     /// Backward Euler.
     QuasiStatic,
     /// HHT-α.
@@ -42,6 +44,7 @@ impl Method {
         match self {
             Self::Static => "static",
             Self::Implex => "implex",
+            Self::Direct => "direct",
             Self::QuasiStatic => "quasi_static",
             Self::Dynamic => "dynamic",
             Self::ArcLength => "arc_length",

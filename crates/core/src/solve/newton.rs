@@ -112,19 +112,25 @@ impl<'m> Newton<'m> {
 
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
-        // Extrapolated solids have a secant stiffness and no other.
-        let symmetric = self.step.tangent == Tangent::Secant
-            || (self.method == Method::Implex && self.shifted());
-        if symmetric {
+        if self.tangent() == Tangent::Secant {
             Backend::MultifrontalLlt
         } else {
             Backend::MultifrontalLu
         }
     }
 
+    /// The tangents of the step, or those that the method has and no other.
+    fn tangent(&self) -> Tangent {
+        match self.method {
+            Method::Implex => Tangent::Secant,
+            Method::Direct => Tangent::Direct,
+            _ => self.step.tangent,
+        }
+    }
+
     /// Whether the penalty is shifted.
     fn shifted(&self) -> bool {
-        self.step.tangent != Tangent::Direct
+        self.tangent() != Tangent::Direct
     }
 
     /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
@@ -209,7 +215,7 @@ impl<'m> Newton<'m> {
             // The rate of a state without a last increment is not known: nothing extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
-        } else if self.step.tangent == Tangent::Secant {
+        } else if self.tangent() == Tangent::Secant {
             Solids::Secant
         } else {
             Solids::Implicit
