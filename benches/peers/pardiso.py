@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """MKL Pardiso against our multifrontal solvers on the same matrices, turn by turn.
 
-    python3 -m venv /tmp/pardiso && /tmp/pardiso/bin/pip install pypardiso
+    python3 -m venv target/pardiso && target/pardiso/bin/pip install pypardiso
     cargo bench --bench linear --no-run            # prints the path of the binary
-    /tmp/pardiso/bin/python benches/peers/pardiso.py <binary> [turns] [matrix ...]
+    target/pardiso/bin/python benches/peers/pardiso.py <binary> [turns] [matrix ...]
 
 Each turn asks for one factorisation and one solve of every solver, number of threads and matrix;
 the order of the solvers changes from turn to turn. Printed are medians, and medians of the ratios

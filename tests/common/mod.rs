@@ -1,6 +1,7 @@
 //! What the tests share: tables of the paper, CSV files, random numbers.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod blocks;
 pub mod scene;
 
 use std::collections::HashMap;

@@ -2,24 +2,30 @@
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
+pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion,
-    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion,
+    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
 use wythe::model::{Mesh, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Summary};
+use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
 use wythe::solve::State;
 
-/// A face of a block, by its outward normal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
-    Left,
-    Right,
-    Front,
-    Back,
-    Bottom,
-    Top,
-}
+/// Gravity [mm/s²].
+pub const G: f64 = 9810.0;
+/// Density of the blocks that move [tonne/mm³].
+pub const DENSITY: f64 = 2e-9;
+
+/// A procedure and its tangents.
+pub type How = (Procedure, Tangent);
+/// Newton's method with the secant stiffness of the solids.
+pub const SECANT: How = (Procedure::Static, Tangent::Secant);
+/// The same with extrapolated solids.
+pub const IMPLEX: How = (Procedure::Implex, Tangent::Secant);
+/// Newton's method with consistent tangents and the shifted penalty.
+pub const CONSISTENT: How = (Procedure::Static, Tangent::Consistent);
+/// Newton's method on the law itself.
+pub const DIRECT: How = (Procedure::Static, Tangent::Direct);
 
 /// A block of a scene: its grid of nodes.
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +110,7 @@ pub fn empty() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: Vec::new(),
         output: Output { every: 1 },
     }
@@ -226,13 +233,14 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
             min: 1e-3 * size,
         },
         viscosity: 0.0,
-        procedure: Procedure::Implicit,
+        procedure: Procedure::Static,
+        tangent: Tangent::Consistent,
+        control: None,
         tolerance: Tolerance {
             residual: tolerance,
             max_iterations: 60,
         },
         gravity: Gravity::None,
-        dynamics: Dynamics::Static,
         ground: GroundMotion::default(),
         springs: Vec::new(),
     }
@@ -245,7 +253,7 @@ pub fn left_alone(gravity: Gravity, duration: f64, increments: usize, tolerance:
         motion: Vec::new(),
         driven: None,
         gravity,
-        procedure: Procedure::Secant,
+        tangent: Tangent::Secant,
         ..step([BeamMotion::Locked; 3], 0, increments, tolerance)
     }
 }
@@ -259,7 +267,7 @@ pub fn set_free(
     alpha: f64,
 ) -> Step {
     Step {
-        dynamics: Dynamics::Dynamic {
+        procedure: Procedure::Dynamic {
             alpha,
             damping: Rayleigh::default(),
         },
@@ -302,6 +310,29 @@ pub fn run(model: &Model) -> (Recording, Summary) {
     let mut recording = Recording::default();
     let summary = wythe::solve::run(model, &mut recording).expect("the model can be run");
     (recording, summary)
+}
+
+/// Runs a model to its end.
+pub fn completed(model: &Model) -> Recording {
+    let (recording, summary) = run(model);
+    println!(
+        "{} increments, {} solves, {} cuts",
+        summary.increments, summary.iterations, summary.cutbacks
+    );
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    recording
+}
+
+/// W − (E + T + ΣD), what the energies of a row lack [J].
+pub fn gap(row: &HistoryRow) -> f64 {
+    row.external_work_J
+        - row.elastic_energy_J
+        - row.kinetic_energy_J
+        - row.plastic_damage_dissipation_J
+        - row.interface_dissipation_J
+        - row.viscous_dissipation_J
+        - row.damping_dissipation_J
+        - row.numerical_dissipation_J
 }
 
 /// Points that slid from one commit to the next, and do not face nothing: index and history.

@@ -66,6 +66,13 @@ def test_vtk_reads_the_known_fields(known: Path, step: int) -> None:
     assert cells(grid, "course").tolist() == [0, 2, 4]
 
 
+def test_vtk_reads_the_probe_of_every_step(known: Path) -> None:
+    reader = reader_of(known / "results.vtkhdf")
+    for step, t in enumerate(TIMES):
+        probe = at(reader, step).GetFieldData().GetArray("gap_mm")
+        assert probe.GetNumberOfTuples() == 1 and probe.GetValue(0) == -8 * t
+
+
 def test_the_cells_are_not_inside_out(known: Path) -> None:
     """Positive volume in VTK's own order of nodes: each cube is 100 mm wide."""
     grid = at(reader_of(known / "results.vtkhdf"), 0)

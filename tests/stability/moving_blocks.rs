@@ -3,35 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Block, Face, Recording};
+use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, gap};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
-use wythe::model::scene::{ContactPoints, Gravity, Procedure};
-use wythe::results::{HistoryRow, Status};
+use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
+use wythe::results::HistoryRow;
 
-const G: f64 = 9810.0;
 const MU: f64 = 0.4;
-const DENSITY: f64 = 2e-9;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    println!(
-        "{} increments, {} solves, {} cuts",
-        summary.increments, summary.iterations, summary.cutbacks
-    );
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
-
-/// W − (E + T + ΣD) [J].
-fn gap(row: &HistoryRow) -> f64 {
-    row.external_work_J
-        - row.elastic_energy_J
-        - row.kinetic_energy_J
-        - row.interface_dissipation_J
-        - row.damping_dissipation_J
-        - row.numerical_dissipation_J
-}
 
 /// Worst gap of the energies over the most that was put in.
 fn imbalance(recording: &Recording) -> f64 {
@@ -244,12 +222,12 @@ fn a_moving_block_has_the_same_history_on_1_2_and_4_threads() {
         model.initial_velocity[n as usize] = [1000.0, 100.0, 0.0];
     }
     let mut step = scene::set_free(Gravity::Constant(down), 0.1, 20, 5e-3, -0.1);
-    if let wythe::model::scene::Dynamics::Dynamic { damping, .. } = &mut step.dynamics {
+    if let Procedure::Dynamic { damping, .. } = &mut step.procedure {
         damping.mass = 1.0;
         damping.stiffness = 1e-5;
     }
-    for procedure in [Procedure::Secant, Procedure::Implicit] {
-        step.procedure = procedure;
+    for tangent in [Tangent::Secant, Tangent::Consistent] {
+        step.tangent = tangent;
         model.steps = vec![
             scene::left_alone(Gravity::Growing(down), 1.0, 2, 5e-3),
             step.clone(),
@@ -265,7 +243,7 @@ fn a_moving_block_has_the_same_history_on_1_2_and_4_threads() {
         };
         let one = digits(1);
         for threads in [2, 4] {
-            assert!(digits(threads) == one, "{procedure:?}, {threads} threads");
+            assert!(digits(threads) == one, "{tangent:?}, {threads} threads");
         }
     }
 }

@@ -26,7 +26,7 @@ VARIANTS = {
     "j7d": (J7D, {}, "as it stands"),
     "j7d-implicit": (
         J7D,
-        {"steps.0.procedure": "implicit", "steps.1.procedure": "implicit"},
+        {"steps.0.tangent": "consistent", "steps.1.tangent": "consistent"},
         "everything implicit, tolerance 5e-3",
     ),
     "j7d-implex": (

@@ -6,11 +6,11 @@ mod common;
 
 use std::path::Path;
 
-use common::scene::{self, Face, Recording};
+use common::scene::{self, Face, How, completed};
 use wythe::contact::InterfaceLaw;
-use wythe::model::scene::{BeamMotion, Procedure};
+use wythe::model::scene::BeamMotion;
 use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
+use wythe::results::HistoryRow;
 
 /// Pressure, peak of shear and residual friction of Fig. 7 [MPa].
 const FIGURE_7: [[f64; 3]; 3] = [
@@ -21,12 +21,6 @@ const FIGURE_7: [[f64; 3]; 3] = [
 /// Tensile strength [MPa] and mode I energy [N/mm] of Table 1.
 const TENSION: [f64; 2] = [0.28, 12.08e-3];
 const LOCKED: BeamMotion = BeamMotion::Locked;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
 
 fn largest(rows: &[HistoryRow], value: impl Fn(&HistoryRow) -> f64) -> f64 {
     rows.iter().map(value).fold(0.0, f64::max)
@@ -67,10 +61,10 @@ fn uniform_blocks() -> (Model, [scene::Block; 2]) {
     (model, [lower, upper])
 }
 
-const PROCEDURES: [(Procedure, f64); 3] = [
-    (Procedure::Direct, 1e-6),
-    (Procedure::Secant, 1e-4),
-    (Procedure::Implex, 1e-4),
+const PROCEDURES: [(How, f64); 3] = [
+    (scene::DIRECT, 1e-6),
+    (scene::SECANT, 1e-4),
+    (scene::IMPLEX, 1e-4),
 ];
 
 #[test]
@@ -83,7 +77,7 @@ fn two_uniform_blocks_part_with_the_strength_and_energy_of_figure_7() {
         for (to, increments) in [(0.0090, 10), (0.001, 50), (0.26, 260)] {
             let pull = [LOCKED, LOCKED, BeamMotion::Driven(to)];
             let mut step = scene::step(pull, 2, increments, tolerance);
-            step.procedure = procedure;
+            (step.procedure, step.tangent) = procedure;
             model.steps.push(step);
         }
         let rows = completed(&model).rows;
@@ -134,7 +128,7 @@ fn two_uniform_blocks_slide_with_the_peaks_and_residuals_of_figure_7() {
                 scene::step(push, 0, increments, tolerance)
             });
             for mut step in steps {
-                step.procedure = procedure;
+                (step.procedure, step.tangent) = procedure;
                 model.steps.push(step);
             }
             let rows = completed(&model).rows;

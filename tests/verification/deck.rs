@@ -104,7 +104,7 @@ fn defaults_are_those_of_the_documentation() {
     assert_eq!(model.formulation, Formulation::Incompatible);
     assert_eq!(model.contact.points, ContactPoints::Gauss);
     let step = &model.steps[1];
-    assert_eq!(step.procedure, Procedure::Secant);
+    assert_eq!(step.procedure, Procedure::Auto);
     assert_eq!((step.duration, step.tolerance.residual), (1.0, 5e-2));
     assert_eq!(step.tolerance.max_iterations, 25);
     assert_eq!(model.output.every, 5);

@@ -5,7 +5,6 @@ mod common;
 
 use common::scene::{self, Recording};
 use wythe::model::Model;
-use wythe::model::scene::Procedure;
 
 fn on_threads(model: &Model, threads: usize) -> Recording {
     let pool = rayon::ThreadPoolBuilder::new()
@@ -29,9 +28,9 @@ fn digits(recording: &Recording) -> String {
 #[test]
 fn a_small_wall_has_the_same_history_on_1_2_and_4_threads() {
     for (procedure, end) in [
-        (Procedure::Secant, 0.3),
-        (Procedure::Implex, 0.3),
-        (Procedure::Direct, 0.2),
+        (scene::SECANT, 0.3),
+        (scene::IMPLEX, 0.3),
+        (scene::DIRECT, 0.2),
     ] {
         let mut model = common::small_wall();
         for motion in &mut model.steps[1].motion[0] {
@@ -41,7 +40,7 @@ fn a_small_wall_has_the_same_history_on_1_2_and_4_threads() {
         }
         model.steps[1].increments.max = 0.02;
         for step in &mut model.steps {
-            step.procedure = procedure;
+            (step.procedure, step.tangent) = procedure;
             step.tolerance.residual = 5e-3;
         }
         let one = on_threads(&model, 1);

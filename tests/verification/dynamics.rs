@@ -1,255 +1,18 @@
-//! Inertia, gravity and damping against closed forms, and their energies.
+//! Blocks, columns and walls that move: gravity, ground and beams, their energies, and the deck's words.
 
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Face, Recording};
-use wythe::model::scene::{
-    BeamMotion, Dynamics, Gravity, GroundMotion, Procedure, Rayleigh, Spring, Step,
-};
+use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
+use wythe::model::scene::{BeamMotion, Gravity, GroundMotion, Procedure, Rayleigh, Tangent};
 use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
 use wythe::solve::RunError;
 use wythe::system::{Bulk, DofMap, Mass};
 
-const G: f64 = 9810.0;
-const DENSITY: f64 = 2e-9;
-/// Of the mean nodal force: linear problems are solved to rounding by one iteration. Where an oscillator
-/// passes zero a hundredth of its largest force remains, and rounding is 1e-11 of it.
+/// Of the mean nodal force: linear problems are solved to rounding by one iteration.
 const EXACT: f64 = 1e-8;
 /// The weight is 1e-6 of what the elements carry at a strain of 1: so much larger is rounding.
 const OF_WEIGHT: f64 = 1e-5;
-
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
-
-/// W − (E + T + ΣD) [J].
-fn gap(row: &HistoryRow) -> f64 {
-    row.external_work_J
-        - row.elastic_energy_J
-        - row.kinetic_energy_J
-        - row.plastic_damage_dissipation_J
-        - row.interface_dissipation_J
-        - row.viscous_dissipation_J
-        - row.damping_dissipation_J
-        - row.numerical_dissipation_J
-}
-
-/// One element held but for its top, which moves axially: k = EA/L, m = ϱAL/2.
-struct Oscillator {
-    model: Model,
-    /// √(k/m) [1/s].
-    omega: f64,
-}
-
-const V0: f64 = 100.0;
-
-fn oscillator() -> Oscillator {
-    let (e, length) = (1e4, 100.0);
-    let mut model = scene::empty();
-    let solid = scene::heavy(e, 0.0, DENSITY);
-    let column = scene::block(
-        &mut model,
-        [0.0; 3],
-        [10.0, 10.0, length],
-        [1, 1, 1],
-        &solid,
-    );
-    scene::hold(&mut model, column.face(Face::Bottom), [true; 3]);
-    scene::hold(&mut model, column.face(Face::Top), [true, true, false]);
-    model.initial_velocity = vec![[0.0, 0.0, V0]; model.mesh.nodes.len()];
-    Oscillator {
-        model,
-        omega: (2.0 * e / DENSITY).sqrt() / length,
-    }
-}
-
-impl Oscillator {
-    /// `periods` periods in increments of 1/`per_period`; (u, v) at each.
-    fn swing(
-        &mut self,
-        dynamics: Dynamics,
-        periods: usize,
-        per_period: usize,
-    ) -> (Recording, Vec<[f64; 2]>, f64) {
-        let duration = periods as f64 * std::f64::consts::TAU / self.omega;
-        let count = periods * per_period;
-        self.model.steps = vec![Step {
-            dynamics,
-            procedure: Procedure::Implicit,
-            ..scene::left_alone(Gravity::None, duration, count, EXACT)
-        }];
-        let recording = completed(&self.model);
-        assert_eq!(recording.states.len(), count);
-        let path = recording
-            .states
-            .iter()
-            .map(|s| [s.q[0], s.velocity[0]])
-            .collect();
-        (recording, path, duration / count as f64)
-    }
-}
-
-/// The same oscillator as one equation of unit mass: HHT-α after one increment of backward Euler.
-fn scalar(alpha: f64, damping: Rayleigh, omega: f64, dt: f64, count: usize) -> Vec<[f64; 2]> {
-    let (k, c) = (
-        omega * omega,
-        damping.mass + damping.stiffness * omega * omega,
-    );
-    let (beta, gamma) = ((1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha);
-    let v = V0 / (1.0 + dt * c + dt * dt * k);
-    let (mut u, mut v, mut a) = (dt * v, v, (v - V0) / dt);
-    let mut path = vec![[u, v]];
-    for _ in 1..count {
-        let u_star = u + dt * v + dt * dt * (0.5 - beta) * a;
-        let v_star = v + dt * (1.0 - gamma) * a;
-        let before = c * v + k * u;
-        let next = (alpha * before - (1.0 + alpha) * (c * v_star + k * u_star))
-            / (1.0 + (1.0 + alpha) * (c * gamma * dt + k * beta * dt * dt));
-        (u, v, a) = (
-            u_star + beta * dt * dt * next,
-            v_star + gamma * dt * next,
-            next,
-        );
-        path.push([u, v]);
-    }
-    path
-}
-
-#[test]
-fn an_oscillator_follows_the_scheme_with_and_without_damping() {
-    let mut oscillator = oscillator();
-    let omega = oscillator.omega;
-    for damping in [
-        Rayleigh::default(),
-        Rayleigh {
-            mass: 0.1 * omega,
-            stiffness: 0.0,
-        },
-        Rayleigh {
-            mass: 0.0,
-            stiffness: 0.1 / omega,
-        },
-    ] {
-        for alpha in [0.0, -0.1, -1.0 / 3.0] {
-            let dynamics = Dynamics::Dynamic { alpha, damping };
-            let (recording, path, dt) = oscillator.swing(dynamics, 2, 40);
-            let expected = scalar(alpha, damping, omega, dt, path.len());
-            for ([u, v], [u_expected, v_expected]) in path.iter().zip(&expected) {
-                // The residual, 1e-8 of the forces, over 80 increments, in units of the swing.
-                assert!(
-                    (u - u_expected).abs() < 1e-6 * V0 / omega,
-                    "{u} {u_expected}"
-                );
-                assert!((v - v_expected).abs() < 1e-6 * V0, "{v} {v_expected}");
-            }
-            let first = recording.rows[0].external_work_J;
-            for row in &recording.rows {
-                // The residual again.
-                assert!(gap(row).abs() < 1e-7 * first, "{row:?}");
-            }
-            let last = recording.rows.last().unwrap();
-            let damped = last.damping_dissipation_J;
-            assert_eq!(damped > 0.0, damping != Rayleigh::default());
-        }
-    }
-}
-
-#[test]
-fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
-    let mut oscillator = oscillator();
-    let omega = oscillator.omega;
-    let dynamics = Dynamics::Dynamic {
-        alpha: 0.0,
-        damping: Rayleigh::default(),
-    };
-    let (recording, path, dt) = oscillator.swing(dynamics, 5, 20);
-    // From the first increment on: ω̄ Δt = 2 atan(ω Δt/2) (Hughes 2000, §9.1.2).
-    let turn = 2.0 * (0.5 * omega * dt).atan();
-    let [u, v] = path[0];
-    let (swing, phase) = (u.hypot(v / omega), (omega * u).atan2(v));
-    for (n, [u, _]) in path.iter().enumerate() {
-        let expected = swing * (n as f64 * turn + phase).sin();
-        // As above.
-        assert!((u - expected).abs() < 1e-6 * swing, "{n}: {u} {expected}");
-    }
-    let numerical: Vec<f64> = recording
-        .rows
-        .iter()
-        .map(|r| r.numerical_dissipation_J)
-        .collect();
-    let first = recording.rows[0].external_work_J;
-    // Backward Euler takes 1 − 1/(1 + ω²Δt²) of the energy, the trapezoidal rule nothing.
-    let euler = 1.0 - 1.0 / (1.0 + (omega * dt) * (omega * dt));
-    for taken in &numerical {
-        assert!((taken / first - euler).abs() < 1e-7, "{taken}, {euler}");
-    }
-}
-
-#[test]
-fn backward_euler_takes_its_known_part_of_the_energy() {
-    let mut oscillator = oscillator();
-    let omega = oscillator.omega;
-    let (recording, path, dt) = oscillator.swing(Dynamics::QuasiStatic, 3, 20);
-    let factor = 1.0 + (omega * dt) * (omega * dt);
-    let mut energy = V0 * V0;
-    for [u, v] in path {
-        energy /= factor;
-        let found = omega * omega * u * u + v * v;
-        // The residual, as above.
-        assert!((found / energy - 1.0).abs() < 1e-6, "{found} {energy}");
-    }
-    let last = recording.rows.last().unwrap();
-    assert!(gap(last).abs() < 1e-7 * last.external_work_J);
-    assert!(last.numerical_dissipation_J > 0.99 * last.external_work_J);
-}
-
-#[test]
-fn damping_has_the_period_and_the_decrement_of_the_textbook() {
-    let mut oscillator = oscillator();
-    let omega = oscillator.omega;
-    // ζ = a/(2ω) + bω/2 = 3 % + 2 %.
-    let zeta = 0.05_f64;
-    let dynamics = Dynamics::Dynamic {
-        alpha: 0.0,
-        damping: Rayleigh {
-            mass: 0.06 * omega,
-            stiffness: 0.04 / omega,
-        },
-    };
-    let (_, path, dt) = oscillator.swing(dynamics, 4, 200);
-    // Upward passages through zero, linear between increments: times and the velocities there.
-    let passages: Vec<[f64; 2]> = path
-        .windows(2)
-        .enumerate()
-        .filter(|(_, w)| w[0][0] < 0.0 && w[1][0] >= 0.0)
-        .map(|(n, w)| {
-            let part = w[0][0] / (w[0][0] - w[1][0]);
-            [(n as f64 + part) * dt, w[0][1] + part * (w[1][1] - w[0][1])]
-        })
-        .collect();
-    assert!(passages.len() >= 3);
-    let root = (1.0 - zeta * zeta).sqrt();
-    for pair in passages.windows(2) {
-        let period = pair[1][0] - pair[0][0];
-        let decrement = (pair[0][1] / pair[1][1]).ln();
-        // The rule lengthens periods by (ωΔt)²/12 = 8e-5.
-        let expected = std::f64::consts::TAU / (omega * root);
-        assert!(
-            (period / expected - 1.0).abs() < 2e-4,
-            "{period} {expected}"
-        );
-        // Second order too, times a factor of order one, of a decrement of 0.31.
-        let expected = std::f64::consts::TAU * zeta / root;
-        assert!(
-            (decrement / expected - 1.0).abs() < 1e-3,
-            "{decrement} {expected}"
-        );
-    }
-}
 
 /// A block in the air.
 fn block_in_the_air() -> Model {
@@ -315,7 +78,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
         .collect();
     let quarter = 0.5 * std::f64::consts::PI / spin;
     let mut step = scene::set_free(Gravity::None, quarter, 400, 1e-6, -0.05);
-    step.dynamics = Dynamics::Dynamic {
+    step.procedure = Procedure::Dynamic {
         alpha: -0.05,
         damping: Rayleigh {
             mass: 0.0,
@@ -323,7 +86,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
             stiffness: 1e-4,
         },
     };
-    step.procedure = Procedure::Implicit;
+    step.tangent = Tangent::Consistent;
     model.steps = vec![step];
     let recording = completed(&model);
     let (first, last) = (&recording.rows[0], recording.rows.last().unwrap());
@@ -443,9 +206,9 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
         BeamMotion::Locked,
         BeamMotion::Driven(1.0),
     ];
-    for dynamics in [
-        Dynamics::QuasiStatic,
-        Dynamics::Dynamic {
+    for procedure in [
+        Procedure::QuasiStatic,
+        Procedure::Dynamic {
             alpha: -0.1,
             damping: Rayleigh {
                 mass: 10.0,
@@ -455,7 +218,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
     ] {
         let mut step = scene::step(pulled, 2, 100, 1e-8);
         step.duration = 0.01;
-        step.dynamics = dynamics;
+        step.procedure = procedure;
         model.steps = vec![step];
         let recording = completed(&model);
         let last = recording.rows.last().unwrap();
@@ -464,7 +227,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
             .iter()
             .map(|r| gap(r).abs())
             .fold(0.0, f64::max);
-        println!("{dynamics:?}: {worst:e} of {last:?}");
+        println!("{procedure:?}: {worst:e} of {last:?}");
         // The residual.
         assert!(worst < 1e-5 * last.external_work_J);
         assert!(last.kinetic_energy_J > 0.0);
@@ -523,85 +286,6 @@ fn the_total_of_the_masses_is_the_mass_and_supports_do_not_move() {
     assert!((moving / expected - 1.0).abs() < 1e-13);
 }
 
-/// A block that only moves in x, with a spring on all its nodes.
-fn block_on_a_spring(stiffness: f64) -> Model {
-    let mut model = block_in_the_air();
-    let nodes: Vec<u32> = (0..model.mesh.nodes.len() as u32).collect();
-    scene::hold(&mut model, nodes.clone(), [false, true, true]);
-    model.springs.push(Spring {
-        name: "spring".to_owned(),
-        nodes,
-        stiffness: [stiffness, 0.0, 0.0],
-    });
-    model
-}
-
-#[test]
-fn a_block_swings_on_its_spring() {
-    let stiffness = 5.0;
-    let mut model = block_on_a_spring(stiffness);
-    model.initial_velocity = vec![[V0, 0.0, 0.0]; model.mesh.nodes.len()];
-    let omega = (stiffness / (DENSITY * 60.0 * 40.0 * 50.0)).sqrt();
-    let period = std::f64::consts::TAU / omega;
-    // Two periods and a quarter: at the turn.
-    let count = 450;
-    model.steps = vec![scene::set_free(
-        Gravity::None,
-        2.25 * period,
-        count,
-        1e-6,
-        0.0,
-    )];
-    let recording = completed(&model);
-    let last = recording.rows.last().unwrap();
-    let u = recording.frames.last().unwrap().displacement[0][0];
-    // Backward Euler's first increment takes (ωΔt)²/2 = 5e-4 of the swing and the phase runs late by
-    // 2.25 × 8e-5 of a period, which the turn does not show.
-    assert!((u / (V0 / omega) - 1.0).abs() < 1e-3, "{u}");
-    assert!(last.kinetic_energy_J < 1e-3 * last.elastic_energy_J);
-    // The residual.
-    assert!(gap(last).abs() < 1e-5 * last.external_work_J);
-    // Each zero crossing half a period after the last, late by (ωΔt)²/12 = 8e-5.
-    let path: Vec<[f64; 2]> = recording
-        .frames
-        .iter()
-        .map(|f| [f.time, f.displacement[0][0]])
-        .collect();
-    let crossings: Vec<f64> = path
-        .windows(2)
-        .filter(|w| w[0][1] * w[1][1] < 0.0)
-        .map(|w| w[0][0] + (w[1][0] - w[0][0]) * w[0][1] / (w[0][1] - w[1][1]))
-        .collect();
-    assert_eq!(crossings.len(), 4);
-    for pair in crossings.windows(2) {
-        let half = pair[1] - pair[0];
-        // Linear between increments beside it.
-        assert!((2.0 * half / period - 1.0).abs() < 5e-4, "{half} {period}");
-    }
-}
-
-#[test]
-fn a_driven_spring_pulls_against_another() {
-    let mut model = block_on_a_spring(3.0);
-    let other = Spring {
-        stiffness: [1.0, 0.0, 0.0],
-        ..model.springs[0].clone()
-    };
-    model.springs.push(other);
-    let mut step = scene::left_alone(Gravity::None, 1.0, 4, EXACT);
-    step.springs = vec![[4.0, 0.0, 0.0], [0.0; 3]];
-    model.steps = vec![step.clone(), step];
-    let recording = completed(&model);
-    let last = recording.rows.last().unwrap();
-    for displacement in &recording.frames.last().unwrap().displacement {
-        // k₁/(k₁ + k₂) of 8 mm, to the residual.
-        assert!((displacement[0] - 6.0).abs() < 1e-6, "{displacement:?}");
-    }
-    // ½ × 3 × 2² + ½ × 1 × 6² = 24 N mm, all brought in by the driven end.
-    assert!((last.elastic_energy_J - 0.024).abs() < 1e-8, "{last:?}");
-    assert!((last.external_work_J - 0.024).abs() < 1e-8, "{last:?}");
-}
-
 #[test]
 fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
     let mut model = common::small_wall();
@@ -611,7 +295,7 @@ fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
         }
     }
     let still = completed(&model);
-    model.steps[1].dynamics = Dynamics::QuasiStatic;
+    model.steps[1].procedure = Procedure::QuasiStatic;
     let moved = completed(&model);
     let peak = |r: &Recording| r.rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
     let last = moved.rows.last().unwrap();
@@ -643,8 +327,8 @@ fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelErr
 #[test]
 fn the_deck_says_what_inertia_does() {
     let model = wall_with(&[
-        ("steps.0.dynamics", "quasi-static"),
-        ("steps.1.dynamics", "dynamic"),
+        ("steps.0.procedure", "quasi_static"),
+        ("steps.1.procedure", "dynamic"),
         ("steps.1.alpha", "-0.1"),
         (
             "steps.1.rayleigh",
@@ -654,24 +338,24 @@ fn the_deck_says_what_inertia_does() {
         ("steps.1.ground_unit", "9.81 m/s^2"),
     ])
     .unwrap();
-    assert_eq!(model.steps[0].dynamics, Dynamics::QuasiStatic);
-    let expected = Dynamics::Dynamic {
+    assert_eq!(model.steps[0].procedure, Procedure::QuasiStatic);
+    let expected = Procedure::Dynamic {
         alpha: -0.1,
         damping: Rayleigh {
             mass: 0.5,
             stiffness: 0.002,
         },
     };
-    assert_eq!(model.steps[1].dynamics, expected);
+    assert_eq!(model.steps[1].procedure, expected);
     let [x, y, z] = model.steps[1].ground.at(0.05);
     // One product and one interpolation.
     assert!((x - 981.0).abs() < 1e-9 && y == 0.0 && z == 0.0);
-    assert!(!wall_with(&[]).unwrap().steps[1].dynamics.has_inertia());
+    assert!(!wall_with(&[]).unwrap().steps[1].procedure.has_inertia());
 }
 
 #[test]
 fn keys_of_inertia_are_checked() {
-    let dynamic = ("steps.1.dynamics", "dynamic");
+    let dynamic = ("steps.1.procedure", "dynamic");
     for (overrides, key) in [
         (vec![("steps.1.alpha", "-0.1")], "steps.1.alpha"),
         (vec![dynamic, ("steps.1.alpha", "0.1")], "steps.1.alpha"),
@@ -690,7 +374,7 @@ fn keys_of_inertia_are_checked() {
         ),
         (
             vec![dynamic, ("materials.mortar.density", "0")],
-            "steps.1.dynamics",
+            "steps.1.procedure",
         ),
     ] {
         let error = wall_with(&overrides).unwrap_err();

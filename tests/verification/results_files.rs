@@ -5,9 +5,11 @@
 use std::path::Path;
 
 use wythe_core::material::{ElasticParameters, MaterialParameters};
+use wythe_core::model::deck::ProbeQuantity;
+use wythe_core::model::probes::Probe;
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tolerance,
+    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::{Mesh, Model};
 use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Status, Summary};
@@ -51,6 +53,14 @@ fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: vec![Probe {
+            column: "gap_mm".to_owned(),
+            nodes: vec![0],
+            minus: vec![8],
+            axis: 2,
+            sign: 1.0,
+            quantity: ProbeQuantity::Displacement,
+        }],
         steps: vec![Step {
             name: "drive".to_owned(),
             duration: 2.0,
@@ -66,13 +76,14 @@ fn model() -> Model {
                 min: 1e-6,
             },
             viscosity: 0.0,
-            procedure: Procedure::Direct,
+            procedure: Procedure::Static,
+            tangent: Tangent::Direct,
+            control: None,
             tolerance: Tolerance {
                 residual: 5e-3,
                 max_iterations: 25,
             },
             gravity: Gravity::None,
-            dynamics: Dynamics::Static,
             ground: GroundMotion::default(),
             springs: Vec::new(),
         }],
@@ -81,7 +92,8 @@ fn model() -> Model {
 }
 
 /// With t the time, n the node, e the element and i the component:
-/// u = (1e-3 t x, −2e-3 t y, t n), σ = t (10 e + i), ε_p = 1e-3 σ, d_t = t e/10, d_c = t/(8 + e).
+/// u = (1e-3 t x, −2e-3 t y, t n), σ = t (10 e + i), ε_p = 1e-3 σ, d_t = t e/10, d_c = t/(8 + e); the
+/// probe sees −8 t.
 fn frame(model: &Model, t: f64) -> Frame {
     let elements = || (0..model.mesh.elements.len()).map(|e| e as f64);
     let tensor = |scale: f64, e: f64| std::array::from_fn(|i| scale * t * (10.0 * e + i as f64));
@@ -95,6 +107,7 @@ fn frame(model: &Model, t: f64) -> Frame {
         plastic_strain: elements().map(|e| tensor(1e-3, e)).collect(),
         tensile_damage: elements().map(|e| t * e / 10.0).collect(),
         compressive_damage: elements().map(|e| t / (8.0 + e)).collect(),
+        probes: vec![-8.0 * t],
     }
 }
 
@@ -110,6 +123,7 @@ fn row(increment: usize) -> HistoryRow {
         external_work_J: 4.0 * n,
         elastic_energy_J: 3.0 * n,
         interface_dissipation_J: 0.96 * n,
+        probes: vec![-4.0 * n],
         ..HistoryRow::default()
     }
 }
@@ -131,6 +145,7 @@ fn summary() -> Summary {
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),
+        log: Vec::new(),
     }
 }
 
@@ -161,4 +176,10 @@ fn a_folder_of_known_fields_is_written_for_the_readers() {
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(value["status"], "completed");
     assert_eq!(value["warnings"][0], "a warning");
+    // −8 t at t = 0.5 to 2.
+    let probe = &value["probes"]["gap_mm"];
+    assert_eq!(
+        (&probe["lowest"], &probe["highest"]),
+        (&(-16.0).into(), &(-4.0).into())
+    );
 }

@@ -3,11 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Face, Recording};
+use common::scene::{self, Face, How, Recording, completed};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
-use wythe::model::scene::{BeamMotion, ContactPoints, Procedure, Step};
-use wythe::results::Status;
+use wythe::model::scene::{BeamMotion, ContactPoints, Step};
 
 const MU: f64 = 0.6;
 /// Normal force [N].
@@ -37,19 +36,13 @@ fn three_blocks(e: f64, k_n: f64, points: ContactPoints) -> Model {
     model
 }
 
-fn with(mut step: Step, procedure: Procedure) -> Step {
-    step.procedure = procedure;
+fn with(mut step: Step, procedure: How) -> Step {
+    (step.procedure, step.tangent) = procedure;
     step
 }
 
-fn completed(model: &Model) -> Recording {
-    let (recording, summary) = scene::run(model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording
-}
-
 /// Presses the slider on and pulls it by 120 mm, six elements and across the seam.
-fn pull_across(model: &mut Model, procedure: Procedure, tolerance: f64) -> Recording {
+fn pull_across(model: &mut Model, procedure: How, tolerance: f64) -> Recording {
     let press = [LOCKED, LOCKED, BeamMotion::Force(-N)];
     let press = scene::step(press, 0, 1, tolerance);
     model.steps.push(with(press, procedure));
@@ -111,7 +104,7 @@ fn crosses_the_seam(model: &Model, recording: &Recording) -> bool {
 fn elastic_blocks_slide_with_the_coulomb_force() {
     for points in [ContactPoints::Gauss, ContactPoints::Corner] {
         let mut model = three_blocks(1e4, 125e3, points);
-        let recording = pull_across(&mut model, Procedure::Direct, 1e-7);
+        let recording = pull_across(&mut model, scene::DIRECT, 1e-7);
         assert!(crosses_the_seam(&model, &recording));
         let (cone, count) = off_the_cone(&recording);
         let force = force_error(&recording);
@@ -127,7 +120,7 @@ fn elastic_blocks_slide_with_the_coulomb_force() {
 #[test]
 fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
     let mut model = three_blocks(1e7, 1e5, ContactPoints::Gauss);
-    let recording = pull_across(&mut model, Procedure::Direct, 1e-6);
+    let recording = pull_across(&mut model, scene::DIRECT, 1e-6);
     assert!(crosses_the_seam(&model, &recording));
     let (cone, count) = off_the_cone(&recording);
     let force = force_error(&recording);
@@ -161,7 +154,7 @@ fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
 #[test]
 fn the_default_procedure_slides_with_the_coulomb_force() {
     let mut model = three_blocks(1e4, 125e3, ContactPoints::Gauss);
-    let recording = pull_across(&mut model, Procedure::Secant, 5e-3);
+    let recording = pull_across(&mut model, scene::SECANT, 5e-3);
     assert!(crosses_the_seam(&model, &recording));
     let (cone, count) = off_the_cone(&recording);
     let force = force_error(&recording);
@@ -172,7 +165,7 @@ fn the_default_procedure_slides_with_the_coulomb_force() {
 }
 
 /// Presses the slider on, holds its height, and moves it by `way` in x; then what `more` says.
-fn move_level(model: &mut Model, procedure: Procedure, moves: &[([f64; 3], usize)]) -> Recording {
+fn move_level(model: &mut Model, procedure: How, moves: &[([f64; 3], usize)]) -> Recording {
     let press = [LOCKED, LOCKED, BeamMotion::Force(-N)];
     model
         .steps
@@ -197,11 +190,11 @@ fn move_level(model: &mut Model, procedure: Procedure, moves: &[([f64; 3], usize
 /// force, here 0.01 N at a node.
 const NOTHING: f64 = 1e-4;
 
-const PROCEDURES: [Procedure; 4] = [
-    Procedure::Direct,
-    Procedure::Implicit,
-    Procedure::Secant,
-    Procedure::Implex,
+const PROCEDURES: [How; 4] = [
+    scene::DIRECT,
+    scene::CONSISTENT,
+    scene::SECANT,
+    scene::IMPLEX,
 ];
 
 /// Force over μ times the reaction, less one.

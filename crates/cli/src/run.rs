@@ -84,6 +84,10 @@ impl Recorder for Watched<'_> {
         Ok(go_on && !self.interrupt.requested())
     }
 
+    fn note(&mut self, text: &str) {
+        self.terminal.note(text);
+    }
+
     fn progress(&mut self, step: usize, _time: f64, iterations: usize) {
         self.terminal.iteration(step, iterations);
     }

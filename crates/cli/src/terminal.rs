@@ -6,6 +6,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use wythe_core::model::Model;
 use wythe_core::results::HistoryRow;
+use wythe_core::solve::Method;
 
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
@@ -102,6 +103,15 @@ impl Terminal {
         }
     }
 
+    /// A line that stays.
+    pub fn note(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.println(text);
+        } else {
+            eprintln!("{text}");
+        }
+    }
+
     /// Clears the bar.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
@@ -115,7 +125,7 @@ impl Terminal {
 
     fn line(&self, row: &HistoryRow) -> String {
         format!(
-            "step {} {}: increment {}, {:.4} mm, {:.3} kN, {}{}",
+            "step {} {}: increment {}, {:.4} mm, {:.3} kN, {}{}{}",
             row.step,
             self.name(row.step),
             row.increment,
@@ -125,6 +135,10 @@ impl Terminal {
             match row.cutbacks {
                 0 => String::new(),
                 n => format!(", {}", count(n, "cut-back")),
+            },
+            match row.procedure {
+                Method::Static => String::new(),
+                other => format!(", {}", other.name()),
             }
         )
     }

@@ -2,25 +2,43 @@
 
 mod common;
 
+use std::path::Path;
+use std::process::Output;
+
 use common::*;
+
+/// Drives a point of a model along the path of a file.
+fn drive(what: [&str; 2], model: &str, path: &Path, options: &[&str]) -> Output {
+    let path = path.display().to_string();
+    let mut arguments = vec!["drive"];
+    arguments.extend(what);
+    arguments.extend(["--model", model, "--path", &path]);
+    arguments.extend(options);
+    wythe(&arguments)
+}
+
+const JOINT: [&str; 2] = ["interface", "joint"];
+const BRICK: [&str; 2] = ["material", "brick"];
+
+/// Drives the joint of the couplet.
+fn joint(path: &Path, options: &[&str]) -> Output {
+    let options = [options, &STIFFNESSES].concat();
+    drive(JOINT, &couplet(), path, &options)
+}
+
+/// The shear wall with its bricks.
+fn shear_wall() -> String {
+    repository("examples/03_shear_wall_j7d.toml")
+        .display()
+        .to_string()
+}
 
 /// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory C.
 #[test]
 fn an_interface_point_follows_its_stored_curve() {
     let path = repository("tests/data/golden/itf_T1_mode2_sig0.5.csv");
     let golden = std::fs::read_to_string(&path).unwrap();
-    let (path, model) = (path.display().to_string(), couplet());
-    let mut arguments = vec![
-        "drive",
-        "interface",
-        "joint",
-        "--model",
-        &model,
-        "--path",
-        &path,
-    ];
-    arguments.extend(STIFFNESSES);
-    let output = wythe(&arguments);
+    let output = joint(&path, &[]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let answer = String::from_utf8(output.stdout).unwrap();
     for (name, reference) in [
@@ -56,23 +74,8 @@ fn a_component_is_driven_by_its_stress_column() {
         format!("# pressure first\nd1_mm,d2_mm,sig_MPa\n{rows}"),
     )
     .unwrap();
-    let (path, model) = (path.display().to_string(), couplet());
     let out = folder.path().join("out.csv").display().to_string();
-    let mut arguments = vec![
-        "drive",
-        "interface",
-        "joint",
-        "--model",
-        &model,
-        "--path",
-        &path,
-        "--out",
-        &out,
-        "--stress",
-        "normal",
-    ];
-    arguments.extend(STIFFNESSES);
-    let output = wythe(&arguments);
+    let output = joint(&path, &["--out", &out, "--stress", "normal"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let answer = std::fs::read_to_string(&out).unwrap();
     for sigma in column(&answer, "sig_MPa") {
@@ -98,26 +101,10 @@ fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let rows = rows.concat();
     let header = "eps_xx,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx\n";
     std::fs::write(&path, format!("{header}{rows}")).unwrap();
-    let model = repository("examples/03_shear_wall_j7d.toml")
-        .display()
-        .to_string();
-    let path = path.display().to_string();
-    let output = wythe(&[
-        "drive",
-        "material",
-        "brick",
-        "--model",
-        &model,
-        "--path",
-        &path,
-        "--stress",
-        "yy",
-        "--stress",
-        "zz",
-        // The table is that of the inviscid law.
-        "--set",
-        "materials.brick.viscosity=0",
-    ]);
+    // The table is that of the inviscid law.
+    let inviscid = ["--set", "materials.brick.viscosity=0"];
+    let options = [&["--stress", "yy", "--stress", "zz"][..], &inviscid].concat();
+    let output = drive(BRICK, &shear_wall(), &path, &options);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let answer = String::from_utf8(output.stdout).unwrap();
     // (3.5 MPa, 0) and (0.3 MPa, 0.002) with E = 16700 MPa, constant afterwards.
@@ -148,7 +135,6 @@ fn a_material_point_in_uniaxial_tension_follows_its_table() {
 #[test]
 fn bad_paths_exit_with_2_and_name_file_line_and_column() {
     let folder = tempfile::tempdir().unwrap();
-    let model = couplet();
     for (name, text, expected) in [
         (
             "missing.csv",
@@ -164,39 +150,17 @@ fn bad_paths_exit_with_2_and_name_file_line_and_column() {
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
         let out = folder.path().join("out.csv");
-        let (path, out_text) = (path.display().to_string(), out.display().to_string());
-        let mut arguments = vec![
-            "drive",
-            "interface",
-            "joint",
-            "--model",
-            &model,
-            "--path",
-            &path,
-            "--out",
-            &out_text,
-        ];
-        arguments.extend(STIFFNESSES);
-        let output = wythe(&arguments);
+        let output = joint(&path, &["--out", &out.display().to_string()]);
         assert_eq!(code(&output), 2);
         // The folder's name may be wrapped in the middle: joined words lose nothing else.
         let said = stderr(&output).replace(' ', "");
         assert!(said.contains(&expected.replace(' ', "")), "{said}");
         assert!(!out.exists());
     }
-    let missing = [
-        "drive",
-        "interface",
-        "joint",
-        "--model",
-        &model,
-        "--path",
-        "no/such.csv",
-    ];
-    assert_eq!(code(&wythe(&[&missing[..], &STIFFNESSES[..]].concat())), 4);
-    let output = wythe(&missing);
+    let missing = Path::new("no/such.csv");
+    assert_eq!(code(&joint(missing, &[])), 4);
     assert_eq!(
-        code(&output),
+        code(&drive(JOINT, &couplet(), missing, &[])),
         2,
         "stiffnesses are missing: the model comes first"
     );
@@ -207,20 +171,7 @@ fn a_point_beyond_its_strength_exits_with_3_and_keeps_the_rows_before() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pull.csv");
     std::fs::write(&path, "sig_MPa,d1_mm,d2_mm\n0.1,0,0\n0.2,0,0\n0.9,0,0\n").unwrap();
-    let (path, model) = (path.display().to_string(), couplet());
-    let mut arguments = vec![
-        "drive",
-        "interface",
-        "joint",
-        "--model",
-        &model,
-        "--path",
-        &path,
-        "--stress",
-        "normal",
-    ];
-    arguments.extend(STIFFNESSES);
-    let output = wythe(&arguments);
+    let output = joint(&path, &["--stress", "normal"]);
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     let answer = String::from_utf8(output.stdout.clone()).unwrap();
     assert_eq!(column(&answer, "sig_MPa").len(), 2);
@@ -247,17 +198,8 @@ fn brick(header: &str, rows: &[[f64; 6]], stress: &[&str]) -> (i32, String, Stri
         text.push('\n');
     }
     std::fs::write(&path, text).unwrap();
-    let model = repository("examples/03_shear_wall_j7d.toml")
-        .display()
-        .to_string();
-    let path = path.display().to_string();
-    let mut arguments = vec![
-        "drive", "material", "brick", "--model", &model, "--path", &path,
-    ];
-    for component in stress {
-        arguments.extend(["--stress", component]);
-    }
-    let output = wythe(&arguments);
+    let options: Vec<&str> = stress.iter().flat_map(|c| ["--stress", c]).collect();
+    let output = drive(BRICK, &shear_wall(), &path, &options);
     let answer = String::from_utf8(output.stdout.clone()).unwrap();
     (code(&output), answer, stderr(&output))
 }

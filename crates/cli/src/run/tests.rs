@@ -24,6 +24,7 @@ fn frame(model: &Model, time: f64) -> Frame {
         tensile_damage: vec![0.5; elements],
         compressive_damage: vec![0.0; elements],
         plastic_strain: vec![[0.0; 6]; elements],
+        probes: Vec::new(),
     }
 }
 
@@ -44,6 +45,7 @@ fn solve(
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),
+        log: Vec::new(),
     };
     for increment in 1..=increments {
         let t = increment as f64 / increments as f64;
@@ -73,6 +75,14 @@ fn status_in(out: &Path) -> (String, u64) {
         value["status"].as_str().unwrap().to_owned(),
         value["increments"].as_u64().unwrap(),
     )
+}
+
+/// Rows of the history below its header.
+fn rows_in(out: &Path) -> usize {
+    let text = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let mut lines = text.lines();
+    assert!(lines.next().is_some());
+    lines.count()
 }
 
 fn folder() -> (tempfile::TempDir, PathBuf) {
@@ -124,13 +134,7 @@ fn lost_convergence_keeps_what_was_found_and_says_why() {
     };
     assert!(report.to_string().contains("the joint has gone"));
     assert_eq!(status_in(&out), ("not_converged".to_owned(), 2));
-    assert_eq!(
-        std::fs::read_to_string(out.join("history.csv"))
-            .unwrap()
-            .lines()
-            .count(),
-        3
-    );
+    assert_eq!(rows_in(&out), 2);
 }
 
 #[test]
@@ -143,13 +147,7 @@ fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
     });
     assert_eq!(ended.unwrap_err().exit_code(), 130);
     assert_eq!(status_in(&out), ("interrupted".to_owned(), 1));
-    assert_eq!(
-        std::fs::read_to_string(out.join("history.csv"))
-            .unwrap()
-            .lines()
-            .count(),
-        2
-    );
+    assert_eq!(rows_in(&out), 1);
 }
 
 #[test]

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
 use crate::material::{ElasticParameters, elastic_stiffness, hooke};
+pub use crate::model::mesh::CORNERS;
 use crate::model::scene::Formulation;
 
 /// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
@@ -15,18 +16,6 @@ pub type Nodal = [[f64; 8]; 3];
 pub type Operator = [Nodal; 6];
 /// Stiffness of 24 displacements, K_ab. `[node a][xyz of a][xyz of b][node b]`
 pub type Stiffness = [[Nodal; 3]; 8];
-
-/// Parameters (ξ, η, ζ) of the nodes, VTK's order.
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
 
 /// Nodes of each face, counter-clockwise seen from outside.
 pub const FACES: [[usize; 4]; 6] = [

@@ -2,7 +2,7 @@
 
 use super::arch::{Stones, stones};
 use super::deck::{Deck, DeckBlock, Names};
-use super::hexahedron::{Corners, Face, Placed, area_vector, norm};
+use super::hexahedron::{Corners, Face, Placed, Shape, area_vector, norm};
 use super::keys;
 use super::quantity::Quantity;
 use super::scene::{Spring, Support, turned};
@@ -86,7 +86,11 @@ impl<'a> Blocks<'a> {
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
         let first = self.placed.len();
         let material = self.material(&block.material);
-        let corners = corners(block);
+        let own = match self.deck.block_nodes(index)? {
+            Some(nodes) => Shape::Grid(nodes),
+            None => Shape::Hexahedron(corners(block)),
+        };
+        let shape = own.map(|x| laid(block, x));
         let copies = block.copies.unwrap_or([1; 3]);
         let pitch = block.pitch.map_or([0.0; 3], |p| p.map(Quantity::get));
         for k in 0..copies[2] {
@@ -94,7 +98,7 @@ impl<'a> Blocks<'a> {
                 for i in 0..copies[0] {
                     let at = [i, j, k];
                     let moved =
-                        corners.map(|x| [0, 1, 2].map(|d| x[d] + f64::from(at[d]) * pitch[d]));
+                        shape.map(|x| [0, 1, 2].map(|d| x[d] + f64::from(at[d]) * pitch[d]));
                     let name = match block.copies {
                         Some(_) => format!("{}-{i}-{j}-{k}", block.name),
                         None => block.name.clone(),
@@ -131,7 +135,7 @@ impl<'a> Blocks<'a> {
             self.add(
                 "arch",
                 format!("voussoir-{i}"),
-                corners,
+                Shape::Hexahedron(corners),
                 arch.mesh,
                 material,
             )?;
@@ -142,7 +146,8 @@ impl<'a> Blocks<'a> {
             .into_iter()
             .zip(springings)
         {
-            self.add("arch", name.to_owned(), corners, [1; 3], material)?;
+            let shape = Shape::Hexahedron(corners);
+            self.add("arch", name.to_owned(), shape, [1; 3], material)?;
         }
         self.group("arch", "springing".to_owned(), springing)?;
         self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
@@ -153,13 +158,13 @@ impl<'a> Blocks<'a> {
         &mut self,
         path: &str,
         name: String,
-        corners: Corners,
+        shape: Shape,
         mesh: [u32; 3],
         material: u16,
     ) -> Result<(), ModelError> {
         self.require_new(path, &name)?;
         let cells = mesh.map(|n| n as usize);
-        let placed = Placed::append(&mut self.mesh, name, corners, cells, material);
+        let placed = Placed::append(&mut self.mesh, name, shape, cells, material);
         self.placed.push(placed);
         Ok(())
     }
@@ -340,12 +345,11 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Corners of a block [mm]: its box or its own, turned about `at`.
+/// Corners of a block [mm]: its box or its own, before it is laid.
 fn corners(block: &DeckBlock) -> Corners {
-    let at = block.at.map(Quantity::get);
     let size = block.size.map_or([0.0; 3], |s| s.map(Quantity::get));
     let [l, t, h] = size;
-    let local = block.corners.map_or(
+    block.corners.map_or(
         [
             [0.0, 0.0, 0.0],
             [l, 0.0, 0.0],
@@ -357,14 +361,17 @@ fn corners(block: &DeckBlock) -> Corners {
             [0.0, t, h],
         ],
         |c| c.map(|x| x.map(Quantity::get)),
-    );
-    local.map(|x| {
-        let x = block.rotate.map_or(x, |Rotation { axis, angle }| {
-            let (d, sign) = axis.axis();
-            let mut unit = [0.0; 3];
-            unit[d] = sign;
-            turned(x, unit, angle.get().to_radians())
-        });
-        [0, 1, 2].map(|d| at[d] + x[d])
-    })
+    )
+}
+
+/// Where a point of a block lies [mm]: turned about the origin, then moved to `at`.
+fn laid(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
+    let at = block.at.map(Quantity::get);
+    let x = block.rotate.map_or(x, |Rotation { axis, angle }| {
+        let (d, sign) = axis.axis();
+        let mut unit = [0.0; 3];
+        unit[d] = sign;
+        turned(x, unit, angle.get().to_radians())
+    });
+    [0, 1, 2].map(|d| at[d] + x[d])
 }

@@ -5,6 +5,7 @@ use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
 use super::gravity::GravityNow;
 use super::layout;
+use super::probes;
 use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
@@ -51,6 +52,7 @@ impl Model {
         } = parts;
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
+        let probes = probes::of_wall(deck, &mesh)?;
         let model = Self {
             title: deck.title.clone(),
             mesh,
@@ -69,6 +71,7 @@ impl Model {
             beams,
             initial_velocity: Vec::new(),
             springs: Vec::new(),
+            probes,
             output: Output {
                 every: deck.output.every,
             },
@@ -155,9 +158,10 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
             driven: Some((0, axis)),
             increments: step.increments(),
             viscosity: step.viscosity.get(),
-            procedure: step.procedure,
+            procedure: step.procedure.with(step.alpha, step.rayleigh),
+            tangent: step.tangent,
+            control: probes::control(deck, i, step)?,
             tolerance: step.tolerance(),
-            dynamics: step.dynamics.with(step.alpha, step.rayleigh),
             ground: deck.ground_motion(i)?,
             gravity: gravity.step(deck, i, step)?,
             springs: Vec::new(),

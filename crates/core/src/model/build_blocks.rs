@@ -5,6 +5,7 @@ use super::deck::{Deck, DeckStep, StepKind};
 use super::findings;
 use super::loading::{Loading, loading};
 use super::meeting::{Meeting, Touching, meeting};
+use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Model, NamedMaterial, Output};
 use super::supports::unheld_bodies;
@@ -40,6 +41,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         .collect();
     require_held(deck, &blocks, &held, &touching)?;
 
+    let probes = probes::of_blocks(deck, &blocks)?;
     let names = std::mem::take(&mut blocks.materials);
     let initial_velocity = std::mem::take(&mut blocks.velocity);
     let model = Model {
@@ -56,6 +58,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         supports,
         initial_velocity,
         springs,
+        probes,
         steps,
         output: Output {
             every: deck.output.every,

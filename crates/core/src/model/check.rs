@@ -2,7 +2,7 @@
 
 use super::deck::{Deck, Interface, Subdivision};
 use super::findings;
-use super::scene::{BeamMotion, ContactPoints, Step};
+use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
 use super::{Model, layout};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
@@ -106,7 +106,7 @@ fn memory_mb(model: &Model, sizes: Sizes) -> f64 {
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
     let contact = 24 * 24 * 8 + 2 * size_of::<wythe_contact::InterfaceHistory>();
     let bodies = model.mesh.elements.len() * element + sizes.contact_points * contact;
-    let unsymmetric = |s: &Step| !s.procedure.is_symmetric();
+    let unsymmetric = |s: &Step| s.tangent != Tangent::Secant;
     let share = if model.steps.iter().any(unsymmetric) {
         1.2
     } else {

@@ -1,4 +1,4 @@
-//! A hexahedron by its eight corners, cut into hex8; and its six faces.
+//! A hexahedron by its eight corners or by a grid of nodes, cut into hex8; and its six faces.
 
 use super::Mesh;
 
@@ -42,7 +42,7 @@ impl Face {
 }
 
 /// Local places of the corners in VTK's order: which side along ξ, η, ζ. `[corner][ξηζ]`
-const PLACES: [[usize; 3]; 8] = [
+pub(super) const PLACES: [[usize; 3]; 8] = [
     [0, 0, 0],
     [1, 0, 0],
     [1, 1, 0],
@@ -70,13 +70,33 @@ pub(super) fn is_upright(corners: &Corners) -> bool {
     })
 }
 
+/// What a block looks like.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Its corners [mm]; all else lies between them.
+    Hexahedron(Corners),
+    /// The nodes of its grid [mm], along ξ first, then η, ζ. `[node][xyz]`
+    Grid(Vec<[f64; 3]>),
+}
+
+impl Shape {
+    /// The same shape elsewhere.
+    #[must_use]
+    pub fn map(&self, to: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        match self {
+            Self::Hexahedron(corners) => Self::Hexahedron(corners.map(to)),
+            Self::Grid(nodes) => Self::Grid(nodes.iter().copied().map(to).collect()),
+        }
+    }
+}
+
 /// A block of the mesh: a regular grid of nodes and elements.
 #[derive(Clone, Debug)]
 pub struct Placed {
     /// Name in the deck, with the numbers of its copy.
     pub name: String,
-    /// Corners at rest [mm].
-    pub corners: Corners,
+    /// Shape at rest.
+    pub shape: Shape,
     /// Elements along ξ, η, ζ.
     pub cells: [usize; 3],
     /// Number of the body.
@@ -86,19 +106,20 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// Cuts the hexahedron into cells by trilinear interpolation of its corners and appends them to
-    /// the mesh. Neighbours with common corners have common nodes in the same places, to the bit.
+    /// Cuts a hexahedron into cells by trilinear interpolation of its corners and appends them, or
+    /// the cells of a grid, to the mesh. Neighbours with common corners have common nodes in the same
+    /// places, to the bit.
     pub fn append(
         mesh: &mut Mesh,
         name: String,
-        corners: Corners,
+        shape: Shape,
         cells: [usize; 3],
         material: u16,
     ) -> Self {
         let body = mesh.unit.last().map_or(0, |u| u + 1);
         let placed = Self {
             name,
-            corners,
+            shape,
             cells,
             body,
             first_node: mesh.nodes.len(),
@@ -106,11 +127,16 @@ impl Placed {
         };
         let [nx, ny, nz] = cells;
         let part = |i: usize, n: usize| i as f64 / n as f64;
-        for k in 0..=nz {
-            for j in 0..=ny {
-                for i in 0..=nx {
-                    let x = placed.point([part(i, nx), part(j, ny), part(k, nz)]);
-                    mesh.nodes.push(x);
+        match &placed.shape {
+            Shape::Grid(nodes) => mesh.nodes.extend(nodes),
+            Shape::Hexahedron(corners) => {
+                for k in 0..=nz {
+                    for j in 0..=ny {
+                        for i in 0..=nx {
+                            let x = point(corners, [part(i, nx), part(j, ny), part(k, nz)]);
+                            mesh.nodes.push(x);
+                        }
+                    }
                 }
             }
         }
@@ -126,17 +152,6 @@ impl Placed {
             }
         }
         placed
-    }
-
-    /// The point at parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
-    fn point(&self, [r, s, t]: [f64; 3]) -> [f64; 3] {
-        let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
-        [0, 1, 2].map(|d| {
-            let c = |n: usize| self.corners[n][d];
-            let low = between(between(c(0), c(1), r), between(c(3), c(2), r), s);
-            let high = between(between(c(4), c(5), r), between(c(7), c(6), r), s);
-            between(low, high, t)
-        })
     }
 
     fn node(&self, [i, j, k]: [usize; 3]) -> u32 {
@@ -178,20 +193,47 @@ impl Placed {
         facets
     }
 
-    /// Corners of a face, counter-clockwise seen from outside [mm].
-    pub fn outline(&self, face: Face) -> [[f64; 3]; 4] {
+    /// Flat parts of a face, counter-clockwise seen from outside [mm]: all of it, or the facets of a
+    /// grid, which may be curved. `[part][corner][xyz]`
+    pub fn outlines(&self, face: Face, mesh: &Mesh) -> Vec<[[f64; 3]; 4]> {
+        let corners = match &self.shape {
+            Shape::Hexahedron(corners) => corners,
+            Shape::Grid(_) => {
+                let facets = self.facets(face).into_iter();
+                let at = |(_, facet): (usize, [u32; 4])| facet.map(|n| mesh.nodes[n as usize]);
+                return facets.map(at).collect();
+            }
+        };
         let (axis, high) = face.side();
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut round = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         if !high {
             round.swap(1, 3);
         }
-        round.map(|(a, b)| {
+        vec![round.map(|(a, b)| {
             let mut at = [0.0; 3];
             (at[axis], at[u], at[v]) = (f64::from(u8::from(high)), a, b);
-            self.point(at)
-        })
+            point(corners, at)
+        })]
     }
+
+    /// Mean area of the facets of a face [mm²].
+    pub fn mean_facet(&self, face: Face, mesh: &Mesh) -> f64 {
+        let outlines = self.outlines(face, mesh);
+        let area: f64 = outlines.iter().map(|o| norm(area_vector(o))).sum();
+        area / self.facets(face).len() as f64
+    }
+}
+
+/// The point at parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
+fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
+    let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
+    [0, 1, 2].map(|d| {
+        let c = |n: usize| corners[n][d];
+        let low = between(between(c(0), c(1), r), between(c(3), c(2), r), s);
+        let high = between(between(c(4), c(5), r), between(c(7), c(6), r), s);
+        between(low, high, t)
+    })
 }
 
 /// Area vector of a quadrilateral, half the cross product of its diagonals [mm²].

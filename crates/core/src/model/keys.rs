@@ -94,7 +94,16 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("duration", "duration = \"1 s\""),
     (
         "procedure",
-        "procedure = \"secant\"  # or \"implex\", \"implicit\", \"direct\"",
+        "procedure = \"auto\"  # or \"static\", \"implex\", \"quasi_static\", \"dynamic\", \"arc_length\", \
+         \"dissipation\", \"displacement_control\"",
+    ),
+    (
+        "tangent",
+        "tangent = \"secant\"  # or \"consistent\", \"direct\"",
+    ),
+    (
+        "control",
+        "control = { probe = \"crown\", displacement = \"-5 mm\" }",
     ),
     (
         "tolerance",
@@ -103,10 +112,6 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("residual", "residual = 5e-3"),
     ("max_iterations", "max_iterations = 25"),
     ("every", "every = 5"),
-    (
-        "dynamics",
-        "dynamics = \"static\"  # or \"quasi-static\", \"dynamic\"",
-    ),
     ("alpha", "alpha = -0.05  # -1/3 to 0"),
     (
         "rayleigh",
@@ -141,6 +146,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "corners = [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [0, 0, 9], [9, 0, 9], [9, 9, 9], \
          [0, 9, 9]]",
     ),
+    ("nodes", "nodes = \"cylinder.csv\"  # x, y, z in mm a line"),
     ("material", "material = \"stone\""),
     ("blocks.mesh", "mesh = [4, 2, 2]  # elements along x, y, z"),
     ("velocity", "velocity = [\"1 m/s\", 0, 0]"),
@@ -157,6 +163,13 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "springs.stiffness",
         "stiffness = [\"20 N/mm\", 0, 0]  # along x, y, z",
     ),
+    ("probes", "[[probes]]"),
+    ("near", "near = [\"100 mm\", 0, \"50 mm\"]"),
+    (
+        "minus",
+        "minus = \"base.top\"  # or { near = [0, 0, \"50 mm\"] }",
+    ),
+    ("quantity", "quantity = \"displacement\"  # or \"velocity\""),
     ("arch", "[arch]"),
     ("radius", "radius = \"1 m\"  # or span"),
     ("span", "span = \"2 m\"  # or radius"),

@@ -4,6 +4,7 @@ use super::blocks::Blocks;
 use super::deck::{Deck, DeckStep, Direction, Names, StepKind};
 use super::gravity::GravityNow;
 use super::keys;
+use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, Spring, Step, Support};
 use crate::error::ModelError;
@@ -98,10 +99,11 @@ pub(super) fn loading(
             driven: driven.or(pressed),
             increments: step.increments(),
             viscosity: step.viscosity.get(),
-            procedure: step.procedure,
+            procedure: step.procedure.with(step.alpha, step.rayleigh),
+            tangent: step.tangent,
+            control: probes::control(deck, i, step)?,
             tolerance: step.tolerance(),
             gravity: gravity.step(deck, i, step)?,
-            dynamics: step.dynamics.with(step.alpha, step.rayleigh),
             ground: deck.ground_motion(i)?,
             springs: far_ends,
         });

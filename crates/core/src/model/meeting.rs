@@ -1,25 +1,15 @@
-//! Which faces of a scene of blocks meet: slaves, masters, laws; and which blocks rest on which.
+//! Surfaces of a scene of blocks: facets and laws of what meets; and which blocks rest on which.
 
-use super::blocks::{Blocks, Place};
-use super::deck::{Deck, DeckContact, Interface};
-use super::hexahedron::{Face, area_vector, difference, dot, mean, norm};
+use super::blocks::Blocks;
+use super::deck::{Deck, Interface};
+use super::hexahedron::{Face, Shape, area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
+use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
 use super::touch;
 use crate::error::{ModelError, Warning};
 use crate::material::ElasticParameters;
-
-/// A face of a block. `(block, face)`
-type Patch = (usize, Face);
-
-/// Slave faces with the masters that they are declared to meet.
-struct Pairing {
-    slave: Patch,
-    masters: Vec<Patch>,
-    interface: String,
-    path: String,
-}
 
 /// Two blocks that touch at rest.
 pub(super) struct Touching {
@@ -34,222 +24,6 @@ pub(super) struct Meeting {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Gap up to which faces touch at rest, as part of the smaller one's size: decks round.
-const TOUCHES: f64 = 1e-3;
-
-/// Finds what meets.
-///
-/// `elastic`: constants of the materials by index.
-///
-/// # Errors
-/// Names of nothing, faces of two interfaces, faces that never face each other.
-pub(super) fn meeting(
-    deck: &Deck,
-    blocks: &Blocks<'_>,
-    elastic: &[ElasticParameters],
-) -> Result<Meeting, ModelError> {
-    let mut pairings = arch_pairings(deck, blocks);
-    for (i, contact) in deck.contacts.iter().enumerate() {
-        let path = format!("contacts.{i}");
-        if let (Some(slave), Some(master)) = (&contact.slave, &contact.master) {
-            let slaves = patches(&blocks.places(&format!("{path}.slave"), slave, true)?);
-            let masters = patches(&blocks.places(&format!("{path}.master"), master, true)?);
-            for slave in slaves {
-                let others = masters.iter().filter(|m| m.0 != slave.0);
-                let masters: Vec<Patch> = others.copied().collect();
-                if masters.is_empty() {
-                    let name = &blocks.placed[slave.0].name;
-                    return Err(deck.error(
-                        &path,
-                        format!("`{name}` would meet itself"),
-                        "slave and master are faces of different blocks",
-                    ));
-                }
-                let interface = contact.interface.clone();
-                let path = path.clone();
-                add(
-                    deck,
-                    blocks,
-                    &mut pairings,
-                    Pairing {
-                        slave,
-                        masters,
-                        interface,
-                        path,
-                    },
-                )?;
-            }
-        }
-    }
-    for (i, contact) in deck.contacts.iter().enumerate() {
-        if contact.slave.is_none() {
-            add_touching(
-                deck,
-                blocks,
-                &mut pairings,
-                contact,
-                &format!("contacts.{i}"),
-            )?;
-        }
-    }
-    assemble(deck, blocks, elastic, &pairings)
-}
-
-fn patches(places: &[Place]) -> Vec<Patch> {
-    let patch = |place: &Place| place.face.map(|face| (place.block, face));
-    places.iter().filter_map(patch).collect()
-}
-
-/// Each voussoir's right face against the next one's left, the ends against the springings.
-fn arch_pairings(deck: &Deck, blocks: &Blocks<'_>) -> Vec<Pairing> {
-    let Some(arch) = &deck.arch else {
-        return Vec::new();
-    };
-    let (left, right) = (blocks.placed.len() - 2, blocks.placed.len() - 1);
-    let first = left - arch.voussoirs as usize;
-    let joint = |slave, master| Pairing {
-        slave,
-        masters: vec![master],
-        interface: arch.interface.clone(),
-        path: "arch".to_owned(),
-    };
-    let mut pairings = vec![joint((first, Face::Left), (left, Face::Right))];
-    pairings.extend((first..left).map(|i| {
-        let next = if i + 1 < left { i + 1 } else { right };
-        joint((i, Face::Right), (next, Face::Left))
-    }));
-    pairings
-}
-
-/// Adds a pairing to that of the same slave face.
-fn add(
-    deck: &Deck,
-    blocks: &Blocks<'_>,
-    pairings: &mut Vec<Pairing>,
-    new: Pairing,
-) -> Result<(), ModelError> {
-    let face = |(block, face): Patch| {
-        let name = Face::ALL.iter().find(|f| f.1 == face).map_or("", |f| f.0);
-        format!("{}.{name}", blocks.placed[block].name)
-    };
-    let reversed = pairings
-        .iter()
-        .find(|p| new.masters.contains(&p.slave) && p.masters.contains(&new.slave));
-    if let Some(other) = reversed {
-        return Err(deck.error(
-            &new.path,
-            format!(
-                "{} is slave and master of {}",
-                face(new.slave),
-                face(other.slave)
-            ),
-            "one side is the slave, the finer one; the other is the master",
-        ));
-    }
-    let Some(old) = pairings.iter_mut().find(|p| p.slave == new.slave) else {
-        pairings.push(new);
-        return Ok(());
-    };
-    if old.interface != new.interface {
-        return Err(deck.error(
-            &new.path,
-            format!(
-                "{} has the interface {} by {}",
-                face(new.slave),
-                old.interface,
-                old.path
-            ),
-            "a slave face has one interface; make it the master here, or cut the block in two",
-        ));
-    }
-    old.masters.extend(new.masters);
-    old.masters
-        .sort_by_key(|(block, face)| (*block, *face as usize));
-    old.masters.dedup();
-    Ok(())
-}
-
-/// All faces that touch at rest and are not yet paired; the finer one is the slave, or else that of
-/// the block which comes first.
-fn add_touching(
-    deck: &Deck,
-    blocks: &Blocks<'_>,
-    pairings: &mut Vec<Pairing>,
-    contact: &DeckContact,
-    path: &str,
-) -> Result<(), ModelError> {
-    struct Side {
-        patch: Patch,
-        outline: [[f64; 3]; 4],
-        from: f64,
-        to: f64,
-        facet_area: f64,
-        area: f64,
-    }
-    let mut sides = Vec::new();
-    for (b, block) in blocks.placed.iter().enumerate() {
-        for (_, face) in Face::ALL {
-            let outline = block.outline(face);
-            let x = outline.map(|x| x[0]);
-            let area = norm(area_vector(&outline));
-            sides.push(Side {
-                patch: (b, face),
-                outline,
-                from: x.iter().copied().fold(f64::INFINITY, f64::min),
-                to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                facet_area: area / block.facets(face).len() as f64,
-                area,
-            });
-        }
-    }
-    // Sorted along x, a face can touch only those that begin before it ends.
-    sides.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let mut found = Vec::new();
-    for (i, a) in sides.iter().enumerate() {
-        let reach = TOUCHES * a.area.sqrt();
-        for b in sides[i + 1..].iter().take_while(|b| b.from <= a.to + reach) {
-            let reach = TOUCHES * a.area.min(b.area).sqrt();
-            let near = a.patch.0 != b.patch.0
-                && touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach);
-            if !near {
-                continue;
-            }
-            let finer = b.facet_area < a.facet_area * (1.0 - 1e-6);
-            let coarser = b.facet_area > a.facet_area * (1.0 + 1e-6);
-            let (slave, master) = if finer || (!coarser && b.patch.0 < a.patch.0) {
-                (b.patch, a.patch)
-            } else {
-                (a.patch, b.patch)
-            };
-            found.push((slave, master));
-        }
-    }
-    found.sort_by_key(|((a, f), (b, g))| (*a, *f as usize, *b, *g as usize));
-    let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
-        let is = |p: &Pairing, a, b| p.slave == a && p.masters.contains(&b);
-        pairings.iter().any(|p| is(p, a, b) || is(p, b, a))
-    };
-    let count = found.len();
-    found.retain(|(a, b)| !paired(*a, *b, pairings));
-    if count == 0 {
-        return Err(deck.error(
-            path,
-            "no two faces touch at rest",
-            "name slave and master, or move the blocks together",
-        ));
-    }
-    for (slave, master) in found {
-        let new = Pairing {
-            slave,
-            masters: vec![master],
-            interface: contact.interface.clone(),
-            path: path.to_owned(),
-        };
-        add(deck, blocks, pairings, new)?;
-    }
-    Ok(())
-}
-
 /// A facet of a master face, as slaves look for it.
 struct Facing<'a> {
     centre: [f64; 3],
@@ -258,12 +32,17 @@ struct Facing<'a> {
 }
 
 /// Facets and laws of all pairings.
-fn assemble(
+///
+/// `elastic`: constants of the materials by index.
+///
+/// # Errors
+/// Those of [`pairings`], and faces that never face each other.
+pub(super) fn meeting(
     deck: &Deck,
     blocks: &Blocks<'_>,
     elastic: &[ElasticParameters],
-    pairings: &[Pairing],
 ) -> Result<Meeting, ModelError> {
+    let pairings = pairings(deck, blocks)?;
     let mut contact = ContactSurfaces::default();
     let (mut touching, mut warnings) = (Vec::new(), Vec::new());
     let mesh = &blocks.mesh;
@@ -279,7 +58,7 @@ fn assemble(
             },
         }
     };
-    for pairing in pairings {
+    for pairing in &pairings {
         let Some(interface) = deck.interfaces.get(&pairing.interface) else {
             continue; // refused when the deck was read
         };
@@ -329,9 +108,8 @@ fn assemble(
                 ),
             ));
         }
-        let outline = |(block, face): Patch| blocks.placed[block].outline(face);
         for master in &pairing.masters {
-            let Some(gap) = touch::distance(&outline(pairing.slave), &outline(*master)) else {
+            let Some(gap) = gap(blocks, pairing.slave, *master) else {
                 continue;
             };
             let reach = reach(deck, interface, blocks, pairing.slave);
@@ -353,7 +131,7 @@ fn assemble(
             }
         }
     }
-    add_masters(blocks, pairings, &mut contact);
+    add_masters(blocks, &pairings, &mut contact);
     Ok(Meeting {
         contact,
         touching,
@@ -370,10 +148,14 @@ fn overhang(
     pairing: &Pairing,
 ) -> Option<Warning> {
     let block = &blocks.placed[pairing.slave.0];
+    let curved = |(b, _): &Patch| matches!(blocks.placed[*b].shape, Shape::Grid(_));
+    if pairing.masters.iter().any(curved) {
+        return None; // what is curved leaves its neighbour before its edge
+    }
     let reach = reach(deck, interface, blocks, pairing.slave);
     let outlines = pairing.masters.iter();
     let outlines: Vec<_> = outlines
-        .map(|(block, face)| blocks.placed[*block].outline(*face))
+        .flat_map(|(block, face)| blocks.placed[*block].outlines(*face, &blocks.mesh))
         .collect();
     let facets = block.facets(pairing.slave.1);
     let over = |facet: &[u32; 4]| {
@@ -412,8 +194,16 @@ fn add_masters(blocks: &Blocks<'_>, pairings: &[Pairing], contact: &mut ContactS
 
 /// Mean area of the facets of a face [mm²].
 fn mean_facet(blocks: &Blocks<'_>, (block, face): Patch) -> f64 {
-    let block = &blocks.placed[block];
-    norm(area_vector(&block.outline(face))) / block.facets(face).len() as f64
+    blocks.placed[block].mean_facet(face, &blocks.mesh)
+}
+
+/// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
+fn gap(blocks: &Blocks<'_>, a: Patch, b: Patch) -> Option<f64> {
+    let outlines = |(block, face): Patch| blocks.placed[block].outlines(face, &blocks.mesh);
+    let (a, b) = (outlines(a), outlines(b));
+    let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
+    let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
+    gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
 /// Gap up to which two faces hold each other at rest [mm]: that of the search, else 0.06 of a facet,

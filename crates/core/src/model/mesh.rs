@@ -1,9 +1,20 @@
 //! Nodes and hex8 elements.
 
+/// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
+pub const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
 /// A mesh of hex8 elements. x runs along the wall's length, y through its thickness, z upwards.
 ///
-/// Node order of an element: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four at +ζ:
-/// VTK's hexahedron.
+/// Node order of an element: [`CORNERS`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Reference coordinates [mm]. `[node][xyz]`
@@ -34,7 +45,7 @@ impl Mesh {
                 [p & 1, (p >> 1) & 1, p >> 2].map(|high| if high == 1 { g } else { -g });
             // ∂x/∂ξ along each local axis, [axis][xyz]
             let mut jacobian = [[0.0; 3]; 3];
-            for (n, [a, b, c]) in SIGNS.iter().enumerate() {
+            for (n, [a, b, c]) in CORNERS.iter().enumerate() {
                 let slopes = [
                     a * (1.0 + b * s) * (1.0 + c * t),
                     b * (1.0 + a * r) * (1.0 + c * t),
@@ -52,15 +63,3 @@ impl Mesh {
         volume
     }
 }
-
-/// Signs of the local coordinates of the nodes. `[node][ξηζ]`
-const SIGNS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];

@@ -16,6 +16,8 @@ mod loading;
 mod meeting;
 pub mod mesh;
 mod overrides;
+mod pairing;
+pub mod probes;
 pub mod quantity;
 pub mod scene;
 pub(crate) mod source;

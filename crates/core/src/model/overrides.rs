@@ -5,11 +5,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Pairs of which exactly one may stand: saying one anew takes the other away.
-const EITHER_OR: [(&str, &str); 4] = [
+const EITHER_OR: [(&str, &str); 6] = [
     ("u_k", "G_I"),
     ("delta_k", "G_II"),
     ("radius", "span"),
     ("size", "corners"),
+    ("size", "nodes"),
+    ("corners", "nodes"),
 ];
 
 /// A TOML text whose only value, `value`, begins at byte `start`: its spans are then those of the

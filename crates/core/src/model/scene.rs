@@ -1,6 +1,7 @@
 //! The frozen model: mesh, laws, contact surfaces, supports and steps.
 
 use super::Mesh;
+use super::probes::Probe;
 use wythe_contact::{InterfaceLaw, Surface};
 
 /// Everything that a run reads and nothing that it changes.
@@ -24,6 +25,8 @@ pub struct Model {
     pub initial_velocity: Vec<[f64; 3]>,
     /// Springs to the ground.
     pub springs: Vec<Spring>,
+    /// Places that the history follows, a column each.
+    pub probes: Vec<Probe>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.
@@ -173,12 +176,14 @@ pub struct Step {
     pub viscosity: f64,
     /// Procedure of this step.
     pub procedure: Procedure,
+    /// Tangents of this step.
+    pub tangent: Tangent,
+    /// What steers the load, in [`Procedure::DisplacementControl`].
+    pub control: Option<Control>,
     /// When an increment counts as converged.
     pub tolerance: Tolerance,
     /// Acceleration of gravity during the step.
     pub gravity: Gravity,
-    /// What inertia does in this step.
-    pub dynamics: Dynamics,
     /// Acceleration of the ground, in which all displacements are measured.
     pub ground: GroundMotion,
     /// How far the far end of each spring moves during the step, linearly; empty = nowhere [mm].
@@ -216,31 +221,6 @@ impl Gravity {
             Self::Growing(g) => g.map(|g| fraction * g),
             Self::Turning { from, axis, angle } => turned(*from, *axis, fraction * angle),
         }
-    }
-}
-
-/// What inertia does in a step. In all but the first the step's duration is real time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Dynamics {
-    /// Nothing: equilibrium.
-    #[default]
-    Static,
-    /// Inertia carries the system over instabilities and backward Euler takes its motion out.
-    QuasiStatic,
-    /// HHT-α (Hilber, Hughes, Taylor 1977) with Rayleigh damping.
-    Dynamic {
-        /// α in [−1/3, 0]: 0 keeps all energy, −1/3 takes most out of what the increments do not
-        /// resolve.
-        alpha: f64,
-        /// Damping.
-        damping: Rayleigh,
-    },
-}
-
-impl Dynamics {
-    /// Whether inertia acts.
-    pub fn has_inertia(self) -> bool {
-        self != Self::Static
     }
 }
 
@@ -307,28 +287,65 @@ pub struct Increments {
     pub min: f64,
 }
 
-/// How the step is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
+/// How a step is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Procedure {
-    /// Everything implicit with the shifted penalty; the solids' secant stiffness (symmetric
-    /// tangents). Where a unit snaps and no increment is small enough, as [`Self::Implex`].
+    /// [`Self::Static`] as long as that finds equilibrium; where it does not, the next of a ladder
+    /// of procedures, until the trouble has passed.
     #[default]
-    Secant,
-    /// Contact and slip implicit with the shifted penalty; plastic strain and damage of the solids
-    /// extrapolated within the increment and updated at its end (symmetric tangents).
+    Auto,
+    /// Newton's method on equilibrium, the load prescribed.
+    Static,
+    /// As static, plastic strain and damage of the solids extrapolated within the increment and
+    /// updated at its end.
     Implex,
-    /// Everything implicit with the shifted penalty; consistent tangents.
-    Implicit,
-    /// Everything implicit, the penalty taken directly: plain Newton on the law itself.
-    Direct,
+    /// Inertia carries the system over instabilities and backward Euler takes its motion out. The
+    /// duration is real time.
+    QuasiStatic,
+    /// HHT-α (Hilber, Hughes, Taylor 1977) with Rayleigh damping. The duration is real time.
+    Dynamic {
+        /// α in [−1/3, 0]: 0 keeps all energy, −1/3 takes most out of what the increments do not
+        /// resolve.
+        alpha: f64,
+        /// Damping.
+        damping: Rayleigh,
+    },
+    /// Equilibrium at given distances along the path (Crisfield 1981): the load is an unknown.
+    ArcLength,
+    /// Equilibrium at given amounts of dissipated energy (Gutiérrez 2004): the load is an unknown.
+    Dissipation,
+    /// Equilibrium at given displacements of [`Step::control`]: the load is an unknown.
+    DisplacementControl,
 }
 
 impl Procedure {
-    /// Whether its tangents are symmetric.
-    pub fn is_symmetric(self) -> bool {
-        matches!(self, Self::Secant | Self::Implex)
+    /// Whether inertia acts throughout.
+    pub fn has_inertia(self) -> bool {
+        matches!(self, Self::QuasiStatic | Self::Dynamic { .. })
     }
+}
+
+/// Which tangents the iterations take, and with them how the laws enter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tangent {
+    /// Secant stiffness of the solids, shifted penalty: symmetric and positive definite.
+    #[default]
+    Secant,
+    /// Consistent tangent of the solids, shifted penalty.
+    Consistent,
+    /// Consistent tangents of solids and interfaces, the penalty taken directly: plain Newton on the
+    /// law itself.
+    Direct,
+}
+
+/// A displacement that steers the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    /// Which of the model's probes measures it.
+    pub probe: usize,
+    /// How far it goes during the step [mm].
+    pub displacement: f64,
 }
 
 /// Convergence tolerances.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use miette::Diagnostic;
 
-use super::summary::{EnergyBalance, Measured, write_whole};
+use super::summary::{EnergyBalance, Measured, ProbeRange, write_whole};
 use super::{
     Curve, Frame, HistoryRow, HistoryWriter, Recorder, Summary, SummaryFile, VtkHdfWriter,
     elevation, plot, usage,
@@ -74,6 +74,7 @@ pub struct RunDirectory {
     fields: VtkHdfWriter,
     curve: Curve,
     energy: EnergyBalance,
+    probes: Vec<ProbeRange>,
     last_frame: Option<Frame>,
     started: Instant,
     cpu_at_start: Option<f64>,
@@ -103,7 +104,7 @@ impl RunDirectory {
                 _ => {}
             }
         }
-        let history = writing(path, HISTORY, HistoryWriter::create)?;
+        let history = writing(path, HISTORY, |file| HistoryWriter::create(file, model))?;
         let fields = writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?;
         Ok(Self {
             path: path.to_owned(),
@@ -111,6 +112,7 @@ impl RunDirectory {
             fields,
             curve: Curve::default(),
             energy: EnergyBalance::default(),
+            probes: vec![ProbeRange::default(); model.probes.len()],
             last_frame: None,
             started: Instant::now(),
             cpu_at_start: usage::cpu_seconds(),
@@ -141,6 +143,7 @@ impl RunDirectory {
             path,
             curve,
             energy,
+            probes,
             last_frame,
             started,
             cpu_at_start,
@@ -156,12 +159,14 @@ impl RunDirectory {
                 write_whole(file, svg.as_bytes())
             })?;
         }
+        let columns = model.probes.iter().map(|p| p.column.clone());
         let cpu_now = usage::cpu_seconds();
         let summary = SummaryFile::new(
             run,
             &Measured {
                 curve: &curve,
                 energy: &energy,
+                probes: &columns.zip(probes).collect(),
                 wall_s: started.elapsed().as_secs_f64(),
                 cpu_s: cpu_now.zip(cpu_at_start).map(|(now, then)| now - then),
                 peak_rss_megabytes: usage::peak_memory_megabytes(),
@@ -202,6 +207,9 @@ impl Recorder for RunDirectory {
         self.curve
             .push(row, model.steps.get(row.step).is_some_and(drives));
         self.energy.push(row);
+        for (range, value) in self.probes.iter_mut().zip(&row.probes) {
+            range.push(*value);
+        }
         if let Some(frame) = frame {
             writing(path, FIELDS, |_| fields.append(frame))?;
             self.last_frame = Some(frame.clone());

@@ -3,8 +3,8 @@
 use super::{Frame, HistoryRow, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Dynamics, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tolerance,
+    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
 use crate::model::{Mesh, Model};
 
@@ -44,13 +44,14 @@ pub fn model() -> Model {
             max: 0.1,
             min: 1e-6,
         },
-        procedure: Procedure::Direct,
+        procedure: Procedure::Static,
+        tangent: Tangent::Direct,
+        control: None,
         tolerance: Tolerance {
             residual: 5e-3,
             max_iterations: 25,
         },
         gravity: Gravity::None,
-        dynamics: Dynamics::Static,
         ground: GroundMotion::default(),
         springs: Vec::new(),
     };
@@ -64,6 +65,7 @@ pub fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        probes: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
@@ -91,6 +93,7 @@ pub fn frame(model: &Model, time: f64) -> Frame {
             .collect(),
         compressive_damage: elements.clone().map(|e| 0.4 * e as f64).collect(),
         plastic_strain: elements.map(tensor).collect(),
+        probes: Vec::new(),
     }
 }
 
@@ -123,5 +126,6 @@ pub fn summary(status: Status) -> Summary {
         seconds_by_phase: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
         threads: 1,
         warnings: Vec::new(),
+        log: Vec::new(),
     }
 }

@@ -1,7 +1,7 @@
 //! One converged increment, as rows and fields.
 
 use crate::model::Model;
-use crate::solve::State;
+use crate::solve::{Method, State};
 
 /// One row of `history.csv`. Field names are the column names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -55,6 +55,24 @@ pub struct HistoryRow {
     pub damping_dissipation_J: f64,
     /// What the time integration has taken out since the start [J].
     pub numerical_dissipation_J: f64,
+    /// Part of the step's loads and displacements that act now [-].
+    pub load_factor: f64,
+    /// What solved the increment.
+    pub procedure: Method,
+    /// Values of the model's probes, columns of their own after these [mm, mm/s]. `[probe]`
+    #[serde(skip)]
+    pub probes: Vec<f64>,
+}
+
+impl HistoryRow {
+    /// What solids and interfaces have taken: elastic energy and dissipations [J].
+    #[expect(non_snake_case, reason = "J is the unit")]
+    pub fn taken_J(&self) -> f64 {
+        self.elastic_energy_J
+            + self.plastic_damage_dissipation_J
+            + self.interface_dissipation_J
+            + self.viscous_dissipation_J
+    }
 }
 
 /// Fields of one output increment.
@@ -72,6 +90,8 @@ pub struct Frame {
     pub compressive_damage: Vec<f64>,
     /// Plastic strain, mean over the element's points [-], engineering shear. `[element][xx,yy,zz,xy,yz,zx]`
     pub plastic_strain: Vec<[f64; 6]>,
+    /// Values of the model's probes [mm, mm/s]. `[probe]`
+    pub probes: Vec<f64>,
 }
 
 /// Sizes of a model.
@@ -122,6 +142,8 @@ pub struct Summary {
     pub threads: usize,
     /// Warnings of the run (those of the model are the checker's).
     pub warnings: Vec<String>,
+    /// Where the procedure changed, and why.
+    pub log: Vec<String>,
 }
 
 /// Receives each converged increment as it comes, on the thread that solves.
@@ -141,6 +163,9 @@ pub trait Recorder: Send {
     /// Called once an increment is committed, before [`Recorder::take`], with all that the run knows:
     /// histories of every point, pairs of contact, energies. Default: nothing.
     fn observe(&mut self, _state: &State) {}
+
+    /// Called where the procedure changes, with the reason. Default: nothing.
+    fn note(&mut self, _text: &str) {}
 
     /// Called after each linear solve of an increment that begins at `time` [s], with their number,
     /// those of refused attempts among them. For the terminal; default: nothing.

@@ -5,8 +5,10 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::HistoryRow;
+use crate::model::Model;
 
-/// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order.
+/// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
+/// probes.
 ///
 /// Each row goes to the file whole and at once: whoever reads while a run goes on, or after it was
 /// killed, never sees half of one. Numbers are the shortest decimals which read back to the same
@@ -16,6 +18,8 @@ pub struct HistoryWriter {
     file: File,
     /// Bytes of whole rows, the header included.
     whole: u64,
+    /// Number of probes, a column each.
+    probes: usize,
 }
 
 impl HistoryWriter {
@@ -23,21 +27,39 @@ impl HistoryWriter {
     ///
     /// # Errors
     /// The file cannot be created or written.
-    pub fn create(path: &Path) -> io::Result<Self> {
+    pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         let mut history = Self {
             file: File::create(path)?,
             whole: 0,
+            probes: model.probes.len(),
         };
-        history.write(header()?.as_bytes())?;
+        let probes = model.probes.iter().map(|p| p.column.clone());
+        let columns: Vec<String> = fixed_columns().into_iter().chain(probes).collect();
+        history.write(format!("{}\n", columns.join(",")).as_bytes())?;
         Ok(history)
     }
 
     /// Appends one row.
     ///
     /// # Errors
-    /// The row could not be written; what had got to the disk of it is cut off again.
+    /// The row has not as many probes as the model, or could not be written; what had got to the disk
+    /// of it is cut off again.
     pub fn append(&mut self, row: &HistoryRow) -> io::Result<()> {
-        self.write(&lines(row, false)?)
+        if row.probes.len() != self.probes {
+            let (found, wanted) = (row.probes.len(), self.probes);
+            let message = format!("{found} probes where {wanted} belong");
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+        let mut writer = csv::WriterBuilder::new()
+            .has_headers(false)
+            .from_writer(Vec::new());
+        writer
+            .serialize((row, &row.probes))
+            .map_err(io::Error::other)?;
+        let line = writer
+            .into_inner()
+            .map_err(|error| io::Error::other(error.to_string()))?;
+        self.write(&line)
     }
 
     /// Writes whole lines or nothing.
@@ -52,27 +74,24 @@ impl HistoryWriter {
     }
 }
 
-/// Names of the columns, ending in a line feed.
-fn header() -> io::Result<String> {
-    let lines =
-        String::from_utf8(lines(&HistoryRow::default(), true)?).map_err(io::Error::other)?;
-    Ok(lines.split_inclusive('\n').take(1).collect())
-}
-
-/// One row as CSV text, after the header if asked. Each line ends in a line feed.
-fn lines(row: &HistoryRow, header: bool) -> io::Result<Vec<u8>> {
-    let mut writer = csv::WriterBuilder::new()
-        .has_headers(header)
-        .from_writer(Vec::new());
-    writer.serialize(row).map_err(io::Error::other)?;
-    writer
-        .into_inner()
-        .map_err(|error| io::Error::other(error.to_string()))
+/// Names of the columns that every history has, in order.
+pub fn fixed_columns() -> Vec<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // A plain structure of numbers, written to memory: nothing that could fail.
+    let written = writer.serialize(HistoryRow::default());
+    let text = writer.into_inner().unwrap_or_default();
+    debug_assert!(written.is_ok());
+    let text = String::from_utf8_lossy(&text);
+    let header = text.lines().next().unwrap_or_default();
+    header.split(',').map(str::to_owned).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::deck::ProbeQuantity;
+    use crate::model::probes::Probe;
+    use crate::results::fake;
 
     const HEADER: &str = "increment,step,time,displacement_mm,force_kN,reaction_kN,iterations,\
         cutbacks,external_work_J,elastic_energy_J,plastic_damage_dissipation_J,\
@@ -81,14 +100,13 @@ mod tests {
 
     #[test]
     fn the_columns_are_those_promised_and_later_ones_come_after() {
-        let header = header().unwrap();
-        let header = header.strip_suffix('\n').unwrap();
+        let header = fixed_columns().join(",");
         assert!(header.starts_with(HEADER), "{header}");
         assert_eq!(
             header.strip_prefix(HEADER),
             Some(
                 ",out_of_balance,residual,kinetic_energy_J,damping_dissipation_J,\
-                 numerical_dissipation_J"
+                 numerical_dissipation_J,load_factor,procedure"
             )
         );
     }
@@ -97,7 +115,7 @@ mod tests {
     fn a_row_is_on_disk_when_append_returns_and_reads_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("history.csv");
-        let mut history = HistoryWriter::create(&path).unwrap();
+        let mut history = HistoryWriter::create(&path, &fake::model()).unwrap();
         let forces = [1.0 / 3.0, -4.9e-324, 1e300];
         for (i, &force) in forces.iter().enumerate() {
             history
@@ -117,9 +135,40 @@ mod tests {
     }
 
     #[test]
+    fn probes_are_columns_after_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        let mut model = fake::model();
+        model.probes = ["left_mm", "right_mm"]
+            .map(|column| Probe {
+                column: column.to_owned(),
+                nodes: vec![0],
+                minus: Vec::new(),
+                axis: 0,
+                sign: 1.0,
+                quantity: ProbeQuantity::Displacement,
+            })
+            .into();
+        let mut history = HistoryWriter::create(&path, &model).unwrap();
+        let row = |probes: &[f64]| HistoryRow {
+            probes: probes.to_vec(),
+            ..HistoryRow::default()
+        };
+        history.append(&row(&[0.1, -2.0])).unwrap();
+        let error = history.append(&row(&[0.1])).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{error}");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "the wrong row left no trace");
+        assert!(lines[0].ends_with(",numerical_dissipation_J,left_mm,right_mm"));
+        assert!(lines[1].ends_with(",0.1,-2.0"), "{}", lines[1]);
+        assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+    }
+
+    #[test]
     #[cfg(target_os = "linux")]
     fn a_full_disk_is_an_error() {
-        let error = HistoryWriter::create(Path::new("/dev/full")).unwrap_err();
+        let error = HistoryWriter::create(Path::new("/dev/full"), &fake::model()).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
     }
 }

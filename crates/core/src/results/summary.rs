@@ -1,5 +1,6 @@
 //! `summary.json`: one run in one page.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
@@ -56,6 +57,31 @@ pub struct SummaryFile {
     pub version: String,
     /// Warnings of the model, then of the run.
     pub warnings: Vec<String>,
+    /// Where the procedure changed, and why.
+    pub log: Vec<String>,
+    /// Probes by their columns in the history; absent without any.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub probes: BTreeMap<String, ProbeRange>,
+}
+
+/// What a probe has been through [mm, mm/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ProbeRange {
+    /// Lowest value; none before any increment.
+    pub lowest: Option<f64>,
+    /// Highest value.
+    pub highest: Option<f64>,
+    /// Last value.
+    pub last: Option<f64>,
+}
+
+impl ProbeRange {
+    /// Adds an increment.
+    pub fn push(&mut self, value: f64) {
+        self.lowest = Some(self.lowest.map_or(value, |l| l.min(value)));
+        self.highest = Some(self.highest.map_or(value, |h| h.max(value)));
+        self.last = Some(value);
+    }
 }
 
 /// Wall-clock seconds of the phases of a run.
@@ -139,6 +165,8 @@ pub struct Measured<'a> {
     pub curve: &'a Curve,
     /// The energies.
     pub energy: &'a EnergyBalance,
+    /// Probes by their columns.
+    pub probes: &'a BTreeMap<String, ProbeRange>,
     /// Wall-clock seconds of the run.
     pub wall_s: f64,
     /// CPU seconds of the run.
@@ -183,6 +211,8 @@ impl SummaryFile {
             threads: run.threads,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             warnings,
+            log: run.log.clone(),
+            probes: measured.probes.clone(),
         }
     }
 
@@ -256,6 +286,7 @@ mod tests {
         let measured = Measured {
             curve: &curve,
             energy: &energy,
+            probes: &BTreeMap::new(),
             wall_s: 1.5,
             cpu_s: Some(3.0),
             peak_rss_megabytes: None,
@@ -294,6 +325,7 @@ mod tests {
             "threads",
             "version",
             "warnings",
+            "log",
         ];
         let mut rest = text.as_str();
         for key in keys {

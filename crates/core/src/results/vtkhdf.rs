@@ -11,10 +11,12 @@
 //!   CellData/stress, plastic_strain         [step·element][xx,yy,zz,xy,yz,zx]
 //!   CellData/tensile_damage, compressive_damage              [step·element]
 //!   CellData/material, unit, course                          [element], the same in every step
+//!   FieldData/…    a column of probes each, if there are any         [step]
 //!   Steps          NSteps
 //!     Values [step]   PartOffsets, NumberOfParts, PointOffsets [step]
 //!     CellOffsets, ConnectivityIdOffsets    [step][1]
-//!     PointDataOffsets/…, CellDataOffsets/… [step]
+//!     PointDataOffsets/…, CellDataOffsets/…, FieldDataOffsets/…         [step]
+//!     FieldDataSizes/…                      [step][1, 1]
 //! /wythe         version, title, materials: names in the order of CellData/material
 //! ```
 //!
@@ -56,6 +58,10 @@ pub struct VtkHdfWriter {
     plastic_strain: Field,
     tensile_damage: Field,
     compressive_damage: Field,
+    /// Values of the probes and their offsets, one tuple a step. `[probe]`
+    probes: Vec<Field>,
+    /// Components and tuples of the probes, 1 and 1 in every step. `[probe][step][2]`
+    field_sizes: Vec<hdf5::Dataset>,
 }
 
 /// One growing field and the offsets of its steps.
@@ -129,8 +135,28 @@ impl VtkHdfWriter {
             plastic_strain: cell("plastic_strain", 6)?,
             tensile_damage: cell("tensile_damage", 1)?,
             compressive_damage: cell("compressive_damage", 1)?,
+            probes: Vec::new(),
+            field_sizes: Vec::new(),
             file,
         };
+        if !model.probes.is_empty() {
+            let data = root.create_group("FieldData")?;
+            let offsets = steps.create_group("FieldDataOffsets")?;
+            let sizes = steps.create_group("FieldDataSizes")?;
+            for probe in &model.probes {
+                let name = &probe.column;
+                let field = Field {
+                    data: real_series(&data, name)?,
+                    offsets: series(&offsets, name)?,
+                    tuples: 1,
+                    components: 1,
+                };
+                writer.probes.push(field);
+                let size = sizes.new_dataset::<i64>().chunk((SERIES_CHUNK, 2));
+                let size = size.shape((0.., 2)).create(name.as_str())?;
+                writer.field_sizes.push(size);
+            }
+        }
         for (name, values) in labels(&model.mesh) {
             let dataset = compressed::<i64>(&cells, elements, 1);
             dataset.shape(elements).create(name)?.write_raw(&values)?;
@@ -150,13 +176,25 @@ impl VtkHdfWriter {
         self.tensile_damage.append(step, &frame.tensile_damage)?;
         self.compressive_damage
             .append(step, &frame.compressive_damage)?;
-        for field in [
+        if frame.probes.len() != self.probes.len() {
+            let (found, wanted) = (frame.probes.len(), self.probes.len());
+            return Err(format!("{found} probes where {wanted} belong").into());
+        }
+        for (field, value) in self.probes.iter().zip(&frame.probes) {
+            field.append(step, &[*value])?;
+        }
+        for size in &self.field_sizes {
+            size.resize((step + 1, 2))?;
+            size.write_slice(ArrayView2::from(&[[1_i64, 1]]), (step..step + 1, ..))?;
+        }
+        let fields = [
             &self.displacement,
             &self.stress,
             &self.plastic_strain,
             &self.tensile_damage,
             &self.compressive_damage,
-        ] {
+        ];
+        for field in fields.into_iter().chain(&self.probes) {
             push(&field.offsets, step, index(step * field.tuples))?;
         }
         for zeros in &self.zeros {

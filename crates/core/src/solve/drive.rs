@@ -1,18 +1,18 @@
 //! The run: steps, increments, commits.
 
-use std::time::Instant;
+use wythe_contact::InterfaceHistory;
 
-use wythe_contact::{InterfaceHistory, PointStatus};
-
-use super::explain::explain;
+use super::course::{Course, Leg};
+use super::explain;
+use super::ladder::{Answer, Ladder};
+use super::method::Method;
 use super::newton::{IMBALANCE, Newton};
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
-use super::schedule::{Increment, Schedule};
-use super::state::{LastIncrement, State};
+use super::state::State;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Dynamics, Procedure, Step};
-use crate::results::{Frame, HistoryRow, Recorder, Sizes, Status, Summary};
+use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
 use crate::system::{System, Trial};
 
@@ -67,14 +67,14 @@ pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunErr
 }
 
 /// A run in progress.
-struct Run<'m> {
-    model: &'m Model,
-    system: System,
-    state: State,
-    trial: Trial,
+pub(super) struct Run<'m> {
+    pub(super) model: &'m Model,
+    pub(super) system: System,
+    pub(super) state: State,
+    pub(super) trial: Trial,
     summary: Summary,
     clock: Clock,
-    output_seconds: f64,
+    pub(super) output_seconds: f64,
     snaps: Snaps,
     swings: Swings,
 }
@@ -102,6 +102,7 @@ impl<'m> Run<'m> {
             threads: rayon::current_num_threads(),
             // Those of the model were told when it was built.
             warnings: Vec::new(),
+            log: Vec::new(),
         };
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
@@ -119,101 +120,257 @@ impl<'m> Run<'m> {
 
     /// One step; false if the run ends here.
     fn step(&mut self, index: usize, recorder: &mut dyn Recorder) -> Result<bool, RunError> {
-        let model = self.model;
-        let step = &model.steps[index];
-        self.set_in_motion(index)?;
-        let mut newton = Newton::new(
-            model,
-            step,
-            &mut self.system,
-            &mut self.state,
-            &mut self.trial,
-        );
-        self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
-        self.system.bulk.stabilise(step.viscosity);
-        let mut schedule = Schedule::new(step.increments);
-        // The boundary conditions change: the last increment says nothing of the next.
-        self.state.last = None;
-        let (mut cutbacks, mut repeat, mut solves) = (0, true, 0);
-        let floor = SNAP * step.increments.initial;
-        // A unit snaps: the secant stiffness finds no equilibrium in any increment, extrapolated
-        // solids do.
-        let mut snap = false;
-        while let Some(increment) = schedule.next() {
-            let (before, time) = (solves, self.state.time);
+        let mut course = self.begin(index)?;
+        while let Some(leg) = course.next() {
+            let (before, time) = (course.solves, self.state.time);
             let mut tell = |count| recorder.progress(index, time, before + count);
-            let outcome = newton.converge(
+            let outcome = course.newton.converge(
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
                 Attempt {
-                    increment,
-                    repeat,
-                    extrapolate: snap || step.procedure == Procedure::Implex,
+                    increment: leg.increment,
+                    load: course.load,
+                    repeat: course.repeat,
+                    advance: leg.advance(&course.trail, &course.control),
                 },
                 Solves::new(&mut tell),
             );
-            match outcome {
-                Outcome::Converged(report)
-                    if self.is_impact(step)
-                        && increment.size > floor
-                        && schedule.cut(increment, CUT).is_ok() =>
-                {
-                    solves += report.iterations;
-                    cutbacks += 1;
-                    self.summary.cutbacks += 1;
-                    repeat = false;
+            let go_on = match outcome {
+                Outcome::Converged(report) if self.is_impact(&course, leg) => {
+                    course.solves += report.iterations;
+                    self.cut_back(&mut course);
+                    course.schedule.cut(leg.increment, CUT).is_ok()
                 }
-                Outcome::Converged(report) => {
-                    solves += report.iterations;
-                    self.commit(&newton, step, increment);
-                    let row = self.row(index, report, solves, cutbacks);
-                    if step.dynamics == Dynamics::QuasiStatic {
-                        self.swings.add(&row);
-                    }
-                    if snap {
-                        self.snaps.add(&row);
-                        snap = report.extrapolation_error > IMBALANCE;
-                    }
-                    let end = increment.end() >= 1.0 - 1e-12;
-                    let keep = self.record(&row, recorder, end)?;
-                    self.summary.increments += 1;
-                    self.summary.iterations += solves;
-                    self.tally(&newton);
-                    if !keep {
-                        self.summary.status = Status::Interrupted;
-                        "stopped by the user".clone_into(&mut self.summary.message);
-                        return Ok(false);
-                    }
-                    schedule.accept(increment, growth(increment, report, floor));
-                    (cutbacks, repeat, solves) = (0, true, 0);
+                Outcome::Converged(report) if self.is_snap(&course, leg) => {
+                    course.solves += report.iterations;
+                    self.cut_back(&mut course);
+                    self.refuse(&mut course, leg, &Refusal::Snap, recorder)
                 }
+                Outcome::Converged(report) => self.accept(&mut course, leg, report, recorder)?,
                 Outcome::Refused(refusal, spent) => {
-                    solves += spent;
-                    cutbacks += 1;
-                    self.summary.cutbacks += 1;
-                    repeat = false;
-                    if step.procedure == Procedure::Secant && !snap && increment.size <= floor {
-                        snap = true;
-                        continue;
-                    }
-                    if schedule.cut(increment, CUT).is_err() {
-                        self.summary.iterations += solves;
-                        self.tally(&newton);
-                        self.give_up(index, increment, &refusal);
-                        return Ok(false);
-                    }
+                    course.solves += spent;
+                    self.cut_back(&mut course);
+                    self.refuse(&mut course, leg, &refusal, recorder)
                 }
+            };
+            if !go_on {
+                return Ok(false);
             }
         }
-        self.clock = self.clock + newton.clock;
+        self.clock = self.clock + course.newton.clock;
         Ok(true)
     }
 
-    /// Whether bodies met or parted in the increment that the trial ends, where that matters: a shock
-    /// is resolved by small increments.
-    fn is_impact(&self, step: &Step) -> bool {
-        if !matches!(step.dynamics, Dynamics::Dynamic { .. }) {
+    /// Prepares a step.
+    fn begin(&mut self, index: usize) -> Result<Course<'m>, RunError> {
+        let model = self.model;
+        let step = &model.steps[index];
+        let newton = Newton::new(model, step, &self.system, &self.state);
+        self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
+        self.system.bulk.stabilise(step.viscosity);
+        let massless = self.massless(step);
+        if let (true, Some(place)) = (step.procedure.has_inertia(), &massless) {
+            return Err(RunError::NoMass {
+                step: index,
+                name: step.name.clone(),
+                place: place.clone(),
+            });
+        }
+        let ladder = Ladder::new(model, step, massless.is_none());
+        let mut course = Course::new(newton, ladder, index, step);
+        course.steer(model, &self.system);
+        if step.procedure.has_inertia() {
+            self.set_in_motion(index);
+        } else {
+            self.bring_to_rest();
+        }
+        self.adopt(&mut course);
+        // The boundary conditions change: the last increment says nothing of the next.
+        self.state.last = None;
+        Ok(course)
+    }
+
+    /// Goes on by the method of the ladder.
+    fn adopt(&mut self, course: &mut Course) {
+        let method = course.ladder.method();
+        course
+            .newton
+            .adopt(method, &mut self.system, &mut self.state, &mut self.trial);
+    }
+
+    /// Commits an increment and chooses the next; false if the run should stop.
+    fn accept(
+        &mut self,
+        course: &mut Course,
+        leg: Leg,
+        report: Report,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        let solves = course.solves + report.iterations;
+        let size = leg.increment.size;
+        let added = report.load_factor - course.load;
+        let before = self.state.energies;
+        let dq = self.commit(&course.newton, course.step, size, added);
+        course.load = report.load_factor;
+        let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
+        match leg.method {
+            Method::QuasiStatic => self.swings.add(&row),
+            Method::Implex if course.step.procedure == Procedure::Auto => self.snaps.add(&row),
+            _ => {}
+        }
+        let growth = growth(leg, report, course.ladder.floor());
+        if leg.method.follows_path() {
+            course.schedule.reach(course.load);
+        } else {
+            course.schedule.accept(leg.increment, growth);
+        }
+        if let Some(measure) = course.measured_by() {
+            let share = self.state.energies.dissipated_share(&before);
+            let dissipates = measure == Method::ArcLength || share > SHARE;
+            let (system, trial) = (&self.system, &self.trial);
+            if !dissipates
+                || !course
+                    .trail
+                    .learn(measure, system, trial, &dq, (size, added), growth)
+            {
+                course.trail.forget();
+            }
+        }
+        let end = course.schedule.next().is_none();
+        let keep = self.record(&row, recorder, end)?;
+        self.summary.increments += 1;
+        self.summary.iterations += solves;
+        self.tally(&course.newton);
+        if !keep {
+            self.summary.status = Status::Interrupted;
+            "stopped by the user".clone_into(&mut self.summary.message);
+            return Ok(false);
+        }
+        (course.cutbacks, course.solves) = (0, 0);
+        (course.repeat, course.end_refused) = (true, false);
+        let quiet = row.kinetic_energy_J / row.taken_J();
+        if course.ladder.descend(report, quiet, added, course.load) {
+            if leg.method.has_inertia() {
+                self.bring_to_rest();
+                self.state.last = None;
+            }
+            if leg.method.follows_path() {
+                // The pace of the path is none of the load.
+                course.schedule.resume(added);
+                self.state.last = None;
+            }
+            self.adopt(course);
+            let why = format!("{} has passed the trouble", leg.method.name());
+            self.note(course, &why, recorder);
+        }
+        Ok(true)
+    }
+
+    /// Chooses what to try after a refusal; false if nothing is left.
+    fn refuse(
+        &mut self,
+        course: &mut Course,
+        leg: Leg,
+        refusal: &Refusal,
+        recorder: &mut dyn Recorder,
+    ) -> bool {
+        let on_path = leg.method.follows_path();
+        let method = course.ladder.method();
+        if method.follows_path() && course.trail.leads(method) && !on_path {
+            // The rest of the step in one: the path goes on instead.
+            course.end_refused = true;
+            return true;
+        }
+        let spent = if on_path {
+            !course.trail.cut(CUT)
+        } else {
+            false
+        };
+        let size = leg.increment.size;
+        let mut answer = course.ladder.refused(refusal, size, spent);
+        if method.follows_path() && !on_path && course.ladder.is_small(refusal, size) {
+            // Nothing has dissipated yet, and nothing is found before something does.
+            if self.guess(course, method, size) {
+                return true;
+            }
+        }
+        if answer == Answer::Cut && !on_path && course.schedule.cut(leg.increment, CUT).is_err() {
+            answer = course.ladder.refused(refusal, size, true);
+        }
+        match answer {
+            Answer::Cut => true,
+            Answer::Climb => {
+                let why = format!(
+                    "{}: {}",
+                    leg.method.name(),
+                    explain::why(self.model, course.step, refusal)
+                );
+                loop {
+                    course.ladder.climb(refusal, course.load);
+                    let next = course.ladder.method();
+                    if !next.follows_path()
+                        || course.trail.leads(next)
+                        || self.guess(course, next, size)
+                    {
+                        break;
+                    }
+                }
+                self.adopt(course);
+                if course.ladder.method().has_inertia() {
+                    self.state.last = None;
+                }
+                self.note(course, &why, recorder);
+                true
+            }
+            Answer::GiveUp => {
+                self.summary.iterations += course.solves;
+                self.tally(&course.newton);
+                self.summary.status = Status::NotConverged;
+                self.summary.message =
+                    explain::explain(self.model, course.index, leg, course.load, refusal);
+                false
+            }
+        }
+    }
+
+    /// Measures the path by the increment that was refused, for want of a better one; false if nothing
+    /// dissipated in it.
+    fn guess(&mut self, course: &mut Course, method: Method, size: f64) -> bool {
+        let q = course.newton.q();
+        let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
+        let (system, trial) = (&self.system, &self.trial);
+        course
+            .trail
+            .learn(method, system, trial, &dq, (size, 0.0), GUESS)
+    }
+
+    /// Counts a refused or repeated increment.
+    fn cut_back(&mut self, course: &mut Course) {
+        course.cutbacks += 1;
+        course.repeat = false;
+        self.summary.cutbacks += 1;
+    }
+
+    /// Tells of a change of method.
+    fn note(&mut self, course: &Course, why: &str, recorder: &mut dyn Recorder) {
+        let text = format!(
+            "step {} ({}), {:.3} % of its loads: {why}; goes on by {}",
+            course.index,
+            course.step.name,
+            100.0 * course.load,
+            course.ladder.method().name()
+        );
+        recorder.note(&text);
+        self.summary.log.push(text);
+    }
+
+    /// Whether bodies met or parted in the increment that the trial ends, where that matters and a
+    /// smaller increment can be had: a shock is resolved by small increments.
+    fn is_impact(&self, course: &Course, leg: Leg) -> bool {
+        let size = leg.increment.size;
+        let smallest = course.step.increments.min / CUT;
+        if leg.method != Method::Dynamic || size <= course.ladder.floor().max(smallest) {
             return false;
         }
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
@@ -227,188 +384,59 @@ impl<'m> Run<'m> {
         changed as f64 > IMPACT * before.max(after) as f64
     }
 
-    /// Velocities that the step finds: those of the model in the first step with inertia; none where
-    /// inertia does not act.
-    fn set_in_motion(&mut self, index: usize) -> Result<(), RunError> {
-        let (model, system, state) = (self.model, &self.system, &mut self.state);
-        let step = &model.steps[index];
-        let energies = &mut state.energies;
-        if !step.dynamics.has_inertia() {
-            // Statics brings to rest what moved.
-            energies.numerical += std::mem::take(&mut energies.kinetic);
-            for rates in [
-                &mut state.velocity,
-                &mut state.acceleration,
-                &mut state.damping,
-            ] {
-                rates.fill(0.0);
-            }
-            return Ok(());
+    /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
+    /// and the path there can be followed instead: much of the elastic energy is gone.
+    fn is_snap(&self, course: &Course, leg: Leg) -> bool {
+        if leg.method != Method::Static || !course.ladder.prefers_paths() {
+            return false;
         }
+        let (system, trial) = (&self.system, &self.trial);
+        let stored = system.elastic_energy(trial, &system.spring_forces(trial));
+        stored < (1.0 - RELEASE) * self.state.energies.elastic
+    }
+
+    /// Statics brings to rest what moved.
+    fn bring_to_rest(&mut self) {
+        let state = &mut self.state;
+        state.energies.numerical += std::mem::take(&mut state.energies.kinetic);
+        for rates in [
+            &mut state.velocity,
+            &mut state.acceleration,
+            &mut state.damping,
+        ] {
+            rates.fill(0.0);
+        }
+    }
+
+    /// What moves in a step and has no mass.
+    fn massless(&self, step: &Step) -> Option<String> {
+        let (model, system) = (self.model, &self.system);
         let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
             let free = |i: &usize| matches!(motion[*i], BeamMotion::Force(_));
             (0..3).filter(free).map(move |i| (b, i))
         });
         let mut unknowns =
             (0..system.dofs.beam_start).chain(free_beams.map(|(b, i)| system.dofs.beam_slot(b, i)));
-        if let Some(slot) = unknowns.find(|&slot| system.mass.slot[slot] <= 0.0) {
-            let place = if slot >= system.dofs.beam_start {
-                let beam = (slot - system.dofs.beam_start) / 3;
-                format!("the beam {}", model.beams[beam].name)
-            } else {
-                format!("node {}", system.dofs.node_of(slot).0)
-            };
-            let name = step.name.clone();
-            return Err(RunError::NoMass {
-                step: index,
-                name,
-                place,
-            });
-        }
-        let first = model.steps.iter().position(|s| s.dynamics.has_inertia());
+        let slot = unknowns.find(|&slot| system.mass.slot[slot] <= 0.0)?;
+        Some(if slot >= system.dofs.beam_start {
+            let beam = (slot - system.dofs.beam_start) / 3;
+            format!("the beam {}", model.beams[beam].name)
+        } else {
+            format!("node {}", system.dofs.node_of(slot).0)
+        })
+    }
+
+    /// Velocities of the model in the first step with inertia.
+    fn set_in_motion(&mut self, index: usize) {
+        let (model, system, state) = (self.model, &self.system, &mut self.state);
+        let first = model.steps.iter().position(|s| s.procedure.has_inertia());
         if first == Some(index) && !model.initial_velocity.is_empty() {
             system
                 .mass
                 .mean_velocity(&system.dofs, &model.initial_velocity, &mut state.velocity);
-            energies.kinetic = system.mass.kinetic_energy(&state.velocity);
-            energies.external += energies.kinetic;
+            state.energies.kinetic = system.mass.kinetic_energy(&state.velocity);
+            state.energies.external += state.energies.kinetic;
         }
-        Ok(())
-    }
-
-    /// The trial becomes the state.
-    fn commit(&mut self, newton: &Newton, step: &Step, increment: Increment) {
-        let (state, trial) = (&mut self.state, &mut self.trial);
-        let dq: Vec<f64> = newton
-            .q()
-            .iter()
-            .zip(&state.q)
-            .map(|(new, old)| new - old)
-            .collect();
-        let dtraction = trial
-            .interface
-            .iter()
-            .zip(&state.interface)
-            .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
-            .collect();
-        newton.account(&self.system, state, trial, &dq);
-        let energies = &mut state.energies;
-        energies.elastic = trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
-            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
-            + self
-                .system
-                .springs
-                .energy(state.spring_forces.iter().copied());
-        energies.plastic_damage += trial
-            .element_energy
-            .iter()
-            .map(|e| e.plastic_damage)
-            .sum::<f64>();
-        energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
-        energies.interface += trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
-        let dt = increment.size * step.duration;
-        state.time += dt;
-        state.increments += 1;
-        state.q.copy_from_slice(newton.q());
-        state.force.copy_from_slice(&trial.force);
-        state.material.copy_from_slice(&trial.material);
-        state.interface.copy_from_slice(&trial.interface);
-        state.pairs.copy_from_slice(&trial.pairs);
-        state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
-        state.last = Some(LastIncrement { dq, dtraction, dt });
-    }
-
-    /// The row of the last commit.
-    fn row(&self, step: usize, report: Report, solves: usize, cutbacks: usize) -> HistoryRow {
-        let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
-        let driven = self.model.steps[step]
-            .driven
-            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
-        let (displacement, force, reaction) = match driven {
-            Some((beam, direction)) => {
-                let slot = dofs.beam_slot(beam, direction);
-                let normal = self.model.beams[beam].normal;
-                let along: f64 = (0..3)
-                    .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
-                    .sum();
-                (state.q[slot], state.applied[slot], -along)
-            }
-            None => (0.0, 0.0, 0.0),
-        };
-        let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
-        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let e = &state.energies;
-        HistoryRow {
-            increment: state.increments,
-            step,
-            time: state.time,
-            displacement_mm: displacement,
-            force_kN: force * 1e-3,
-            reaction_kN: reaction * 1e-3,
-            iterations: solves,
-            cutbacks,
-            external_work_J: e.external * 1e-3,
-            elastic_energy_J: e.elastic * 1e-3,
-            plastic_damage_dissipation_J: e.plastic_damage * 1e-3,
-            interface_dissipation_J: e.interface * 1e-3,
-            viscous_dissipation_J: e.viscous * 1e-3,
-            open_points: count(PointStatus::Open),
-            sliding_points: count(PointStatus::Slip),
-            max_interface_damage: most(&mut state.interface.iter().map(|h| h.damage)),
-            max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
-            max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
-            out_of_balance: report.out_of_balance,
-            residual: report.residual,
-            kinetic_energy_J: e.kinetic * 1e-3,
-            damping_dissipation_J: e.damping * 1e-3,
-            numerical_dissipation_J: e.numerical * 1e-3,
-        }
-    }
-
-    /// Hands the commit to the recorder; false asks to stop.
-    fn record(
-        &mut self,
-        row: &HistoryRow,
-        recorder: &mut dyn Recorder,
-        last: bool,
-    ) -> Result<bool, RunError> {
-        let start = Instant::now();
-        let every = self.model.output.every.max(1);
-        let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame());
-        recorder.observe(&self.state);
-        let keep = recorder.take(self.model, row, frame.as_ref())?;
-        self.output_seconds += start.elapsed().as_secs_f64();
-        Ok(keep)
-    }
-
-    /// Fields of the last commit.
-    fn frame(&self) -> Frame {
-        let (state, mesh) = (&self.state, &self.model.mesh);
-        let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
-        self.system.dofs.spread(&state.q, &mut displacement);
-        let mut frame = Frame {
-            time: state.time,
-            displacement,
-            ..Frame::default()
-        };
-        for points in state.material.chunks_exact(8) {
-            let mean = |of: fn(&crate::material::MaterialHistory) -> nalgebra::Vector6<f64>| {
-                let sum: nalgebra::Vector6<f64> = points.iter().map(of).sum();
-                (sum / 8.0).into()
-            };
-            frame.stress.push(mean(|h| h.stress));
-            frame.plastic_strain.push(mean(|h| h.plastic_strain));
-            frame
-                .tensile_damage
-                .push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
-            frame.compressive_damage.push(
-                points
-                    .iter()
-                    .map(|h| h.compressive_damage)
-                    .fold(0.0, f64::max),
-            );
-        }
-        frame
     }
 
     /// Wall time so far.
@@ -423,15 +451,10 @@ impl<'m> Run<'m> {
             self.output_seconds,
         ];
     }
-
-    fn give_up(&mut self, step: usize, increment: Increment, refusal: &Refusal) {
-        self.summary.status = Status::NotConverged;
-        self.summary.message = explain(self.model, step, increment, refusal);
-    }
 }
 
 /// How much larger the next increment may be; extrapolated solids are not pursued below `floor`.
-fn growth(increment: Increment, report: Report, floor: f64) -> f64 {
+fn growth(leg: Leg, report: Report, floor: f64) -> f64 {
     let by_iterations = if report.iterations > 2 * MANY {
         0.7
     } else if report.iterations > MANY {
@@ -444,10 +467,15 @@ fn growth(increment: Increment, report: Report, floor: f64) -> f64 {
         .sqrt()
         .clamp(0.3, GROW);
     // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
-    by_iterations.min(by_error.max((floor / increment.size).min(1.0)))
+    by_iterations.min(by_error.max((floor / leg.increment.size).min(1.0)))
 }
 
-/// Part of the first increment that the snap of a unit, or an impact, does not cut further.
-const SNAP: f64 = 0.1;
+/// Part of the energy that an increment takes in or gives back, from which on what it dissipates
+/// measures the path.
+const SHARE: f64 = 0.02;
+/// Part of the elastic energy that a snap sets free.
+const RELEASE: f64 = 0.2;
+/// Of an increment that was refused, the part that is tried first along the path.
+const GUESS: f64 = 0.1;
 /// Part of the pressed contact points that begin or cease to press in an impact.
 const IMPACT: f64 = 0.2;

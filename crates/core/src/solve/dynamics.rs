@@ -27,8 +27,9 @@
 //! D arises at the masses, from the scheme alone: what it makes of the inertia forces beside what a
 //! mass does, and what its weighing of the forces takes. Without α it vanishes over a cycle.
 
+use super::method::Method;
 use super::state::State;
-use crate::model::scene::{BeamMotion, Dynamics, Rayleigh, Step};
+use crate::model::scene::{BeamMotion, Procedure, Rayleigh, Step};
 use crate::system::{Equations, Mass, StiffnessDamping, System, Trial};
 
 /// One time integration scheme.
@@ -104,12 +105,19 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The motion of a step, none if it is static.
-    pub fn new(step: &Step, system: &System, equations: &Equations) -> Option<Self> {
-        let (scheme, damping) = match step.dynamics {
-            Dynamics::Static => return None,
-            Dynamics::QuasiStatic => (Scheme::Euler, Rayleigh::default()),
-            Dynamics::Dynamic { alpha, damping } => (Scheme::Hht(alpha), damping),
+    /// The motion of a step solved by `method`, none if that knows no inertia.
+    pub fn new(
+        step: &Step,
+        method: Method,
+        system: &System,
+        equations: &Equations,
+    ) -> Option<Self> {
+        if !method.has_inertia() {
+            return None;
+        }
+        let (scheme, damping) = match step.procedure {
+            Procedure::Dynamic { alpha, damping } => (Scheme::Hht(alpha), damping),
+            _ => (Scheme::Euler, Rayleigh::default()),
         };
         let slots = system.dofs.slots;
         let mut prescribed = vec![Some(0.0); slots];

@@ -1,26 +1,34 @@
 //! Lost convergence in words: where, why, and what to try.
 
+use super::course::Leg;
 use super::newton::IMBALANCE;
 use super::outcome::Refusal;
-use super::schedule::Increment;
 use crate::material::MaterialParameters;
 use crate::model::Model;
-use crate::model::scene::{NamedMaterial, Step};
+use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
 
 /// Why the run ends in `step`, whose increment was cut as far as the deck allows.
-pub fn explain(model: &Model, step: usize, increment: Increment, refusal: &Refusal) -> String {
+pub(super) fn explain(
+    model: &Model,
+    step: usize,
+    leg: Leg,
+    load: f64,
+    refusal: &Refusal,
+) -> String {
     let of = &model.steps[step];
     format!(
-        "step {step} ({}), {:.2} % of it done, an increment of {:.2e} of it: {}; try {}",
+        "step {step} ({}), {:.2} % of it done, an increment of {:.2e} of it, {}: {}; try {}",
         of.name,
-        100.0 * increment.start,
-        increment.size,
+        100.0 * load,
+        leg.increment.size,
+        leg.method.name(),
         why(model, of, refusal),
         advice(model, step, refusal)
     )
 }
 
-fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
+/// What refused an increment, where, and how large it was.
+pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
     match refusal {
         Refusal::Iterations {
             residual,
@@ -50,6 +58,10 @@ fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
             ["x", "y", "z"][*direction]
         ),
         Refusal::Linear { why, dof: None } => why.to_string(),
+        Refusal::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
+        Refusal::NoSuchLoad => {
+            "no load leads as far along the path as the increment should go".to_owned()
+        }
         Refusal::NotFinite => "the out-of-balance force is not finite".to_owned(),
     }
 }
@@ -88,8 +100,11 @@ fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     }
     let min = step.increments.min;
     tries.push(format!("steps.{index}.increments.min below {min:e}"));
-    if !step.procedure.is_symmetric() {
-        tries.push(format!("steps.{index}.procedure = \"secant\""));
+    if step.tangent != Tangent::Secant {
+        tries.push(format!("steps.{index}.tangent = \"secant\""));
+    }
+    if step.procedure != Procedure::Auto {
+        tries.push(format!("steps.{index}.procedure = \"auto\""));
     }
     let cracks =
         |m: &NamedMaterial| matches!(m.parameters, MaterialParameters::DamagePlasticity(_));

@@ -52,6 +52,25 @@ impl Loads {
         }
     }
 
+    /// ∂F/∂s at fraction `s` of the step, the ground at rest [N]. `[slot]`
+    pub fn rate(&self, step: &Step, system: &System, s: f64) -> Vec<f64> {
+        /// Gravity is linear in s, or turns: the central difference errs by h²/6.
+        const H: f64 = 1e-4;
+        let (ahead, behind) = (step.gravity.at(s + H), step.gravity.at(s - H));
+        let mut rate = vec![0.0; self.total.len()];
+        let change = [0, 1, 2].map(|i| (ahead[i] - behind[i]) / (2.0 * H));
+        system.mass.forces(change, &mut rate);
+        for (b, motion) in step.motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                if let BeamMotion::Force(to) = *motion {
+                    let slot = system.dofs.beam_slot(b, i);
+                    rate[slot] += to - self.applied_start[slot];
+                }
+            }
+        }
+        rate
+    }
+
     /// Work of gravity and the ground over displacements `dq` [mm] `[slot]` from the loads `start`
     /// to these, by the trapezoidal rule [N mm].
     pub fn work_of_bodies(&self, start: &Self, dq: &[f64]) -> f64 {

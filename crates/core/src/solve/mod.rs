@@ -1,16 +1,23 @@
 //! From a frozen model to its converged frames.
 
+mod commit;
+mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
+mod ladder;
 mod line_search;
 mod loads;
+mod method;
 mod newton;
 mod outcome;
+mod path;
+mod probes;
 mod schedule;
 pub mod state;
 mod tally;
 
 pub use drive::{RunError, run};
+pub use method::Method;
 pub use outcome::Clock;
 pub use state::State;

@@ -11,11 +11,13 @@
 use super::dynamics::Motion;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
+use super::method::Method;
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
+use super::path::Advance;
 use super::schedule::Increment;
 use super::state::State;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::model::scene::{BeamMotion, Step, Tangent};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
 use crate::system::{Equations, Evaluation, Solids, System, Trial};
 use std::time::Instant;
@@ -24,11 +26,16 @@ use std::time::Instant;
 pub struct Newton<'m> {
     model: &'m Model,
     step: &'m Step,
+    method: Method,
     equations: Equations,
     linear: Option<LinearSolver>,
     values: Vec<f64>,
     direction: Vec<f64>,
     residual: Vec<f64>,
+    /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
+    by_load: Vec<f64>,
+    /// λ: part of the step's loads at the last iterate.
+    load_factor: f64,
     q: Vec<f64>,
     q_start: Vec<f64>,
     /// Ends of the springs when the step began [mm]. `[spring][xyz]`
@@ -51,38 +58,50 @@ fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
 }
 
 impl<'m> Newton<'m> {
-    /// Prepares a step that begins at `state`, and gives the state the velocities and accelerations
-    /// of its begin.
-    pub fn new(
-        model: &'m Model,
-        step: &'m Step,
-        system: &mut System,
-        state: &mut State,
-        trial: &mut Trial,
-    ) -> Self {
+    /// Prepares a step that begins at `state`.
+    pub fn new(model: &'m Model, step: &'m Step, system: &System, state: &State) -> Self {
         let equations = Equations::new(&system.dofs, step);
         let n = equations.len();
         let loads = Loads::new(step, system, state);
-        let mut motion = Motion::new(step, system, &equations);
-        if let Some(motion) = &mut motion {
-            system.search(trial, &state.q);
-            motion.begin(system, state, trial);
-        }
         Self {
             model,
             step,
+            method: Method::Static,
             equations,
             linear: None,
             values: Vec::new(),
             direction: vec![0.0; n],
             residual: vec![0.0; n],
+            by_load: Vec::new(),
+            load_factor: 0.0,
             q: state.q.clone(),
             q_start: state.q.clone(),
             ends_start: state.spring_ends.clone(),
             loads_start: loads.clone(),
             loads,
-            motion,
+            motion: None,
             clock: Clock::default(),
+        }
+    }
+
+    /// Goes on by `method`. With inertia the state gets the velocities and accelerations that what is
+    /// driven has from here on.
+    pub fn adopt(
+        &mut self,
+        method: Method,
+        system: &mut System,
+        state: &mut State,
+        trial: &mut Trial,
+    ) {
+        let before = self.backend();
+        self.method = method;
+        if self.backend() != before {
+            self.linear = None;
+        }
+        self.motion = Motion::new(self.step, method, system, &self.equations);
+        if let Some(motion) = &mut self.motion {
+            system.search(trial, &state.q);
+            motion.begin(system, state, trial);
         }
     }
 
@@ -91,26 +110,51 @@ impl<'m> Newton<'m> {
         self.equations.len()
     }
 
-    /// Which tangents the procedure needs.
+    /// Which solver the tangents need.
     fn backend(&self) -> Backend {
-        match self.step.procedure {
-            Procedure::Secant | Procedure::Implex => Backend::MultifrontalLlt,
-            Procedure::Implicit | Procedure::Direct => Backend::MultifrontalLu,
+        // Extrapolated solids have a secant stiffness and no other.
+        let symmetric = self.step.tangent == Tangent::Secant
+            || (self.method == Method::Implex && self.shifted());
+        if symmetric {
+            Backend::MultifrontalLlt
+        } else {
+            Backend::MultifrontalLu
         }
     }
 
-    /// Prescribed displacements at fraction `s` of the step.
-    fn boundary(&self, system: &System, s: f64, q: &mut [f64]) {
+    /// Whether the penalty is shifted.
+    fn shifted(&self) -> bool {
+        self.step.tangent != Tangent::Direct
+    }
+
+    /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
+    fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
+        self.load_factor = s;
         for (b, motion) in self.step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
                 let slot = system.dofs.beam_slot(b, i);
                 match *motion {
-                    BeamMotion::Locked => q[slot] = self.q_start[slot],
-                    BeamMotion::Driven(by) => q[slot] = self.q_start[slot] + s * by,
+                    BeamMotion::Locked => self.q[slot] = self.q_start[slot],
+                    BeamMotion::Driven(by) => self.q[slot] = self.q_start[slot] + s * by,
                     BeamMotion::Force(_) => {}
                 }
             }
         }
+        self.drive_springs(trial, s);
+        self.loads.at(self.step, system, s);
+    }
+
+    /// How what is prescribed moves with the load [mm]. `[slot]`
+    fn prescribed_rate(&self, system: &System) -> Vec<f64> {
+        let mut rate = vec![0.0; system.dofs.slots];
+        for (b, motion) in self.step.motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                if let BeamMotion::Driven(by) = *motion {
+                    rate[system.dofs.beam_slot(b, i)] = by;
+                }
+            }
+        }
+        rate
     }
 
     /// Ends of the springs at fraction `s` of the step.
@@ -140,7 +184,7 @@ impl<'m> Newton<'m> {
         let found = self
             .iterate(system, state, trial, attempt, &mut solves)
             .and_then(|mut report| {
-                if attempt.extrapolate {
+                if self.method == Method::Implex {
                     (report.out_of_balance, report.extrapolation_error) =
                         self.correct(system, state, trial, attempt.increment)?;
                 }
@@ -161,11 +205,11 @@ impl<'m> Newton<'m> {
         solves: &mut Solves,
     ) -> Result<Report, Refusal> {
         let dt = attempt.increment.size * self.step.duration;
-        let solids = if attempt.extrapolate {
+        let solids = if self.method == Method::Implex {
             // The rate of a state without a last increment is not known: nothing extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
-        } else if self.step.procedure.is_symmetric() {
+        } else if self.step.tangent == Tangent::Secant {
             Solids::Secant
         } else {
             Solids::Implicit
@@ -173,13 +217,15 @@ impl<'m> Newton<'m> {
         let setting = Evaluation {
             dt,
             solids,
-            shifted: self.step.procedure != Procedure::Direct,
+            shifted: self.shifted(),
             tangent: true,
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
 
         let tolerance = self.step.tolerance;
         let mut iteration = 0;
+        // A start in balance is no progress where the path says how far to go.
+        let mut on_path = attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             self.evaluate(system, state, trial, setting)?;
@@ -193,12 +239,13 @@ impl<'m> Newton<'m> {
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
-            if settled && balanced {
+            if settled && balanced && on_path {
                 return Ok(Report {
                     iterations: solves.count,
                     residual: residual / scale,
                     out_of_balance: residual / scale,
                     extrapolation_error: 0.0,
+                    load_factor: self.load_factor,
                 });
             }
             if iteration == tolerance.max_iterations {
@@ -210,10 +257,17 @@ impl<'m> Newton<'m> {
                 });
             }
             // A start in balance needs no solve, only its tractions taken over.
-            if !balanced {
+            if !balanced || !on_path {
                 self.solve(system, trial)?;
-                solves.one_more();
-                self.search_line(system, state, trial, setting)?;
+                if attempt.advance == Advance::Load {
+                    solves.one_more();
+                    self.search_line(system, state, trial, setting)?;
+                } else {
+                    self.solve_by_load(system, trial)?;
+                    solves.one_more();
+                    self.follow(system, state, trial, setting, attempt.advance)?;
+                    on_path = true;
+                }
             }
             trial.keep_tractions();
             iteration += 1;
@@ -233,18 +287,19 @@ impl<'m> Newton<'m> {
     ) -> Result<(), Refusal> {
         trial.start(state);
         self.q.copy_from_slice(&state.q);
-        let mut target = std::mem::take(&mut self.q);
-        self.boundary(system, attempt.increment.end(), &mut target);
-        self.q = target;
-        self.drive_springs(trial, attempt.increment.end());
-        let Increment { start, .. } = attempt.increment;
+        let last = state.last.as_ref().filter(|_| attempt.repeat);
+        let start = attempt.load;
+        let end = match (attempt.advance, last) {
+            (Advance::Load, _) => attempt.increment.end(),
+            (_, Some(last)) => start + setting.dt / last.dt * last.load,
+            (_, None) => start,
+        };
         self.loads_start.at(self.step, system, start);
-        self.loads.at(self.step, system, attempt.increment.end());
+        self.load_to(end, system, trial);
         if let Some(motion) = &mut self.motion {
             motion.start(state, setting.dt, &self.loads_start.total);
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
-        let last = state.last.as_ref().filter(|_| attempt.repeat);
         if let (Some(last), true) = (last, setting.shifted) {
             let ratio = setting.dt / last.dt;
             system.extrapolate_tractions(self.model, state, trial, ratio);
@@ -259,6 +314,9 @@ impl<'m> Newton<'m> {
             for &slot in &self.equations.slot_of {
                 self.q[slot as usize] += ratio * last.dq[slot as usize];
             }
+            return Ok(());
+        }
+        if attempt.advance != Advance::Load {
             return Ok(());
         }
         let target = std::mem::replace(&mut self.q, state.q.clone());
@@ -317,23 +375,23 @@ impl<'m> Newton<'m> {
     /// d = −K⁻¹ r.
     fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
         let backend = self.backend();
-        if self.linear.is_none() || system.pattern_changed() {
-            let (gather, linear) = timed(&mut self.clock.factorise, || {
-                system.analyse(&self.equations, backend)
-            })
-            .map_err(|why| Refusal::Linear { why, dof: None })?;
-            self.values = vec![0.0; gather];
-            self.linear = Some(linear);
-        }
+        let linear = match &mut self.linear {
+            Some(linear) if !system.pattern_changed() => linear,
+            linear => {
+                let (gather, analysed) = timed(&mut self.clock.factorise, || {
+                    system.analyse(&self.equations, backend)
+                })
+                .map_err(|why| Refusal::Linear { why, dof: None })?;
+                self.values = vec![0.0; gather];
+                linear.insert(analysed)
+            }
+        };
         timed(&mut self.clock.assembly, || {
             system.fill(trial, &mut self.values);
             if let Some(motion) = &self.motion {
                 system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
             }
         });
-        let Some(linear) = &mut self.linear else {
-            unreachable!("analysed above")
-        };
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
         }
@@ -352,6 +410,49 @@ impl<'m> Newton<'m> {
         Ok(())
     }
 
+    /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
+    fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
+        let moved = system.multiply(trial, &self.prescribed_rate(system));
+        let loads = self.loads.rate(self.step, system, self.load_factor);
+        let pull = system.spring_pull(&self.step.springs);
+        self.by_load.clear();
+        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
+        self.by_load
+            .extend(slots.map(|slot| loads[slot] - moved[slot] - pull[slot]));
+        let Some(linear) = &mut self.linear else {
+            return Ok(());
+        };
+        timed(&mut self.clock.solve, || linear.solve(&mut self.by_load))
+            .map(|_| ())
+            .map_err(|why| Refusal::Linear { why, dof: None })
+    }
+
+    /// q ← q + d₁ + δλ d₂, λ ← λ + δλ; leaves the forces there in `trial`.
+    fn follow(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+        advance: Advance<'_>,
+    ) -> Result<(), Refusal> {
+        let mut rate = self.prescribed_rate(system);
+        let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        for (e, &slot) in self.equations.slot_of.iter().enumerate() {
+            reached[slot as usize] += self.direction[e];
+            rate[slot as usize] = self.by_load[e];
+        }
+        let change = advance
+            .load_change(&reached, &rate)
+            .ok_or(Refusal::NoSuchLoad)?;
+        for &slot in &self.equations.slot_of {
+            let slot = slot as usize;
+            self.q[slot] = state.q[slot] + reached[slot] + change * rate[slot];
+        }
+        self.load_to(self.load_factor + change, system, trial);
+        self.evaluate(system, state, trial, along(setting))
+    }
+
     /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
     fn search_line(
         &mut self,
@@ -360,15 +461,7 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         setting: Evaluation,
     ) -> Result<(), Refusal> {
-        let setting = Evaluation {
-            tangent: false,
-            // The direction is that of held solids; along it their law is asked at the end.
-            solids: match setting.solids {
-                Solids::Secant => Solids::Held,
-                solids => solids,
-            },
-            ..setting
-        };
+        let setting = along(setting);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
         let origin: Vec<f64> = self
@@ -416,7 +509,7 @@ impl<'m> Newton<'m> {
         let setting = Evaluation {
             dt: increment.size * self.step.duration,
             solids: Solids::Implicit,
-            shifted: self.step.procedure != Procedure::Direct,
+            shifted: self.shifted(),
             tangent: false,
         };
         let solved = trial.force.clone();
@@ -483,6 +576,18 @@ const OVER_INERTIA: f64 = 3.0;
 /// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is
 /// steered to leave no more.
 pub const IMBALANCE: f64 = 2e-3;
+
+/// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
+fn along(setting: Evaluation) -> Evaluation {
+    Evaluation {
+        tangent: false,
+        solids: match setting.solids {
+            Solids::Secant => Solids::Held,
+            solids => solids,
+        },
+        ..setting
+    }
+}
 
 fn root_mean_square(values: &[f64]) -> f64 {
     let square: f64 = values.iter().map(|v| v * v).sum();

@@ -1,5 +1,6 @@
 //! How an increment is tried, and what came of it.
 
+use super::path::Advance;
 use super::schedule::Increment;
 use crate::material::LocalFailure;
 use crate::system::linear::LinearError;
@@ -32,17 +33,23 @@ pub enum Refusal {
     },
     /// The residual is not finite.
     NotFinite,
+    /// The increment has snapped through to an equilibrium far away.
+    Snap,
+    /// No load leads as far along the path as the increment should go.
+    NoSuchLoad,
 }
 
 /// How an increment is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attempt {
-    /// The part of the step.
+pub struct Attempt<'a> {
+    /// The part of the step; where the load is an unknown, that of its time.
     pub increment: Increment,
+    /// Part of the step's loads that act at its start.
+    pub load: f64,
     /// Start from the last increment again, or else from the tangent.
     pub repeat: bool,
-    /// Extrapolate the solids (IMPL-EX).
-    pub extrapolate: bool,
+    /// How far to go.
+    pub advance: Advance<'a>,
 }
 
 /// How an increment converged.
@@ -56,6 +63,8 @@ pub struct Report {
     pub out_of_balance: f64,
     /// Root mean square of what the extrapolation left, over the mean nodal force.
     pub extrapolation_error: f64,
+    /// Part of the step's loads that act at the end.
+    pub load_factor: f64,
 }
 
 /// What came of an increment.

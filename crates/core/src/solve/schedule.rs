@@ -75,6 +75,16 @@ impl Schedule {
         self.size = (base * factor).clamp(self.limits.min, self.limits.max);
     }
 
+    /// A path has led to part `load` of the step's loads.
+    pub fn reach(&mut self, load: f64) {
+        self.done = load;
+    }
+
+    /// Next increment of about this size.
+    pub fn resume(&mut self, size: f64) {
+        self.size = size.clamp(self.limits.min, self.limits.max);
+    }
+
     /// The increment was refused: try `factor` of it.
     ///
     /// # Errors

@@ -26,6 +26,20 @@ pub struct Energies {
     pub numerical: f64,
 }
 
+impl Energies {
+    /// What was dissipated since `before`, over that and the change of the elastic energy [-].
+    pub fn dissipated_share(&self, before: &Self) -> f64 {
+        let sum = |e: &Self| e.plastic_damage + e.interface + e.viscous;
+        let dissipated = sum(self) - sum(before);
+        let stored = (self.elastic - before.elastic).abs();
+        if dissipated > 0.0 {
+            dissipated / (dissipated + stored)
+        } else {
+            0.0
+        }
+    }
+}
+
 /// The last committed increment: what extrapolation starts from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LastIncrement {
@@ -35,6 +49,8 @@ pub struct LastIncrement {
     pub dtraction: Vec<[f64; 3]>,
     /// Its step time [s].
     pub dt: f64,
+    /// Part of the step's loads that it added.
+    pub load: f64,
 }
 
 /// Converged state.

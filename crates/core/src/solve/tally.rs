@@ -48,11 +48,7 @@ pub struct Swings {
 impl Swings {
     /// Adds a commit.
     pub fn add(&mut self, row: &HistoryRow) {
-        let inside = row.elastic_energy_J
-            + row.plastic_damage_dissipation_J
-            + row.interface_dissipation_J
-            + row.viscous_dissipation_J;
-        let ratio = row.kinetic_energy_J / inside;
+        let ratio = row.kinetic_energy_J / row.taken_J();
         if ratio > QUASI_STATIC {
             self.count += 1;
             if ratio > self.worst {

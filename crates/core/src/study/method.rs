@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use crate::model::Deck;
-use crate::model::deck::{DeckDynamics, DeckStep, StepKind};
+use crate::model::deck::{DeckProcedure, DeckStep, StepKind};
 
 /// A key of a step and its value.
 type Key = (&'static str, &'static str);
@@ -14,14 +14,14 @@ pub struct Method {
     pub name: &'static str,
     /// What it says in a step of statics.
     at_rest: &'static [Key],
-    /// What it says in a step of motion (`dynamics = "dynamic"`); none if it is for statics only.
+    /// What it says in a step of motion (`procedure = "dynamic"`); none if it is for statics only.
     in_motion: Option<&'static [Key]>,
     /// Whether every material must have a density.
     needs_mass: bool,
 }
 
 /// The methods of the atlas, in its order. The one place that knows how the deck spells them.
-pub const METHODS: [Method; 6] = [
+pub const METHODS: [Method; 8] = [
     Method {
         name: "auto",
         at_rest: &[],
@@ -29,41 +29,40 @@ pub const METHODS: [Method; 6] = [
         needs_mass: false,
     },
     still(
-        "secant",
-        &[STATIC, ("procedure", "secant")],
-        &[("procedure", "secant")],
+        "static",
+        &[("procedure", "static"), ("tangent", "secant")],
+        Some(&[("tangent", "secant")]),
     ),
     still(
         "consistent",
-        &[STATIC, ("procedure", "implicit")],
-        &[("procedure", "implicit")],
+        &[("procedure", "static"), ("tangent", "consistent")],
+        Some(&[("tangent", "consistent")]),
     ),
     still(
         "direct",
-        &[STATIC, ("procedure", "direct")],
-        &[("procedure", "direct")],
+        &[("procedure", "static"), ("tangent", "direct")],
+        Some(&[("tangent", "direct")]),
     ),
-    still(
-        "implex",
-        &[STATIC, ("procedure", "implex")],
-        &[("procedure", "implex")],
-    ),
+    still("implex", &[("procedure", "implex")], None),
+    still("arc_length", &[("procedure", "arc_length")], None),
+    still("dissipation", &[("procedure", "dissipation")], None),
     Method {
         name: "quasi_static",
-        at_rest: &[("dynamics", "quasi-static")],
+        at_rest: &[("procedure", "quasi_static")],
         in_motion: None,
         needs_mass: true,
     },
 ];
 
-/// What a deck that is quasi-static by itself must be told to be solved as statics.
-const STATIC: Key = ("dynamics", "static");
-
-const fn still(name: &'static str, at_rest: &'static [Key], in_motion: &'static [Key]) -> Method {
+const fn still(
+    name: &'static str,
+    at_rest: &'static [Key],
+    in_motion: Option<&'static [Key]>,
+) -> Method {
     Method {
         name,
         at_rest,
-        in_motion: Some(in_motion),
+        in_motion,
         needs_mass: false,
     }
 }
@@ -85,7 +84,7 @@ impl Method {
             if !takes(case, i, step) {
                 continue;
             }
-            let keys = if step.dynamics == DeckDynamics::Dynamic {
+            let keys = if step.procedure == DeckProcedure::Dynamic {
                 self.in_motion
                     .ok_or_else(|| format!("step {i} is a motion"))?
             } else {
@@ -178,11 +177,11 @@ mod tests {
             Err("stone has no density".to_owned())
         );
         assert!(overrides("quasi_static", &case, &deck("density = 2e-9", "")).is_ok());
-        let moving = deck("density = 2e-9", "dynamics = \"dynamic\"");
+        let moving = deck("density = 2e-9", "procedure = \"dynamic\"");
         assert!(overrides("quasi_static", &case, &moving).is_err());
         let said = overrides("consistent", &case, &moving).unwrap();
         assert!(
-            said.iter().all(|(key, _)| !key.ends_with("dynamics")),
+            said.iter().all(|(key, _)| !key.ends_with("procedure")),
             "{said:?}"
         );
     }

@@ -153,11 +153,11 @@ impl CaseFile {
     /// The case, if all of it makes sense.
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
         let error = |path: &str, message: &str| source.error(path, message, &advice(path));
-        if self.energy.is_some_and(|e| e != ENERGY) && self.why.is_empty() {
+        if self.energy.is_some_and(|e| e > ENERGY) && self.why.is_empty() {
             return Err(source
                 .error(
                     "energy",
-                    "an energy imbalance of its own wants a reason",
+                    "a larger energy imbalance wants a reason",
                     "say why beside it: why = \"…\"",
                 )
                 .into());

@@ -134,6 +134,12 @@ impl Contact {
         self.cells.iter()
     }
 
+    /// Those of one slave facet, with their places among all contact cells.
+    pub fn cells_of(&self, facet: usize) -> impl Iterator<Item = (usize, &[u32; 8])> {
+        let range = self.candidates.range(facet);
+        range.clone().zip(&self.cells[range])
+    }
+
     /// Number of contact cells.
     pub fn cell_count(&self) -> usize {
         self.cells.len()

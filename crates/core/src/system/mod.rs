@@ -3,6 +3,7 @@
 pub mod bulk;
 pub mod contact;
 mod damping;
+mod dissipation;
 pub mod dofs;
 pub mod linear;
 mod mass;
@@ -362,10 +363,30 @@ impl System {
         Ok(())
     }
 
+    /// Elastic energy of solids, interfaces and springs at the trial's positions [N mm].
+    pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
+        trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
+            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
+            + self.springs.energy(spring_forces.iter().copied())
+    }
+
     /// Forces of the springs on their nodes at the trial's positions [N]. `[spring][xyz]`
     pub fn spring_forces(&self, trial: &Trial) -> Vec<[f64; 3]> {
         let ends = &trial.spring_ends;
         self.springs.forces(&trial.displacement, ends).collect()
+    }
+
+    /// Internal forces of the springs for ends that move by `by` [mm] `[spring][xyz]` while the bodies
+    /// stay [N]. `[slot]`
+    pub fn spring_pull(&self, by: &[[f64; 3]]) -> Vec<f64> {
+        let mut p = vec![0.0; self.dofs.slots];
+        if !by.is_empty() {
+            let rest = vec![[0.0; 3]; self.bulk.reference.len()];
+            let mut force = rest.clone();
+            self.springs.add_forces(&rest, by, &mut force);
+            self.dofs.collect(&force, &mut p);
+        }
+        p
     }
 
     /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`

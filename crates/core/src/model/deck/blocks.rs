@@ -6,7 +6,7 @@ use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// A block of hex8: a box by its size, or any hexahedron by its eight corners.
+/// A block of hex8: a box by its size, any hexahedron by its eight corners, or a grid of nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeckBlock {
@@ -15,7 +15,7 @@ pub struct DeckBlock {
     /// Length (x), thickness (y), height (z) of a box [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[Length; 3]>,
-    /// Where its lowest corner lies, or by how much `corners` are moved [mm].
+    /// Where its lowest corner lies, or by how much `corners` and `nodes` are moved [mm].
     #[serde(default)]
     pub at: [Length; 3],
     /// Turned about the point `at`.
@@ -24,6 +24,9 @@ pub struct DeckBlock {
     /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<[[Length; 3]; 8]>,
+    /// File of the nodes of its grid, see [`Deck::block_nodes`](super::Deck::block_nodes).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<String>,
     /// Its material.
     pub material: String,
     /// Elements along x, y, z.

@@ -4,19 +4,22 @@
 
 mod arch;
 mod blocks;
-mod dynamics;
+mod grid;
 mod ground;
 mod interfaces;
 mod materials;
+mod probes;
+mod procedure;
 mod steps;
 mod validate;
 mod wall;
 
 pub use arch::DeckArch;
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
-pub use dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
 pub use interfaces::Interface;
 pub use materials::{Material, Row};
+pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
+pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{Bond, Clamped, Subdivision, Wall};
 
@@ -65,6 +68,9 @@ pub struct Deck {
     /// Springs to the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<DeckSpring>,
+    /// Places that the history follows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<DeckProbe>,
     /// Element formulation.
     #[serde(default)]
     pub element: Element,
@@ -265,6 +271,7 @@ impl PartialEq for Deck {
             && self.contacts == other.contacts
             && self.supports == other.supports
             && self.springs == other.springs
+            && self.probes == other.probes
             && self.element == other.element
             && self.contact == other.contact
             && self.steps == other.steps

@@ -1,9 +1,9 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
-use super::dynamics::{DeckDynamics, DeckGround, DeckRayleigh};
+use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
-use crate::model::scene::{Increments, Procedure, Tolerance};
+use crate::model::scene::{Increments, Tangent, Tolerance};
 use serde::{Deserialize, Serialize};
 
 /// A step as written. Keys that belong to the other kind are refused when the deck is checked.
@@ -56,10 +56,13 @@ pub struct DeckStep {
     pub viscosity: Time,
     /// Procedure.
     #[serde(default)]
-    pub procedure: Procedure,
-    /// What inertia does.
+    pub procedure: DeckProcedure,
+    /// Displacement control: the displacement that steers the load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<DeckControl>,
+    /// Tangents.
     #[serde(default)]
-    pub dynamics: DeckDynamics,
+    pub tangent: Tangent,
     /// Dynamic: α of HHT-α, from −1/3 to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<Number>,
@@ -225,10 +228,10 @@ impl DeckStep {
     /// Tolerance of the model: 5e-3 of the mean nodal force (theory F) with consistent tangents; with
     /// the cheaper ones what measures as accurate (docs/decisions.md).
     pub fn tolerance(&self) -> Tolerance {
-        let default = match self.procedure {
-            Procedure::Secant => 5e-2,
-            Procedure::Implex => 2e-2,
-            Procedure::Implicit | Procedure::Direct => 5e-3,
+        let default = match (self.tangent, self.procedure) {
+            (Tangent::Secant, DeckProcedure::Implex) => 2e-2,
+            (Tangent::Secant, _) => 5e-2,
+            _ => 5e-3,
         };
         Tolerance {
             residual: self.tolerance.residual.map_or(default, Number::get),

@@ -86,13 +86,25 @@ impl Checks<'_> {
             || format!("`{}` is no name for a block", block.name),
             "letters, digits, - and _; a dot parts the block from its face",
         );
+        let shapes = [
+            ("size", block.size.is_some()),
+            ("corners", block.corners.is_some()),
+            ("nodes", block.nodes.is_some()),
+        ];
+        let given: Vec<&str> = shapes.iter().filter(|s| s.1).map(|s| s.0).collect();
         match (&block.size, &block.corners) {
-            (Some(size), None) => {
+            _ if given.len() > 1 => self.require(
+                false,
+                &key(given[1]),
+                || format!("both `{}` and `{}` are given", given[0], given[1]),
+                "leave out one",
+            ),
+            (Some(size), _) => {
                 for (d, size) in size.iter().enumerate() {
                     self.positive(&format!("{path}.size.{d}"), *size);
                 }
             }
-            (None, Some(corners)) => {
+            (_, Some(corners)) => {
                 let corners = corners.map(|x| x.map(Quantity::get));
                 self.require(
                     crate::model::hexahedron::is_upright(&corners),
@@ -101,16 +113,10 @@ impl Checks<'_> {
                     "(-,-,-) (+,-,-) (+,+,-) (-,+,-), then the same four above them",
                 );
             }
-            (Some(_), Some(_)) => self.require(
-                false,
-                &key("corners"),
-                || "both `size` and `corners` are given".to_owned(),
-                "leave out one",
-            ),
             (None, None) => self.require(
-                false,
+                block.nodes.is_some(),
                 &key("size"),
-                || "neither `size` nor `corners` is given".to_owned(),
+                || "neither `size` nor `corners` nor `nodes` is given".to_owned(),
                 &keys::example("size"),
             ),
         }
@@ -197,7 +203,7 @@ impl Checks<'_> {
         );
     }
 
-    fn not_empty(&mut self, path: &str, names: Option<&Names>) {
+    pub(super) fn not_empty(&mut self, path: &str, names: Option<&Names>) {
         self.require(
             names.is_none_or(|names| !names.0.is_empty()),
             path,

@@ -3,6 +3,7 @@
 mod blocks;
 mod interfaces;
 mod materials;
+mod probes;
 mod steps;
 
 use super::{Deck, Wall};
@@ -41,6 +42,7 @@ pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
         checks.wall(wall);
     }
     checks.scene();
+    checks.probes();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }

@@ -1,9 +1,10 @@
 //! Ranges of `[[steps]]`.
 
 use super::Checks;
-use crate::model::deck::{DeckDynamics, DeckStep, Direction, StepKind};
+use crate::model::deck::{DeckProcedure, DeckStep, Direction, StepKind};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
+use crate::model::scene::Tangent;
 
 /// Who may say a key of a step, and who must.
 struct Rule<'a> {
@@ -76,6 +77,7 @@ impl Checks<'_> {
             );
         }
         self.inertia(path, step);
+        self.procedure(path, step);
         let sizes = step.increments();
         let ok = sizes.min > 0.0 && sizes.min <= sizes.initial && sizes.initial <= sizes.max;
         self.require(
@@ -107,7 +109,7 @@ impl Checks<'_> {
     /// Keys of inertia: those that its kind knows, in their ranges, and mass to act on.
     fn inertia(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
-        let dynamic = step.dynamics == DeckDynamics::Dynamic;
+        let dynamic = step.procedure == DeckProcedure::Dynamic;
         for (name, given) in [
             ("alpha", step.alpha.is_some()),
             ("rayleigh", step.rayleigh.is_some()),
@@ -117,7 +119,7 @@ impl Checks<'_> {
                 dynamic || !given,
                 &key(name),
                 || format!("`{name}` belongs to a dynamic step"),
-                "say dynamics = \"dynamic\", or leave it out",
+                "say procedure = \"dynamic\", or leave it out",
             );
         }
         self.require(
@@ -139,7 +141,10 @@ impl Checks<'_> {
             self.not_negative(&key("rayleigh.mass"), rayleigh.mass);
             self.not_negative(&key("rayleigh.stiffness"), rayleigh.stiffness);
         }
-        if step.dynamics != DeckDynamics::Static {
+        if matches!(
+            step.procedure,
+            DeckProcedure::QuasiStatic | DeckProcedure::Dynamic
+        ) {
             let materials = self.deck.materials.iter();
             let massless = materials
                 .filter(|(_, m)| m.density.get() <= 0.0)
@@ -147,11 +152,53 @@ impl Checks<'_> {
             for name in massless.collect::<Vec<_>>() {
                 self.require(
                     false,
-                    &key("dynamics"),
+                    &key("procedure"),
                     || format!("the step has inertia and the material `{name}` has no mass"),
                     &format!("add to [materials.{name}]: {}", keys::example("density")),
                 );
             }
+        }
+    }
+
+    /// What the procedures ask of each other's keys.
+    fn procedure(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        self.require(
+            step.procedure != DeckProcedure::Implex || step.tangent == Tangent::Secant,
+            &key("tangent"),
+            || "extrapolated solids have a secant stiffness and no other".to_owned(),
+            "leave `tangent` out, or take another procedure",
+        );
+        let controlled = step.procedure == DeckProcedure::DisplacementControl;
+        self.require(
+            controlled == step.control.is_some(),
+            &key("control"),
+            || {
+                if controlled {
+                    "the key `control` is missing: which displacement steers the load?".to_owned()
+                } else {
+                    "`control` belongs to the procedure \"displacement_control\"".to_owned()
+                }
+            },
+            &if controlled {
+                keys::example("control")
+            } else {
+                "say procedure = \"displacement_control\", or leave it out".to_owned()
+            },
+        );
+        if let Some(control) = &step.control {
+            self.require(
+                control.displacement.get() != 0.0,
+                &key("control.displacement"),
+                || "the displacement is 0".to_owned(),
+                &keys::example("displacement"),
+            );
+            self.require(
+                step.kind != StepKind::Free,
+                &key("control"),
+                || "a free step has no load to steer".to_owned(),
+                "steer a preload, gravity, a tilt, or a drive",
+            );
         }
     }
 

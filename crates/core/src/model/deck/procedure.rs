@@ -1,20 +1,40 @@
-//! What the steps of a deck say of inertia.
+//! How the steps of a deck are solved, and what they say of inertia.
 
-use crate::model::quantity::{Frequency, Number, Time};
-use crate::model::scene::{Dynamics, Rayleigh};
+use crate::model::quantity::{Frequency, Length, Number, Time};
+use crate::model::scene::{Procedure, Rayleigh};
 use serde::{Deserialize, Serialize};
 
-/// `dynamics` of a step.
+/// `procedure` of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DeckDynamics {
-    /// Equilibrium; the duration has no meaning but for viscosity.
+#[serde(rename_all = "snake_case")]
+pub enum DeckProcedure {
+    /// The cheapest that finds equilibrium, from increment to increment.
     #[default]
+    Auto,
+    /// Newton's method; the duration has no meaning but for viscosity.
     Static,
+    /// Solids extrapolated within the increment.
+    Implex,
     /// Inertia by backward Euler: it carries a wall over a snap and takes the motion out.
     QuasiStatic,
     /// HHT-α.
     Dynamic,
+    /// Arc length: the load is an unknown.
+    ArcLength,
+    /// Dissipated energy: the load is an unknown.
+    Dissipation,
+    /// A displacement steers the load.
+    DisplacementControl,
+}
+
+/// `control` of a step: a displacement that steers the load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckControl {
+    /// The probe that measures it.
+    pub probe: String,
+    /// How far it goes during the step [mm].
+    pub displacement: Length,
 }
 
 /// `rayleigh` of a dynamic step.
@@ -46,20 +66,25 @@ pub struct DeckGround {
 /// at ten increments a period.
 const ALPHA: f64 = -0.05;
 
-impl DeckDynamics {
-    /// The dynamics of the model with these keys.
-    pub fn with(self, alpha: Option<Number>, rayleigh: Option<DeckRayleigh>) -> Dynamics {
+impl DeckProcedure {
+    /// The procedure of the model with these keys.
+    pub fn with(self, alpha: Option<Number>, rayleigh: Option<DeckRayleigh>) -> Procedure {
         let rayleigh = rayleigh.unwrap_or_default();
         match self {
-            Self::Static => Dynamics::Static,
-            Self::QuasiStatic => Dynamics::QuasiStatic,
-            Self::Dynamic => Dynamics::Dynamic {
+            Self::Auto => Procedure::Auto,
+            Self::Static => Procedure::Static,
+            Self::Implex => Procedure::Implex,
+            Self::QuasiStatic => Procedure::QuasiStatic,
+            Self::Dynamic => Procedure::Dynamic {
                 alpha: alpha.map_or(ALPHA, Number::get),
                 damping: Rayleigh {
                     mass: rayleigh.mass.get(),
                     stiffness: rayleigh.stiffness.get(),
                 },
             },
+            Self::ArcLength => Procedure::ArcLength,
+            Self::Dissipation => Procedure::Dissipation,
+            Self::DisplacementControl => Procedure::DisplacementControl,
         }
     }
 }

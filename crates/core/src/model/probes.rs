@@ -1,0 +1,164 @@
+//! Probes: places whose motion is a column of the history.
+
+use super::Mesh;
+use super::blocks::Blocks;
+use super::deck::{Deck, DeckPlace, DeckProbe, DeckStep, Names, ProbeQuantity};
+use super::hexahedron::{difference, norm};
+use super::keys;
+use super::quantity::Quantity;
+use super::scene::Control;
+use crate::error::ModelError;
+
+/// Motion of some nodes along an axis, less that of others: a column of the history.
+///
+/// A place moves as its nodes do on the mean, each counted once. Relative to the ground where that
+/// moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Name of the column.
+    pub column: String,
+    /// Nodes.
+    pub nodes: Vec<u32>,
+    /// Nodes whose motion is taken off; empty = the ground.
+    pub minus: Vec<u32>,
+    /// Axis, 0 to 2.
+    pub axis: usize,
+    /// 1, or −1 if the other way counts as positive.
+    pub sign: f64,
+    /// What is followed.
+    pub quantity: ProbeQuantity,
+}
+
+/// Probes of a scene of blocks.
+///
+/// # Errors
+/// Names of nothing, points far from everything.
+pub(super) fn of_blocks(deck: &Deck, blocks: &Blocks<'_>) -> Result<Vec<Probe>, ModelError> {
+    let named = |path: &str, names: &Names| {
+        let places = blocks.places(path, names, false)?;
+        Ok(blocks.nodes(&places))
+    };
+    probes(deck, &blocks.mesh, &named)
+}
+
+/// Probes of a wall, whose units have no names.
+///
+/// # Errors
+/// Names of blocks, points far from the wall.
+pub(super) fn of_wall(deck: &Deck, mesh: &Mesh) -> Result<Vec<Probe>, ModelError> {
+    let named = |path: &str, _: &Names| {
+        Err(deck.error(
+            path,
+            "a wall has no named blocks",
+            "name a point instead: near = [\"480 mm\", 0, \"500 mm\"]",
+        ))
+    };
+    probes(deck, mesh, &named)
+}
+
+/// The displacement that steers a step, if one does.
+///
+/// # Errors
+/// No such probe, or one of a velocity.
+pub(super) fn control(
+    deck: &Deck,
+    index: usize,
+    step: &DeckStep,
+) -> Result<Option<Control>, ModelError> {
+    let Some(control) = &step.control else {
+        return Ok(None);
+    };
+    let path = format!("steps.{index}.control.probe");
+    let name = &control.probe;
+    let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
+        let known = deck.probes.iter().map(|p| p.name.as_str());
+        let help = keys::nearest(name, known).map_or_else(
+            || keys::example("probes"),
+            |near| format!("did you mean `{near}`?"),
+        );
+        return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
+    };
+    if deck.probes[probe].quantity != ProbeQuantity::Displacement {
+        return Err(deck.error(
+            &path,
+            format!("the probe `{name}` measures a velocity"),
+            "a displacement steers the load: name a probe of one",
+        ));
+    }
+    Ok(Some(Control {
+        probe,
+        displacement: control.displacement.get(),
+    }))
+}
+
+/// Nodes of the names at a path.
+type Named<'a> = dyn Fn(&str, &Names) -> Result<Vec<u32>, ModelError> + 'a;
+
+fn probes(deck: &Deck, mesh: &Mesh, named: &Named<'_>) -> Result<Vec<Probe>, ModelError> {
+    let probe = |(i, probe): (usize, &DeckProbe)| {
+        let path = format!("probes.{i}");
+        let DeckProbe { on, near, .. } = probe.clone();
+        let (axis, sign) = probe.direction.axis();
+        let minus = probe.minus.as_ref().map_or(Ok(Vec::new()), |place| {
+            nodes(deck, mesh, named, &format!("{path}.minus"), place)
+        })?;
+        Ok(Probe {
+            column: probe.column(),
+            nodes: nodes(deck, mesh, named, &path, &DeckPlace { on, near })?,
+            minus,
+            axis,
+            sign,
+            quantity: probe.quantity,
+        })
+    };
+    deck.probes.iter().enumerate().map(probe).collect()
+}
+
+/// Nodes of a place, ascending: those of its names, or of these (or all) the nearest to its point. Of
+/// several as near the first.
+fn nodes(
+    deck: &Deck,
+    mesh: &Mesh,
+    named: &Named<'_>,
+    path: &str,
+    place: &DeckPlace,
+) -> Result<Vec<u32>, ModelError> {
+    let nodes = match &place.on {
+        // `minus = "base"` has no key of its own below it; an error finds the table above.
+        Some(names) => named(&format!("{path}.on"), names)?,
+        None => (0..mesh.nodes.len() as u32).collect(),
+    };
+    let Some(near) = place.near else {
+        return Ok(nodes);
+    };
+    let near = near.map(Quantity::get);
+    let away = |n: &u32| norm(difference(mesh.nodes[*n as usize], near));
+    let nearest = nodes
+        .iter()
+        .map(|n| (away(n), *n))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let size = extent(mesh);
+    match nearest {
+        Some((distance, node)) if distance <= size => Ok(vec![node]),
+        _ => {
+            let distance = nearest.map_or(f64::INFINITY, |n| n.0);
+            Err(deck.error(
+                &format!("{path}.near"),
+                format!(
+                    "the nearest node is {distance:.4} mm away, farther than the model is large \
+                     ({size:.4} mm)"
+                ),
+                "see that the unit of length is right: bare numbers are in mm",
+            ))
+        }
+    }
+}
+
+/// Diagonal of the box around all nodes [mm].
+fn extent(mesh: &Mesh) -> f64 {
+    let side = |d: usize| {
+        let along = || mesh.nodes.iter().map(|x| x[d]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    norm([0, 1, 2].map(side))
+}

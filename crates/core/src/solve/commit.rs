@@ -1,0 +1,169 @@
+//! What a converged increment leaves: the state, a row of the history, a frame.
+
+use super::drive::{Run, RunError};
+use super::method::Method;
+use super::newton::Newton;
+use super::outcome::Report;
+use super::probes::probes;
+use super::state::LastIncrement;
+use crate::model::scene::Step;
+use crate::results::{Frame, HistoryRow, Recorder};
+use std::time::Instant;
+use wythe_contact::PointStatus;
+
+impl Run<'_> {
+    /// The trial becomes the state.
+    ///
+    /// Returns its way [mm]. `[slot]`
+    pub(super) fn commit(
+        &mut self,
+        newton: &Newton,
+        step: &Step,
+        size: f64,
+        load: f64,
+    ) -> Vec<f64> {
+        let (state, trial) = (&mut self.state, &mut self.trial);
+        let dq: Vec<f64> = newton
+            .q()
+            .iter()
+            .zip(&state.q)
+            .map(|(new, old)| new - old)
+            .collect();
+        let dtraction = trial
+            .interface
+            .iter()
+            .zip(&state.interface)
+            .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
+            .collect();
+        newton.account(&self.system, state, trial, &dq);
+        let energies = &mut state.energies;
+        energies.elastic = self.system.elastic_energy(trial, &state.spring_forces);
+        energies.plastic_damage += trial
+            .element_energy
+            .iter()
+            .map(|e| e.plastic_damage)
+            .sum::<f64>();
+        energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
+        energies.interface += trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        let dt = size * step.duration;
+        state.time += dt;
+        state.increments += 1;
+        state.q.copy_from_slice(newton.q());
+        state.force.copy_from_slice(&trial.force);
+        state.material.copy_from_slice(&trial.material);
+        state.interface.copy_from_slice(&trial.interface);
+        state.pairs.copy_from_slice(&trial.pairs);
+        state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
+        state.last = Some(LastIncrement {
+            dq: dq.clone(),
+            dtraction,
+            dt,
+            load,
+        });
+        dq
+    }
+
+    /// The row of the last commit.
+    pub(super) fn row(
+        &self,
+        step: usize,
+        method: Method,
+        report: Report,
+        solves: usize,
+        cutbacks: usize,
+    ) -> HistoryRow {
+        let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
+        let driven = self.model.steps[step]
+            .driven
+            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
+        let (displacement, force, reaction) = match driven {
+            Some((beam, direction)) => {
+                let slot = dofs.beam_slot(beam, direction);
+                let normal = self.model.beams[beam].normal;
+                let along: f64 = (0..3)
+                    .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
+                    .sum();
+                (state.q[slot], state.applied[slot], -along)
+            }
+            None => (0.0, 0.0, 0.0),
+        };
+        let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let e = &state.energies;
+        HistoryRow {
+            increment: state.increments,
+            step,
+            time: state.time,
+            displacement_mm: displacement,
+            force_kN: force * 1e-3,
+            reaction_kN: reaction * 1e-3,
+            iterations: solves,
+            cutbacks,
+            external_work_J: e.external * 1e-3,
+            elastic_energy_J: e.elastic * 1e-3,
+            plastic_damage_dissipation_J: e.plastic_damage * 1e-3,
+            interface_dissipation_J: e.interface * 1e-3,
+            viscous_dissipation_J: e.viscous * 1e-3,
+            open_points: count(PointStatus::Open),
+            sliding_points: count(PointStatus::Slip),
+            max_interface_damage: most(&mut state.interface.iter().map(|h| h.damage)),
+            max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
+            max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
+            out_of_balance: report.out_of_balance,
+            residual: report.residual,
+            kinetic_energy_J: e.kinetic * 1e-3,
+            damping_dissipation_J: e.damping * 1e-3,
+            numerical_dissipation_J: e.numerical * 1e-3,
+            load_factor: report.load_factor,
+            procedure: method,
+            probes: probes(self.model, dofs, state),
+        }
+    }
+
+    /// Hands the commit to the recorder; false asks to stop.
+    pub(super) fn record(
+        &mut self,
+        row: &HistoryRow,
+        recorder: &mut dyn Recorder,
+        last: bool,
+    ) -> Result<bool, RunError> {
+        let start = Instant::now();
+        let every = self.model.output.every.max(1);
+        let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame());
+        recorder.observe(&self.state);
+        let keep = recorder.take(self.model, row, frame.as_ref())?;
+        self.output_seconds += start.elapsed().as_secs_f64();
+        Ok(keep)
+    }
+
+    /// Fields of the last commit.
+    fn frame(&self) -> Frame {
+        let (state, mesh) = (&self.state, &self.model.mesh);
+        let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
+        self.system.dofs.spread(&state.q, &mut displacement);
+        let mut frame = Frame {
+            time: state.time,
+            displacement,
+            probes: probes(self.model, &self.system.dofs, state),
+            ..Frame::default()
+        };
+        for points in state.material.chunks_exact(8) {
+            let mean = |of: fn(&crate::material::MaterialHistory) -> nalgebra::Vector6<f64>| {
+                let sum: nalgebra::Vector6<f64> = points.iter().map(of).sum();
+                (sum / 8.0).into()
+            };
+            frame.stress.push(mean(|h| h.stress));
+            frame.plastic_strain.push(mean(|h| h.plastic_strain));
+            frame
+                .tensile_damage
+                .push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
+            frame.compressive_damage.push(
+                points
+                    .iter()
+                    .map(|h| h.compressive_damage)
+                    .fold(0.0, f64::max),
+            );
+        }
+        frame
+    }
+}

@@ -1,0 +1,160 @@
+//! The course of one step: which increment comes next, and by which method.
+
+use super::ladder::Ladder;
+use super::method::Method;
+use super::newton::Newton;
+use super::path::{Advance, Trail};
+use super::schedule::{Increment, Schedule};
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step};
+use crate::system::System;
+
+/// A step in progress.
+pub(super) struct Course<'m> {
+    pub(super) index: usize,
+    pub(super) step: &'m Step,
+    pub(super) newton: Newton<'m>,
+    pub(super) schedule: Schedule,
+    pub(super) ladder: Ladder,
+    pub(super) trail: Trail,
+    pub(super) control: Option<Steering>,
+    /// Part of the step's loads that act now.
+    pub(super) load: f64,
+    /// Linear solves and cut-backs since the last commit.
+    pub(super) solves: usize,
+    pub(super) cutbacks: usize,
+    /// The next increment starts from the last one again.
+    pub(super) repeat: bool,
+    /// The end of the step was tried from here and refused: the path goes on.
+    pub(super) end_refused: bool,
+}
+
+/// A displacement c·q that steers the load.
+pub(super) struct Steering {
+    /// c. `[slot]`
+    gradient: Vec<f64>,
+    /// How far it goes in the step [mm].
+    way: f64,
+}
+
+/// One increment to be tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    pub(super) method: Method,
+    /// Part of the step's time, which is that of its loads where these are prescribed.
+    pub(super) increment: Increment,
+}
+
+impl Leg {
+    /// How far the leg goes.
+    pub(super) fn advance<'a>(
+        &self,
+        trail: &'a Trail,
+        control: &'a Option<Steering>,
+    ) -> Advance<'a> {
+        match (self.method, control) {
+            (Method::DisplacementControl, Some(control)) => Advance::Along {
+                gradient: &control.gradient,
+                by: self.increment.size * control.way,
+            },
+            (method, _) if method.follows_path() => trail.advance(),
+            _ => Advance::Load,
+        }
+    }
+}
+
+impl<'m> Course<'m> {
+    /// A step that has not begun to move.
+    pub(super) fn new(newton: Newton<'m>, ladder: Ladder, index: usize, step: &'m Step) -> Self {
+        Self {
+            index,
+            step,
+            newton,
+            schedule: Schedule::new(step.increments),
+            ladder,
+            trail: Trail::new(step.increments.max * longest_drive(step)),
+            control: None,
+            load: 0.0,
+            solves: 0,
+            cutbacks: 0,
+            repeat: true,
+            end_refused: false,
+        }
+    }
+
+    /// Takes the displacement that steers the load, if the step has one.
+    pub(super) fn steer(&mut self, model: &Model, system: &System) {
+        let Some(control) = self.step.control else {
+            return;
+        };
+        let probe = &model.probes[control.probe];
+        let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
+        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+            for &n in nodes {
+                nodal[n as usize][probe.axis] += sign / nodes.len() as f64;
+            }
+        }
+        let mut gradient = vec![0.0; system.dofs.slots];
+        system.dofs.collect(&nodal, &mut gradient);
+        self.control = Some(Steering {
+            gradient,
+            way: control.displacement,
+        });
+    }
+
+    /// The increment to try now; none when the step is done.
+    pub(super) fn next(&self) -> Option<Leg> {
+        let increment = self.schedule.next()?;
+        let method = self.ladder.method();
+        if !method.follows_path() {
+            return Some(Leg { method, increment });
+        }
+        if !self.trail.leads(method) {
+            return Some(Leg {
+                method: Method::Static,
+                increment,
+            });
+        }
+        let start = self.load;
+        let (size, adds) = self.trail.next();
+        // The rest of the step by its loads, so that it ends there.
+        if adds > 0.0 && start + adds >= 1.0 && !self.end_refused {
+            return Some(Leg {
+                method: Method::Static,
+                increment: Increment {
+                    start,
+                    size: 1.0 - start,
+                },
+            });
+        }
+        Some(Leg {
+            method,
+            increment: Increment { start, size },
+        })
+    }
+
+    /// Where the way behind is to be measured, by what.
+    pub(super) fn measured_by(&self) -> Option<Method> {
+        match (self.ladder.method(), self.step.procedure) {
+            (Method::ArcLength, _) => Some(Method::ArcLength),
+            (Method::Dissipation, _) | (_, Procedure::Auto) => Some(Method::Dissipation),
+            _ => None,
+        }
+    }
+}
+
+/// The longest way that something is driven in a step [mm]; without bound if nothing is.
+fn longest_drive(step: &Step) -> f64 {
+    use crate::model::scene::BeamMotion;
+    let beams = step.motion.iter().flatten().map(|motion| match motion {
+        BeamMotion::Driven(by) => by.abs(),
+        _ => 0.0,
+    });
+    let springs = step.springs.iter().flatten().map(|by| by.abs());
+    let longest = beams.chain(springs).fold(0.0, f64::max);
+    if longest > 0.0 {
+        longest
+    } else {
+        f64::INFINITY
+    }
+}

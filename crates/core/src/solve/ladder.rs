@@ -1,0 +1,168 @@
+//! Which method solves the next increment.
+//!
+//! `auto` begins with the cheapest that is safe and steps over to the next where that finds no
+//! equilibrium:
+//!
+//! ```text
+//! static ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
+//!        ──▶ dissipation (the load must fall before it rises: snap-back)
+//!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
+//! ```
+//!
+//! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
+//! inertia at once. Every other procedure is a ladder of one rung.
+
+use super::method::Method;
+use super::newton::IMBALANCE;
+use super::outcome::{Refusal, Report};
+use crate::material::MaterialParameters;
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step};
+
+/// Part of the first increment below which static increments are not cut before another method is
+/// tried.
+pub const FLOOR: f64 = 0.1;
+/// The same for extrapolated solids, of that.
+const IMPLEX_FLOOR: f64 = 0.1;
+/// Kinetic energy over what the solids and interfaces have taken below which nothing moves any more.
+const QUIET: f64 = 1e-3;
+/// Quiet increments after which statics is tried again; doubled each time that it fails.
+const PATIENCE: usize = 3;
+/// Increments in which the load must rise before statics takes over from a path.
+const RISING: usize = 2;
+
+/// What to do after a refusal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// A smaller increment.
+    Cut,
+    /// The next method.
+    Climb,
+    /// Nothing is left to try.
+    GiveUp,
+}
+
+/// The methods of a step, the one that is used now, and what it must show before it is left.
+#[derive(Clone, Debug)]
+pub struct Ladder {
+    rungs: Vec<Method>,
+    at: usize,
+    /// Size of increments below which statics gives up.
+    floor: f64,
+    /// Increments in a row without the trouble for which the first method was left.
+    calm: usize,
+    patience: usize,
+    /// Part of the loads when the first method was left.
+    left_at: f64,
+}
+
+impl Ladder {
+    /// The ladder of a step; `all_has_mass` if inertia could act.
+    pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
+        let softens = model
+            .materials
+            .iter()
+            .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
+        let mut rungs = vec![Method::of(step.procedure)];
+        if step.procedure == Procedure::Auto {
+            if softens {
+                rungs.push(Method::Implex);
+            }
+            rungs.push(Method::Dissipation);
+            if all_has_mass {
+                rungs.push(Method::QuasiStatic);
+            }
+            // For want of a better one, in increments as small as the deck allows.
+            rungs.push(Method::Static);
+        }
+        Self {
+            rungs,
+            at: 0,
+            floor: FLOOR * step.increments.initial,
+            calm: 0,
+            patience: PATIENCE,
+            left_at: 0.0,
+        }
+    }
+
+    /// The method of now.
+    pub fn method(&self) -> Method {
+        self.rungs[self.at]
+    }
+
+    /// Size of increments below which errors are reported and no longer pursued.
+    pub fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    /// What follows from the refusal of an increment of this size; `spent` if its path cannot be cut
+    /// further.
+    pub fn refused(&self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
+        let higher = self.at + 1 < self.rungs.len();
+        let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
+        let enough = match self.method() {
+            _ if spent => true,
+            Method::Static => self.is_small(refusal, size) || (free && self.inertia().is_some()),
+            Method::Implex => size <= IMPLEX_FLOOR * self.floor,
+            _ => false,
+        };
+        match (enough, higher) {
+            (true, true) => Answer::Climb,
+            (true, false) if spent => Answer::GiveUp,
+            _ => Answer::Cut,
+        }
+    }
+
+    /// Whether smaller increments are not worth trying. A snap is one in any.
+    pub fn is_small(&self, refusal: &Refusal, size: f64) -> bool {
+        size <= self.floor || *refusal == Refusal::Snap
+    }
+
+    /// Whether a snap should be followed along its path rather than jumped over.
+    pub fn prefers_paths(&self) -> bool {
+        self.at == 0 && self.rungs.contains(&Method::Dissipation)
+    }
+
+    /// Steps over to the next method, at part `load` of the loads. A free body needs inertia.
+    pub fn climb(&mut self, refusal: &Refusal, load: f64) {
+        if self.at == 0 {
+            self.left_at = load;
+        }
+        let wanted = match refusal {
+            Refusal::Linear { dof: Some(_), .. } => self.inertia(),
+            Refusal::Snap => self.rungs.iter().position(|m| *m == Method::Dissipation),
+            _ => None,
+        };
+        let next = (self.at + 1).min(self.rungs.len() - 1);
+        self.at = wanted.map_or(next, |rung| rung.max(next));
+        self.calm = 0;
+    }
+
+    /// The rung with inertia.
+    fn inertia(&self) -> Option<usize> {
+        self.rungs.iter().position(|m| *m == Method::QuasiStatic)
+    }
+
+    /// Back to the first method if the increment shows that the trouble has passed: `kinetic` energy
+    /// over what the bodies have taken, and what the increment added to the load, which is now `load`.
+    pub fn descend(&mut self, report: Report, kinetic: f64, added: f64, load: f64) -> bool {
+        if self.at == 0 {
+            return false;
+        }
+        let (passed, needed) = match self.method() {
+            Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
+            Method::QuasiStatic => (kinetic < QUIET, self.patience),
+            Method::Static => (true, RISING),
+            _ => (added > 0.0 && load >= self.left_at, RISING),
+        };
+        self.calm = if passed { self.calm + 1 } else { 0 };
+        if self.calm < needed {
+            return false;
+        }
+        if self.method() == Method::QuasiStatic {
+            self.patience *= 2;
+        }
+        (self.at, self.calm) = (0, 0);
+        true
+    }
+}

@@ -1,0 +1,334 @@
+//! Scenes of blocks that a deck refuses.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::blocks::{GRAVITY, HEAD, PAIR, deck};
+use wythe::model::{Deck, Model};
+
+/// What is replaced in the good scene, by what, the key of the error, part of it, part of the advice.
+const BAD: &[(&str, &str, &str, &str, &str)] = &[
+    (
+        "name = \"top\"",
+        "name = \"a.b\"",
+        "blocks.1.name",
+        "is no name",
+        "a dot parts",
+    ),
+    (
+        "name = \"top\"",
+        "name = \"base\"",
+        "blocks.1.name",
+        "two blocks named `base`",
+        "of its own",
+    ),
+    (
+        "size = [200, 100, 80]",
+        "size = [200, 0, 80]",
+        "blocks.1.size.1",
+        "0 is not positive",
+        "above 0",
+    ),
+    (
+        "size = [200, 100, 80]",
+        "size = [200, \"1 s\", 80]",
+        "blocks.1.size.1",
+        "expected a length",
+        "size = [",
+    ),
+    (
+        "size = [200, 100, 80]\n",
+        "",
+        "blocks.1.size",
+        "neither `size` nor `corners`",
+        "size = [",
+    ),
+    (
+        "size = [200, 100, 80]",
+        "sise = [200, 100, 80]",
+        "blocks.1.sise",
+        "not a known key",
+        "`size`",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "mesh = [4, 0, 1]",
+        "blocks.1.mesh",
+        "leaves no element",
+        "along x, y, z",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "mesh = \"coarse\"",
+        "blocks.1.mesh",
+        "expected an array",
+        "along x, y, z",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "mesh = [4000, 4000, 4000]",
+        "blocks.1.mesh",
+        "too many",
+        "coarsen",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "copies = [2, 1, 1]",
+        "blocks.1.pitch",
+        "the same place",
+        "pitch =",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "copies = [0, 1, 1]",
+        "blocks.1.copies",
+        "0 copies",
+        "at least 1",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "pitch = [1, 1, 1]",
+        "blocks.1.pitch",
+        "no copies",
+        "copies =",
+    ),
+    (
+        "size = [200, 100, 80]",
+        "corners = [[0,0,0],[1,0,0],[0,1,0],[1,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]]",
+        "blocks.1.corners",
+        "not in order",
+        "above them",
+    ),
+    (
+        "mesh = [4, 2, 1]",
+        "rotate = { axis = \"up\", angle = 3 }",
+        "blocks.1.rotate.axis",
+        "`up` is not a known choice",
+        "x, y, z",
+    ),
+    (
+        "velocity = [\"1 m/s\"",
+        "velocity = [\"1 m\"",
+        "blocks.1.velocity.0",
+        "expected a velocity",
+        "velocity =",
+    ),
+    (
+        "slave = \"top.bottom\"",
+        "slave = \"topp.bottom\"",
+        "contacts.0.slave",
+        "no block named `topp`",
+        "did you mean `top`?",
+    ),
+    (
+        "slave = \"top.bottom\"",
+        "slave = \"top.under\"",
+        "contacts.0.slave",
+        "no face `under`",
+        "bottom (-z)",
+    ),
+    (
+        "slave = \"top.bottom\"",
+        "slave = \"top\"",
+        "contacts.0.slave",
+        "`top` is no face",
+        "top.top",
+    ),
+    (
+        "slave = \"top.bottom\"",
+        "slave = \"top.top\"",
+        "contacts.0",
+        "no master faces it",
+        "look at each other",
+    ),
+    (
+        "slave = \"top.bottom\"",
+        "slave = []",
+        "contacts.0.slave",
+        "the list is empty",
+        "name a block",
+    ),
+    (
+        "slave = \"top.bottom\"\n",
+        "",
+        "contacts.0.slave",
+        "`slave` is missing",
+        "neither",
+    ),
+    (
+        "master = \"base.top\"",
+        "master = \"top.top\"",
+        "contacts.0",
+        "meet itself",
+        "different blocks",
+    ),
+    (
+        "interface = \"dry\"",
+        "interface = \"dri\"",
+        "contacts.0.interface",
+        "no interface named `dri`",
+        "`dry`",
+    ),
+    (
+        "interface = \"dry\"",
+        "interface = \"smooth\"",
+        "interfaces.smooth",
+        "neither bond nor friction",
+        "give mu",
+    ),
+    (
+        "on = \"base\"",
+        "on = \"bass\"",
+        "supports.0.on",
+        "no block named `bass`",
+        "did you mean `base`?",
+    ),
+    (
+        "on = \"base\"",
+        "on = \"base\"\nfixed = []",
+        "supports.0.fixed",
+        "holds no direction",
+        "fixed =",
+    ),
+    (
+        "on = \"base\"",
+        "on = \"base\"\nfixed = [\"up\"]",
+        "supports.0.fixed.0",
+        "not a known choice",
+        "known here: x, y, z",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\ngravity = \"9.81 m/s\"",
+        "steps.0.gravity",
+        "expected an acceleration",
+        "m/s^2",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\ngravity = 0",
+        "steps.0.gravity",
+        "0 is not positive",
+        "above 0",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"tilt\"\nangle = 3",
+        "steps.0.kind",
+        "no gravity yet",
+        "a step before",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"tilt\"",
+        "steps.0.angle",
+        "`angle` is missing",
+        "angle =",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\nangle = 500",
+        "steps.0.angle",
+        "half a turn",
+        "angle =",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\naxis = \"z\"",
+        "steps.0.axis",
+        "tilts nothing",
+        "axis =",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\nface = \"top.top\"",
+        "steps.0.face",
+        "belongs to a preload or drive",
+        "of its own",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"preload\"\ntop_pressure = 1",
+        "steps.0.top_pressure",
+        "scene of a wall",
+        "`pressure`",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"preload\"\nface = \"top.top\"\npressure = -1",
+        "steps.0.pressure",
+        "pulls",
+        "compression",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"drive\"\nface = \"base.top\"\ndirection = \"x\"\ndisplacement = 1",
+        "steps.0.face",
+        "supports hold base.top",
+        "another face",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"drive\"\nspring = \"s\"\ndirection = \"x\"\ndisplacement = 1",
+        "steps.0.spring",
+        "no spring named `s`",
+        "[[springs]]",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"drive\"\nface = \"top.top\"\ndirection = \"x\"\ndisplacement = 1\nfree = [\"x\"]",
+        "steps.0.free",
+        "cannot be free",
+        "other directions",
+    ),
+    (
+        "density = \"2000 kg/m^3\"",
+        "",
+        "materials.stone.density",
+        "has no mass",
+        "density =",
+    ),
+    (
+        "[contact]",
+        "[wall]\nunit = [4, 4, 4]\nbed_joint = 1\nhead_joint = 1\nlength = 4\ncourses = 2\nunit_material = \"stone\"\nmortar_material = \"stone\"\ninterface = \"dry\"\n[contact]",
+        "wall",
+        "either a wall",
+        "take out",
+    ),
+];
+
+#[test]
+fn bad_scenes_name_the_key_and_the_fix() {
+    let good = format!("{HEAD}{PAIR}{GRAVITY}");
+    let mut wrong = Vec::new();
+    for (from, to, key, message, advice) in BAD {
+        assert!(good.contains(from), "{from}");
+        // the last one: blocks say some keys twice
+        let at = good.rfind(from).unwrap();
+        let bad = format!("{}{to}{}", &good[..at], &good[at + from.len()..]);
+        let error = Deck::from_str(&bad, "scene.toml")
+            .and_then(|deck| Model::from_deck(&deck))
+            .map_or_else(|e| e, |_| panic!("accepted: {to}"));
+        let right = error.key() == *key
+            && error.message().contains(message)
+            && error.advice().contains(advice)
+            && error.line().is_some()
+            && error.file() == "scene.toml";
+        if !right {
+            wrong.push(format!("{to}\n{error}\n(advice: {})\n", error.advice()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn faces_that_share_nodes_cannot_be_driven_apart() {
+    let steps = "[[steps]]\nkind = \"drive\"\nface = \"top.top\"\ndirection = \"x\"\ndisplacement = 1\n\
+                 [[steps]]\nkind = \"drive\"\nface = \"top.right\"\ndirection = \"x\"\ndisplacement = 1\n";
+    let error = Model::from_deck(&deck(&format!("{HEAD}{PAIR}{steps}"))).unwrap_err();
+    assert_eq!(error.key(), "steps.1.face");
+    assert!(
+        error.message().contains("in common with top.top"),
+        "{error}"
+    );
+}
