@@ -279,7 +279,7 @@ mod tests {
             Wanted::Between(f64::NEG_INFINITY, f64::INFINITY),
             steps,
         )
-        .measure(&History::new(&tent()))
+        .measure(&History::new(&tent(), &[]))
         .value
     }
 
@@ -338,7 +338,7 @@ mod tests {
         let peak = || Measure::Peak("force_kN".to_owned());
         let holds = |wanted, rows: &[HistoryRow]| {
             expectation(peak(), wanted, None)
-                .measure(&History::new(rows))
+                .measure(&History::new(rows, &[]))
                 .holds
         };
         let mut rows = tent();
@@ -368,7 +368,7 @@ mod tests {
     fn what_is_told_names_the_value_and_its_error() {
         let measure = Measure::Peak("force_kN".to_owned());
         let told = expectation(measure, Wanted::Relative(1.9, 0.01), None)
-            .measure(&History::new(&tent()))
+            .measure(&History::new(&tent(), &[]))
             .text;
         assert_eq!(told, "it 2.00000, +5.3 % of 1.90000 (± 1.0 %)");
         assert_eq!(percent(0.0), "+0.00 %");

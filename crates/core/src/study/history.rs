@@ -16,19 +16,20 @@ pub struct History {
 }
 
 impl History {
-    /// Columns of these rows. A number that is not finite becomes NaN.
-    pub fn new(rows: &[HistoryRow]) -> Self {
+    /// Columns of these rows, those of the probes last. A number that is not finite becomes NaN.
+    pub fn new(rows: &[HistoryRow], probes: &[String]) -> Self {
         let mut history = Self::default();
         for row in rows {
             history.steps.push(row.step);
-            for (name, value) in numbers(row) {
+            let probes = probes.iter().cloned().zip(row.probes.iter().copied());
+            for (name, value) in numbers(row).chain(probes) {
                 history.columns.entry(name).or_default().push(value);
             }
         }
         history
     }
 
-    /// Names of the columns that hold numbers.
+    /// Names of the columns that hold numbers, without those of probes.
     pub fn names() -> Vec<String> {
         numbers(&HistoryRow::default())
             .map(|(name, _)| name)
@@ -88,11 +89,18 @@ mod tests {
         let mut rows = vec![HistoryRow::default(); 3];
         rows[1].step = 1;
         rows[2].step = 1;
-        assert_eq!(History::new(&rows).not_finite(), None);
-        assert_eq!(History::new(&rows).rows(Some(&[1])), [1, 2]);
+        assert_eq!(History::new(&rows, &[]).not_finite(), None);
+        assert_eq!(History::new(&rows, &[]).rows(Some(&[1])), [1, 2]);
         for bad in [f64::NAN, f64::INFINITY] {
             rows[2].reaction_kN = bad;
-            assert_eq!(History::new(&rows).not_finite(), Some((2, "reaction_kN")));
+            let history = History::new(&rows, &[]);
+            assert_eq!(history.not_finite(), Some((2, "reaction_kN")));
         }
+        rows[2].reaction_kN = 0.0;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.probes = vec![i as f64];
+        }
+        let history = History::new(&rows, &["way_mm".to_owned()]);
+        assert_eq!(history.column("way_mm"), [0.0, 1.0, 2.0]);
     }
 }

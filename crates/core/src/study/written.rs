@@ -9,6 +9,8 @@ use super::curve;
 use super::expect::{Expectation, Measure, Wanted};
 use super::history::History;
 use crate::error::ModelError;
+use crate::model::Deck;
+use crate::model::deck::DeckProbe;
 use crate::model::source::Source;
 
 /// The serde mirror of `case.toml`.
@@ -190,7 +192,9 @@ impl CaseFile {
                 set: pairs(source, &format!("{path}.set"), &method.set)?,
             });
         }
-        let columns = History::names();
+        let deck = Deck::load(folder.join(&self.deck), &[])?;
+        let probes = deck.probes.iter().map(DeckProbe::column);
+        let columns: Vec<String> = History::names().into_iter().chain(probes).collect();
         let mut expect = Vec::new();
         for (i, written) in self.expect.into_iter().enumerate() {
             let checker = Checker {
@@ -203,6 +207,7 @@ impl CaseFile {
         }
         Ok(Case {
             number: self.number,
+            part: String::new(),
             title: self.title,
             mechanics: self.mechanics,
             source: self.source,
