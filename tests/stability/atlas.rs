@@ -7,10 +7,35 @@ use std::time::Duration;
 use wythe::study::{self, Case, Options, Study, StudyError, Verdict};
 
 /// Cases that the solver does not do yet, and what happens. One that does leaves the list.
-const OPEN: &[(u32, &str)] = &[(
-    11,
-    "the shifted penalty leaves the upper brick without a pivot once the bond is gone",
-)];
+const OPEN: &[(&str, &str)] = &[
+    ("8", "the stack is tilted and does not fall"),
+    (
+        "10b",
+        "it falls, and convergence is lost at 86 % of the step",
+    ),
+    (
+        "13",
+        "opened again after it was crushed: the secant finds no equilibrium, extrapolated solids end at \
+         three times the force",
+    ),
+    (
+        "14",
+        "the secant's tolerance of 5e-2 leaves 1.2 % of the residual force",
+    ),
+    (
+        "15",
+        "extrapolated solids carry the snap of the brick too far: 27 % of the energy is missing",
+    ),
+    (
+        "18",
+        "steps over to dissipation and leaves 1.3 % of the force",
+    ),
+    ("23", "the preload stalls at 5.1e-2 of the mean nodal force"),
+    (
+        "29",
+        "5 % beside fracture mechanics at the default tolerance",
+    ),
+];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability/cases")
@@ -36,7 +61,7 @@ fn run(cases: &[Case], methods: &[&str]) -> Study {
 }
 
 /// What is wrong with the cells of a study, as one text.
-fn failures(atlas: &Study) -> Vec<(u32, String)> {
+fn failures(atlas: &Study) -> Vec<(String, String)> {
     let mut failures = Vec::new();
     for row in &atlas.rows {
         for cell in &row.cells {
@@ -48,7 +73,7 @@ fn failures(atlas: &Study) -> Vec<(u32, String)> {
                     cell.method,
                     study::brief(cell)
                 );
-                failures.push((row.case.number, text));
+                failures.push((row.case.id(), text));
             }
         }
     }
@@ -65,7 +90,7 @@ fn the_default_completes_every_case() {
     let failed: Vec<String> = failed.into_iter().map(|(_, text)| text).collect();
     assert!(failed.is_empty(), "\n{}", failed.join("\n"));
     for (number, why) in OPEN {
-        let there = atlas.rows.iter().any(|row| row.case.number == *number);
+        let there = atlas.rows.iter().any(|row| row.case.id() == *number);
         let still = open.iter().any(|(failed, _)| failed == number);
         assert!(!there || still, "case {number} is done, take it off: {why}");
     }
@@ -128,7 +153,7 @@ tolerance = 0.005
 
 /// The message, the line and the advice that a wrong case gets.
 fn refused(text: &str) -> (String, usize, String) {
-    match Case::from_str(text, "case.toml", &folder()) {
+    match Case::from_str(text, "case.toml", &folder().join("17-penalties")) {
         Err(StudyError::Case(error)) => (
             error.to_string(),
             error.line().unwrap_or(0),
@@ -223,7 +248,10 @@ fn a_reference_that_cannot_be_read_is_named_with_its_line() {
     std::fs::create_dir_all(&folder).unwrap();
     let curve = "[[expect]]\nname = \"curve\"\nof = \"curve\"\nfile = \"r.csv\"\nx = \"time\"\n\
                  y = \"force_kN\"\ntolerance = 0.01\n";
-    let text = CASE.split("[[expect]]").next().unwrap().to_owned() + curve;
+    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/02_couplet_shear.toml");
+    let head = CASE.split("[[expect]]").next().unwrap();
+    let deck = deck.display().to_string();
+    let text = head.replace("../../../../examples/02_couplet_shear.toml", &deck) + curve;
     let read = |reference: &str| {
         std::fs::write(folder.join("r.csv"), reference).unwrap();
         Case::from_str(&text, "case.toml", &folder).map_err(|e| e.to_string())

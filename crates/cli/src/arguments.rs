@@ -72,7 +72,7 @@ Example, shear at constant compression:
     --set interfaces.joint.normal_stiffness=34000 --set interfaces.joint.shear_stiffness=14783";
 
 const STABILITY_HELP: &str = "\
-Every case is a folder with case.toml and a deck (tests/stability/README.md lists the keys). A line a \
+Every case is a case.toml with a deck (tests/stability/README.md lists the keys). A line a \
 cell tells how it went; a cell that fails is a finding, not an error of the command.
 
 DIR then holds stability.md and stability.svg. Without --out the whole atlas is written to docs, and a \
@@ -113,9 +113,9 @@ pub struct Stability {
     /// Folder of the cases.
     #[arg(long, value_name = "DIR", default_value = "tests/stability/cases")]
     pub cases: PathBuf,
-    /// Cases of these numbers only, e.g. 1,5.
+    /// Cases of these numbers only, e.g. 1,5,10b.
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
-    pub only: Vec<u32>,
+    pub only: Vec<String>,
     /// These methods only, e.g. auto,secant.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub methods: Vec<String>,

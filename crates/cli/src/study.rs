@@ -66,17 +66,18 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     print(&format!("written to {}\n", out.join(PAGE).display()))
 }
 
-/// The cases of these numbers; all without a choice.
-fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
-    let known = || cases.iter().map(|c| c.number.to_string());
-    if let Some(number) = only.iter().find(|n| cases.iter().all(|c| c.number != **n)) {
+/// The cases of these numbers (all letters of one) or numbers with letters; all without a choice.
+fn chosen(cases: Vec<Case>, only: &[String]) -> Result<Vec<Case>, StudyError> {
+    let known = || cases.iter().map(Case::id);
+    let is = |case: &Case, n: &String| case.id() == *n || case.number.to_string() == *n;
+    if let Some(number) = only.iter().find(|n| !cases.iter().any(|c| is(c, n))) {
         return Err(StudyError::Unknown {
             kind: "case",
-            name: number.to_string(),
+            name: number.clone(),
             known: known().collect::<Vec<_>>().join(", "),
         });
     }
-    let wanted = |case: &Case| only.is_empty() || only.contains(&case.number);
+    let wanted = |case: &Case| only.is_empty() || only.iter().any(|n| is(case, n));
     Ok(cases.into_iter().filter(wanted).collect())
 }
 
@@ -84,8 +85,8 @@ fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
 fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
     let cost = &cell.cost;
     let mut line = format!(
-        "{:2} {:30} {:14} {}; {} increments, {} solves, {} cuts, {:.2} s",
-        case.number,
+        "{:3} {:30} {:14} {}; {} increments, {} solves, {} cuts, {:.2} s",
+        case.id(),
         case.title,
         cell.method,
         study::brief(cell),

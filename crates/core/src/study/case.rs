@@ -12,11 +12,13 @@ use crate::model::source::Source;
 
 /// A deck, what happens in it and why methods fail there, and what must come out.
 ///
-/// A case is a folder with `case.toml`; `tests/stability/README.md` lists the keys.
+/// A case is a folder with `case.toml`, or with `case-a.toml`, `case-b.toml` … for several of one number; `tests/stability/README.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Its number in the atlas.
     pub number: u32,
+    /// Its letter, where several cases share a folder and a number.
+    pub part: String,
     /// Title.
     pub title: String,
     /// What happens, and why methods fail here.
@@ -74,22 +76,21 @@ pub struct CaseMethod {
 
 /// Energy imbalance that a case does not name [-].
 pub const ENERGY: f64 = 0.01;
-/// The file that makes a folder a case.
-/// How its name, or those of its variants, begin.
-const FILE: &str = "case";
 
 impl Case {
-    /// Reads the case in a folder.
+    /// Reads a case from its file.
     ///
     /// # Errors
-    /// [`StudyError`]: `case.toml` or a reference cannot be read, or says something impossible.
-    pub fn load(file: &Path) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(file).map_err(|why| IoError {
-            path: file.to_owned(),
+    /// [`StudyError`]: the file, its deck or a reference cannot be read, or says something impossible.
+    pub fn load(path: &Path) -> Result<Self, StudyError> {
+        let text = std::fs::read_to_string(path).map_err(|why| IoError {
+            path: path.to_owned(),
             why,
         })?;
-        let folder = file.parent().unwrap_or(Path::new("."));
-        Self::from_str(&text, &file.display().to_string(), folder)
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut case = Self::from_str(&text, &path.display().to_string(), folder)?;
+        case.part = part(path).unwrap_or_default();
+        Ok(case)
     }
 
     /// Reads a case from a text. `file` names it in errors, `folder` holds its deck and references.
@@ -103,9 +104,14 @@ impl Case {
         case.checked(&source, folder)
     }
 
-    /// The label of the short or the full form, for messages.
+    /// Number and letter.
+    pub fn id(&self) -> String {
+        format!("{}{}", self.number, self.part)
+    }
+
+    /// Number, letter and title.
     pub fn name(&self) -> String {
-        format!("{} {}", self.number, self.title)
+        format!("{} {}", self.id(), self.title)
     }
 
     /// Says nothing and expects nothing.
@@ -113,6 +119,7 @@ impl Case {
     pub(super) fn empty() -> Self {
         Self {
             number: 1,
+            part: String::new(),
             title: String::new(),
             mechanics: String::new(),
             source: String::new(),
@@ -128,65 +135,57 @@ impl Case {
     }
 }
 
-/// `case.toml`, `case-a.toml` … of a folder.
-fn case_files(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+/// The letter of the case in this file, empty for `case.toml`; none if the file is no case.
+fn part(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let part = name.strip_prefix("case")?.strip_suffix(".toml")?;
+    match part.strip_prefix('-') {
+        Some(letter) if !letter.is_empty() => Some(letter.to_owned()),
+        None if part.is_empty() => Some(String::new()),
+        _ => None,
+    }
+}
+
+/// Paths in a folder, sorted.
+fn listed(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
     let reading = |why| IoError {
         path: folder.to_owned(),
         why,
     };
-    let mut files = Vec::new();
+    let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(reading)? {
-        let path = entry.map_err(reading)?.path();
-        let named = path
-            .file_stem()
-            .and_then(|stem| stem.to_str())
-            .is_some_and(|stem| stem == FILE || stem.starts_with("case-"));
-        if named && path.extension().is_some_and(|e| e == "toml") {
-            files.push(path);
-        }
+        paths.push(entry.map_err(reading)?.path());
     }
-    Ok(files)
+    paths.sort();
+    Ok(paths)
 }
 
-/// All cases in the folders of `folder`, by number.
+/// All cases in the folders of `folder`, by number and letter.
 ///
 /// # Errors
 /// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
 pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
-    let reading = |why| IoError {
-        path: folder.to_owned(),
-        why,
-    };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(reading)? {
-        let path = entry.map_err(reading)?.path();
-        if path.is_dir() {
-            files.extend(case_files(&path)?);
-        }
-    }
-    files.sort();
     let mut cases: Vec<(PathBuf, Case)> = Vec::new();
-    for path in files {
-        let case = Case::load(&path)?;
-        // Variants of one case share its folder and its number.
-        let elsewhere = |other: &Path| other.parent() != path.parent();
-        if let Some((other, _)) = cases
-            .iter()
-            .find(|(other, c)| c.number == case.number && elsewhere(other))
-        {
-            return Err(StudyError::SameNumber {
-                number: case.number,
-                one: other.clone(),
-                other: path,
-            });
+    let folders = listed(folder)?.into_iter().filter(|path| path.is_dir());
+    for path in folders {
+        let files = listed(&path)?.into_iter().filter(|f| part(f).is_some());
+        for file in files {
+            let case = Case::load(&file)?;
+            if let Some((other, _)) = cases.iter().find(|(_, c)| c.id() == case.id()) {
+                return Err(StudyError::SameNumber {
+                    number: case.id(),
+                    one: other.clone(),
+                    other: file,
+                });
+            }
+            cases.push((file, case));
         }
-        cases.push((path, case));
     }
     if cases.is_empty() {
         return Err(StudyError::NoCase(folder.to_owned()));
     }
     let mut cases: Vec<Case> = cases.into_iter().map(|(_, case)| case).collect();
-    cases.sort_by_key(|case| case.number);
+    cases.sort_by_key(|case| (case.number, case.part.clone()));
     Ok(cases)
 }
 
@@ -214,8 +213,8 @@ pub enum StudyError {
     #[diagnostic(help("give one of them another number"))]
     SameNumber {
         /// The number.
-        number: u32,
-        /// A folder.
+        number: String,
+        /// A file.
         one: PathBuf,
         /// Another.
         other: PathBuf,

@@ -61,6 +61,8 @@ pub struct Cell {
     pub out_of_balance: f64,
     /// Energy imbalance [-].
     pub energy: f64,
+    /// What solved its increments and how many of them, where that changed.
+    pub procedures: Vec<(String, usize)>,
 }
 
 impl Cell {

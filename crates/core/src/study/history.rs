@@ -16,7 +16,7 @@ pub struct History {
 }
 
 impl History {
-    /// Columns of these rows, those of `probes` among them. A number that is not finite becomes NaN.
+    /// Columns of these rows, those of the probes last. A number that is not finite becomes NaN.
     pub fn new(rows: &[HistoryRow], probes: &[String]) -> Self {
         let mut history = Self::default();
         for row in rows {
@@ -29,7 +29,7 @@ impl History {
         history
     }
 
-    /// Names of the columns that hold numbers.
+    /// Names of the columns that hold numbers, without those of probes.
     pub fn names() -> Vec<String> {
         numbers(&HistoryRow::default())
             .map(|(name, _)| name)
@@ -93,10 +93,14 @@ mod tests {
         assert_eq!(History::new(&rows, &[]).rows(Some(&[1])), [1, 2]);
         for bad in [f64::NAN, f64::INFINITY] {
             rows[2].reaction_kN = bad;
-            assert_eq!(
-                History::new(&rows, &[]).not_finite(),
-                Some((2, "reaction_kN"))
-            );
+            let history = History::new(&rows, &[]);
+            assert_eq!(history.not_finite(), Some((2, "reaction_kN")));
         }
+        rows[2].reaction_kN = 0.0;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.probes = vec![i as f64];
+        }
+        let history = History::new(&rows, &["way_mm".to_owned()]);
+        assert_eq!(history.column("way_mm"), [0.0, 1.0, 2.0]);
     }
 }

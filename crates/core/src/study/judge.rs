@@ -101,10 +101,11 @@ pub fn judge(case: &Case, short: bool, run: &Ended) -> (Verdict, Vec<String>) {
 
 /// The refusal alone: without the place before it and the advice behind it.
 fn reason(message: &str) -> &str {
-    let message = message
-        .split_once(" of it: ")
+    let why = message
+        .split_once("an increment of")
+        .and_then(|(_, rest)| rest.split_once(": "))
         .map_or(message, |(_, why)| why);
-    message.split_once("; try ").map_or(message, |(why, _)| why)
+    why.split_once("; try ").map_or(why, |(why, _)| why)
 }
 
 #[cfg(test)]
@@ -142,6 +143,7 @@ mod tests {
         };
         Ended {
             rows: vec![row(1), row(2)],
+            probes: Vec::new(),
             status: Status::Completed,
             message: String::new(),
             tolerances: vec![5e-3],
@@ -194,7 +196,7 @@ mod tests {
         lost.status = Status::NotConverged;
         lost.rows.truncate(1);
         lost.message =
-            "step 0 (drive), 50.00 % of it done, an increment of 1e-6 of it: the matrix \
+            "step 0 (drive), 50.00 % of it done, an increment of 1e-6 of it, static: the matrix \
                         is singular; try to press it"
                 .to_owned();
         let right = case(vec![peak(1.5)]);

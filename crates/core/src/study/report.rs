@@ -124,6 +124,18 @@ fn case(page: &mut String, row: &Row) {
             cell.out_of_balance
         ));
     }
+    for cell in row.cells.iter().filter(|c| !c.procedures.is_empty()) {
+        let all: Vec<String> = cell
+            .procedures
+            .iter()
+            .map(|(name, count)| format!("{name} {count}"))
+            .collect();
+        page.push_str(&format!(
+            "\n{} took increments by {}.\n",
+            cell.method,
+            all.join(", ")
+        ));
+    }
     let why = |cell: &Cell| Some(format!("* {}: {}.\n", cell.method, cell.why()?));
     let told: Vec<String> = row.cells.iter().filter_map(why).collect();
     if !told.is_empty() {
@@ -157,6 +169,7 @@ mod tests {
             measured: Vec::new(),
             out_of_balance: 1e-3,
             energy: 1e-4,
+            procedures: Vec::new(),
         }
     }
 

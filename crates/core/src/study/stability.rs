@@ -175,6 +175,7 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
         measured: Vec::new(),
         out_of_balance: 0.0,
         energy: 0.0,
+        procedures: Vec::new(),
     };
     let overrides = match &job.overrides {
         Ok(overrides) => overrides,
@@ -216,6 +217,7 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
     cell.energy = run.energy;
     let imbalances = run.rows.iter().map(|row| row.out_of_balance);
     cell.out_of_balance = imbalances.fold(0.0, f64::max);
+    cell.procedures = procedures(&run.rows);
     (cell.verdict, cell.measured) = judge(case, options.short, &run);
     cell
 }
@@ -247,8 +249,25 @@ fn solved(
         probes: model.probes.iter().map(|p| p.column.clone()).collect(),
         energy: kept.balance.error(),
         rows: kept.rows,
+        probes: model.probes.iter().map(|p| p.column.clone()).collect(),
     };
     Ok((run, summary, seconds))
+}
+
+/// Procedures and their increments, in the order in which they first come; none if one solved all.
+fn procedures(rows: &[HistoryRow]) -> Vec<(String, usize)> {
+    let mut counts: Vec<(String, usize)> = Vec::new();
+    for row in rows {
+        let name = row.procedure.name();
+        match counts.iter_mut().find(|(known, _)| known == name) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((name.to_owned(), 1)),
+        }
+    }
+    if counts.len() < 2 {
+        counts.clear();
+    }
+    counts
 }
 
 /// Keeps rows and watches the clock.

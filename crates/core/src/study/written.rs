@@ -192,12 +192,9 @@ impl CaseFile {
                 set: pairs(source, &format!("{path}.set"), &method.set)?,
             });
         }
-        let mut columns = History::names();
-        let deck = folder.join(&self.deck);
-        if deck.is_file() {
-            let deck = Deck::load(&deck, &[])?;
-            columns.extend(deck.probes.iter().map(DeckProbe::column));
-        }
+        let deck = Deck::load(folder.join(&self.deck), &[])?;
+        let probes = deck.probes.iter().map(DeckProbe::column);
+        let columns: Vec<String> = History::names().into_iter().chain(probes).collect();
         let mut expect = Vec::new();
         for (i, written) in self.expect.into_iter().enumerate() {
             let checker = Checker {
@@ -210,6 +207,7 @@ impl CaseFile {
         }
         Ok(Case {
             number: self.number,
+            part: String::new(),
             title: self.title,
             mechanics: self.mechanics,
             source: self.source,
