@@ -224,7 +224,9 @@ impl<'m> Run<'m> {
             course.schedule.reach(course.load);
         } else if leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto {
             let hurry = self.state.energies.kinetic / before.kinetic;
-            course.schedule.accept(leg.increment, growth.min(resolving(hurry)));
+            course
+                .schedule
+                .accept(leg.increment, growth.min(resolving(hurry)));
         } else {
             course.schedule.accept(leg.increment, growth);
         }

@@ -249,7 +249,6 @@ fn solved(
         probes: model.probes.iter().map(|p| p.column.clone()).collect(),
         energy: kept.balance.error(),
         rows: kept.rows,
-        probes: model.probes.iter().map(|p| p.column.clone()).collect(),
     };
     Ok((run, summary, seconds))
 }
