@@ -363,6 +363,7 @@ impl<'m> Run<'m> {
             kinetic_energy_J: e.kinetic * 1e-3,
             damping_dissipation_J: e.damping * 1e-3,
             numerical_dissipation_J: e.numerical * 1e-3,
+            contact_area_mm2: self.system.contact.pressed_area(&state.interface),
             probes: probes(self.model, dofs, state),
         }
     }
