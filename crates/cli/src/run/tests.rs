@@ -24,6 +24,7 @@ fn frame(model: &Model, time: f64) -> Frame {
         tensile_damage: vec![0.5; elements],
         compressive_damage: vec![0.0; elements],
         plastic_strain: vec![[0.0; 6]; elements],
+        probes: Vec::new(),
     }
 }
 
