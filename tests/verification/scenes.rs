@@ -346,3 +346,24 @@ fn the_examples_build() {
         normals_point_out(&model);
     }
 }
+
+#[test]
+fn the_cases_of_the_atlas_build() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability/cases");
+    let mut decks = 0;
+    for case in std::fs::read_dir(cases).unwrap() {
+        for file in std::fs::read_dir(case.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if !name.starts_with("deck") {
+                continue;
+            }
+            let deck = Deck::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+            let (model, warnings) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
+            assert!(warnings.is_empty(), "{}: {warnings:?}", path.display());
+            normals_point_out(&model);
+            decks += 1;
+        }
+    }
+    assert!(decks > 0);
+}

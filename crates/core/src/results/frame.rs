@@ -55,6 +55,8 @@ pub struct HistoryRow {
     pub damping_dissipation_J: f64,
     /// What the time integration has taken out since the start [J].
     pub numerical_dissipation_J: f64,
+    /// Area of the contact points that press, at rest [mm²].
+    pub contact_area_mm2: f64,
     /// Part of the step's loads and displacements that act now [-].
     pub load_factor: f64,
     /// What solved the increment.

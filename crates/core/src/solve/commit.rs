@@ -114,6 +114,7 @@ impl Run<'_> {
             kinetic_energy_J: e.kinetic * 1e-3,
             damping_dissipation_J: e.damping * 1e-3,
             numerical_dissipation_J: e.numerical * 1e-3,
+            contact_area_mm2: self.system.contact.pressed_area(&state.interface),
             load_factor: report.load_factor,
             procedure: method,
             probes: probes(self.model, dofs, state),

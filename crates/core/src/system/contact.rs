@@ -73,6 +73,13 @@ struct Task<'a> {
 }
 
 impl Contact {
+    /// Area at rest of the points that press [mm²].
+    pub fn pressed_area(&self, history: &[InterfaceHistory]) -> f64 {
+        let points = self.points.iter().zip(history);
+        let pressed = points.filter(|(_, history)| history.traction[0] < 0.0);
+        pressed.map(|(point, _)| point.area).sum()
+    }
+
     /// Prepares the surfaces of a model; nothing is searched yet.
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;

@@ -1,6 +1,7 @@
 //! Ranges of `[[probes]]`.
 
 use super::Checks;
+use crate::model::deck::DeckProbe;
 use crate::model::keys;
 use crate::results::history;
 
@@ -11,7 +12,7 @@ impl Checks<'_> {
             return;
         }
         let fixed = history::fixed_columns();
-        let columns: Vec<String> = deck.probes.iter().map(|p| p.column()).collect();
+        let columns: Vec<String> = deck.probes.iter().map(DeckProbe::column).collect();
         for (i, (probe, column)) in deck.probes.iter().zip(&columns).enumerate() {
             let path = format!("probes.{i}");
             let name = &probe.name;
