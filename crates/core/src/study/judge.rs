@@ -147,7 +147,6 @@ mod tests {
             status: Status::Completed,
             message: String::new(),
             tolerances: vec![5e-3],
-            probes: Vec::new(),
             energy: 1e-3,
         }
     }
