@@ -5,6 +5,7 @@ use super::cell::{Place, Verdict};
 use super::expect::percent;
 use super::history::History;
 use crate::results::{HistoryRow, Status};
+use crate::solve::Method;
 
 /// A run that ended, as far as a judge needs it.
 #[derive(Clone, Debug)]
@@ -32,7 +33,16 @@ impl Ended {
             return Place::default();
         };
         let before: f64 = self.durations[..row.step].iter().sum();
-        let done = (row.time - before) / self.durations[row.step];
+        let follows_path = matches!(
+            row.procedure,
+            Method::ArcLength | Method::Dissipation | Method::DisplacementControl
+        );
+        // Along a path time is its length: what is done is the load that acts.
+        let done = if follows_path {
+            row.load_factor
+        } else {
+            (row.time - before) / self.durations[row.step]
+        };
         // A whole step done: the next one gave nothing.
         if done > 1.0 - 1e-9 && row.step + 1 < self.durations.len() {
             return Place {
