@@ -67,12 +67,14 @@ impl Ladder {
         let mut rungs = vec![Method::of(step.procedure)];
         if step.procedure == Procedure::Auto {
             if softens {
-                rungs.push(Method::Implex);
+                rungs.extend([Method::Dissipation, Method::Implex]);
             }
             if step.tangent != Tangent::Direct {
                 rungs.push(Method::Direct);
             }
-            rungs.push(Method::Dissipation);
+            if !softens {
+                rungs.push(Method::Dissipation);
+            }
             if all_has_mass {
                 rungs.push(Method::QuasiStatic);
             }

@@ -105,7 +105,7 @@ impl Expectation {
         if short { self.of_short } else { self.of_full }
     }
 
-    /// Reads the run and compares. A curve that advances in x is compared by the root mean square of
+    /// Reads the run and compares. A reference that advances in x is compared by the root mean square of
     /// the difference over the largest |y| of the reference, one that turns back by the largest
     /// distance from the reference polyline, both axes over their ranges.
     pub fn measure(&self, history: &History) -> Measured {

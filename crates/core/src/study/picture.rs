@@ -11,7 +11,7 @@ use super::stability::Study;
 
 /// Width of a cell, height of a cell, width of the titles, height of the names [px].
 const CELL: (i32, i32) = (118, 34);
-const TITLES: i32 = 330;
+const TITLES: i32 = 540;
 const NAMES: i32 = 34;
 const MARGIN: i32 = 12;
 /// Height of the legend [px].

@@ -35,7 +35,7 @@ pub fn report(study: &Study, picture: &str) -> String {
     let mut page = format!(
         "# Where each method fails\n\n\
          Every case of the atlas through every method, {} forms, one thread a cell.\n\
-         Repeat it with `wythe study stability`. A cell is\n\n\
+         Repeat it with `wythe study stability{}`. A cell is\n\n\
          * **completed**: it ended as it should, every number is finite, every increment in balance to \
          its tolerance, energies close to {}, and every expectation holds; with the largest error \
          against the references;\n\
@@ -45,6 +45,11 @@ pub fn report(study: &Study, picture: &str) -> String {
          * **–**: the method does not apply.\n\n\
          ![Cases against methods, coloured by verdict]({picture})\n\n",
         if study.short { "short" } else { "full" },
+        if study.short {
+            " --short --out DIR"
+        } else {
+            ""
+        },
         size(super::case::ENERGY),
     );
     table(&mut page, study);
