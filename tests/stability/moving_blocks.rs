@@ -5,8 +5,8 @@ mod common;
 
 use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, gap};
 use wythe::contact::InterfaceLaw;
-use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
+use wythe::model::{Deck, Model};
 use wythe::results::HistoryRow;
 
 const MU: f64 = 0.4;
@@ -210,6 +210,32 @@ fn a_rocking_block_falls_back_in_a_quarter_of_housners_period() {
         // 0.03 to 0.27 % is the linearised reference's; lumped masses turn with 0.25 % more inertia.
         assert!((time / quarter - 1.0).abs() < 1e-2, "{time} {quarter}");
         assert!(imbalance(&recording) < 1e-2);
+    }
+}
+
+/// With the tangent of slip the first iterates of a drive back swung from one limit of friction to the
+/// other, whatever the increment.
+#[test]
+fn a_block_that_slid_is_pulled_back() {
+    let deck = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/stability/cases/04-stick-slip/deck.toml"
+    );
+    let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    for tangent in ["secant", "consistent", "direct"] {
+        for mesh in ["[1, 1, 1]", "[2, 1, 1]", "[2, 2, 2]"] {
+            let overrides = [
+                set("steps.1.tangent", tangent),
+                set("steps.2.tangent", tangent),
+                set("blocks.1.mesh", mesh),
+            ];
+            let deck = Deck::load(deck, &overrides).unwrap();
+            let (model, _) = Model::from_deck(&deck).unwrap();
+            let recording = completed(&model);
+            let way = recording.rows.last().unwrap().probes[0];
+            // δ = μ N/k = 0.4 x 39.24 N/20 N/mm; what is out of balance bears on it.
+            assert!((way / 0.7848 - 1.0).abs() < 1e-2, "{tangent} {mesh}: {way}");
+        }
     }
 }
 

@@ -262,7 +262,7 @@ impl<'m> Run<'m> {
             }
             if leg.method.follows_path() {
                 // The pace of the path is none of the load.
-                course.schedule.resume(added);
+                course.schedule.resume(added.max(course.ladder.floor()));
                 self.state.last = None;
             }
             self.adopt(course);
@@ -322,9 +322,14 @@ impl<'m> Run<'m> {
                     }
                 }
                 self.adopt(course);
-                if course.ladder.method().has_inertia() {
-                    self.state.last = None;
-                    course.schedule.resume(size.min(course.ladder.floor()));
+                match course.ladder.method() {
+                    Method::QuasiStatic => {
+                        self.state.last = None;
+                        course.schedule.resume(size.min(course.ladder.floor()));
+                    }
+                    // Its equations are linear: whatever cut the increment is not their trouble.
+                    Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
+                    _ => {}
                 }
                 self.note(course, &why, recorder);
                 true

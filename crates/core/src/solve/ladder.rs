@@ -4,9 +4,9 @@
 //! equilibrium:
 //!
 //! ```text
-//! static ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
+//! static ──▶ dissipation (the load must fall before it rises: snap-back)
+//!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
 //!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
-//!        ──▶ dissipation (the load must fall before it rises: snap-back)
 //!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
 //! ```
 //!
@@ -29,6 +29,8 @@ const SECOND_FLOOR: f64 = 0.1;
 const QUIET: f64 = 1e-3;
 /// Quiet increments after which statics is tried again; doubled each time that it fails.
 const PATIENCE: usize = 3;
+/// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
+const MOST_LOST: u32 = 6;
 /// Increments in which the load must rise before statics takes over from a path.
 const RISING: usize = 2;
 
@@ -55,6 +57,9 @@ pub struct Ladder {
     patience: usize,
     /// Part of the loads when the first method was left.
     left_at: f64,
+    /// How often paths led nowhere, and how many troubles yet pass without one being tried.
+    lost: u32,
+    passed_over: usize,
 }
 
 impl Ladder {
@@ -66,14 +71,15 @@ impl Ladder {
             .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
         let mut rungs = vec![Method::of(step.procedure)];
         if step.procedure == Procedure::Auto {
+            let path = Method::Dissipation;
             if softens {
-                rungs.extend([Method::Dissipation, Method::Implex]);
+                rungs.extend([path, Method::Implex]);
             }
             if step.tangent != Tangent::Direct {
                 rungs.push(Method::Direct);
             }
             if !softens {
-                rungs.push(Method::Dissipation);
+                rungs.push(path);
             }
             if all_has_mass {
                 rungs.push(Method::QuasiStatic);
@@ -88,6 +94,8 @@ impl Ladder {
             calm: 0,
             patience: PATIENCE,
             left_at: 0.0,
+            lost: 0,
+            passed_over: 0,
         }
     }
 
@@ -139,7 +147,15 @@ impl Ladder {
             Refusal::Snap => self.rungs.iter().position(|m| *m == Method::Dissipation),
             _ => None,
         };
-        let next = (self.at + 1).min(self.rungs.len() - 1);
+        if self.method() == Method::Dissipation {
+            self.passed_over = 2 << self.lost.min(MOST_LOST);
+            self.lost += 1;
+        }
+        let mut next = (self.at + 1).min(self.rungs.len() - 1);
+        if self.rungs[next] == Method::Dissipation && wanted.is_none() && self.passed_over > 0 {
+            self.passed_over -= 1;
+            next += 1;
+        }
         self.at = wanted.map_or(next, |rung| rung.max(next));
         self.calm = 0;
     }

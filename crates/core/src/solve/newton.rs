@@ -327,7 +327,11 @@ impl<'m> Newton<'m> {
         }
         let target = std::mem::replace(&mut self.q, state.q.clone());
         timed(&mut self.clock.contact, || system.search(trial, &self.q));
-        self.evaluate(system, state, trial, setting)?;
+        // Where a step begins, nothing tells that what slid will go on: a drive may turn round.
+        trial.sticks = state.last.is_none();
+        let evaluated = self.evaluate(system, state, trial, setting);
+        trial.sticks = false;
+        evaluated?;
         // K_fp Δp of the prescribed displacements joins the residual.
         let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
         let moved = system.multiply(trial, &change);

@@ -95,7 +95,7 @@ pub struct Trail {
 }
 
 /// Cuts after which a path is given up.
-const CUTS: usize = 10;
+const CUTS: usize = 6;
 
 impl Trail {
     /// Nothing behind yet; nodes move by no more than `most` [mm] in an increment.

@@ -68,6 +68,8 @@ struct Task<'a> {
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
     stiffening: f64,
+    /// Tangents of points at their shear limit are those of stick.
+    sticks: bool,
     /// Least stiffness, from what inertia makes of the facet [N/mm³].
     inertia: f64,
 }
@@ -295,6 +297,7 @@ impl Contact {
                 last,
                 bounding,
                 stiffening: trial.stiffening,
+                sticks: trial.sticks,
                 inertia: trial.inertia * self.areal_mass[facet],
             });
         }
@@ -349,7 +352,8 @@ impl Contact {
                 old.slip[0] + kin.slip[0],
                 old.slip[1] + kin.slip[1],
             ];
-            let response = if setting.shifted {
+            let mut stick = law.shear_stiffness;
+            let mut response = if setting.shifted {
                 let last = &task.last[p];
                 let firm = law.utilisation(last, old.damage) < WELL_WITHIN;
                 let factor = task.stiffening.max(if firm { FIRM } else { 1.0 });
@@ -358,10 +362,18 @@ impl Contact {
                     traction: *last,
                     bounding: task.bounding[p],
                 };
+                stick = stick.min(shift.stiffness[1]);
                 law.update_shifted(gap, &old, &shift)
             } else {
                 law.update(gap, &old)
             };
+            if task.sticks && response.status == PointStatus::Slip {
+                for i in 1..3 {
+                    for j in 0..3 {
+                        response.tangent[(i, j)] = if i == j { stick } else { 0.0 };
+                    }
+                }
+            }
             kin.add_force(&response.traction, point.area, &mut task.force[cell]);
             if setting.tangent && setting.shifted {
                 stiff[p] = Some((cell, kin.stiffness(&response.tangent, point.area)));

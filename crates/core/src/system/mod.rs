@@ -80,6 +80,9 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
+    /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
+    /// sticks.
+    pub sticks: bool,
     /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
     pub spring_ends: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
