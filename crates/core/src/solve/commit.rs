@@ -85,7 +85,7 @@ impl Run<'_> {
                     .sum();
                 (state.q[slot], state.applied[slot], -along)
             }
-            None => (0.0, 0.0, 0.0),
+            None => self.driven_spring(step),
         };
         let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
@@ -119,6 +119,22 @@ impl Run<'_> {
             procedure: method,
             probes: probes(self.model, dofs, state),
         }
+    }
+
+    /// Displacement of the driven end of a spring [mm] and its force along the drive [N], where a step
+    /// drives one and no face.
+    fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
+        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
+        let driven = steps
+            .flat_map(|step| step.springs.iter().enumerate())
+            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)));
+        driven.map_or((0.0, 0.0, 0.0), |(s, i)| {
+            (
+                self.state.spring_ends[s][i],
+                self.state.spring_forces[s][i],
+                0.0,
+            )
+        })
     }
 
     /// Hands the commit to the recorder; false asks to stop.

@@ -50,7 +50,7 @@ impl Leg {
     pub(super) fn advance<'a>(
         &self,
         trail: &'a Trail,
-        control: &'a Option<Steering>,
+        control: Option<&'a Steering>,
     ) -> Advance<'a> {
         match (self.method, control) {
             (Method::DisplacementControl, Some(control)) => Advance::Along {

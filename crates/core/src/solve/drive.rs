@@ -132,7 +132,7 @@ impl<'m> Run<'m> {
                     increment: leg.increment,
                     load: course.load,
                     repeat: course.repeat,
-                    advance: leg.advance(&course.trail, &course.control),
+                    advance: leg.advance(&course.trail, course.control.as_ref()),
                 },
                 Solves::new(&mut tell),
             );

@@ -241,7 +241,10 @@ impl<'m> Newton<'m> {
                 return Err(Refusal::NotFinite);
             }
             let rms = root_mean_square(&self.residual);
-            let balanced = residual <= tolerance.residual * scale && rms <= IMBALANCE * scale;
+            // Nothing has been solved yet: what a start leaves would add up from increment to increment.
+            let part = if solves.count == 0 { START } else { 1.0 };
+            let balanced =
+                residual <= part * tolerance.residual * scale && rms <= part * IMBALANCE * scale;
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
@@ -603,6 +606,9 @@ fn root_mean_square(values: &[f64]) -> f64 {
     let square: f64 = values.iter().map(|v| v * v).sum();
     (square / values.len().max(1) as f64).sqrt()
 }
+
+/// Part of the tolerance within which a start is equilibrium without a solve.
+const START: f64 = 0.1;
 
 /// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
 /// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.

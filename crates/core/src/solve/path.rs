@@ -131,8 +131,7 @@ impl Trail {
             let s = c.iter().zip(dq).map(|(c, u)| c * u).sum();
             (c, s)
         };
-        // NaN is not above.
-        if !(measure > 0.0) {
+        if measure.is_nan() || measure <= 0.0 {
             return false;
         }
         let movement = dq.iter().fold(0.0_f64, |most, u| most.max(u.abs()));

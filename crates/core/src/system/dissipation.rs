@@ -14,8 +14,7 @@ impl System {
         let mut gradient = vec![[0.0; 3]; nodes];
         let n = self.bulk.elements.len();
         let mut add = |dissipated: f64, cells: &mut dyn Iterator<Item = (&[u32; 8], usize)>| {
-            // NaN is not above.
-            if !(dissipated > 0.0) {
+            if dissipated.is_nan() || dissipated <= 0.0 {
                 return;
             }
             let cells: Vec<_> = cells.collect();
@@ -23,7 +22,7 @@ impl System {
                 .iter()
                 .map(|(nodes, c)| work(nodes, &trial.cell_force[*c], &way))
                 .sum();
-            if !(power > 0.0) {
+            if power.is_nan() || power <= 0.0 {
                 return;
             }
             for (nodes, c) in cells {
