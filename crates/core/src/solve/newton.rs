@@ -170,7 +170,7 @@ impl<'m> Newton<'m> {
         } else {
             Solids::Implicit
         };
-        let setting = Evaluation {
+        let mut setting = Evaluation {
             dt,
             solids,
             shifted: self.step.procedure != Procedure::Direct,
@@ -182,6 +182,13 @@ impl<'m> Newton<'m> {
         let mut iteration = 0;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            if solids == Solids::Secant && attempt.repeat {
+                setting.solids = if iteration < SOFTENED {
+                    Solids::Softened
+                } else {
+                    Solids::Secant
+                };
+            }
             self.evaluate(system, state, trial, setting)?;
             let scale = self.scale(system, state, trial);
             let (residual, worst) = largest(&self.residual);
@@ -362,7 +369,8 @@ impl<'m> Newton<'m> {
     ) -> Result<(), Refusal> {
         let setting = Evaluation {
             tangent: false,
-            // The direction is that of held solids; along it their law is asked at the end.
+            // The direction of the secant stiffness is that of held solids; along it their law is asked at
+            // the end.
             solids: match setting.solids {
                 Solids::Secant => Solids::Held,
                 solids => solids,
@@ -474,6 +482,10 @@ impl<'m> Newton<'m> {
         }
     }
 }
+
+/// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
+/// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.
+const SOFTENED: usize = 6;
 
 /// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
