@@ -493,3 +493,32 @@ fn viscosity_vanishes_with_its_coefficient_and_delays_otherwise() {
     assert!((with(1e-9) - peak).abs() < 1e-6);
     assert!(with(5.0) > 1.1 * peak);
 }
+
+#[test]
+fn the_bounded_tangent_is_symmetric_and_between_its_bounds() {
+    let mut random = Random(11);
+    let mut softening = 0;
+    for parameters in variants() {
+        let law = law(&parameters);
+        let c0 = law.secant_stiffness(1.0);
+        for _ in 0..200 {
+            let strain = Vector6::from_fn(|_, _| 5e-4 * random.signed());
+            let old = MaterialHistory::default();
+            let answer = law.update(&strain, &old, 1.0, true).expect("an answer");
+            let intact = 1.0 - answer.history.viscous_damage;
+            let bounded = law.bounded(&answer.tangent, intact);
+            let skew = (bounded - bounded.transpose()).amax();
+            assert!(skew < 1e-12 * c0.amax(), "{skew:.1e}");
+            for _ in 0..20 {
+                let e = Vector6::from_fn(|_, _| random.signed());
+                let ratio = e.dot(&(bounded * e)) / (intact * e.dot(&(c0 * e)));
+                assert!((0.3 - 1e-9..1.0 + 1e-9).contains(&ratio), "{ratio}");
+                softening += usize::from(e.dot(&(answer.tangent * e)) < 0.0);
+            }
+        }
+        // Where nothing yields nothing is changed.
+        let elastic = law.bounded(&law.secant_stiffness(0.7), 0.7);
+        assert!((elastic - c0 * 0.7).amax() < 1e-12 * c0.amax());
+    }
+    assert!(softening > 0);
+}

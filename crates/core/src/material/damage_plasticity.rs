@@ -2,6 +2,8 @@
 //! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
+use std::f64::consts::SQRT_2;
+
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::hooke;
@@ -40,6 +42,9 @@ pub struct DamagePlasticity {
 const YIELD: f64 = 1e-10;
 /// Largest extrapolated damage: what is left keeps the tangent positive definite.
 const MOST_DAMAGE: f64 = 0.999;
+/// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
+/// (docs/decisions.md).
+const LEAST_STIFFNESS: f64 = 0.3;
 
 impl DamagePlasticity {
     /// Fits the parameters to elements of equivalent length `l_eq` [mm]; none, or none in the
@@ -188,6 +193,29 @@ impl DamagePlasticity {
             1.0 - damage,
             hooke(&self.elastic, &(strain - viscous)) * (1.0 - damage),
         )
+    }
+
+    /// (1−d) C₀.
+    pub fn secant_stiffness(&self, intact: f64) -> Matrix6<f64> {
+        isotropic(self.bulk * intact, self.shear * intact)
+    }
+
+    /// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between
+    /// [`LEAST_STIFFNESS`] and one times the intact part.
+    pub fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
+        // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
+        let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);
+        let moduli = [3.0 * self.bulk, 2.0 * self.shear];
+        let [volume, shape] = moduli.map(f64::sqrt);
+        let root = kelvin_isotropic(volume, shape);
+        let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
+        let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
+        let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
+        for value in eigen.eigenvalues.iter_mut() {
+            *value = value.clamp(LEAST_STIFFNESS * intact, intact);
+        }
+        let bounded = root * eigen.recompose() * root;
+        bounded.component_div(&(kelvin * kelvin.transpose()))
     }
 
     /// The inviscid step from a trial stress; principal directions only where they are wanted.
@@ -441,6 +469,11 @@ fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
         d[(3 + i, 3 + i)] = shear;
     }
     d
+}
+
+/// An isotropic matrix by its eigenvalues, in Kelvin components.
+fn kelvin_isotropic(volume: f64, shape: f64) -> Matrix6<f64> {
+    Matrix6::identity() * shape + sym6::UNIT * ((volume - shape) / 3.0) * sym6::UNIT.transpose()
 }
 
 /// Invariants of a stress taken as trial state.

@@ -88,6 +88,27 @@ impl Material {
             Self::DamagePlasticity(law) => law.extrapolated(strain, old, ratio),
         }
     }
+
+    /// Symmetric positive definite stand-in for the tangent of a point of which a part is intact: for one
+    /// that yields, asked by its old history and Δt, the consistent one bounded, else (1−d) C₀.
+    ///
+    /// # Errors
+    /// [`LocalFailure`] if the law has no answer.
+    pub fn softened(
+        &self,
+        strain: &Vector6<f64>,
+        intact: f64,
+        asked: Option<(&MaterialHistory, f64)>,
+    ) -> Result<Matrix6<f64>, LocalFailure> {
+        match (self, asked) {
+            (Self::DamagePlasticity(law), Some((old, dt))) => {
+                let tangent = law.update(strain, old, dt, true)?.tangent;
+                Ok(law.bounded(&tangent, intact))
+            }
+            (Self::DamagePlasticity(law), None) => Ok(law.secant_stiffness(intact)),
+            (Self::Elastic(e), _) => Ok(elastic_stiffness(e)),
+        }
+    }
 }
 
 /// C₀ : ε without the matrix.

@@ -220,7 +220,7 @@ impl<'m> Newton<'m> {
         } else {
             Solids::Implicit
         };
-        let setting = Evaluation {
+        let mut setting = Evaluation {
             dt,
             solids,
             shifted: self.shifted(),
@@ -234,6 +234,13 @@ impl<'m> Newton<'m> {
         let mut on_path = attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            if solids == Solids::Secant && attempt.repeat {
+                setting.solids = if iteration < SOFTENED {
+                    Solids::Softened
+                } else {
+                    Solids::Secant
+                };
+            }
             self.evaluate(system, state, trial, setting)?;
             let scale = self.scale(system, state, trial);
             let (residual, worst) = largest(&self.residual);
@@ -580,6 +587,10 @@ impl<'m> Newton<'m> {
         }
     }
 }
+
+/// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
+/// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.
+const SOFTENED: usize = 6;
 
 /// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.

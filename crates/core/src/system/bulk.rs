@@ -19,6 +19,8 @@ pub enum Solids {
     Implicit,
     /// The law itself, with its secant stiffness (1−d) C₀: symmetric and positive definite.
     Secant,
+    /// The law itself, with a symmetric stiffness that knows of softening but stays positive definite.
+    Softened,
     /// Linear about the trial's last update: its viscous strain and damage held.
     Held,
     /// Plastic strain and damage extrapolated with the last step's change times `ratio` = Δt/Δt_n.
@@ -255,7 +257,7 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
                     write_secant(shape, &frame, &intact, &force, slot.cell);
                 }
             }
-            Solids::Implicit | Solids::Secant => {
+            Solids::Implicit | Solids::Secant | Solids::Softened => {
                 let consistent = setting.tangent && setting.solids == Solids::Implicit;
                 let strains = shape.strains(&frame.local);
                 let mut stresses = [Vector6::zeros(); 8];
@@ -275,7 +277,17 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
                     frame.stiffness(shape, &k, &force, slot.cell);
                 } else if setting.tangent {
                     let intact = std::array::from_fn(|g| 1.0 - slot.new[g].viscous_damage);
-                    write_secant(shape, &frame, &intact, &force, slot.cell);
+                    let flows = |g: usize| flows(&old[g], &slot.new[g]);
+                    if setting.solids == Solids::Softened && (0..8).any(flows) {
+                        for g in 0..8 {
+                            let asked = flows(g).then_some((&old[g], setting.dt));
+                            tangents[g] = law.softened(&strains[g], intact[g], asked)?;
+                        }
+                        let k = shape.stiffness(&tangents);
+                        frame.symmetric_stiffness(shape, &k, &force, slot.cell);
+                    } else {
+                        write_secant(shape, &frame, &intact, &force, slot.cell);
+                    }
                 }
             }
         }
@@ -308,6 +320,11 @@ fn is_virgin(old: &MaterialHistory) -> bool {
         && old.viscous_damage_step == 0.0
         && old.viscous_strain == Vector6::zeros()
         && old.viscous_strain_step == Vector6::zeros()
+}
+
+/// True if the point yields in this increment.
+fn flows(old: &MaterialHistory, new: &MaterialHistory) -> bool {
+    new.kappa_t > old.kappa_t || new.kappa_c > old.kappa_c
 }
 
 /// Coordinates relative to the first corner, in units of [`SAME`] times the element's size.
