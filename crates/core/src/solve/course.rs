@@ -27,6 +27,8 @@ pub(super) struct Course<'m> {
     pub(super) repeat: bool,
     /// The end of the step was tried from here and refused: the path goes on.
     pub(super) end_refused: bool,
+    /// Size of an increment that found equilibrium beyond a snap.
+    pub(super) jump: Option<f64>,
 }
 
 /// A displacement c·q that steers the load.
@@ -72,13 +74,17 @@ impl<'m> Course<'m> {
             newton,
             schedule: Schedule::new(step.increments),
             ladder,
-            trail: Trail::new(step.increments.max * longest_drive(step)),
+            trail: Trail::new(
+                step.increments.max * longest_drive(step),
+                step.increments.max,
+            ),
             control: None,
             load: 0.0,
             solves: 0,
             cutbacks: 0,
             repeat: true,
             end_refused: false,
+            jump: None,
         }
     }
 

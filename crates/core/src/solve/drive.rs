@@ -4,7 +4,7 @@ use wythe_contact::InterfaceHistory;
 
 use super::course::{Course, Leg};
 use super::explain;
-use super::ladder::{Answer, Ladder};
+use super::ladder::{Answer, Ladder, QUIET};
 use super::method::Method;
 use super::newton::{IMBALANCE, Newton};
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
@@ -177,12 +177,16 @@ impl<'m> Run<'m> {
                 place: place.clone(),
             });
         }
-        let ladder = Ladder::new(model, step, massless.is_none());
+        let mut ladder = Ladder::new(model, step, massless.is_none());
+        if self.state.energies.moving() > QUIET {
+            // What the ladder has set in motion falls on.
+            ladder.go_on_moving();
+        }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
-        } else {
+        } else if !course.ladder.method().has_inertia() {
             self.bring_to_rest();
         }
         self.adopt(&mut course);
@@ -253,9 +257,9 @@ impl<'m> Run<'m> {
             return Ok(false);
         }
         (course.cutbacks, course.solves) = (0, 0);
-        (course.repeat, course.end_refused) = (true, false);
-        let quiet = row.kinetic_energy_J / row.taken_J();
-        if course.ladder.descend(report, quiet, added, course.load) {
+        (course.repeat, course.end_refused, course.jump) = (true, false, None);
+        let moving = self.state.energies.moving();
+        if course.ladder.descend(report, moving, added, course.load) {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
                 self.state.last = None;
@@ -293,6 +297,9 @@ impl<'m> Run<'m> {
             false
         };
         let size = leg.increment.size;
+        if *refusal == Refusal::Snap {
+            course.jump.get_or_insert(size);
+        }
         let mut answer = course.ladder.refused(refusal, size, spent);
         if method.follows_path() && !on_path && course.ladder.is_small(size) {
             // Nothing has dissipated yet, and nothing is found before something does.
@@ -329,6 +336,12 @@ impl<'m> Run<'m> {
                     }
                     // Its equations are linear: whatever cut the increment is not their trouble.
                     Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
+                    // No path leads through the snap: it is jumped over, as it was found.
+                    Method::Static => {
+                        if let Some(jump) = course.jump {
+                            course.schedule.resume(jump);
+                        }
+                    }
                     _ => {}
                 }
                 self.note(course, &why, recorder);

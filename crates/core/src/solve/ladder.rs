@@ -26,12 +26,12 @@ pub const FLOOR: f64 = 0.1;
 /// The same for extrapolated solids and the direct method, of that.
 const SECOND_FLOOR: f64 = 0.1;
 /// Kinetic energy over what the solids and interfaces have taken below which nothing moves any more.
-const QUIET: f64 = 1e-3;
+pub const QUIET: f64 = 1e-3;
 /// Quiet increments after which statics is tried again; doubled each time that it fails.
 const PATIENCE: usize = 3;
 /// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
 const MOST_LOST: u32 = 6;
-/// Increments in which the load must rise before statics takes over from a path.
+/// Increments in which the load must rise before statics takes over from a path; doubled each time.
 const RISING: usize = 2;
 
 /// What to do after a refusal.
@@ -55,11 +55,14 @@ pub struct Ladder {
     /// Increments in a row without the trouble for which the first method was left.
     calm: usize,
     patience: usize,
+    rising: usize,
     /// Part of the loads when the first method was left.
     left_at: f64,
     /// How often paths led nowhere, and how many troubles yet pass without one being tried.
     lost: u32,
     passed_over: usize,
+    /// Whether the first method was left for a snap.
+    snaps: bool,
 }
 
 impl Ladder {
@@ -93,10 +96,17 @@ impl Ladder {
             floor: FLOOR * step.increments.initial,
             calm: 0,
             patience: PATIENCE,
+            rising: RISING,
             left_at: 0.0,
             lost: 0,
             passed_over: 0,
+            snaps: false,
         }
+    }
+
+    /// Begins with inertia, if it may.
+    pub fn go_on_moving(&mut self) {
+        self.at = self.inertia().unwrap_or(0);
     }
 
     /// The method of now.
@@ -147,7 +157,16 @@ impl Ladder {
             Refusal::Snap => self.rungs.iter().position(|m| *m == Method::Dissipation),
             _ => None,
         };
+        if self.at == 0 {
+            self.snaps = *refusal == Refusal::Snap;
+        }
         if self.method() == Method::Dissipation {
+            if self.snaps {
+                // Statics has found what lies beyond: that is taken.
+                self.at = self.rungs.len() - 1;
+                self.calm = 0;
+                return;
+            }
             self.passed_over = 2 << self.lost.min(MOST_LOST);
             self.lost += 1;
         }
@@ -165,25 +184,27 @@ impl Ladder {
         self.rungs.iter().position(|m| *m == Method::QuasiStatic)
     }
 
-    /// Back to the first method if the increment shows that the trouble has passed: `kinetic` energy
-    /// over what the bodies have taken, and what the increment added to the load, which is now `load`.
-    pub fn descend(&mut self, report: Report, kinetic: f64, added: f64, load: f64) -> bool {
+    /// Back to the first method if the increment shows that the trouble has passed: `moving`, the kinetic
+    /// energy over what the bodies have taken, and what the increment added to the load, which is now `load`.
+    pub fn descend(&mut self, report: Report, moving: f64, added: f64, load: f64) -> bool {
         if self.at == 0 {
             return false;
         }
         let (passed, needed) = match self.method() {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
-            Method::QuasiStatic => (kinetic < QUIET, self.patience),
+            Method::QuasiStatic => (moving < QUIET, self.patience),
             Method::Direct => (true, self.patience),
             Method::Static => (true, RISING),
-            _ => (added > 0.0 && load >= self.left_at, RISING),
+            _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
         self.calm = if passed { self.calm + 1 } else { 0 };
         if self.calm < needed {
             return false;
         }
-        if matches!(self.method(), Method::QuasiStatic | Method::Direct) {
-            self.patience *= 2;
+        match self.method() {
+            Method::QuasiStatic | Method::Direct => self.patience *= 2,
+            Method::Dissipation => self.rising *= 2,
+            _ => {}
         }
         (self.at, self.calm) = (0, 0);
         true

@@ -91,16 +91,22 @@ pub struct Trail {
     ratio: f64,
     /// Largest movement wanted in one increment [mm].
     most: f64,
+    /// Largest increment of the step, as part of it.
+    largest: f64,
     cuts: usize,
 }
 
+/// How far an increment may lead beside one of the largest size when the step began to move.
+const FAR: f64 = 10.0;
 /// Cuts after which a path is given up.
 const CUTS: usize = 6;
 
 impl Trail {
-    /// Nothing behind yet; nodes move by no more than `most` [mm] in an increment.
-    pub fn new(most: f64) -> Self {
+    /// Nothing behind yet; nodes move by no more than `most` [mm] in an increment, whose size is no more
+    /// than `largest`.
+    pub fn new(most: f64, largest: f64) -> Self {
         Self {
+            largest,
             method: Method::Static,
             gradient: Vec::new(),
             measure: 0.0,
@@ -135,6 +141,10 @@ impl Trail {
             return false;
         }
         let movement = dq.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        if self.most.is_infinite() {
+            // Nothing is driven: the first increment, by the load, tells what is far.
+            self.most = FAR * movement * self.largest / size;
+        }
         *self = Self {
             method,
             gradient,
@@ -143,6 +153,7 @@ impl Trail {
             load,
             ratio: growth.min(self.most / movement),
             most: self.most,
+            largest: self.largest,
             cuts: 0,
         };
         true
@@ -155,7 +166,7 @@ impl Trail {
 
     /// Forgets what is behind.
     pub fn forget(&mut self) {
-        *self = Self::new(self.most);
+        *self = Self::new(self.most, self.largest);
     }
 
     /// The next increment: its size and what it should add to the load if it goes on as before.

@@ -27,6 +27,16 @@ pub struct Energies {
 }
 
 impl Energies {
+    /// Kinetic energy over what solids and interfaces have taken [-].
+    pub fn moving(&self) -> f64 {
+        let taken = self.elastic + self.plastic_damage + self.interface + self.viscous;
+        if self.kinetic > 0.0 {
+            self.kinetic / taken
+        } else {
+            0.0
+        }
+    }
+
     /// What was dissipated since `before`, over that and the change of the elastic energy [-].
     pub fn dissipated_share(&self, before: &Self) -> f64 {
         let sum = |e: &Self| e.plastic_damage + e.interface + e.viscous;

@@ -1,0 +1,258 @@
+//! Path following: the load is an unknown, and equilibrium is traced where it falls.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::scene::{self, Face, Recording, completed};
+use wythe::model::deck::ProbeQuantity;
+use wythe::model::probes::Probe;
+use wythe::model::scene::{Control, Gravity, Increments, Procedure, Step, Tangent};
+use wythe::model::{Deck, Model};
+use wythe::solve::Method;
+
+/// The bar of the atlas, with other steps.
+fn bar(steps: &str) -> Recording {
+    let folder = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/stability/cases/01-snap-back-bar"
+    );
+    let text = std::fs::read_to_string(format!("{folder}/deck.toml")).unwrap();
+    let (scene, _) = text.split_once("[[steps]]").unwrap();
+    let deck = Deck::from_str(&format!("{scene}{steps}"), "bar.toml").unwrap();
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    completed(&model)
+}
+
+/// Force of the interface over its opening [mm], 100 × 100 mm of Table 1 [kN].
+fn softened(opening: f64) -> f64 {
+    let (f_t, u_k, zeta) = (0.28, 0.2, 4.38_f64);
+    let q = (1.0 - (-zeta * opening / u_k).exp()) / (1.0 - (-zeta).exp());
+    f_t * (1.0 - q) * 1e4 * 1e-3
+}
+
+const OPENING: &str = r#"
+[[probes]]
+name = "opening"
+on = "right.left"
+minus = "left.right"
+direction = "x"
+"#;
+
+#[test]
+fn the_opening_of_a_crack_steers_the_load_through_a_snap_back() {
+    let recording = bar(&format!(
+        r#"{OPENING}
+        [[steps]]
+        kind = "drive"
+        face = "right.right"
+        direction = "x"
+        displacement = "0.094 mm"
+        [[steps]]
+        kind = "drive"
+        face = "right.right"
+        direction = "x"
+        displacement = "0.1 mm"
+        procedure = "displacement_control"
+        control = {{ probe = "opening", displacement = "0.15 mm" }}
+        "#
+    ));
+    let rows: Vec<_> = recording.rows.iter().filter(|r| r.step == 1).collect();
+    assert!(
+        rows.iter()
+            .all(|r| r.procedure == Method::DisplacementControl)
+    );
+    for row in rows.iter().filter(|r| r.probes[0] > 1e-3) {
+        let exact = softened(row.probes[0]);
+        // The tolerance of the residual, on a force that is spread over eight nodes.
+        assert!(
+            (row.force_kN - exact).abs() < 5e-3 * 2.8,
+            "{} mm: {} {exact}",
+            row.probes[0],
+            row.force_kN
+        );
+        // The end is where the opening and the bar's 1000 mm of 2970 MPa put it.
+        let end = row.probes[0] + row.force_kN * 1e3 / 1e4 * 1000.0 / 2970.0;
+        assert!((row.displacement_mm - end).abs() < 1e-3 * 0.1, "{end}");
+        assert!((0.094 + row.load_factor * 0.1 - row.displacement_mm).abs() < 1e-12);
+    }
+    // There and back, and on again: the opening grows evenly to its end.
+    let turns = rows
+        .windows(2)
+        .filter(|w| w[1].load_factor < w[0].load_factor);
+    assert!(turns.count() > 5);
+    let before = recording.rows.iter().filter(|r| r.step == 0).next_back();
+    let way = rows.last().unwrap().probes[0] - before.unwrap().probes[0];
+    assert!((way - 0.15).abs() < 1e-9, "{way}"); // rounding of increments that add up
+}
+
+#[test]
+fn dissipation_traces_the_snap_back_and_static_takes_over_again() {
+    for procedure in ["dissipation", "auto"] {
+        let recording = bar(&format!(
+            r#"{OPENING}
+            [[steps]]
+            kind = "drive"
+            face = "right.right"
+            direction = "x"
+            displacement = "0.19 mm"
+            procedure = "{procedure}"
+            "#
+        ));
+        let rows = &recording.rows;
+        let ends = rows.iter().map(|r| r.displacement_mm);
+        let open = rows.iter().filter(|r| r.probes[0] > 0.02);
+        // The turning point of snapback_bar.csv: 0.07814 mm at an opening of 0.0337 mm.
+        let turn = open.map(|r| r.displacement_mm).fold(1.0, f64::min);
+        assert!((turn / 0.07814 - 1.0).abs() < 5e-3, "{procedure}: {turn}");
+        assert!(ends.fold(0.0, f64::max) > 0.189);
+        let used = |method| rows.iter().any(|r| r.procedure == method);
+        assert!(used(Method::Dissipation) && used(Method::Static));
+        for row in rows.iter().filter(|r| r.probes[0] > 1e-3) {
+            // The tolerance of the residual.
+            let exact = softened(row.probes[0]);
+            assert!((row.force_kN - exact).abs() < 1e-2 * 2.8, "{procedure}");
+        }
+    }
+}
+
+/// Half of a clamped shallow arch of 1 m, 10 mm thick, that rises by 40 mm; its weight grows.
+fn shallow_arch(how: Procedure) -> (Model, u32) {
+    let mut model = scene::empty();
+    let solid = scene::heavy(1e4, 0.0, 1e-7);
+    let strip = scene::block(
+        &mut model,
+        [0.0; 3],
+        [500.0, 10.0, 10.0],
+        [16, 1, 2],
+        &solid,
+    );
+    for x in &mut model.mesh.nodes {
+        let s = x[0] / 1000.0;
+        x[2] += 160.0 * s * (1.0 - s);
+    }
+    scene::hold(&mut model, strip.face(Face::Left), [true; 3]);
+    scene::hold(&mut model, strip.face(Face::Right), [true, false, false]);
+    scene::hold(&mut model, strip.nodes(), [false, true, false]);
+    let crown = strip.face(Face::Right);
+    model.probes.push(Probe {
+        column: "crown_mm".to_owned(),
+        nodes: crown.clone(),
+        minus: Vec::new(),
+        axis: 2,
+        sign: -1.0,
+        quantity: ProbeQuantity::Displacement,
+    });
+    model.steps = vec![Step {
+        procedure: how,
+        tangent: Tangent::Consistent,
+        control: (how == Procedure::DisplacementControl).then_some(Control {
+            probe: 0,
+            displacement: 90.0,
+        }),
+        increments: Increments {
+            initial: 0.01,
+            max: 0.01,
+            min: 1e-6,
+        },
+        ..scene::left_alone(Gravity::Growing([0.0, 0.0, -4e4]), 1.0, 100, 1e-3)
+    }];
+    (model, crown[0])
+}
+
+#[test]
+fn an_arch_snaps_through_and_both_ways_of_steering_its_weight_agree() {
+    let curve = |how| {
+        let (model, _) = shallow_arch(how);
+        let rows = completed(&model).rows;
+        let points = rows.iter().map(|r| [r.probes[0], r.load_factor]);
+        points.collect::<Vec<_>>()
+    };
+    let [controlled, followed] = [Procedure::DisplacementControl, Procedure::ArcLength].map(curve);
+    let limit = |curve: &[[f64; 2]]| {
+        let early = curve.iter().filter(|p| p[0] < 40.0);
+        early.map(|p| p[1]).fold(0.0, f64::max)
+    };
+    let trough = |curve: &[[f64; 2]]| {
+        let late = curve.iter().filter(|p| p[0] > 30.0 && p[0] < 80.0);
+        late.map(|p| p[1]).fold(f64::INFINITY, f64::min)
+    };
+    println!(
+        "limit {} {}, trough {} {}",
+        limit(&controlled),
+        limit(&followed),
+        trough(&controlled),
+        trough(&followed)
+    );
+    // It snaps: the load falls by far.
+    assert!(trough(&controlled) < 0.5 * limit(&controlled));
+    // Each knows the extreme to the spacing of its own points.
+    assert!((limit(&followed) / limit(&controlled) - 1.0).abs() < 1e-2);
+    let scale = limit(&controlled);
+    assert!((trough(&followed) - trough(&controlled)).abs() < 2e-2 * scale);
+    // Arc length arrives at the whole load.
+    assert!((followed.last().unwrap()[1] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_displacement_finds_its_pressure() {
+    let deck = r#"
+        format = 1
+        [materials.stone]
+        E = 5000
+        nu = 0
+        [[blocks]]
+        name = "block"
+        size = [100, 100, 200]
+        material = "stone"
+        mesh = [2, 2, 2]
+        [[supports]]
+        on = "block.bottom"
+        [[probes]]
+        name = "top"
+        on = "block.top"
+        direction = "-z"
+        [[steps]]
+        kind = "preload"
+        face = "block.top"
+        pressure = 2
+        procedure = "displacement_control"
+        control = { probe = "top", displacement = 0.2 }
+    "#;
+    let deck = Deck::from_str(deck, "block.toml").unwrap();
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let rows = completed(&model).rows;
+    // E ε = 5 MPa, of 2 MPa; ε/2 of geometric stiffness and the tolerance.
+    let factor = rows.last().unwrap().load_factor;
+    assert!((factor / 2.5 - 1.0).abs() < 2e-3, "{factor}");
+}
+
+#[test]
+fn a_control_must_be_a_probe_of_displacement() {
+    let deck = |control: &str| {
+        let text = format!(
+            "format = 1\n[materials.stone]\nE = 5000\nnu = 0\n[[blocks]]\nname = \"block\"\n\
+             size = [100, 100, 200]\nmaterial = \"stone\"\n[[supports]]\non = \"block.bottom\"\n\
+             [[probes]]\nname = \"top\"\non = \"block.top\"\ndirection = \"z\"\n\
+             [[probes]]\nname = \"speed\"\non = \"block.top\"\ndirection = \"z\"\n\
+             quantity = \"velocity\"\n[[steps]]\nkind = \"preload\"\nface = \"block.top\"\n\
+             pressure = 2\n{control}\n"
+        );
+        match Deck::from_str(&text, "block.toml") {
+            Ok(deck) => Model::from_deck(&deck).unwrap_err().to_string(),
+            Err(error) => error.to_string(),
+        }
+    };
+    let steer = |probe: &str| {
+        format!(
+            "procedure = \"displacement_control\"\ncontrol = {{ probe = \"{probe}\", displacement = 1 }}"
+        )
+    };
+    assert!(deck(&steer("tip")).contains("no probe named `tip`"));
+    assert!(deck(&steer("speed")).contains("measures a velocity"));
+    assert!(deck("procedure = \"displacement_control\"").contains("which displacement"));
+    assert!(
+        deck("control = { probe = \"top\", displacement = 1 }")
+            .contains("belongs to the procedure")
+    );
+    assert!(deck("procedure = \"implex\"\ntangent = \"direct\"").contains("secant stiffness"));
+}
