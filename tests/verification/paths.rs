@@ -80,7 +80,7 @@ fn the_opening_of_a_crack_steers_the_load_through_a_snap_back() {
         .windows(2)
         .filter(|w| w[1].load_factor < w[0].load_factor);
     assert!(turns.count() > 5);
-    let before = recording.rows.iter().filter(|r| r.step == 0).next_back();
+    let before = recording.rows.iter().rfind(|r| r.step == 0);
     let way = rows.last().unwrap().probes[0] - before.unwrap().probes[0];
     assert!((way - 0.15).abs() < 1e-9, "{way}"); // rounding of increments that add up
 }
