@@ -201,7 +201,7 @@ impl DamagePlasticity {
     }
 
     /// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between
-    /// [`LEAST_STIFFNESS`] and one times the intact part.
+    /// 0.3 (`LEAST_STIFFNESS`) and one times the intact part.
     pub fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
         // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
         let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);

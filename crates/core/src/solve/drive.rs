@@ -137,10 +137,10 @@ impl<'m> Run<'m> {
                 Solves::new(&mut tell),
             );
             let go_on = match outcome {
-                Outcome::Converged(report) if self.is_impact(&course, leg) => {
+                Outcome::Converged(report) if self.try_as_shock(&mut course, leg) => {
                     course.solves += report.iterations;
                     self.cut_back(&mut course);
-                    course.schedule.cut(leg.increment, CUT).is_ok()
+                    true
                 }
                 Outcome::Converged(report) if self.is_snap(&course, leg) => {
                     course.solves += report.iterations;
@@ -215,6 +215,9 @@ impl<'m> Run<'m> {
         let size = leg.increment.size;
         let added = report.load_factor - course.load;
         let before = self.state.energies;
+        if let Some(motion) = course.newton.motion() {
+            motion.end_shock();
+        }
         let dq = self.commit(&course.newton, course.step, size, added);
         course.load = report.load_factor;
         let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
@@ -389,16 +392,8 @@ impl<'m> Run<'m> {
         self.summary.log.push(text);
     }
 
-    /// Whether bodies met or parted in the increment that the trial ends, where that matters and a
-    /// smaller increment can be had: a shock is resolved by small increments.
-    fn is_impact(&self, course: &Course, leg: Leg) -> bool {
-        let size = leg.increment.size;
-        let smallest = course.step.increments.min / CUT;
-        let shocks = leg.method == Method::Dynamic
-            || leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
-        if !shocks || size <= course.ladder.floor().max(smallest) {
-            return false;
-        }
+    /// Whether bodies met or parted in the increment that the trial ends.
+    fn is_shock(&self) -> bool {
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
         let (mut before, mut after, mut changed) = (0, 0, 0);
         for (old, new) in self.state.interface.iter().zip(&self.trial.interface) {
@@ -408,6 +403,25 @@ impl<'m> Run<'m> {
             changed += usize::from(old != new);
         }
         changed as f64 > IMPACT * before.max(after) as f64
+    }
+
+    /// Whether to try the increment that the trial ends again, smaller, because bodies meet or part in
+    /// it; or, where it is small, by backward Euler, if HHT has made energy of the blow.
+    fn try_as_shock(&self, course: &mut Course, leg: Leg) -> bool {
+        let dynamic = leg.method == Method::Dynamic;
+        let carried = leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
+        if !(dynamic || carried) || !self.is_shock() {
+            return false;
+        }
+        let smallest = course.ladder.floor().max(course.step.increments.min / CUT);
+        if leg.increment.size > smallest {
+            return course.schedule.cut(leg.increment, CUT).is_ok();
+        }
+        let (system, state, trial) = (&self.system, &self.state, &self.trial);
+        let taken = course.newton.numerical_dissipation(system, state, trial);
+        let makes_energy = dynamic && taken < -GAIN * state.energies.kinetic;
+        let motion = course.newton.motion();
+        motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }
 
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
@@ -515,5 +529,7 @@ const SHARE: f64 = 0.02;
 const RELEASE: f64 = 0.2;
 /// Of an increment that was refused, the part that is tried first along the path.
 const GUESS: f64 = 0.1;
+/// Part of the kinetic energy that a blow may give.
+const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that begin or cease to press in an impact.
 const IMPACT: f64 = 0.2;

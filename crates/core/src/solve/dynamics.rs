@@ -89,6 +89,8 @@ pub struct Motion {
     of_step: Scheme,
     /// Of the increment.
     scheme: Scheme,
+    /// A blow that HHT would make energy of: backward Euler does not.
+    shock: bool,
     damping: Rayleigh,
     solids: StiffnessDamping,
     /// Velocity of what is prescribed, none of an unknown. `[slot]`
@@ -134,6 +136,7 @@ impl Motion {
         Some(Self {
             of_step: scheme,
             scheme,
+            shock: false,
             damping,
             solids: StiffnessDamping::new(damping.stiffness),
             prescribed,
@@ -172,12 +175,22 @@ impl Motion {
     pub fn start(&mut self, state: &State, dt: f64, loads: &[f64]) {
         self.dt = dt;
         self.scheme = match state.last {
-            Some(_) => self.of_step,
-            None => Scheme::Euler,
+            Some(_) if !self.shock => self.of_step,
+            _ => Scheme::Euler,
         };
         for s in 0..loads.len() {
             self.net_start[s] = loads[s] - state.force[s] - state.damping[s];
         }
+    }
+
+    /// Takes the increment by backward Euler; false if that is so already.
+    pub fn take_shock(&mut self) -> bool {
+        !std::mem::replace(&mut self.shock, true)
+    }
+
+    /// Goes on as the step says.
+    pub fn end_shock(&mut self) {
+        self.shock = false;
     }
 
     /// Displacements that the increment starts from: those of constant acceleration [mm]. `[slot]`
@@ -265,6 +278,24 @@ impl Motion {
     /// Energies of the increment that ends at `trial` with displacements `dq` [mm] `[slot]` under
     /// `loads` [N] `[slot]`; then velocities and accelerations become those of the state.
     pub fn commit(&self, mass: &Mass, state: &mut State, trial: &Trial, dq: &[f64], loads: &[f64]) {
+        let [numerical, damping] = self.dissipations(mass, state, trial, dq, loads);
+        state.velocity.copy_from_slice(&self.velocity);
+        state.acceleration.copy_from_slice(&self.acceleration);
+        state.damping.copy_from_slice(&self.damping_force);
+        state.energies.numerical += numerical;
+        state.energies.damping += damping;
+        state.energies.kinetic = mass.kinetic_energy(&state.velocity);
+    }
+
+    /// What scheme and damping take in the increment that ends at `trial` [N mm].
+    pub fn dissipations(
+        &self,
+        mass: &Mass,
+        state: &State,
+        trial: &Trial,
+        dq: &[f64],
+        loads: &[f64],
+    ) -> [f64; 2] {
         let weight = 0.5 + self.scheme.alpha();
         let (mut numerical, mut damping) = (0.0, 0.0);
         for (s, &du) in dq.iter().enumerate() {
@@ -279,11 +310,6 @@ impl Motion {
             numerical +=
                 mass.slot[s] * (a * du - mean * dv) - weight * (net - self.net_start[s]) * du;
         }
-        state.velocity.copy_from_slice(&self.velocity);
-        state.acceleration.copy_from_slice(&self.acceleration);
-        state.damping.copy_from_slice(&self.damping_force);
-        state.energies.numerical += numerical;
-        state.energies.damping += damping;
-        state.energies.kinetic = mass.kinetic_energy(&state.velocity);
+        [numerical, damping]
     }
 }

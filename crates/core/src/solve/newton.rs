@@ -110,6 +110,20 @@ impl<'m> Newton<'m> {
         self.equations.len()
     }
 
+    /// The motion, if inertia acts.
+    pub fn motion(&mut self) -> Option<&mut Motion> {
+        self.motion.as_mut()
+    }
+
+    /// Energy that the time integration takes out in the increment that `trial` ends [N mm].
+    pub fn numerical_dissipation(&self, system: &System, state: &State, trial: &Trial) -> f64 {
+        let dq: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        let scheme = self.motion.as_ref().map_or(0.0, |motion| {
+            motion.dissipations(&system.mass, state, trial, &dq, &self.loads.total)[0]
+        });
+        scheme + system.contact.crossing_work(self.model, state, trial)
+    }
+
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
         if self.tangent() == Tangent::Secant {
