@@ -142,6 +142,8 @@ fn summary() -> Summary {
         increments: INCREMENTS,
         iterations: 5 * INCREMENTS,
         cutbacks: 0,
+        factorisations: 0,
+        evaluations: 0,
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),

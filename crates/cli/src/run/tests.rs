@@ -42,6 +42,8 @@ fn solve(
         increments: 0,
         iterations: 0,
         cutbacks: 0,
+        factorisations: 0,
+        evaluations: 0,
         seconds_by_phase: [0.0; 6],
         threads: 1,
         warnings: Vec::new(),

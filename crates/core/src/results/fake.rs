@@ -123,6 +123,8 @@ pub fn summary(status: Status) -> Summary {
         increments: 3,
         iterations: 7,
         cutbacks: 1,
+        factorisations: 0,
+        evaluations: 0,
         seconds_by_phase: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
         threads: 1,
         warnings: Vec::new(),

@@ -138,6 +138,10 @@ pub struct Summary {
     pub iterations: usize,
     /// Cut-backs.
     pub cutbacks: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Evaluations of all forces, those of the line search among them.
+    pub evaluations: usize,
     /// CPU-independent wall seconds by phase: elements, contact, assembly, factorise, solve, output.
     pub seconds_by_phase: [f64; 6],
     /// Threads used.

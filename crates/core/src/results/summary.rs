@@ -41,6 +41,10 @@ pub struct SummaryFile {
     pub iterations: usize,
     /// Cut-backs.
     pub cutbacks: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Evaluations of all forces, those of the line search among them.
+    pub force_evaluations: usize,
     /// Wall-clock time from the creation of the folder to its end [s].
     pub wall_s: f64,
     /// CPU time of the process meanwhile [s], where the system tells.
@@ -203,6 +207,8 @@ impl SummaryFile {
             increments: run.increments,
             iterations: run.iterations,
             cutbacks: run.cutbacks,
+            factorisations: run.factorisations,
+            force_evaluations: run.evaluations,
             wall_s: measured.wall_s,
             cpu_s: measured.cpu_s,
             seconds_by_phase: run.seconds_by_phase.into(),
@@ -311,6 +317,8 @@ mod tests {
             "increments",
             "iterations",
             "cutbacks",
+            "factorisations",
+            "force_evaluations",
             "wall_s",
             "cpu_s",
             "seconds_by_phase",

@@ -98,6 +98,8 @@ impl<'m> Run<'m> {
             increments: 0,
             iterations: 0,
             cutbacks: 0,
+            factorisations: 0,
+            evaluations: 0,
             seconds_by_phase: [0.0; 6],
             threads: rayon::current_num_threads(),
             // Those of the model were told when it was built.
@@ -222,7 +224,10 @@ impl<'m> Run<'m> {
         course.load = report.load_factor;
         let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
         match leg.method {
-            Method::QuasiStatic => self.swings.add(&row),
+            // What the ladder leaves to inertia moves; what is to be quasi-static should not.
+            Method::QuasiStatic if course.step.procedure == Procedure::QuasiStatic => {
+                self.swings.add(&row);
+            }
             Method::Implex if course.step.procedure == Procedure::Auto => self.snaps.add(&row),
             _ => {}
         }
@@ -482,6 +487,8 @@ impl<'m> Run<'m> {
     /// Wall time so far.
     fn tally(&mut self, newton: &Newton) {
         let c = self.clock + newton.clock;
+        self.summary.factorisations = c.factorisations;
+        self.summary.evaluations = c.evaluations;
         self.summary.seconds_by_phase = [
             c.elements,
             c.contact,

@@ -390,6 +390,7 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         setting: Evaluation,
     ) -> Result<(), Refusal> {
+        self.clock.evaluations += 1;
         system
             .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
             .map_err(|(element, why)| Refusal::Local { element, why })?;
@@ -429,6 +430,7 @@ impl<'m> Newton<'m> {
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
         }
+        self.clock.factorisations += 1;
         timed(&mut self.clock.factorise, || linear.factorise(&self.values))
             .and_then(|_| timed(&mut self.clock.solve, || linear.solve(&mut self.direction)))
             .map_err(|why| {

@@ -96,7 +96,7 @@ impl<'a> Solves<'a> {
     }
 }
 
-/// Wall time spent in each phase [s].
+/// Wall time spent in each phase [s], and how often the dear ones were done.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
     /// Solids.
@@ -109,6 +109,10 @@ pub struct Clock {
     pub factorise: f64,
     /// Triangular solves.
     pub solve: f64,
+    /// How many factorisations.
+    pub factorisations: usize,
+    /// How many evaluations of all forces.
+    pub evaluations: usize,
 }
 
 impl std::ops::Add for Clock {
@@ -121,6 +125,8 @@ impl std::ops::Add for Clock {
             assembly: self.assembly + other.assembly,
             factorise: self.factorise + other.factorise,
             solve: self.solve + other.solve,
+            factorisations: self.factorisations + other.factorisations,
+            evaluations: self.evaluations + other.evaluations,
         }
     }
 }
