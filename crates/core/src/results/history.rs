@@ -160,7 +160,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2, "the wrong row left no trace");
-        assert!(lines[0].ends_with(",contact_area_mm2,left_mm,right_mm"));
+        assert!(lines[0].ends_with(",procedure,left_mm,right_mm"));
         assert!(lines[1].ends_with(",0.1,-2.0"), "{}", lines[1]);
         assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
     }

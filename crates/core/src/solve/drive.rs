@@ -265,7 +265,10 @@ impl<'m> Run<'m> {
             return Ok(false);
         }
         (course.cutbacks, course.solves) = (0, 0);
-        (course.repeat, course.end_refused, course.jump) = (true, false, None);
+        (course.repeat, course.end_refused) = (true, false);
+        if leg.method == Method::Static {
+            course.jump = None;
+        }
         let moving = self.state.energies.moving();
         if course.ladder.descend(report, moving, added, course.load) {
             if leg.method.has_inertia() {

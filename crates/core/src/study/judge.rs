@@ -137,6 +137,7 @@ mod tests {
         let row = |i: usize| HistoryRow {
             increment: i,
             time: 0.5 * i as f64,
+            load_factor: 0.5 * i as f64,
             force_kN: 1.5 * i as f64,
             residual: 1e-3,
             ..HistoryRow::default()
