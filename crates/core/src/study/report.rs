@@ -97,10 +97,13 @@ fn case(page: &mut String, row: &Row) {
         case.source.trim()
     ));
     if case.energy != super::case::ENERGY {
+        let why = match case.why.trim() {
+            "" => String::new(),
+            why => format!(": {why}"),
+        };
         page.push_str(&format!(
-            "Energies may differ by {}: {}\n",
-            size(case.energy),
-            case.why.trim()
+            "Energies may differ by {}{why}.\n",
+            size(case.energy)
         ));
     }
     page.push_str(
