@@ -5,6 +5,7 @@ mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
+mod follow;
 mod ladder;
 mod line_search;
 mod loads;

@@ -25,23 +25,23 @@ use std::time::Instant;
 /// The equations of one step and their solver.
 pub struct Newton<'m> {
     model: &'m Model,
-    step: &'m Step,
+    pub(super) step: &'m Step,
     method: Method,
-    equations: Equations,
-    linear: Option<LinearSolver>,
+    pub(super) equations: Equations,
+    pub(super) linear: Option<LinearSolver>,
     values: Vec<f64>,
-    direction: Vec<f64>,
+    pub(super) direction: Vec<f64>,
     residual: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
-    by_load: Vec<f64>,
+    pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
-    load_factor: f64,
-    q: Vec<f64>,
+    pub(super) load_factor: f64,
+    pub(super) q: Vec<f64>,
     q_start: Vec<f64>,
     /// Ends of the springs when the step began [mm]. `[spring][xyz]`
     ends_start: Vec<[f64; 3]>,
     /// Loads at the end of the increment.
-    loads: Loads,
+    pub(super) loads: Loads,
     /// Loads at its start.
     loads_start: Loads,
     /// Inertia, if it acts.
@@ -50,7 +50,7 @@ pub struct Newton<'m> {
     pub clock: Clock,
 }
 
-fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
+pub(super) fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
     *clock += start.elapsed().as_secs_f64();
@@ -148,7 +148,7 @@ impl<'m> Newton<'m> {
     }
 
     /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
-    fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
+    pub(super) fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
         self.load_factor = s;
         for (b, motion) in self.step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
@@ -162,19 +162,6 @@ impl<'m> Newton<'m> {
         }
         self.drive_springs(trial, s);
         self.loads.at(self.step, system, s);
-    }
-
-    /// How what is prescribed moves with the load [mm]. `[slot]`
-    fn prescribed_rate(&self, system: &System) -> Vec<f64> {
-        let mut rate = vec![0.0; system.dofs.slots];
-        for (b, motion) in self.step.motion.iter().enumerate() {
-            for (i, motion) in motion.iter().enumerate() {
-                if let BeamMotion::Driven(by) = *motion {
-                    rate[system.dofs.beam_slot(b, i)] = by;
-                }
-            }
-        }
-        rate
     }
 
     /// Ends of the springs at fraction `s` of the step.
@@ -383,7 +370,7 @@ impl<'m> Newton<'m> {
     }
 
     /// Forces (and tangents) at `self.q`; the residual of the unknowns.
-    fn evaluate(
+    pub(super) fn evaluate(
         &mut self,
         system: &mut System,
         state: &State,
@@ -444,49 +431,6 @@ impl<'m> Newton<'m> {
                 Refusal::Linear { why, dof }
             })?;
         Ok(())
-    }
-
-    /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
-    fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
-        let moved = system.multiply(trial, &self.prescribed_rate(system));
-        let loads = self.loads.rate(self.step, system, self.load_factor);
-        let pull = system.spring_pull(&self.step.springs);
-        self.by_load.clear();
-        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
-        self.by_load
-            .extend(slots.map(|slot| loads[slot] - moved[slot] - pull[slot]));
-        let Some(linear) = &mut self.linear else {
-            return Ok(());
-        };
-        timed(&mut self.clock.solve, || linear.solve(&mut self.by_load))
-            .map(|_| ())
-            .map_err(|why| Refusal::Linear { why, dof: None })
-    }
-
-    /// q ← q + d₁ + δλ d₂, λ ← λ + δλ; leaves the forces there in `trial`.
-    fn follow(
-        &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        setting: Evaluation,
-        advance: Advance<'_>,
-    ) -> Result<(), Refusal> {
-        let mut rate = self.prescribed_rate(system);
-        let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
-        for (e, &slot) in self.equations.slot_of.iter().enumerate() {
-            reached[slot as usize] += self.direction[e];
-            rate[slot as usize] = self.by_load[e];
-        }
-        let change = advance
-            .load_change(&reached, &rate)
-            .ok_or(Refusal::NoSuchLoad)?;
-        for &slot in &self.equations.slot_of {
-            let slot = slot as usize;
-            self.q[slot] = state.q[slot] + reached[slot] + change * rate[slot];
-        }
-        self.load_to(self.load_factor + change, system, trial);
-        self.evaluate(system, state, trial, along(setting))
     }
 
     /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
@@ -618,7 +562,7 @@ const OVER_INERTIA: f64 = 3.0;
 pub const IMBALANCE: f64 = 2e-3;
 
 /// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
-fn along(setting: Evaluation) -> Evaluation {
+pub(super) fn along(setting: Evaluation) -> Evaluation {
     Evaluation {
         tangent: false,
         solids: match setting.solids {
