@@ -6,11 +6,9 @@
 use std::path::Path;
 
 use super::Deck;
+use super::rows::{Row, rows};
 use crate::error::ModelError;
 use crate::model::hexahedron::{PLACES, is_upright};
-
-/// A row of a file: its line, from 1, and its numbers.
-type Row = (usize, [f64; 3]);
 
 impl Deck {
     /// Reads the nodes of the block `index`, if it has a file of them [mm]. `[node][xyz]`
@@ -35,7 +33,8 @@ impl Deck {
             let message = format!("{} line {line}: {why}", path.display());
             self.error(&key, message, help)
         };
-        let rows = rows(&text).map_err(|at| wrong(at, "a node is a line of x, y, z in mm"))?;
+        let rows =
+            rows(&text, "no node").map_err(|at| wrong(at, "a node is a line of x, y, z in mm"))?;
         let cells = block.mesh.map(|n| n as usize);
         let wanted: usize = cells.iter().map(|n| n + 1).product();
         if rows.len() != wanted {
@@ -58,31 +57,8 @@ impl Deck {
     }
 }
 
-/// Rows of numbers, or the line (from 1) that is none.
-fn rows(text: &str) -> Result<Vec<Row>, (usize, String)> {
-    let mut rows = Vec::new();
-    let mut named = false;
-    for (n, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let numbers: Vec<Option<f64>> = line
-            .split(',')
-            .map(|f| f.trim().parse().ok().filter(|v: &f64| v.is_finite()))
-            .collect();
-        match numbers[..] {
-            [Some(x), Some(y), Some(z)] => rows.push((n + 1, [x, y, z])),
-            // Names of the columns, once and first.
-            [None, None, None] if rows.is_empty() && !named => named = true,
-            _ => return Err((n + 1, format!("`{line}` is no node"))),
-        }
-    }
-    Ok(rows)
-}
-
 /// Line of the first node of the first element without a positive volume at each of its corners.
-fn first_folded(rows: &[Row], [nx, ny, nz]: [usize; 3]) -> Option<usize> {
+fn first_folded(rows: &[Row<3>], [nx, ny, nz]: [usize; 3]) -> Option<usize> {
     let node = |i: usize, j: usize, k: usize| &rows[(k * (ny + 1) + j) * (nx + 1) + i];
     let mut cells =
         (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j, k))));

@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use super::Deck;
+use super::rows::rows;
 use crate::error::ModelError;
 use crate::model::quantity::Acceleration;
 use crate::model::scene::GroundMotion;
@@ -36,7 +37,7 @@ impl Deck {
                     "name a CSV file, relative to the deck's folder",
                 )
             })?;
-            motion.acceleration[i] = rows(&text, unit).map_err(|(line, why)| {
+            motion.acceleration[i] = record(&text, unit).map_err(|(line, why)| {
                 self.error(
                     &key,
                     format!("{} line {line}: {why}", path.display()),
@@ -49,34 +50,17 @@ impl Deck {
 }
 
 /// Rows of a record, or the line (from 1) that is none.
-fn rows(text: &str, unit: f64) -> Result<Vec<[f64; 2]>, (usize, String)> {
-    let mut rows: Vec<[f64; 2]> = Vec::new();
-    let mut named = false;
-    for (n, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let numbers: Vec<Option<f64>> = line
-            .split(',')
-            .map(|f| f.trim().parse().ok().filter(|v: &f64| v.is_finite()))
-            .collect();
-        match numbers[..] {
-            [Some(time), Some(value)] => {
-                if rows.last().is_some_and(|last| time <= last[0]) {
-                    return Err((n + 1, format!("the time {time} s does not ascend")));
-                }
-                rows.push([time, unit * value]);
-            }
-            // Names of the columns, once and first.
-            [None, None] if rows.is_empty() && !named => named = true,
-            _ => return Err((n + 1, format!("`{line}` is not a time and an acceleration"))),
-        }
+fn record(text: &str, unit: f64) -> Result<Vec<[f64; 2]>, (usize, String)> {
+    let rows = rows(text, "not a time and an acceleration")?;
+    if let Some(pair) = rows.windows(2).find(|pair| pair[1].1[0] <= pair[0].1[0]) {
+        let (line, [time, _]) = pair[1];
+        return Err((line, format!("the time {time} s does not ascend")));
     }
     if rows.len() < 2 {
         return Err((text.lines().count(), "fewer than two rows".to_owned()));
     }
-    Ok(rows)
+    let scaled = rows.into_iter().map(|(_, [time, a])| [time, unit * a]);
+    Ok(scaled.collect())
 }
 
 #[cfg(test)]
@@ -87,7 +71,7 @@ mod tests {
     fn a_record_has_comments_names_and_rows() {
         let text = "# station\ntime_s,a_g\n0,0\n0.01, 0.5\n\n0.02,-1\n";
         let expected = vec![[0.0, 0.0], [0.01, 4905.0], [0.02, -9810.0]];
-        assert_eq!(rows(text, 9810.0), Ok(expected));
+        assert_eq!(record(text, 9810.0), Ok(expected));
         for (text, line) in [
             ("0,1\n0,2", 2),
             ("0,1\nx,2\n1,2", 2),
@@ -97,7 +81,7 @@ mod tests {
             ("0,1", 1),
             ("", 0),
         ] {
-            assert_eq!(rows(text, 1.0).unwrap_err().0, line, "{text}");
+            assert_eq!(record(text, 1.0).unwrap_err().0, line, "{text}");
         }
     }
 }

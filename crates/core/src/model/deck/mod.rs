@@ -10,6 +10,7 @@ mod interfaces;
 mod materials;
 mod probes;
 mod procedure;
+mod rows;
 mod steps;
 mod validate;
 mod wall;
