@@ -188,3 +188,18 @@ fn a_couplet_is_sheared_off_below_the_point_s_peak_and_keeps_its_friction() {
         assert!((residual / rest - 1.0).abs() < 5e-3, "{residual}");
     }
 }
+
+#[test]
+fn a_couplet_under_no_load_is_at_rest_and_sheared_from_there() {
+    let set = [
+        ("steps.0.top_pressure", "0 MPa".to_owned()),
+        ("steps.1.displacement", "0.05 mm".to_owned()),
+    ];
+    let rows = completed(&example("02_couplet_shear.toml", &set)).rows;
+    let rest = rows.iter().filter(|r| r.step == 0);
+    // Nothing acts: what is left is rounding, 4e-8 N a node.
+    assert!(rest.map(|r| r.force_kN.abs()).fold(0.0, f64::max) < 1e-9);
+    let peak = largest(&rows, |r| r.force_kN) * 1e3 / BED;
+    // Cohesion bounds the mean of the shear; edges reach it first.
+    assert!(peak < 0.87 && peak > 0.9 * 0.87, "{peak}");
+}

@@ -88,7 +88,9 @@ fn place(model: &Model, node: usize) -> String {
 /// Keys of the deck that may help, the likeliest first; only such as are not yet there.
 fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     if let Refusal::Linear { dof: Some(_), .. } = refusal {
-        return "to hold that body, or to press it into contact before it is moved".to_owned();
+        return "to hold that body, to press it into contact before it is moved, or to give every \
+                material a density: inertia carries what comes loose"
+            .to_owned();
     }
     let step = &model.steps[index];
     let mut tries = Vec::new();

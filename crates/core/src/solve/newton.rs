@@ -506,7 +506,7 @@ impl<'m> Newton<'m> {
     }
 
     /// Force that residuals are measured in: the mean nodal force (theory F), or that of loads and
-    /// inertia where it is larger [N].
+    /// inertia where it is larger, or what rounding leaves where nothing is loaded [N].
     fn scale(&self, system: &System, state: &State, trial: &Trial) -> f64 {
         let moving = self.motion.as_ref();
         trial
@@ -514,6 +514,7 @@ impl<'m> Newton<'m> {
             .max(LEAST_SCALE * state.largest_mean_force)
             .max(self.loads.mean)
             .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
+            .max(ROUNDINGS * system.rounding_force)
             .max(f64::MIN_POSITIVE)
     }
 
@@ -584,6 +585,9 @@ const START: f64 = 0.1;
 /// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
 /// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.
 const LEAST_SCALE: f64 = 0.01;
+/// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
+/// measure its residual in.
+const ROUNDINGS: f64 = 1e3;
 
 /// Largest magnitude and its place; not finite if any entry is not.
 fn largest(values: &[f64]) -> (f64, usize) {

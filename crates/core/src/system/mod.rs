@@ -9,6 +9,7 @@ pub mod linear;
 mod mass;
 mod numerical;
 pub mod pattern;
+mod rounding;
 mod springs;
 
 pub use bulk::{Bulk, Solids};
@@ -155,6 +156,8 @@ pub struct System {
     pub mass: Mass,
     /// Springs to the ground.
     pub springs: Springs,
+    /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
+    pub rounding_force: f64,
     gather: Option<Gather>,
     analysed_version: usize,
 }
@@ -172,6 +175,7 @@ impl System {
             bulk,
             contact: Contact::new(model),
             springs: Springs::new(model),
+            rounding_force: rounding::force(model),
             gather: None,
             analysed_version: 0,
         })
