@@ -125,3 +125,28 @@ pub fn normals_point_out(model: &Model) {
         assert!(out > 0.0, "facet {facet:?} of body {body} looks inwards");
     }
 }
+
+/// Part of a deck, what takes its place, and the key, message and advice expected.
+pub type Bad<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
+
+/// Each of the changes to `good` is refused with its key, message and advice, file and line.
+pub fn refuses(good: &str, changes: &[Bad]) {
+    let mut wrong = Vec::new();
+    for (from, to, key, message, advice) in changes {
+        // The last one: blocks say some keys twice.
+        let at = good.rfind(from).unwrap_or_else(|| panic!("no {from}"));
+        let bad = format!("{}{to}{}", &good[..at], &good[at + from.len()..]);
+        let error = Deck::from_str(&bad, "scene.toml")
+            .and_then(|deck| Model::from_deck(&deck))
+            .map_or_else(|e| e, |_| panic!("accepted: {to}"));
+        let right = error.key() == *key
+            && error.message().contains(message)
+            && error.advice().contains(advice)
+            && error.line().is_some()
+            && error.file() == "scene.toml";
+        if !right {
+            wrong.push(format!("{to}\n{error}\n(advice: {})\n", error.advice()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

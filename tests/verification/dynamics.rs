@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+use common::blocks;
 use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
 use wythe::model::scene::{BeamMotion, Gravity, GroundMotion, Procedure, Rayleigh, Tangent};
 use wythe::model::{Deck, Model};
@@ -387,17 +388,7 @@ fn keys_of_inertia_are_checked() {
 /// HHT in increments that are long against the blow gave 2.4 times the energy back.
 #[test]
 fn a_block_that_falls_on_a_floor_gains_no_energy() {
-    let deck = r#"
-        format = 1
-        [materials.stone]
-        E = "5 GPa"
-        nu = 0.2
-        density = "2000 kg/m^3"
-        [interfaces.dry]
-        f_t = 0
-        c = 0
-        tan_phi = 0.75
-        mu = 0.75
+    let scene = r#"
         [[blocks]]
         name = "floor"
         size = [300, 200, 50]
@@ -414,6 +405,8 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
         interface = "dry"
         [[supports]]
         on = "floor"
+    "#;
+    let free = r#"
         [[steps]]
         kind = "free"
         gravity = "9.81 m/s^2"
@@ -421,7 +414,7 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
         duration = 0.3
         increments = { initial = 0.005, max = 0.005 }
     "#;
-    let (model, _) = Model::from_deck(&Deck::from_str(deck, "drop.toml").unwrap()).unwrap();
+    let model = blocks::model(scene, free);
     let rows = completed(&model).rows;
     // m g h of 4 kg and 20 mm, and the little that the floor is pressed in.
     let most = 4.0 * 9.81 * 0.02;

@@ -1,23 +1,14 @@
 //! Blocks whose nodes come from a file.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 use std::fs;
 
+use common::blocks::HEAD;
 use wythe::model::{Deck, Model};
 
-const DECK: &str = r#"
-format = 1
-
-[materials.stone]
-E = "5 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.5
-mu = 0.5
-
+const SCENE: &str = r#"
 [[blocks]]
 name = "base"
 size = [4, 2, 1]
@@ -45,19 +36,19 @@ kind = "gravity"
 const NODES: &str = "# a roof\nx,y,z\n0,0,0\n1,0,0\n2,0,0\n0,2,0\n1,2,0\n2,2,0\n\
                      0,0,1\n1,0,1.5\n2,0,1\n0,2,1\n1,2,1.5\n2,2,1\n";
 
-/// Writes the file of nodes and reads the deck beside it.
-fn build(deck: &str, nodes: &str) -> Result<Model, wythe::error::DeckError> {
+/// Writes the file of nodes and reads the scene beside it.
+fn build(scene: &str, nodes: &str) -> Result<Model, wythe::error::DeckError> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("body.csv"), nodes).unwrap();
     let path = folder.path().join("deck.toml");
-    fs::write(&path, deck).unwrap();
+    fs::write(&path, format!("{HEAD}{scene}")).unwrap();
     let deck = Deck::load(&path, &[])?;
     Ok(Model::from_deck(&deck)?.0)
 }
 
 #[test]
 fn a_grid_is_laid_as_it_is_written() {
-    let model = build(DECK, NODES).unwrap_or_else(|e| panic!("{e}"));
+    let model = build(SCENE, NODES).unwrap_or_else(|e| panic!("{e}"));
     // 5 x 2 x 2 nodes of the base come first.
     assert_eq!(model.mesh.nodes[20..].len(), 12);
     assert_eq!(model.mesh.nodes[27], [1.0, 0.0, 1.5]);
@@ -69,7 +60,7 @@ fn a_grid_is_laid_as_it_is_written() {
         model.contact.slave_facets.len() + model.contact.master_facets.len(),
         6
     );
-    let moved = DECK.replace("mesh = [2, 1, 1]", "mesh = [2, 1, 1]\nat = [0.5, 0, 0]\nrotate = { axis = \"y\", angle = 0 }\ncopies = [2, 1, 1]\npitch = [2, 0, 0]");
+    let moved = SCENE.replace("mesh = [2, 1, 1]", "mesh = [2, 1, 1]\nat = [0.5, 0, 0]\nrotate = { axis = \"y\", angle = 0 }\ncopies = [2, 1, 1]\npitch = [2, 0, 0]");
     let model = build(&moved, NODES).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(model.mesh.nodes[27], [1.5, 0.0, 1.5]);
     assert_eq!(model.mesh.nodes[39], [3.5, 0.0, 1.5]);
@@ -78,8 +69,8 @@ fn a_grid_is_laid_as_it_is_written() {
 #[test]
 fn a_box_as_a_grid_is_the_same_model() {
     let flat = NODES.replace("1.5", "1");
-    let grid = build(DECK, &flat).unwrap_or_else(|e| panic!("{e}"));
-    let boxed = DECK.replace("nodes = \"body.csv\"", "size = [2, 2, 1]");
+    let grid = build(SCENE, &flat).unwrap_or_else(|e| panic!("{e}"));
+    let boxed = SCENE.replace("nodes = \"body.csv\"", "size = [2, 2, 1]");
     let boxed = build(&boxed, "").unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(grid.mesh, boxed.mesh);
     let surfaces = |m: &Model| format!("{:?}", m.contact);
@@ -116,7 +107,7 @@ fn bad_files_name_the_line_and_the_fix() {
             "flat or folded",
         ),
     ] {
-        let error = build(DECK, &nodes).map_or_else(|e| e, |_| panic!("accepted: {nodes}"));
+        let error = build(SCENE, &nodes).map_or_else(|e| e, |_| panic!("accepted: {nodes}"));
         let wythe::error::DeckError::Model(error) = error else {
             panic!("{error}");
         };
@@ -157,7 +148,7 @@ fn bad_decks_name_the_key() {
             "neither `size`",
         ),
     ] {
-        let error = build(&DECK.replace(from, to), NODES);
+        let error = build(&SCENE.replace(from, to), NODES);
         let error = error.map_or_else(|e| e, |_| panic!("accepted: {to}"));
         let wythe::error::DeckError::Model(error) = error else {
             panic!("{error}");
@@ -172,12 +163,12 @@ fn an_override_gives_a_grid_in_place_of_a_size_and_back() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("body.csv"), NODES).unwrap();
     let path = folder.path().join("deck.toml");
-    fs::write(&path, DECK).unwrap();
+    fs::write(&path, format!("{HEAD}{SCENE}")).unwrap();
     let set = |key: &str, value: &str| [(key.to_owned(), value.to_owned())];
     let deck = Deck::load(&path, &set("blocks.1.size", "[1, 1, 1]")).unwrap();
     assert!(deck.blocks[1].nodes.is_none());
-    let boxed = DECK.replace("nodes = \"body.csv\"", "size = [1, 1, 1]");
-    fs::write(&path, boxed).unwrap();
+    let boxed = SCENE.replace("nodes = \"body.csv\"", "size = [1, 1, 1]");
+    fs::write(&path, format!("{HEAD}{boxed}")).unwrap();
     let deck = Deck::load(&path, &set("blocks.1.nodes", "body.csv")).unwrap();
     assert!(deck.blocks[1].size.is_none());
     Model::from_deck(&deck).unwrap();

@@ -3,25 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+use common::blocks::{Bad, HEAD, deck, model, refuses};
 use common::scene::Recording;
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::results::Status;
 
 /// A block is pushed over another on a dry joint; then both fly on.
 const SCENE: &str = r#"
-format = 1
-
-[materials.stone]
-E = "5 GPa"
-nu = 0
-density = "2000 kg/m^3"
-
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.5
-mu = 0.5
-
 [[blocks]]
 name = "base"
 size = [400, 100, 50]
@@ -76,14 +64,9 @@ increments = { initial = 0.1, max = 0.1 }
 procedure = "dynamic"
 "#;
 
-fn model(text: &str) -> Model {
-    let deck = Deck::from_str(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"));
-    Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0
-}
-
 #[test]
 fn probes_follow_nodes_faces_and_blocks() {
-    let mut model = model(SCENE);
+    let mut model = model(SCENE, "");
     let columns: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
     assert_eq!(columns, ["slip_mm", "lag_mm", "slip_mm_per_s"]);
     model.output.every = 1;
@@ -121,7 +104,6 @@ fn a_wall_has_probes_near_points_and_no_names() {
     let path = "examples/01_couplet_tension.toml";
     let text = std::fs::read_to_string(path).unwrap();
     let probe = "[[probes]]\nname = \"top\"\nnear = [0, 0, \"1 m\"]\ndirection = \"z\"\n";
-    let deck = |text: &str| Deck::from_str(text, "wall.toml").unwrap_or_else(|e| panic!("{e}"));
     let error = Model::from_deck(&deck(&format!("{text}{probe}"))).unwrap_err();
     assert_eq!(error.key(), "probes.0.near");
     assert!(
@@ -142,14 +124,14 @@ fn a_wall_has_probes_near_points_and_no_names() {
 
 #[test]
 fn decks_with_probes_survive_a_round_trip() {
-    let first = Deck::from_str(SCENE, "scene.toml").unwrap();
+    let first = deck(&format!("{HEAD}{SCENE}"));
     let text = first.to_toml().unwrap();
-    let again = Deck::from_str(&text, "scene.toml").unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let again = deck(&text);
     assert_eq!(again, first, "{text}");
 }
 
 /// What is replaced in the scene, by what, the key of the error, part of it, part of the advice.
-const BAD: &[(&str, &str, &str, &str, &str)] = &[
+const BAD: &[Bad] = &[
     (
         "name = \"lag\"",
         "name = \"slip\"",
@@ -259,21 +241,5 @@ const BAD: &[(&str, &str, &str, &str, &str)] = &[
 
 #[test]
 fn bad_probes_name_the_key_and_the_fix() {
-    let mut wrong = Vec::new();
-    for (from, to, key, message, advice) in BAD {
-        assert!(SCENE.contains(from), "{from}");
-        let bad = SCENE.replacen(from, to, 1);
-        let error = Deck::from_str(&bad, "scene.toml")
-            .and_then(|deck| Model::from_deck(&deck))
-            .map_or_else(|e| e, |_| panic!("accepted: {to}"));
-        let right = error.key() == *key
-            && error.message().contains(message)
-            && error.advice().contains(advice)
-            && error.line().is_some()
-            && error.file() == "scene.toml";
-        if !right {
-            wrong.push(format!("{to}\n{error}\n(advice: {})\n", error.advice()));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    refuses(&format!("{HEAD}{SCENE}"), BAD);
 }

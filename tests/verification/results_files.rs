@@ -12,7 +12,7 @@ use wythe_core::model::scene::{
     Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::{Mesh, Model};
-use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Status, Summary};
+use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Summary};
 
 /// Elements along x: three cubes of 100 mm that share no nodes, 1 mm apart.
 const CUBES: u32 = 3;
@@ -129,25 +129,17 @@ fn row(increment: usize) -> HistoryRow {
 }
 
 fn summary() -> Summary {
+    let sizes = Sizes {
+        units: 3,
+        elements: 3,
+        nodes: 24,
+        dofs: 72,
+        contact_points: 0,
+    };
     Summary {
-        status: Status::Completed,
-        message: String::new(),
-        sizes: Sizes {
-            units: 3,
-            elements: 3,
-            nodes: 24,
-            dofs: 72,
-            contact_points: 0,
-        },
         increments: INCREMENTS,
         iterations: 5 * INCREMENTS,
-        cutbacks: 0,
-        factorisations: 0,
-        evaluations: 0,
-        seconds_by_phase: [0.0; 6],
-        threads: 1,
-        warnings: Vec::new(),
-        log: Vec::new(),
+        ..Summary::begun(sizes, 1)
     }
 }
 

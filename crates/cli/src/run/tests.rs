@@ -35,20 +35,9 @@ fn solve(
     increments: usize,
     status: Status,
 ) -> Result<Summary, RunError> {
-    let mut summary = Summary {
-        status,
-        message: "step 0, unit 1: the joint has gone".to_owned(),
-        sizes: Sizes::default(),
-        increments: 0,
-        iterations: 0,
-        cutbacks: 0,
-        factorisations: 0,
-        evaluations: 0,
-        seconds_by_phase: [0.0; 6],
-        threads: 1,
-        warnings: Vec::new(),
-        log: Vec::new(),
-    };
+    let mut summary = Summary::begun(Sizes::default(), 1);
+    summary.status = status;
+    "step 0, unit 1: the joint has gone".clone_into(&mut summary.message);
     for increment in 1..=increments {
         let t = increment as f64 / increments as f64;
         recorder.progress(0, t, 1);
@@ -93,6 +82,15 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     (folder, out)
 }
 
+/// Records what nothing interrupts.
+fn recorded(
+    model: &Model,
+    out: &Path,
+    solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
+) -> Result<(), Failure> {
+    record(model, &warnings(), out, &Interrupt::default(), solve)
+}
+
 fn warnings() -> Vec<String> {
     vec!["materials.brick: beware".to_owned()]
 }
@@ -100,13 +98,9 @@ fn warnings() -> Vec<String> {
 #[test]
 fn a_run_that_completes_leaves_everything() {
     let (model, (_folder, out)) = (couplet(), folder());
-    let ended = record(
-        &model,
-        &warnings(),
-        &out,
-        &Interrupt::default(),
-        |recorder| solve(&model, recorder, 3, Status::Completed),
-    );
+    let ended = recorded(&model, &out, |recorder| {
+        solve(&model, recorder, 3, Status::Completed)
+    });
     assert!(ended.is_ok());
     assert_eq!(status_in(&out), ("completed".to_owned(), 3));
     for name in [
@@ -122,13 +116,9 @@ fn a_run_that_completes_leaves_everything() {
 #[test]
 fn lost_convergence_keeps_what_was_found_and_says_why() {
     let (model, (_folder, out)) = (couplet(), folder());
-    let ended = record(
-        &model,
-        &warnings(),
-        &out,
-        &Interrupt::default(),
-        |recorder| solve(&model, recorder, 2, Status::NotConverged),
-    );
+    let ended = recorded(&model, &out, |recorder| {
+        solve(&model, recorder, 2, Status::NotConverged)
+    });
     let failure = ended.unwrap_err();
     assert_eq!(failure.exit_code(), 3);
     let Failure::NotConverged(report) = failure else {
@@ -156,9 +146,7 @@ fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
 fn a_folder_that_cannot_be_made_is_input_output_and_nothing_is_solved() {
     let (model, (_folder, out)) = (couplet(), folder());
     std::fs::write(&out, "mine").unwrap();
-    let ended = record(&model, &warnings(), &out, &Interrupt::default(), |_| {
-        panic!("must not be reached")
-    });
+    let ended = recorded(&model, &out, |_| panic!("must not be reached"));
     assert_eq!(ended.unwrap_err().exit_code(), 4);
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
 }
@@ -167,18 +155,12 @@ fn a_folder_that_cannot_be_made_is_input_output_and_nothing_is_solved() {
 #[test]
 fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
     let (model, (_folder, out)) = (couplet(), folder());
-    let ended = record(
-        &model,
-        &warnings(),
-        &out,
-        &Interrupt::default(),
-        |recorder| {
-            let mut wrong = frame(&model, 1.0);
-            wrong.stress.pop();
-            recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
-            panic!("the recorder must refuse")
-        },
-    );
+    let ended = recorded(&model, &out, |recorder| {
+        let mut wrong = frame(&model, 1.0);
+        wrong.stress.pop();
+        recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
+        panic!("the recorder must refuse")
+    });
     let failure = ended.unwrap_err();
     assert_eq!(failure.exit_code(), 4);
     let Failure::InputOutput(report) = failure else {

@@ -152,19 +152,9 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
             .find(|s| s.kind == StepKind::Drive)
             .map_or(2, |s| drive_axis(s).0);
         steps.push(Step {
-            name: step.name().to_owned(),
-            duration: step.duration.get(),
             motion: vec![motion],
             driven: Some((0, axis)),
-            increments: step.increments(),
-            viscosity: step.viscosity.get(),
-            procedure: step.procedure.with(step.alpha, step.rayleigh),
-            tangent: step.tangent,
-            control: probes::control(deck, i, step)?,
-            tolerance: step.tolerance(),
-            ground: deck.ground_motion(i)?,
-            gravity: gravity.step(deck, i, step)?,
-            springs: Vec::new(),
+            ..super::loading::rules(deck, i, step, &mut gravity)?
         });
     }
     Ok(steps)

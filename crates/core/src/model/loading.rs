@@ -93,22 +93,37 @@ pub(super) fn loading(
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
         let pressed = beam.and_then(|b| Some((b, normal(b)?)));
         steps.push(Step {
-            name: step.name().to_owned(),
-            duration: step.duration.get(),
             motion: now.clone(),
             driven: driven.or(pressed),
-            increments: step.increments(),
-            viscosity: step.viscosity.get(),
-            procedure: step.procedure.with(step.alpha, step.rayleigh),
-            tangent: step.tangent,
-            control: probes::control(deck, i, step)?,
-            tolerance: step.tolerance(),
-            gravity: gravity.step(deck, i, step)?,
-            ground: deck.ground_motion(i)?,
             springs: far_ends,
+            ..rules(deck, i, step, &mut gravity)?
         });
     }
     Ok(Loading { beams, steps })
+}
+
+/// What the step says of its way through, whatever it loads; nothing moves.
+pub(super) fn rules(
+    deck: &Deck,
+    i: usize,
+    step: &DeckStep,
+    gravity: &mut GravityNow,
+) -> Result<Step, ModelError> {
+    Ok(Step {
+        name: step.name().to_owned(),
+        duration: step.duration.get(),
+        motion: Vec::new(),
+        driven: None,
+        increments: step.increments(),
+        viscosity: step.viscosity.get(),
+        procedure: step.procedure.with(step.alpha, step.rayleigh),
+        tangent: step.tangent,
+        control: probes::control(deck, i, step)?,
+        tolerance: step.tolerance(),
+        gravity: gravity.step(deck, i, step)?,
+        ground: deck.ground_motion(i)?,
+        springs: Vec::new(),
+    })
 }
 
 fn beam_name(faces: &Names) -> String {

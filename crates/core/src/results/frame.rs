@@ -152,6 +152,26 @@ pub struct Summary {
     pub log: Vec<String>,
 }
 
+impl Summary {
+    /// Of a run that has done nothing yet; complete, if nothing happens to it.
+    pub fn begun(sizes: Sizes, threads: usize) -> Self {
+        Self {
+            status: Status::Completed,
+            message: String::new(),
+            sizes,
+            increments: 0,
+            iterations: 0,
+            cutbacks: 0,
+            factorisations: 0,
+            evaluations: 0,
+            seconds_by_phase: [0.0; 6],
+            threads,
+            warnings: Vec::new(),
+            log: Vec::new(),
+        }
+    }
+}
+
 /// Receives each converged increment as it comes, on the thread that solves.
 pub trait Recorder: Send {
     /// Called once an increment is committed. `frame` is given at output increments. Returning

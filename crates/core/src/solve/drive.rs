@@ -91,21 +91,8 @@ impl<'m> Run<'m> {
             dofs: 0,
             contact_points: system.contact.points.len(),
         };
-        let summary = Summary {
-            status: Status::Completed,
-            message: String::new(),
-            sizes,
-            increments: 0,
-            iterations: 0,
-            cutbacks: 0,
-            factorisations: 0,
-            evaluations: 0,
-            seconds_by_phase: [0.0; 6],
-            threads: rayon::current_num_threads(),
-            // Those of the model were told when it was built.
-            warnings: Vec::new(),
-            log: Vec::new(),
-        };
+        // Warnings of the model were told when it was built.
+        let summary = Summary::begun(sizes, rayon::current_num_threads());
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
             model,
