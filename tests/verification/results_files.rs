@@ -107,7 +107,10 @@ fn frame(model: &Model, t: f64) -> Frame {
         plastic_strain: elements().map(|e| tensor(1e-3, e)).collect(),
         tensile_damage: elements().map(|e| t * e / 10.0).collect(),
         compressive_damage: elements().map(|e| t / (8.0 + e)).collect(),
+        yielded: elements().map(|e| e > 0.0).collect(),
+        crack_width: elements().map(|e| t * e / 100.0).collect(),
         probes: vec![-8.0 * t],
+        ..Frame::default()
     }
 }
 

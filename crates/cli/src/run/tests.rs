@@ -24,7 +24,9 @@ fn frame(model: &Model, time: f64) -> Frame {
         tensile_damage: vec![0.5; elements],
         compressive_damage: vec![0.0; elements],
         plastic_strain: vec![[0.0; 6]; elements],
-        probes: Vec::new(),
+        yielded: vec![true; elements],
+        crack_width: vec![0.0; elements],
+        ..Frame::default()
     }
 }
 

@@ -33,6 +33,17 @@ pub struct Model {
     pub output: Output,
 }
 
+impl Model {
+    /// Whether inertia may act in any step: everything has mass, and a procedure may use it.
+    pub fn may_move(&self) -> bool {
+        let density = |m: &NamedMaterial| m.parameters.elastic().density;
+        let used = |m: usize| self.mesh.material.iter().any(|&of| usize::from(of) == m);
+        let massive = |(m, material)| !used(m) || density(material) > 0.0;
+        self.steps.iter().any(|step| step.procedure.may_move())
+            && self.materials.iter().enumerate().all(massive)
+    }
+}
+
 /// A material and its name in the deck.
 #[derive(Clone, Debug)]
 pub struct NamedMaterial {
@@ -322,6 +333,11 @@ impl Procedure {
     /// Whether inertia acts throughout.
     pub fn has_inertia(self) -> bool {
         matches!(self, Self::QuasiStatic | Self::Dynamic { .. })
+    }
+
+    /// Whether inertia may act: throughout, or where the ladder comes to it.
+    pub fn may_move(self) -> bool {
+        self.has_inertia() || self == Self::Auto
     }
 }
 

@@ -1,6 +1,6 @@
 //! A small model with invented fields, for the tests of this room.
 
-use super::{Frame, HistoryRow, Sizes, Status, Summary};
+use super::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
     BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
@@ -77,6 +77,8 @@ pub fn model() -> Model {
 /// Fields that differ from node to node, element to element and time to time.
 pub fn frame(model: &Model, time: f64) -> Frame {
     let elements = 0..model.mesh.elements.len();
+    let points = 4 * model.contact.slave_facets.len();
+    let each = |of: fn(f64) -> f64| (0..points).map(|p| time * of(p as f64)).collect();
     let tensor = |e: usize| std::array::from_fn(|i| time * (10 * e + i) as f64);
     Frame {
         time,
@@ -92,8 +94,17 @@ pub fn frame(model: &Model, time: f64) -> Frame {
             .map(|e| 0.3 * time + 0.1 * e as f64)
             .collect(),
         compressive_damage: elements.clone().map(|e| 0.4 * e as f64).collect(),
-        plastic_strain: elements.map(tensor).collect(),
-        probes: Vec::new(),
+        plastic_strain: elements.clone().map(tensor).collect(),
+        yielded: elements.clone().map(|e| e % 2 == 1).collect(),
+        crack_width: elements.map(|e| 0.01 * time * e as f64).collect(),
+        interfaces: InterfaceFrame {
+            opening: each(|p| p),
+            slip: (0..points).map(|p| [time, time + p as f64]).collect(),
+            traction: (0..points).map(|p| [time, p as f64, -time]).collect(),
+            damage: each(|p| 0.01 * p),
+            state: vec![InterfaceState::Softening; points],
+        },
+        ..Frame::default()
     }
 }
 

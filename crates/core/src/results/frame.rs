@@ -1,7 +1,11 @@
 //! One converged increment, as rows and fields.
 
+use nalgebra::Vector6;
+use wythe_contact::{InterfaceHistory, InterfaceLaw};
+
 use crate::model::Model;
 use crate::solve::{Method, State};
+use crate::sym6;
 
 /// One row of `history.csv`. Field names are the column names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -82,8 +86,14 @@ impl HistoryRow {
 pub struct Frame {
     /// Accumulated step time [s].
     pub time: f64,
+    /// Increments done.
+    pub increment: usize,
+    /// Step, from 0.
+    pub step: usize,
     /// Displacement [mm]. `[node][xyz]`
     pub displacement: Vec<[f64; 3]>,
+    /// Velocity [mm/s]; empty where no step could have inertia. `[node][xyz]`
+    pub velocity: Vec<[f64; 3]>,
     /// Nominal stress, mean over the element's points [MPa]. `[element][xx,yy,zz,xy,yz,zx]`
     pub stress: Vec<[f64; 6]>,
     /// Tensile damage, largest over the element's points [-]. `[element]`
@@ -92,9 +102,88 @@ pub struct Frame {
     pub compressive_damage: Vec<f64>,
     /// Plastic strain, mean over the element's points [-], engineering shear. `[element][xx,yy,zz,xy,yz,zx]`
     pub plastic_strain: Vec<[f64; 6]>,
+    /// Whether any point of the element has plastic strain or damage. `[element]`
+    pub yielded: Vec<bool>,
+    /// l_eq times the largest principal inelastic strain of the element's tensile cracks, mean over its
+    /// points [mm]. `[element]`
+    pub crack_width: Vec<f64>,
+    /// What the points of the interfaces do.
+    pub interfaces: InterfaceFrame,
+    /// Forces from outside: on each beam, then on each support [N]. `[beam, support][xyz]`
+    pub reactions: Vec<[f64; 3]>,
     /// Values of the model's probes [mm, mm/s]. `[probe]`
     pub probes: Vec<f64>,
 }
+
+impl Frame {
+    /// Principal nominal stresses, the largest first [MPa]. `[element][3]`
+    pub fn principal_stresses(&self) -> Vec<[f64; 3]> {
+        let of = |stress: &[f64; 6]| sym6::principal_values(&Vector6::from(*stress));
+        self.stress.iter().map(of).collect()
+    }
+}
+
+/// What the points of the interfaces do at one output increment. `[slave facet][point]`, four points to
+/// a facet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InterfaceFrame {
+    /// Opening u, closed negative [mm].
+    pub opening: Vec<f64>,
+    /// Slip δ along the facet's two tangents [mm].
+    pub slip: Vec<[f64; 2]>,
+    /// Traction [σ, τ₁, τ₂], tension positive [MPa].
+    pub traction: Vec<[f64; 3]>,
+    /// Damage D [-].
+    pub damage: Vec<f64>,
+    /// What has become of the bond.
+    pub state: Vec<InterfaceState>,
+}
+
+/// What has become of a point of an interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum InterfaceState {
+    /// No damage; of a dry joint: pressed, and not sliding.
+    #[default]
+    Intact = 0,
+    /// Damaged, with cohesion left.
+    Softening = 1,
+    /// Without cohesion, and open.
+    FailedOpen = 2,
+    /// Without cohesion, pressed: friction is left.
+    FailedSliding = 3,
+}
+
+impl InterfaceState {
+    /// Of a point with this opening [mm] and damage under `law`.
+    pub fn of(law: &InterfaceLaw, history: &InterfaceHistory) -> Self {
+        let open = history.traction[0] >= 0.0 && history.opening > 0.0;
+        let failed = history.damage >= FAILED || law.is_dry();
+        match (failed, open) {
+            (true, true) => Self::FailedOpen,
+            (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
+            (true, false) => Self::FailedSliding,
+            (false, _) if history.damage > 0.0 => Self::Softening,
+            (false, _) => Self::Intact,
+        }
+    }
+
+    /// From its number in the files.
+    pub fn from_number(number: u8) -> Option<Self> {
+        [
+            Self::Intact,
+            Self::Softening,
+            Self::FailedOpen,
+            Self::FailedSliding,
+        ]
+        .into_iter()
+        .find(|state| *state as u8 == number)
+    }
+}
+
+/// Damage from which a point counts as failed: exponential softening reaches 1 only where it is cut
+/// off.
+const FAILED: f64 = 0.99;
 
 /// Sizes of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]

@@ -22,7 +22,9 @@ mod fake;
 
 pub use curve::Curve;
 pub use directory::{OutputError, RunDirectory};
-pub use frame::{Frame, HistoryRow, Recorder, Sizes, Status, Summary};
+pub use frame::{
+    Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
+};
 pub use history::HistoryWriter;
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;

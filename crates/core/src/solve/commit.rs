@@ -7,7 +7,7 @@ use super::outcome::Report;
 use super::probes::probes;
 use super::state::LastIncrement;
 use crate::model::scene::Step;
-use crate::results::{Frame, HistoryRow, Recorder};
+use crate::results::{HistoryRow, Recorder};
 use std::time::Instant;
 use wythe_contact::PointStatus;
 
@@ -146,41 +146,10 @@ impl Run<'_> {
     ) -> Result<bool, RunError> {
         let start = Instant::now();
         let every = self.model.output.every.max(1);
-        let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame());
+        let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame(row));
         recorder.observe(&self.state);
         let keep = recorder.take(self.model, row, frame.as_ref())?;
         self.output_seconds += start.elapsed().as_secs_f64();
         Ok(keep)
-    }
-
-    /// Fields of the last commit.
-    fn frame(&self) -> Frame {
-        let (state, mesh) = (&self.state, &self.model.mesh);
-        let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
-        self.system.dofs.spread(&state.q, &mut displacement);
-        let mut frame = Frame {
-            time: state.time,
-            displacement,
-            probes: probes(self.model, &self.system.dofs, state),
-            ..Frame::default()
-        };
-        for points in state.material.chunks_exact(8) {
-            let mean = |of: fn(&crate::material::MaterialHistory) -> nalgebra::Vector6<f64>| {
-                let sum: nalgebra::Vector6<f64> = points.iter().map(of).sum();
-                (sum / 8.0).into()
-            };
-            frame.stress.push(mean(|h| h.stress));
-            frame.plastic_strain.push(mean(|h| h.plastic_strain));
-            frame
-                .tensile_damage
-                .push(points.iter().map(|h| h.tensile_damage).fold(0.0, f64::max));
-            frame.compressive_damage.push(
-                points
-                    .iter()
-                    .map(|h| h.compressive_damage)
-                    .fold(0.0, f64::max),
-            );
-        }
-        frame
     }
 }

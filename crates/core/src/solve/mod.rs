@@ -5,6 +5,7 @@ mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
+mod fields;
 mod follow;
 mod ladder;
 mod line_search;

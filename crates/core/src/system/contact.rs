@@ -133,6 +133,11 @@ impl Contact {
             .collect()
     }
 
+    /// The law of a point.
+    pub fn law<'m>(&self, model: &'m Model, point: usize) -> &'m InterfaceLaw {
+        &model.contact.laws[self.law_of[point / 4] as usize]
+    }
+
     /// Counts the searches of candidates.
     pub fn version(&self) -> usize {
         self.version
@@ -232,7 +237,7 @@ impl Contact {
         let points = state.interface.iter().zip(&trial.interface).enumerate();
         points
             .map(|(p, (old, new))| {
-                let law = &model.contact.laws[self.law_of[p / 4] as usize];
+                let law = self.law(model, p);
                 law.crossing_work(old, new) * self.points[p].area
             })
             .sum()
@@ -243,7 +248,7 @@ impl Contact {
         let Some(last) = &state.last else { return };
         let points = state.interface.iter().zip(&last.dtraction);
         for (p, (traction, (old, change))) in trial.traction.iter_mut().zip(points).enumerate() {
-            let law = &model.contact.laws[self.law_of[p / 4] as usize];
+            let law = self.law(model, p);
             let guess = [0, 1, 2].map(|i| old.traction[i] + ratio * change[i]);
             *traction = law.within_bounds(guess, old);
         }

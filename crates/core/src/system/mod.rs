@@ -55,7 +55,8 @@ pub struct Trial {
     cells: Vec<f64>,
     /// Cells that have a stiffness now. `[cell]`
     active: Vec<bool>,
-    node_force: Vec<[f64; 3]>,
+    /// Internal forces of the nodes, held ones too [N]. `[node][xyz]`
+    pub node_force: Vec<[f64; 3]>,
     /// Generalised internal forces [N]. `[slot]`
     pub force: Vec<f64>,
     /// New histories of the solids. `[element][gauss point]`

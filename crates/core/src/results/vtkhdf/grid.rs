@@ -1,0 +1,348 @@
+//! One temporal `UnstructuredGrid` of VTKHDF 2.0 in a group of a file.
+//!
+//! The mesh does not change, so there is one part whose geometry every step shares at offset 0; of the
+//! fields each step appends its own rows, one chunk a step, so that appending never rewrites an
+//! earlier step. A step is written as data, then offsets, then `NSteps`.
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::FixedAscii;
+use ndarray::ArrayView2;
+
+/// Deflate level: higher ones gain a few percent for several times the work.
+const DEFLATE: u8 = 4;
+/// Values a chunk of the short series, one value a step, holds.
+const SERIES_CHUNK: usize = 256;
+
+/// Geometry of a grid whose cells are all of one kind.
+#[derive(Debug)]
+pub struct Geometry {
+    /// Positions at rest [mm]. `[point][xyz]`
+    pub points: Vec<[f64; 3]>,
+    /// Points of the cells, one cell after the other. `[cell][corner]`
+    pub connectivity: Vec<i64>,
+    /// Corners of a cell.
+    pub corners: usize,
+    /// VTK's number of the cell's kind.
+    pub kind: u8,
+}
+
+impl Geometry {
+    fn cells(&self) -> usize {
+        self.connectivity.len() / self.corners.max(1)
+    }
+}
+
+/// What a field lives on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum On {
+    /// Points.
+    Points,
+    /// Cells.
+    Cells,
+}
+
+/// A field that changes from step to step.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Name.
+    pub name: &'static str,
+    /// What it lives on.
+    pub on: On,
+    /// Components; 0 for a field of small whole numbers, which has one.
+    pub components: usize,
+}
+
+/// Values of one field at one step.
+#[derive(Clone, Copy, Debug)]
+pub enum Values<'a> {
+    /// `[tuple][component]`
+    Real(&'a [f64]),
+    /// `[tuple]`
+    Small(&'a [u8]),
+}
+
+/// Writes a grid step by step.
+#[derive(Debug)]
+pub struct Grid {
+    steps: usize,
+    step_count: hdf5::Attribute,
+    values: hdf5::Dataset,
+    /// Series that are 0 in every step, since there is one part with one geometry. `[series][step]`
+    zeros: Vec<hdf5::Dataset>,
+    /// As `zeros`, of two dimensions. `[series][step][1]`
+    zero_columns: Vec<hdf5::Dataset>,
+    /// `NumberOfParts`, 1 in every step. `[step]`
+    parts: hdf5::Dataset,
+    fields: Vec<Field>,
+    /// One value a step each, and their offsets. `[series]`
+    series: Vec<Field>,
+    /// Components and tuples of the series, 1 and 1 in every step. `[series][step][2]`
+    series_sizes: Vec<hdf5::Dataset>,
+}
+
+/// One growing field and the offsets of its steps.
+#[derive(Debug)]
+struct Field {
+    /// `[step·tuple][component]`, without the second dimension for scalars.
+    data: hdf5::Dataset,
+    /// First row of each step. `[step]`
+    offsets: hdf5::Dataset,
+    tuples: usize,
+    components: usize,
+}
+
+impl Grid {
+    /// Writes geometry and labels `(name, [cell])` into an empty group, and begins the fields and the
+    /// series of one value a step.
+    pub fn create(
+        root: &hdf5::Group,
+        geometry: &Geometry,
+        columns: &[Column],
+        labels: &[(&str, Vec<i64>)],
+        series: &[&str],
+    ) -> hdf5::Result<Self> {
+        root.new_attr::<i64>()
+            .shape(2)
+            .create("Version")?
+            .write(&[2_i64, 0])?;
+        let kind = FixedAscii::<16>::from_ascii(b"UnstructuredGrid");
+        root.new_attr::<FixedAscii<16>>()
+            .shape(())
+            .create("Type")?
+            .write_scalar(&kind.map_err(|error| error.to_string())?)?;
+        write_geometry(root, geometry)?;
+        let steps = root.create_group("Steps")?;
+        let step_count = steps.new_attr::<i64>().shape(()).create("NSteps")?;
+        step_count.write_scalar(&0_i64)?;
+        let zeros = ["PartOffsets", "PointOffsets"].map(|name| counts(&steps, name));
+        let zero_columns =
+            ["CellOffsets", "ConnectivityIdOffsets"].map(|name| count_column(&steps, name));
+        let (points, cells) = (
+            root.create_group("PointData")?,
+            root.create_group("CellData")?,
+        );
+        let point_offsets = steps.create_group("PointDataOffsets")?;
+        let cell_offsets = steps.create_group("CellDataOffsets")?;
+        let mut grid = Self {
+            steps: 0,
+            step_count,
+            values: reals(&steps, "Values")?,
+            zeros: zeros.into_iter().collect::<hdf5::Result<_>>()?,
+            zero_columns: zero_columns.into_iter().collect::<hdf5::Result<_>>()?,
+            parts: counts(&steps, "NumberOfParts")?,
+            fields: Vec::new(),
+            series: Vec::new(),
+            series_sizes: Vec::new(),
+        };
+        for column in columns {
+            let (data, offsets, tuples) = match column.on {
+                On::Points => (&points, &point_offsets, geometry.points.len()),
+                On::Cells => (&cells, &cell_offsets, geometry.cells()),
+            };
+            grid.fields
+                .push(Field::create(data, offsets, column, tuples)?);
+        }
+        for (name, values) in labels {
+            let builder = compressed::<i64>(&cells, values.len(), 1);
+            builder
+                .shape(values.len())
+                .create(*name)?
+                .write_raw(values)?;
+            grid.zeros.push(counts(&cell_offsets, name)?);
+        }
+        if !series.is_empty() {
+            let data = root.create_group("FieldData")?;
+            let offsets = steps.create_group("FieldDataOffsets")?;
+            let sizes = steps.create_group("FieldDataSizes")?;
+            for name in series {
+                grid.series.push(Field {
+                    data: reals(&data, name)?,
+                    offsets: counts(&offsets, name)?,
+                    tuples: 1,
+                    components: 1,
+                });
+                let size = sizes.new_dataset::<i64>().chunk((SERIES_CHUNK, 2));
+                grid.series_sizes.push(size.shape((0.., 2)).create(*name)?);
+            }
+        }
+        Ok(grid)
+    }
+
+    /// Steps written so far.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Writes step `step`, at most one past the last: values of the columns and of the series, in
+    /// their order.
+    pub fn append(
+        &mut self,
+        step: usize,
+        time: f64,
+        columns: &[Values],
+        series: &[f64],
+    ) -> hdf5::Result<()> {
+        if series.len() != self.series.len() {
+            let (found, wanted) = (series.len(), self.series.len());
+            return Err(format!("{found} probes where {wanted} belong").into());
+        }
+        for (field, values) in self.fields.iter().zip(columns) {
+            match values {
+                Values::Real(values) => field.append(step, values)?,
+                Values::Small(values) => field.append(step, values)?,
+            }
+        }
+        for (field, value) in self.series.iter().zip(series) {
+            field.append(step, &[*value])?;
+        }
+        for size in &self.series_sizes {
+            size.resize((step + 1, 2))?;
+            size.write_slice(ArrayView2::from(&[[1_i64, 1]]), (step..step + 1, ..))?;
+        }
+        for field in self.fields.iter().chain(&self.series) {
+            push(&field.offsets, step, count(step * field.tuples))?;
+        }
+        for zeros in &self.zeros {
+            push(zeros, step, 0_i64)?;
+        }
+        for column in &self.zero_columns {
+            column.resize((step + 1, 1))?;
+            column.write_slice(ArrayView2::from(&[[0_i64]]), (step..step + 1, ..))?;
+        }
+        push(&self.parts, step, 1_i64)?;
+        push(&self.values, step, time)?;
+        self.step_count.write_scalar(&count(step + 1))?;
+        self.steps = step + 1;
+        Ok(())
+    }
+}
+
+impl Field {
+    fn create(
+        data: &hdf5::Group,
+        offsets: &hdf5::Group,
+        column: &Column,
+        tuples: usize,
+    ) -> hdf5::Result<Self> {
+        let name = column.name;
+        let dataset = match column.components {
+            0 => compressed::<u8>(data, tuples, 1).shape(0..).create(name)?,
+            1 => compressed::<f64>(data, tuples, 1).shape(0..).create(name)?,
+            n => compressed::<f64>(data, tuples, n)
+                .shape((0.., n))
+                .create(name)?,
+        };
+        Ok(Self {
+            data: dataset,
+            offsets: counts(offsets, name)?,
+            tuples,
+            components: column.components.max(1),
+        })
+    }
+
+    /// Appends the rows of one step. A step that failed half-way is overwritten by the next.
+    fn append<T: hdf5::H5Type>(&self, step: usize, values: &[T]) -> hdf5::Result<()> {
+        let Self {
+            data,
+            tuples,
+            components,
+            ..
+        } = self;
+        if values.len() != tuples * components {
+            let message = format!(
+                "{}: {} values where {tuples} rows of {components} belong",
+                data.name(),
+                values.len()
+            );
+            return Err(message.into());
+        }
+        let rows = step * tuples..(step + 1) * tuples;
+        if *components == 1 {
+            data.resize(rows.end)?;
+            data.write_slice(values, rows)
+        } else {
+            data.resize((rows.end, *components))?;
+            let view = ArrayView2::from_shape((*tuples, *components), values)
+                .map_err(|error| error.to_string())?;
+            data.write_slice(view, (rows, ..))
+        }
+    }
+}
+
+fn write_geometry(root: &hdf5::Group, geometry: &Geometry) -> hdf5::Result<()> {
+    let (points, cells) = (geometry.points.len(), geometry.cells());
+    let one = |name, value: usize| -> hdf5::Result<()> {
+        root.new_dataset::<i64>()
+            .shape(1)
+            .create(name)?
+            .write(&[count(value)])
+    };
+    one("NumberOfPoints", points)?;
+    one("NumberOfCells", cells)?;
+    one("NumberOfConnectivityIds", geometry.connectivity.len())?;
+    compressed::<f64>(root, points, 3)
+        .shape((points, 3))
+        .create("Points")?
+        .write_raw(geometry.points.as_flattened())?;
+    let ids = &geometry.connectivity;
+    compressed::<i64>(root, ids.len(), 1)
+        .shape(ids.len())
+        .create("Connectivity")?
+        .write_raw(ids)?;
+    let offsets: Vec<i64> = (0..=cells).map(|c| count(geometry.corners * c)).collect();
+    root.new_dataset::<i64>()
+        .shape(offsets.len())
+        .create("Offsets")?
+        .write_raw(&offsets)?;
+    let types = root.new_dataset::<u8>().shape(cells).create("Types")?;
+    types.write_raw(&vec![geometry.kind; cells])
+}
+
+/// A count as VTK stores it; no mesh comes near the limit.
+pub fn count(count: usize) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}
+
+/// A dataset with one chunk a step. Shuffle before deflate: the other way round it has no use.
+fn compressed<T: hdf5::H5Type>(
+    group: &hdf5::Group,
+    tuples: usize,
+    components: usize,
+) -> hdf5::DatasetBuilderEmpty {
+    let builder = group.new_dataset_builder().shuffle().deflate(DEFLATE);
+    let builder = if components == 1 {
+        builder.chunk(tuples.max(1))
+    } else {
+        builder.chunk((tuples.max(1), components))
+    };
+    builder.empty::<T>()
+}
+
+fn counts(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
+    group
+        .new_dataset::<i64>()
+        .chunk(SERIES_CHUNK)
+        .shape(0..)
+        .create(name)
+}
+
+fn reals(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
+    group
+        .new_dataset::<f64>()
+        .chunk(SERIES_CHUNK)
+        .shape(0..)
+        .create(name)
+}
+
+fn count_column(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
+    group
+        .new_dataset::<i64>()
+        .chunk((SERIES_CHUNK, 1))
+        .shape((0.., 1))
+        .create(name)
+}
+
+fn push<T: hdf5::H5Type>(series: &hdf5::Dataset, step: usize, value: T) -> hdf5::Result<()> {
+    series.resize(step + 1)?;
+    series.write_slice(&[value], step..step + 1)
+}

@@ -1,0 +1,89 @@
+//! The surface of the interfaces as quads: each slave facet in four, one around each contact point.
+
+use hdf5_metno as hdf5;
+
+use super::{Geometry, QUAD};
+use crate::model::Model;
+
+/// Weights of a facet's corners at the nine points of its quarters: corners, middles of the edges from
+/// corner k to the next, the middle.
+const WEIGHTS: [[f64; 4]; 9] = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+    [0.0, 0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0, 0.0],
+    [0.0, 0.5, 0.5, 0.0],
+    [0.0, 0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.0, 0.5],
+    [0.25, 0.25, 0.25, 0.25],
+];
+
+/// Points of the quarter around each contact point: its corner, the next edge, the middle, the edge
+/// before.
+const QUARTERS: [[i64; 4]; 4] = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]];
+
+/// Quads of the interfaces.
+#[derive(Debug)]
+pub struct Quarters {
+    facets: Vec<[u32; 4]>,
+    law: Vec<u16>,
+    rest: Vec<[f64; 3]>,
+}
+
+impl Quarters {
+    /// Those of a model; none without interfaces.
+    pub fn of(model: &Model) -> Option<Self> {
+        let facets = model.contact.slave_facets.clone();
+        let mut quarters = Self {
+            law: model.contact.slave_law.clone(),
+            facets,
+            rest: Vec::new(),
+        };
+        quarters.rest = quarters.spread(&model.mesh.nodes).ok()?;
+        (!quarters.facets.is_empty()).then_some(quarters)
+    }
+
+    /// Their geometry at rest.
+    pub fn geometry(&self) -> Geometry {
+        let connectivity = (0..self.facets.len() as i64)
+            .flat_map(|f| QUARTERS.into_iter().flatten().map(move |k| 9 * f + k))
+            .collect();
+        Geometry {
+            points: self.rest.clone(),
+            connectivity,
+            corners: 4,
+            kind: QUAD,
+        }
+    }
+
+    /// Facet and law of each quad.
+    pub fn labels(&self) -> [(&'static str, Vec<i64>); 2] {
+        let four =
+            |of: &dyn Fn(usize) -> i64| (0..self.facets.len()).flat_map(|f| [of(f); 4]).collect();
+        [
+            ("facet", four(&|f| f as i64)),
+            ("law", four(&|f| self.law[f].into())),
+        ]
+    }
+
+    /// A nodal field at the points of the quads. `[facet][9]`
+    pub fn spread(&self, field: &[[f64; 3]]) -> hdf5::Result<Vec<[f64; 3]>> {
+        let mut points = Vec::with_capacity(9 * self.facets.len());
+        for facet in &self.facets {
+            let mut corners = [[0.0; 3]; 4];
+            for (corner, &n) in corners.iter_mut().zip(facet) {
+                let Some(value) = field.get(n as usize) else {
+                    let message = format!("displacement: {} rows, node {n} has none", field.len());
+                    return Err(message.into());
+                };
+                *corner = *value;
+            }
+            for weights in WEIGHTS {
+                let at = |i: usize| (0..4).map(|a| weights[a] * corners[a][i]).sum();
+                points.push([at(0), at(1), at(2)]);
+            }
+        }
+        Ok(points)
+    }
+}

@@ -1,0 +1,298 @@
+//! Reads `results.vtkhdf` back, frame by frame.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::VarLenUnicode;
+
+use super::{INTERFACES, into_io};
+use crate::results::{Frame, InterfaceFrame, InterfaceState};
+
+/// The solids at rest, and what each element is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestMesh {
+    /// Positions [mm]. `[node][xyz]`
+    pub nodes: Vec<[f64; 3]>,
+    /// Nodes of the hexahedra. `[element]`
+    pub elements: Vec<[u32; 8]>,
+    /// Index into the names of the materials. `[element]`
+    pub material: Vec<u16>,
+    /// Unit (body). `[element]`
+    pub unit: Vec<u32>,
+    /// Course. `[element]`
+    pub course: Vec<u16>,
+}
+
+/// The quads of the interfaces, one around each contact point, at rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestSurface {
+    /// Positions [mm]. `[corner][xyz]`
+    pub points: Vec<[f64; 3]>,
+    /// Points of the quads. `[point]`
+    pub quads: Vec<[u32; 4]>,
+}
+
+/// An open file of fields. Frames are read when they are asked for.
+#[derive(Debug)]
+pub struct FieldsFile {
+    path: PathBuf,
+    file: hdf5::File,
+    times: Vec<f64>,
+}
+
+impl FieldsFile {
+    /// Opens a file, that of a run that goes on or was killed too.
+    ///
+    /// # Errors
+    /// There is no such file, or it holds no fields of wythe.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        // HDF5 says it in many lines.
+        std::fs::metadata(path)?;
+        let open = || -> hdf5::Result<Self> {
+            let file = hdf5::File::open(path)?;
+            let steps = file.group("VTKHDF/Steps")?;
+            let count: i64 = steps.attr("NSteps")?.read_scalar()?;
+            let mut times: Vec<f64> = steps.dataset("Values")?.read_raw()?;
+            times.truncate(usize::try_from(count).unwrap_or(0));
+            Ok(Self {
+                path: path.to_owned(),
+                file,
+                times,
+            })
+        };
+        open().map_err(|error| into_io(&error))
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Step time of each frame [s].
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Title of the model and version of the program.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn title_and_version(&self) -> io::Result<(String, String)> {
+        let read = |name: &str| -> hdf5::Result<String> {
+            let text: VarLenUnicode = self.file.group("wythe")?.attr(name)?.read_scalar()?;
+            Ok(text.to_string())
+        };
+        let both = || Ok((read("title")?, read("version")?));
+        both().map_err(|error: hdf5::Error| into_io(&error))
+    }
+
+    /// Names of the materials.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn materials(&self) -> io::Result<Vec<String>> {
+        let read = || -> hdf5::Result<Vec<String>> {
+            let names = self.file.group("wythe")?.attr("materials")?;
+            let names = names.read_raw::<VarLenUnicode>()?;
+            Ok(names.iter().map(ToString::to_string).collect())
+        };
+        read().map_err(|error| into_io(&error))
+    }
+
+    /// The solids at rest.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn mesh(&self) -> io::Result<RestMesh> {
+        let read = || -> hdf5::Result<RestMesh> {
+            let root = self.file.group("VTKHDF")?;
+            let label = |name: &str| root.dataset(&format!("CellData/{name}"))?.read_raw::<i64>();
+            Ok(RestMesh {
+                nodes: rows(&root.dataset("Points")?.read_raw()?)?,
+                elements: rows(&whole(&root.dataset("Connectivity")?.read_raw()?)?)?,
+                material: whole(&label("material")?)?,
+                unit: whole(&label("unit")?)?,
+                course: whole(&label("course")?)?,
+            })
+        };
+        read().map_err(|error| into_io(&error))
+    }
+
+    /// The quads of the interfaces at rest; none in a model without.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn surface(&self) -> io::Result<RestSurface> {
+        let read = || -> hdf5::Result<RestSurface> {
+            if !self.file.link_exists(INTERFACES) {
+                return Ok(RestSurface::default());
+            }
+            let root = self.file.group(INTERFACES)?;
+            Ok(RestSurface {
+                points: rows(&root.dataset("Points")?.read_raw()?)?,
+                quads: rows(&whole(&root.dataset("Connectivity")?.read_raw()?)?)?,
+            })
+        };
+        read().map_err(|error| into_io(&error))
+    }
+
+    /// Displacement of the corners of the interfaces' quads at a frame [mm]. `[corner][xyz]`
+    ///
+    /// # Errors
+    /// There is no such frame, or it cannot be read.
+    pub fn surface_displacement(&self, frame: usize) -> io::Result<Vec<[f64; 3]>> {
+        if !self.file.link_exists(INTERFACES) {
+            return Ok(Vec::new());
+        }
+        let name = format!("{INTERFACES}/PointData/displacement");
+        self.step(frame, &name).map_err(|error| into_io(&error))
+    }
+
+    /// Fields of a frame, from 0; without reactions and probes, which the history has.
+    ///
+    /// # Errors
+    /// There is no such frame, or it cannot be read.
+    pub fn frame(&self, frame: usize) -> io::Result<Frame> {
+        self.read(frame).map_err(|error| into_io(&error))
+    }
+
+    fn read(&self, frame: usize) -> hdf5::Result<Frame> {
+        let Some(&time) = self.times.get(frame) else {
+            let message = format!("there is no frame {frame}: there are {}", self.times.len());
+            return Err(message.into());
+        };
+        let cell = |name: &str| format!("VTKHDF/CellData/{name}");
+        let velocity = "VTKHDF/PointData/velocity";
+        Ok(Frame {
+            time,
+            displacement: self.step(frame, "VTKHDF/PointData/displacement")?,
+            velocity: match self.file.dataset(velocity) {
+                Ok(_) => self.step(frame, velocity)?,
+                Err(_) => Vec::new(),
+            },
+            stress: self.step(frame, &cell("stress"))?,
+            plastic_strain: self.step(frame, &cell("plastic_strain"))?,
+            tensile_damage: self.scalars(frame, &cell("tensile_damage"))?,
+            compressive_damage: self.scalars(frame, &cell("compressive_damage"))?,
+            yielded: self
+                .scalars::<u8>(frame, &cell("yielded"))?
+                .iter()
+                .map(|y| *y != 0)
+                .collect(),
+            crack_width: self.scalars(frame, &cell("crack_width"))?,
+            interfaces: self.interfaces(frame)?,
+            ..Frame::default()
+        })
+    }
+
+    fn interfaces(&self, frame: usize) -> hdf5::Result<InterfaceFrame> {
+        if !self.file.link_exists(INTERFACES) {
+            return Ok(InterfaceFrame::default());
+        }
+        let cell = |name: &str| format!("{INTERFACES}/CellData/{name}");
+        let states = self.scalars::<u8>(frame, &cell("state"))?;
+        let state = |&n: &u8| {
+            InterfaceState::from_number(n).ok_or_else(|| format!("{n} is no state").into())
+        };
+        Ok(InterfaceFrame {
+            opening: self.scalars(frame, &cell("opening"))?,
+            slip: self.step(frame, &cell("slip"))?,
+            traction: self.step(frame, &cell("traction"))?,
+            damage: self.scalars(frame, &cell("damage"))?,
+            state: states.iter().map(state).collect::<hdf5::Result<_>>()?,
+        })
+    }
+
+    /// Rows of one frame of a field with one chunk a frame.
+    fn rows_of(&self, field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
+        let all = field.shape().first().copied().unwrap_or(0);
+        // Frames that are written but not yet counted are there too.
+        let tuples = field
+            .chunk()
+            .and_then(|chunk| chunk.first().copied())
+            .unwrap_or(0);
+        let rows = frame * tuples..(frame + 1) * tuples;
+        if all < rows.end && all > 0 {
+            return Err(format!("{} ends within frame {frame}", field.name()).into());
+        }
+        Ok(rows.start.min(all)..rows.end.min(all))
+    }
+
+    fn scalars<T: hdf5::H5Type + Clone>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<T>> {
+        let field = self.file.dataset(name)?;
+        let rows = self.rows_of(&field, frame)?;
+        Ok(field.read_slice_1d::<T, _>(rows)?.to_vec())
+    }
+
+    fn step<const N: usize>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<[f64; N]>> {
+        let field = self.file.dataset(name)?;
+        let rows_of = self.rows_of(&field, frame)?;
+        let values = field.read_slice_2d::<f64, _>((rows_of, ..))?;
+        rows(&values.iter().copied().collect::<Vec<f64>>())
+    }
+}
+
+/// Flat numbers as rows of N.
+fn rows<T: Copy, const N: usize>(flat: &[T]) -> hdf5::Result<Vec<[T; N]>> {
+    let (rows, rest) = flat.as_chunks::<N>();
+    if rest.is_empty() {
+        Ok(rows.to_vec())
+    } else {
+        Err(format!("{} numbers are no rows of {N}", flat.len()).into())
+    }
+}
+
+/// Whole numbers of a smaller kind.
+fn whole<T: TryFrom<i64>>(numbers: &[i64]) -> hdf5::Result<Vec<T>> {
+    let small = |&n: &i64| T::try_from(n).map_err(|_| format!("{n} is out of range").into());
+    numbers.iter().map(small).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{VtkHdfWriter, fake};
+
+    #[test]
+    fn what_is_written_is_read_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.vtkhdf");
+        let model = fake::model();
+        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
+        let frames: Vec<Frame> = [0.5, 1.0, 1.5].map(|t| fake::frame(&model, t)).into();
+        for frame in &frames {
+            writer.append(frame).unwrap();
+        }
+        drop(writer);
+        let file = FieldsFile::open(&path).unwrap();
+        assert_eq!(file.times(), [0.5, 1.0, 1.5]);
+        let mesh = file.mesh().unwrap();
+        assert_eq!(mesh.nodes, model.mesh.nodes);
+        assert_eq!(mesh.elements, model.mesh.elements);
+        assert_eq!(mesh.unit, model.mesh.unit);
+        assert_eq!(file.materials().unwrap(), ["brick", "mortar"]);
+        assert_eq!(file.title_and_version().unwrap().0, model.title);
+        for (i, frame) in frames.iter().enumerate() {
+            let read = file.frame(i).unwrap();
+            assert_eq!(read.displacement, frame.displacement);
+            assert_eq!(read.stress, frame.stress);
+            assert_eq!(read.plastic_strain, frame.plastic_strain);
+            assert_eq!(read.crack_width, frame.crack_width);
+            assert_eq!(read.yielded, frame.yielded);
+            assert_eq!(read.interfaces, frame.interfaces);
+        }
+        let error = file.frame(3).unwrap_err().to_string();
+        assert!(error.contains("no frame 3"), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_file_of_fields_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.vtkhdf");
+        let missing = FieldsFile::open(&path).unwrap_err();
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+        std::fs::write(&path, "no HDF5").unwrap();
+        assert!(FieldsFile::open(&path).is_err());
+    }
+}

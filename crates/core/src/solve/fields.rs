@@ -1,0 +1,119 @@
+//! The fields of a commit, as files show them.
+
+use nalgebra::Vector6;
+
+use super::drive::Run;
+use super::probes::probes;
+use crate::material::{ElasticParameters, MaterialHistory};
+use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::sym6;
+
+impl Run<'_> {
+    /// Fields of the last commit, whose row is `row`.
+    pub(super) fn frame(&self, row: &HistoryRow) -> Frame {
+        let (model, state) = (self.model, &self.state);
+        let (mesh, dofs) = (&model.mesh, &self.system.dofs);
+        let spread = |of: &[f64]| {
+            let mut field = vec![[0.0; 3]; mesh.nodes.len()];
+            dofs.spread(of, &mut field);
+            field
+        };
+        let mut frame = Frame {
+            time: state.time,
+            increment: state.increments,
+            step: row.step,
+            displacement: spread(&state.q),
+            velocity: if model.may_move() {
+                spread(&state.velocity)
+            } else {
+                Vec::new()
+            },
+            interfaces: self.interface_frame(),
+            reactions: self.reactions(row),
+            probes: probes(model, dofs, state),
+            ..Frame::default()
+        };
+        for (e, points) in state.material.chunks_exact(8).enumerate() {
+            let mean = |of: fn(&MaterialHistory) -> Vector6<f64>| {
+                let sum: Vector6<f64> = points.iter().map(of).sum();
+                (sum / 8.0).into()
+            };
+            let most = |of: fn(&MaterialHistory) -> f64| points.iter().map(of).fold(0.0, f64::max);
+            frame.stress.push(mean(|h| h.stress));
+            frame.plastic_strain.push(mean(|h| h.plastic_strain));
+            frame.tensile_damage.push(most(|h| h.tensile_damage));
+            frame
+                .compressive_damage
+                .push(most(|h| h.compressive_damage));
+            frame.yielded.push(points.iter().any(has_yielded));
+            let elastic = model.materials[mesh.material[e] as usize]
+                .parameters
+                .elastic();
+            let cracks = points.iter().map(|h| crack_strain(h, elastic)).sum::<f64>() / 8.0;
+            frame.crack_width.push(mesh.volume(e).cbrt() * cracks);
+        }
+        frame
+    }
+
+    fn interface_frame(&self) -> InterfaceFrame {
+        let mut frame = InterfaceFrame::default();
+        for (p, history) in self.state.interface.iter().enumerate() {
+            let law = self.system.contact.law(self.model, p);
+            frame.opening.push(history.opening);
+            frame.slip.push(history.slip);
+            frame.traction.push(history.traction);
+            frame.damage.push(history.damage);
+            frame.state.push(InterfaceState::of(law, history));
+        }
+        frame
+    }
+
+    /// Forces from outside on the beams, then on the supports, with what gravity and the ground do to
+    /// their own nodes [N].
+    fn reactions(&self, row: &HistoryRow) -> Vec<[f64; 3]> {
+        let (model, state, dofs) = (self.model, &self.state, &self.system.dofs);
+        let step = &model.steps[row.step];
+        let gravity = step.gravity.at(row.load_factor);
+        let ground = step.ground.at(row.load_factor * step.duration);
+        let held = |n: usize, i: usize| {
+            self.trial.node_force[n][i] - self.system.mass.node[n] * (gravity[i] - ground[i])
+        };
+        let beams =
+            (0..model.beams.len()).map(|b| [0, 1, 2].map(|i| state.applied[dofs.beam_slot(b, i)]));
+        let supports = model.supports.iter().map(|support| {
+            [0, 1, 2].map(|i| match support.fixed[i] {
+                true => support.nodes.iter().map(|&n| held(n as usize, i)).sum(),
+                false => 0.0,
+            })
+        });
+        beams.chain(supports).collect()
+    }
+}
+
+fn has_yielded(history: &MaterialHistory) -> bool {
+    history.damage > 0.0 || history.plastic_strain != Vector6::zeros()
+}
+
+/// Largest principal inelastic strain of a point that has cracked: what of its strain an elastic
+/// point under its stress would not have, plastic strain and damage [-] (theory A.4).
+fn crack_strain(history: &MaterialHistory, elastic: &ElasticParameters) -> f64 {
+    let whole = 1.0 - history.viscous_damage;
+    if history.tensile_damage <= 0.0 || whole <= 0.0 {
+        return 0.0;
+    }
+    let stress = &history.stress;
+    let trace = 3.0 * sym6::mean(stress);
+    let strain = Vector6::from_fn(|i, _| {
+        if i < 3 {
+            ((1.0 + elastic.nu) * stress[i] - elastic.nu * trace) / elastic.E
+        } else {
+            stress[i] / elastic.shear_modulus()
+        }
+    });
+    let mut inelastic = history.viscous_strain + history.viscous_damage / whole * strain;
+    // Engineering shear to components of the tensor.
+    for i in 3..6 {
+        inelastic[i] *= 0.5;
+    }
+    sym6::principal_values(&inelastic)[0].max(0.0)
+}
