@@ -34,20 +34,22 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     let interrupt = Interrupt::listen();
-    record(&model, &warnings, &out, &interrupt, |recorder| {
+    let directory = RunDirectory::create(&out, &model)?;
+    directory.keep_deck(&deck)?;
+    record(&model, &warnings, directory, &interrupt, |recorder| {
         solve::run(&model, recorder)
     })
 }
 
-/// Runs `solve` on a new folder at `out`, and says how it ended.
+/// Runs `solve` into the folder of a run, and says how it ended.
 fn record(
     model: &Model,
     warnings: &[String],
-    out: &Path,
+    directory: RunDirectory,
     interrupt: &Interrupt,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
-    let directory = RunDirectory::create(out, model)?;
+    let out = directory.path().to_owned();
     let mut watched = Watched {
         directory,
         terminal: Terminal::new(model),
@@ -58,7 +60,7 @@ fn record(
     let summary = watched.directory.finish(model, &ended?, warnings)?;
     // Those of the model were told at the start.
     let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
-    print(&conclusion(&summary, new_warnings, out))?;
+    print(&conclusion(&summary, new_warnings, &out))?;
     match summary.status {
         Status::Completed => Ok(()),
         Status::Interrupted => Err(Failure::Interrupted),

@@ -90,7 +90,8 @@ fn recorded(
     out: &Path,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
-    record(model, &warnings(), out, &Interrupt::default(), solve)
+    let directory = RunDirectory::create(out, model)?;
+    record(model, &warnings(), directory, &Interrupt::default(), solve)
 }
 
 fn warnings() -> Vec<String> {
@@ -136,7 +137,8 @@ fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
     let (model, (_folder, out)) = (couplet(), folder());
     let interrupt = Interrupt::default();
     interrupt.request();
-    let ended = record(&model, &warnings(), &out, &interrupt, |recorder| {
+    let directory = RunDirectory::create(&out, &model).unwrap();
+    let ended = record(&model, &warnings(), directory, &interrupt, |recorder| {
         solve(&model, recorder, 5, Status::Completed)
     });
     assert_eq!(ended.unwrap_err().exit_code(), 130);

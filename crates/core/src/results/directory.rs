@@ -11,11 +11,13 @@ use super::{
     Curve, Frame, HistoryRow, HistoryWriter, Recorder, Summary, SummaryFile, VtkHdfWriter,
     elevation, plot, usage,
 };
-use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step};
+use crate::model::{Deck, Model};
 
 /// Name of the history in the folder.
 pub const HISTORY: &str = "history.csv";
+/// Name of the deck's copy in the folder.
+pub const DECK: &str = "model.toml";
 /// Name of the fields in the folder.
 pub const FIELDS: &str = "results.vtkhdf";
 /// Name of the summary in the folder.
@@ -95,7 +97,7 @@ impl RunDirectory {
             why,
         })?;
         // The summary goes first: it says that the rest is whole.
-        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN] {
+        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK] {
             let old = path.join(name);
             match std::fs::remove_file(&old) {
                 Err(why) if why.kind() != io::ErrorKind::NotFound => {
@@ -116,6 +118,17 @@ impl RunDirectory {
             last_frame: None,
             started: Instant::now(),
             cpu_at_start: usage::cpu_seconds(),
+        })
+    }
+
+    /// Keeps a copy of the deck, overrides taken in.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn keep_deck(&self, deck: &Deck) -> Result<(), OutputError> {
+        writing(&self.path, DECK, |file| {
+            let text = deck.to_toml().map_err(io::Error::other)?;
+            write_whole(file, text.as_bytes())
         })
     }
 

@@ -8,7 +8,7 @@ use crate::solve::{Method, State};
 use crate::sym6;
 
 /// One row of `history.csv`. Field names are the column names.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
 pub struct HistoryRow {
     /// Increment, from 1 over all steps.
@@ -186,7 +186,7 @@ impl InterfaceState {
 const FAILED: f64 = 0.99;
 
 /// Sizes of a model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Sizes {
     /// Units (bodies).
     pub units: usize,
@@ -201,7 +201,7 @@ pub struct Sizes {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// All steps done.

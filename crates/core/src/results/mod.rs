@@ -3,8 +3,10 @@
 //! ```text
 //! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
 //!                                               ├─▶ results.vtkhdf       a step an output increment
+//!                                               ├─▶ model.toml           the deck, overrides taken in
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
+//! RunFolder reads them back.
 //! ```
 
 pub mod curve;
@@ -13,6 +15,7 @@ pub mod elevation;
 pub mod frame;
 pub mod history;
 pub mod plot;
+pub mod reading;
 pub mod summary;
 pub mod usage;
 pub mod vtkhdf;
@@ -26,5 +29,7 @@ pub use frame::{
     Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
 };
 pub use history::HistoryWriter;
+pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;
+pub use vtkhdf::read::FieldsFile;

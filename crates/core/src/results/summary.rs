@@ -8,7 +8,7 @@ use std::path::Path;
 use super::{Curve, HistoryRow, Status, Summary};
 
 /// The content of `summary.json`. Field names are its keys.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
 pub struct SummaryFile {
     /// How the run ended.
@@ -64,12 +64,12 @@ pub struct SummaryFile {
     /// Where the procedure changed, and why.
     pub log: Vec<String>,
     /// Probes by their columns in the history; absent without any.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
 }
 
 /// What a probe has been through [mm, mm/s].
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ProbeRange {
     /// Lowest value; none before any increment.
     pub lowest: Option<f64>,
@@ -89,7 +89,7 @@ impl ProbeRange {
 }
 
 /// Wall-clock seconds of the phases of a run.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SecondsByPhase {
     /// Strains, stresses, tangents and forces of the elements.
     pub elements: f64,

@@ -81,10 +81,8 @@ impl Run<'_> {
         let beams =
             (0..model.beams.len()).map(|b| [0, 1, 2].map(|i| state.applied[dofs.beam_slot(b, i)]));
         let supports = model.supports.iter().map(|support| {
-            [0, 1, 2].map(|i| match support.fixed[i] {
-                true => support.nodes.iter().map(|&n| held(n as usize, i)).sum(),
-                false => 0.0,
-            })
+            let sum = |i: usize| support.nodes.iter().map(|&n| held(n as usize, i)).sum();
+            [0, 1, 2].map(|i| if support.fixed[i] { sum(i) } else { 0.0 })
         });
         beams.chain(supports).collect()
     }

@@ -3,7 +3,7 @@
 use crate::model::scene::Procedure;
 
 /// What solves an increment: the procedure of its step, or a rung of the ladder.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Newton's method on equilibrium.

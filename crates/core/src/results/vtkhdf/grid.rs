@@ -94,6 +94,9 @@ struct Field {
 impl Grid {
     /// Writes geometry and labels `(name, [cell])` into an empty group, and begins the fields and the
     /// series of one value a step.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn create(
         root: &hdf5::Group,
         geometry: &Geometry,
@@ -175,6 +178,9 @@ impl Grid {
 
     /// Writes step `step`, at most one past the last: values of the columns and of the series, in
     /// their order.
+    ///
+    /// # Errors
+    /// A field has not as many rows as the grid has points or cells, or the file cannot be written.
     pub fn append(
         &mut self,
         step: usize,

@@ -205,7 +205,7 @@ impl FieldsFile {
     }
 
     /// Rows of one frame of a field with one chunk a frame.
-    fn rows_of(&self, field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
+    fn rows_of(field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
         let all = field.shape().first().copied().unwrap_or(0);
         // Frames that are written but not yet counted are there too.
         let tuples = field
@@ -221,13 +221,13 @@ impl FieldsFile {
 
     fn scalars<T: hdf5::H5Type + Clone>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<T>> {
         let field = self.file.dataset(name)?;
-        let rows = self.rows_of(&field, frame)?;
+        let rows = Self::rows_of(&field, frame)?;
         Ok(field.read_slice_1d::<T, _>(rows)?.to_vec())
     }
 
     fn step<const N: usize>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<[f64; N]>> {
         let field = self.file.dataset(name)?;
-        let rows_of = self.rows_of(&field, frame)?;
+        let rows_of = Self::rows_of(&field, frame)?;
         let values = field.read_slice_2d::<f64, _>((rows_of, ..))?;
         rows(&values.iter().copied().collect::<Vec<f64>>())
     }

@@ -1,0 +1,263 @@
+//! Reads the folder of a run back: history, summary, deck, fields.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use miette::Diagnostic;
+
+use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
+use super::history::fixed_columns;
+use super::vtkhdf::read::FieldsFile;
+use super::{Curve, HistoryRow, SummaryFile};
+
+/// Results that cannot be read.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum ReadError {
+    /// No folder of a run.
+    #[error("{}: no results of a run: there is no {HISTORY}", .0.display())]
+    #[diagnostic(help(
+        "name the folder that a run wrote, MODEL.out beside the model unless --out said otherwise"
+    ))]
+    NoRun(PathBuf),
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {why}", path.display())]
+    #[diagnostic(help("check that the file is there and whole, and that you may read it"))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system or HDF5 says.
+        why: io::Error,
+    },
+    /// A file with other content than it should have.
+    #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
+    #[diagnostic(help("the file was changed, or written by another version of wythe"))]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1, where one is to blame.
+        line: Option<u64>,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// `history.csv` as it was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadHistory {
+    /// Rows, an increment each.
+    pub rows: Vec<HistoryRow>,
+    /// Columns of the probes.
+    pub probes: Vec<String>,
+}
+
+impl ReadHistory {
+    /// The load-displacement curve of the driven steps. A step is taken as driven if the displacement
+    /// changes in it.
+    pub fn curve(&self) -> Curve {
+        let mut curve = Curve::default();
+        let moves = |step: usize| {
+            let first = self.rows.iter().position(|r| r.step == step);
+            let start = first
+                .and_then(|i| i.checked_sub(1))
+                .map_or(0.0, |i| self.rows[i].displacement_mm);
+            let of_step = || self.rows.iter().filter(|r| r.step == step);
+            of_step().any(|r| r.displacement_mm != start)
+        };
+        let mut driven = None;
+        for row in &self.rows {
+            let driven = match driven {
+                Some((step, driven)) if step == row.step => driven,
+                _ => {
+                    let moves = moves(row.step);
+                    driven = Some((row.step, moves));
+                    moves
+                }
+            };
+            curve.push(row, driven);
+        }
+        curve
+    }
+}
+
+/// The folder of a run, finished, going on or killed.
+#[derive(Clone, Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Takes a folder that has a history.
+    ///
+    /// # Errors
+    /// [`ReadError::NoRun`].
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        if path.join(HISTORY).is_file() {
+            Ok(Self {
+                path: path.to_owned(),
+            })
+        } else {
+            Err(ReadError::NoRun(path.to_owned()))
+        }
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Every whole row of the history.
+    ///
+    /// # Errors
+    /// The file cannot be read or holds something else.
+    pub fn history(&self) -> Result<ReadHistory, ReadError> {
+        let path = self.path.join(HISTORY);
+        let content = |line: Option<u64>, why: String| ReadError::Content {
+            path: path.clone(),
+            line,
+            why,
+        };
+        let text = std::fs::read_to_string(&path).map_err(|why| ReadError::Read {
+            path: path.clone(),
+            why,
+        })?;
+        // A row that a full disk or a kill cut short has no end.
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut reader = csv::Reader::from_reader(&text.as_bytes()[..whole]);
+        let header = reader
+            .headers()
+            .map_err(|e| content(Some(1), e.to_string()))?;
+        let fixed = fixed_columns();
+        if header.len() < fixed.len() || !header.iter().zip(&fixed).all(|(a, b)| a == b) {
+            return Err(content(
+                Some(1),
+                "the columns are not those of a history".to_owned(),
+            ));
+        }
+        let probes = header.iter().skip(fixed.len()).map(str::to_owned).collect();
+        let header = header
+            .iter()
+            .take(fixed.len())
+            .collect::<csv::StringRecord>();
+        let mut history = ReadHistory {
+            rows: Vec::new(),
+            probes,
+        };
+        for record in reader.records() {
+            let record = record
+                .map_err(|e| content(e.position().map(csv::Position::line), e.to_string()))?;
+            let line = record.position().map(csv::Position::line);
+            let first: csv::StringRecord = record.iter().take(fixed.len()).collect();
+            let mut row: HistoryRow = first
+                .deserialize(Some(&header))
+                .map_err(|e| content(line, e.to_string()))?;
+            for value in record.iter().skip(fixed.len()) {
+                let value = value
+                    .parse()
+                    .map_err(|_| content(line, format!("{value} is no number")))?;
+                row.probes.push(value);
+            }
+            history.rows.push(row);
+        }
+        Ok(history)
+    }
+
+    /// The summary; none if the run goes on, was killed or could not write.
+    ///
+    /// # Errors
+    /// The file cannot be read or holds something else.
+    pub fn summary(&self) -> Result<Option<SummaryFile>, ReadError> {
+        let path = self.path.join(SUMMARY);
+        let Some(text) = read_if_there(&path)? else {
+            return Ok(None);
+        };
+        serde_json::from_str(&text)
+            .map(Some)
+            .map_err(|e| ReadError::Content {
+                path,
+                line: Some(e.line() as u64),
+                why: e.to_string(),
+            })
+    }
+
+    /// The deck that was run, overrides taken in; none of folders that hold no copy.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn deck(&self) -> Result<Option<String>, ReadError> {
+        read_if_there(&self.path.join(DECK))
+    }
+
+    /// The fields, read when they are asked for.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn fields(&self) -> Result<FieldsFile, ReadError> {
+        let path = self.path.join(FIELDS);
+        FieldsFile::open(&path).map_err(|why| ReadError::Read { path, why })
+    }
+}
+
+fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(why) if why.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(why) => Err(ReadError::Read {
+            path: path.to_owned(),
+            why,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{Recorder, RunDirectory, Status, fake};
+
+    #[test]
+    fn a_folder_reads_back_what_was_recorded() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = fake::model();
+        let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+        let rows: Vec<HistoryRow> = [(0, 0.0, 0.0), (1, 1.0, 1.0 / 3.0), (1, 2.0, 20.0)]
+            .into_iter()
+            .enumerate()
+            .map(|(i, (step, d, f))| fake::row(i + 1, step, d, f))
+            .collect();
+        for row in &rows {
+            run.take(&model, row, Some(&fake::frame(&model, row.displacement_mm)))
+                .unwrap();
+        }
+        let open = RunFolder::open(folder.path()).unwrap();
+        assert!(open.summary().unwrap().is_none());
+        let written = run.curve().clone();
+        run.finish(&model, &fake::summary(Status::Completed), &[])
+            .unwrap();
+        let history = open.history().unwrap();
+        assert_eq!(history.rows, rows);
+        assert_eq!(history.curve(), written);
+        assert_eq!(open.summary().unwrap().unwrap().peak_force_kN, Some(20.0));
+        assert_eq!(open.fields().unwrap().times().len(), 3);
+        assert_eq!(open.deck().unwrap(), None);
+    }
+
+    #[test]
+    fn half_a_row_is_left_out_and_what_is_wrong_is_told_with_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(
+            RunFolder::open(folder.path()),
+            Err(ReadError::NoRun(_))
+        ));
+        let model = fake::model();
+        let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+        run.take(&model, &fake::row(1, 1, 1.0, 1.0), None).unwrap();
+        drop(run);
+        let path = folder.path().join(HISTORY);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, format!("{text}2,1,0.5")).unwrap();
+        let open = RunFolder::open(folder.path()).unwrap();
+        assert_eq!(open.history().unwrap().rows.len(), 1);
+        std::fs::write(&path, text.replace("\n1,1,", "\n1,one,")).unwrap();
+        let error = open.history().unwrap_err().to_string();
+        assert!(error.contains("history.csv:2"), "{error}");
+    }
+}
