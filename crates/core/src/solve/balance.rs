@@ -12,7 +12,7 @@ pub const IMBALANCE: f64 = 2e-3;
 /// Largest work that these forces may do along an increment, over the work that it turns over. Where a
 /// crack runs, a few nodes at its tip carry all of what dissipates; a force that is small beside the
 /// mean nodal force holds the crack back there.
-pub const WORK: f64 = 1e-3;
+pub const WORK: f64 = 1.5e-3;
 
 /// Part of the tolerance below which forces are in balance whatever work they do: what has parted goes
 /// far and turns over nothing.

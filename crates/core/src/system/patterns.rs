@@ -233,3 +233,38 @@ impl Contact {
         [0, 1, 2].map(|i| after[i] - before[i])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two points that hang on the same node of a fixed master and miss `m` [MPa] across their face.
+    fn pair(m: [f64; 2], softness: f64) -> Vec<Pressed> {
+        let frame = [Vector3::x(), Vector3::y(), Vector3::z()];
+        m.iter()
+            .enumerate()
+            .map(|(point, m)| Pressed {
+                point,
+                nodes: [0, 1, 2, 3, 4, 5, 6, 7],
+                weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                frame,
+                area: 2.0,
+                elastic: frame[0] * frame[0].transpose(),
+                missing: frame[0] * *m,
+                softness,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn what_no_node_feels_is_settled_whole_and_what_they_feel_is_left() {
+        assert_eq!(
+            settling(&pair([0.3, -0.3], 0.01), 8),
+            [[0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]]
+        );
+        // δt = m Λ/(BᵀA B + Λ)
+        for change in settling(&pair([0.3, 0.3], 0.01), 8) {
+            assert!((change[0] - 0.3 * 0.01 / 1.01).abs() < 1e-12, "{change:?}");
+        }
+    }
+}
