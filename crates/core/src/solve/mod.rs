@@ -1,5 +1,6 @@
 //! From a frozen model to its converged frames.
 
+mod balance;
 mod commit;
 mod course;
 pub mod drive;

@@ -8,6 +8,8 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
+pub use super::balance::IMBALANCE;
+use super::balance::{Balance, NEGLIGIBLE, PATTERNS, WORK, largest, root_mean_square};
 use super::dynamics::Motion;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
@@ -31,7 +33,7 @@ pub struct Newton<'m> {
     pub(super) linear: Option<LinearSolver>,
     values: Vec<f64>,
     pub(super) direction: Vec<f64>,
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
     pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
@@ -231,6 +233,7 @@ impl<'m> Newton<'m> {
 
         let tolerance = self.step.tolerance;
         let mut iteration = 0;
+        let mut patterns = true;
         // A start in balance is no progress where the path says how far to go.
         let mut on_path = attempt.advance == Advance::Load;
         loop {
@@ -244,32 +247,51 @@ impl<'m> Newton<'m> {
             }
             self.evaluate(system, state, trial, setting)?;
             let scale = self.scale(system, state, trial);
-            let (residual, worst) = largest(&self.residual);
-            if !residual.is_finite() {
+            let balance = Balance::new(&self.residual, scale);
+            if !balance.largest.is_finite() {
                 return Err(Refusal::NotFinite);
             }
-            let rms = root_mean_square(&self.residual);
             // Nothing has been solved yet: what a start leaves would add up from increment to increment.
             let part = if solves.count == 0 { START } else { 1.0 };
-            let balanced =
-                residual <= part * tolerance.residual * scale && rms <= part * IMBALANCE * scale;
+            let mut work = 0.0;
+            let mut balanced = balance.holds(part, tolerance.residual);
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
+            if balanced {
+                let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+                let [lost, turned] = self.works(system, state, trial, &way);
+                work = lost.abs() / turned.max(f64::MIN_POSITIVE);
+                balanced =
+                    work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
+                // What nodes do not feel of the tractions, once: what that changes is the next increment's.
+                if balanced && settled && on_path && setting.shifted && patterns {
+                    patterns = false;
+                    let (model, most) = (self.model, PATTERNS * turned);
+                    if timed(&mut self.clock.contact, || {
+                        system.settle_patterns(model, state, trial, &way, most)
+                    }) {
+                        continue;
+                    }
+                }
+            }
             if settled && balanced && on_path {
                 return Ok(Report {
                     iterations: solves.count,
-                    residual: residual / scale,
-                    out_of_balance: residual / scale,
+                    residual: balance.largest,
+                    out_of_balance: balance.largest,
                     extrapolation_error: 0.0,
                     load_factor: self.load_factor,
                 });
             }
             if iteration == tolerance.max_iterations {
-                let (node, _) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
+                let (node, _) = system
+                    .dofs
+                    .node_of(self.equations.slot_of[balance.worst] as usize);
                 return Err(Refusal::Iterations {
-                    residual: residual / scale,
-                    root_mean_square: rms / scale,
+                    residual: balance.largest,
+                    root_mean_square: balance.root_mean_square,
+                    work,
                     node,
                 });
             }
@@ -557,11 +579,6 @@ const SOFTENED: usize = 6;
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
 const OVER_INERTIA: f64 = 3.0;
 
-/// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
-/// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is
-/// steered to leave no more.
-pub const IMBALANCE: f64 = 2e-3;
-
 /// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
 pub(super) fn along(setting: Evaluation) -> Evaluation {
     Evaluation {
@@ -574,11 +591,6 @@ pub(super) fn along(setting: Evaluation) -> Evaluation {
     }
 }
 
-fn root_mean_square(values: &[f64]) -> f64 {
-    let square: f64 = values.iter().map(|v| v * v).sum();
-    (square / values.len().max(1) as f64).sqrt()
-}
-
 /// Part of the tolerance within which a start is equilibrium without a solve.
 const START: f64 = 0.1;
 
@@ -588,17 +600,3 @@ const LEAST_SCALE: f64 = 0.01;
 /// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
 /// measure its residual in.
 const ROUNDINGS: f64 = 1e3;
-
-/// Largest magnitude and its place; not finite if any entry is not.
-fn largest(values: &[f64]) -> (f64, usize) {
-    let mut worst = (0.0, 0);
-    for (i, v) in values.iter().enumerate() {
-        if !v.is_finite() {
-            return (f64::NAN, i);
-        }
-        if v.abs() > worst.0 {
-            worst = (v.abs(), i);
-        }
-    }
-    worst
-}

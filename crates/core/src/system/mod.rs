@@ -9,6 +9,7 @@ pub mod linear;
 mod mass;
 mod numerical;
 pub mod pattern;
+mod patterns;
 mod rounding;
 mod springs;
 
