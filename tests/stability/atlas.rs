@@ -7,11 +7,7 @@ use std::time::Duration;
 use wythe::study::{self, Case, Options, Study, StudyError, Verdict};
 
 /// Cases that the solver does not do yet, and what happens. One that does leaves the list.
-const OPEN: &[(&str, &str)] = &[(
-    "14",
-    "the branch falls within 19 microstrain: paths and small increments do not get along it, and the jump \
-         over it is refused",
-)];
+const OPEN: &[(&str, &str)] = &[];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability/cases")

@@ -186,10 +186,10 @@ impl<'m> Run<'m> {
 
     /// Goes on by the method of the ladder.
     fn adopt(&mut self, course: &mut Course) {
-        let method = course.ladder.method();
+        let rung = course.ladder.rung();
         course
             .newton
-            .adopt(method, &mut self.system, &mut self.state, &mut self.trial);
+            .adopt(rung, &mut self.system, &mut self.state, &mut self.trial);
     }
 
     /// Commits an increment and chooses the next; false if the run should stop.
@@ -253,8 +253,8 @@ impl<'m> Run<'m> {
         }
         (course.cutbacks, course.solves) = (0, 0);
         (course.repeat, course.end_refused) = (true, false);
-        if leg.method == Method::Static {
-            course.jump = None;
+        if leg.method == Method::Static || course.beyond.is_some_and(|load| load <= course.load) {
+            course.beyond = None;
         }
         let moving = self.state.energies.moving();
         if course.ladder.descend(report, moving, added, course.load) {
@@ -296,7 +296,12 @@ impl<'m> Run<'m> {
         };
         let size = leg.increment.size;
         if *refusal == Refusal::Snap {
-            course.jump.get_or_insert(size);
+            course.beyond = Some(leg.increment.end());
+        }
+        if course.ladder.is_last() && course.beyond.take().is_some() {
+            // Not even there: over it in increments as large as may be.
+            course.schedule.resume(course.step.increments.max);
+            return true;
         }
         let mut answer = course.ladder.refused(refusal, size, spent);
         if method.follows_path() && !on_path && course.ladder.is_small(size) {
@@ -334,12 +339,13 @@ impl<'m> Run<'m> {
                     }
                     // Its equations are linear: whatever cut the increment is not their trouble.
                     Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
-                    // No path leads through the snap: it is jumped over, as it was found.
+                    // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
                     Method::Static => {
-                        if let Some(jump) = course.jump {
-                            course.schedule.resume(jump);
-                        }
+                        let beyond = course.beyond.map(|load| load - course.load);
+                        let jump = beyond.unwrap_or(course.step.increments.max);
+                        course.schedule.resume(jump);
                     }
+                    method if method.follows_path() => course.trail.mend(),
                     _ => {}
                 }
                 self.note(course, &why, recorder);

@@ -4,10 +4,13 @@
 //! equilibrium:
 //!
 //! ```text
-//! static ──▶ dissipation (the load must fall before it rises: snap-back)
+//! static ──▶ dissipation (the load must fall before it rises: snap-back; with consistent tangents
+//!            where secant ones do not get along it)
 //!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
 //!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
 //!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
+//!        ──▶ static (over what nothing leads through: where it found equilibrium, or in the largest
+//!            increments)
 //! ```
 //!
 //! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
@@ -45,10 +48,19 @@ pub enum Answer {
     GiveUp,
 }
 
+/// A method and its tangents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rung {
+    /// What solves the increments.
+    pub method: Method,
+    /// With which matrices.
+    pub tangent: Tangent,
+}
+
 /// The methods of a step, the one that is used now, and what it must show before it is left.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    rungs: Vec<Method>,
+    rungs: Vec<Rung>,
     at: usize,
     /// Size of increments below which statics gives up.
     floor: f64,
@@ -72,23 +84,41 @@ impl Ladder {
             .materials
             .iter()
             .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
-        let mut rungs = vec![Method::of(step.procedure)];
+        let own = |method| Rung {
+            method,
+            // Extrapolated solids are linear: their tangent is their secant.
+            tangent: if method == Method::Implex {
+                Tangent::Secant
+            } else {
+                step.tangent
+            },
+        };
+        let mut rungs = vec![own(Method::of(step.procedure))];
         if step.procedure == Procedure::Auto {
-            let path = Method::Dissipation;
+            let path = own(Method::Dissipation);
             if softens {
-                rungs.extend([path, Method::Implex]);
+                rungs.push(path);
+                if step.tangent == Tangent::Secant {
+                    rungs.push(Rung {
+                        tangent: Tangent::Consistent,
+                        ..path
+                    });
+                }
+                rungs.push(own(Method::Implex));
             }
             if step.tangent != Tangent::Direct {
-                rungs.push(Method::Direct);
+                rungs.push(Rung {
+                    method: Method::Direct,
+                    tangent: Tangent::Direct,
+                });
             }
             if !softens {
                 rungs.push(path);
             }
             if all_has_mass {
-                rungs.push(Method::QuasiStatic);
+                rungs.push(own(Method::QuasiStatic));
             }
-            // For want of a better one, in increments as small as the deck allows.
-            rungs.push(Method::Static);
+            rungs.push(own(Method::Static));
         }
         Self {
             rungs,
@@ -111,7 +141,17 @@ impl Ladder {
 
     /// The method of now.
     pub fn method(&self) -> Method {
+        self.rung().method
+    }
+
+    /// The method of now with its tangents.
+    pub fn rung(&self) -> Rung {
         self.rungs[self.at]
+    }
+
+    /// Whether nothing is left to try but what `auto` ends with.
+    pub fn is_last(&self) -> bool {
+        self.at > 0 && self.at + 1 == self.rungs.len()
     }
 
     /// Size of increments below which errors are reported and no longer pursued.
@@ -144,7 +184,7 @@ impl Ladder {
 
     /// Whether a snap should be followed along its path rather than jumped over.
     pub fn prefers_paths(&self) -> bool {
-        self.at == 0 && self.rungs.contains(&Method::Dissipation)
+        self.at == 0 && self.place(Method::Dissipation).is_some()
     }
 
     /// Steps over to the next method, at part `load` of the loads. A free body needs inertia.
@@ -154,25 +194,39 @@ impl Ladder {
         }
         let wanted = match refusal {
             Refusal::Linear { dof: Some(_), .. } => self.inertia(),
-            Refusal::Snap => self.rungs.iter().position(|m| *m == Method::Dissipation),
+            Refusal::Snap => self.place(Method::Dissipation),
             _ => None,
         };
         if self.at == 0 {
             self.snaps = *refusal == Refusal::Snap;
         }
         if self.method() == Method::Dissipation {
+            let again = self
+                .rungs
+                .get(self.at + 1)
+                .is_some_and(|rung| rung.method == Method::Dissipation);
             if self.snaps {
-                // Statics has found what lies beyond: that is taken.
-                self.at = self.rungs.len() - 1;
+                // If no tangent leads along the path: statics has found what lies beyond, that is taken.
+                self.at = if again { self.at + 1 } else { self.rungs.len() - 1 };
                 self.calm = 0;
                 return;
             }
             self.passed_over = 2 << self.lost.min(MOST_LOST);
             self.lost += 1;
         }
-        let mut next = (self.at + 1).min(self.rungs.len() - 1);
-        if self.rungs[next] == Method::Dissipation && wanted.is_none() && self.passed_over > 0 {
+        let last = self.rungs.len() - 1;
+        let mut next = (self.at + 1).min(last);
+        if self.rungs[next].method == Method::Dissipation
+            && wanted.is_none()
+            && self.passed_over > 0
+        {
             self.passed_over -= 1;
+            next += 1;
+        }
+        // A path of consistent tangents is for snaps: elsewhere extrapolation is cheaper.
+        while self.rungs[next].method == Method::Dissipation
+            && self.rungs[next - 1].method == Method::Dissipation
+        {
             next += 1;
         }
         self.at = wanted.map_or(next, |rung| rung.max(next));
@@ -181,7 +235,12 @@ impl Ladder {
 
     /// The rung with inertia.
     fn inertia(&self) -> Option<usize> {
-        self.rungs.iter().position(|m| *m == Method::QuasiStatic)
+        self.place(Method::QuasiStatic)
+    }
+
+    /// The first rung of a method.
+    fn place(&self, method: Method) -> Option<usize> {
+        self.rungs.iter().position(|rung| rung.method == method)
     }
 
     /// Back to the first method if the increment shows that the trouble has passed: `moving`, the kinetic

@@ -11,6 +11,7 @@
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, PATTERNS, WORK, largest, root_mean_square};
 use super::dynamics::Motion;
+use super::ladder::Rung;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
 use super::method::Method;
@@ -29,6 +30,7 @@ pub struct Newton<'m> {
     model: &'m Model,
     pub(super) step: &'m Step,
     method: Method,
+    tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
     values: Vec<f64>,
@@ -69,6 +71,7 @@ impl<'m> Newton<'m> {
             model,
             step,
             method: Method::Static,
+            tangent: step.tangent,
             equations,
             linear: None,
             values: Vec::new(),
@@ -86,21 +89,21 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Goes on by `method`. With inertia the state gets the velocities and accelerations that what is
+    /// Goes on by the method of `rung`. With inertia the state gets the velocities and accelerations that what is
     /// driven has from here on.
     pub fn adopt(
         &mut self,
-        method: Method,
+        rung: Rung,
         system: &mut System,
         state: &mut State,
         trial: &mut Trial,
     ) {
         let before = self.backend();
-        self.method = method;
+        (self.method, self.tangent) = (rung.method, rung.tangent);
         if self.backend() != before {
             self.linear = None;
         }
-        self.motion = Motion::new(self.step, method, system, &self.equations);
+        self.motion = Motion::new(self.step, self.method, system, &self.equations);
         if let Some(motion) = &mut self.motion {
             system.search(trial, &state.q);
             motion.begin(system, state, trial);
@@ -128,25 +131,16 @@ impl<'m> Newton<'m> {
 
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
-        if self.tangent() == Tangent::Secant {
+        if self.tangent == Tangent::Secant {
             Backend::MultifrontalLlt
         } else {
             Backend::MultifrontalLu
         }
     }
 
-    /// The tangents of the step, or those that the method has and no other.
-    fn tangent(&self) -> Tangent {
-        match self.method {
-            Method::Implex => Tangent::Secant,
-            Method::Direct => Tangent::Direct,
-            _ => self.step.tangent,
-        }
-    }
-
     /// Whether the penalty is shifted.
     fn shifted(&self) -> bool {
-        self.tangent() != Tangent::Direct
+        self.tangent != Tangent::Direct
     }
 
     /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
@@ -218,7 +212,7 @@ impl<'m> Newton<'m> {
             // The rate of a state without a last increment is not known: nothing extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
-        } else if self.tangent() == Tangent::Secant {
+        } else if self.tangent == Tangent::Secant {
             Solids::Secant
         } else {
             Solids::Implicit
@@ -324,7 +318,7 @@ impl<'m> Newton<'m> {
         setting: Evaluation,
         solves: &mut Solves,
     ) -> Result<(), Refusal> {
-        trial.start(state);
+        system.start(trial, state);
         self.q.copy_from_slice(&state.q);
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;

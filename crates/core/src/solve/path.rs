@@ -87,8 +87,9 @@ pub struct Trail {
     size: f64,
     /// What it added to the load.
     load: f64,
-    /// Next increment over it.
+    /// Next increment over it, and what it was before it was cut.
     ratio: f64,
+    planned: f64,
     /// Largest movement wanted in one increment [mm].
     most: f64,
     /// Largest increment of the step, as part of it.
@@ -113,6 +114,7 @@ impl Trail {
             size: 0.0,
             load: 0.0,
             ratio: 1.0,
+            planned: 1.0,
             most,
             cuts: 0,
         }
@@ -145,13 +147,15 @@ impl Trail {
             // Nothing is driven: the first increment, by the load, tells what is far.
             self.most = FAR * movement * self.largest / size;
         }
+        let ratio = growth.min(self.most / movement);
         *self = Self {
             method,
             gradient,
             measure,
             size,
             load,
-            ratio: growth.min(self.most / movement),
+            ratio,
+            planned: ratio,
             most: self.most,
             largest: self.largest,
             cuts: 0,
@@ -188,6 +192,11 @@ impl Trail {
                 by,
             }
         }
+    }
+
+    /// The whole way again, for another method.
+    pub fn mend(&mut self) {
+        (self.ratio, self.cuts) = (self.planned, 0);
     }
 
     /// A shorter way; false if it was cut too often.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use wythe_contact::stencil::Anchor;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, PointStatus, Shift,
-    SlavePoint, Surface, corner_points, frame_at, gauss_points, pair_point, to_frame,
+    SlavePoint, Surface, corner_points, extend, frame_at, gauss_points, pair_point, to_frame,
     write_stiffness,
 };
 
@@ -26,6 +26,11 @@ const REACH: f64 = 0.06;
 const REACH_OVER_OPENING: f64 = 2.0;
 /// How far surfaces may move before the candidates are searched anew, over the same edge.
 const SKIN: f64 = 0.03;
+
+/// How far behind a facet a point may come into contact with it, over the half of the same edge: what the
+/// elastic bodies step by. One that is deeper has come from the side, and its penalty would throw bodies
+/// about.
+const BEHIND: f64 = 1e-5;
 
 /// A point whose shear is below this part of its limit is in no danger of chatter, and takes
 /// [`FIRM`] times the numerical stiffness (docs/decisions.md).
@@ -50,6 +55,8 @@ pub struct Contact {
     version: usize,
     radius: f64,
     skin: f64,
+    /// How far behind a facet a point may come into contact with it [mm].
+    behind: f64,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
 }
@@ -119,6 +126,7 @@ impl Contact {
             version: 0,
             radius: surfaces.search_radius.unwrap_or(chosen),
             skin: SKIN * edge,
+            behind: 0.5 * BEHIND * edge,
             searched_at: Vec::new(),
         }
     }
@@ -194,6 +202,7 @@ impl Contact {
             }
         }
         let anchors = trial.anchors.par_chunks_mut(4);
+        let (free, x_start) = (&trial.free, &trial.x_start);
         trial
             .pairs
             .par_chunks_mut(4)
@@ -201,16 +210,21 @@ impl Contact {
             .enumerate()
             .for_each(|(f, (pairs, anchors))| {
                 let points = self.positions(f, x);
-                for ((pair, anchor), point) in pairs.iter_mut().zip(anchors).zip(points) {
+                for (p, ((pair, anchor), point)) in
+                    pairs.iter_mut().zip(anchors).zip(points).enumerate()
+                {
+                    let point = Vector3::from(point);
                     let present = pair.facet.map(|facet| (facet, pair.xi));
-                    let found = pair_point(
-                        &Vector3::from(point),
-                        present,
-                        self.candidates.of(f),
-                        &self.master,
-                        x,
-                        self.radius,
-                    );
+                    let candidates = self.candidates.of(f);
+                    let mut found =
+                        pair_point(&point, present, candidates, &self.master, x, self.radius);
+                    if !x_start.is_empty() && free[4 * f + p] {
+                        found = found.filter(|&(facet, xi)| {
+                            let before = || Vector3::from(self.positions(f, x_start)[p]);
+                            !self.is_behind(&point, facet, xi, x)
+                                || !self.is_behind(&before(), facet, xi, x_start)
+                        });
+                    }
                     *pair = match found {
                         Some((facet, xi)) => PointPair {
                             facet: Some(facet),
@@ -223,6 +237,18 @@ impl Contact {
                     }
                 }
             });
+    }
+
+    /// Whether a point [mm] lies behind a facet, deeper than one that comes through it.
+    fn is_behind(
+        &self,
+        point: &Vector3<f64>,
+        facet: u32,
+        xi: [f64; 2],
+        x: &[[f64; 3]],
+    ) -> bool {
+        let foot = extend(point, &self.master.corners(facet as usize, x), xi);
+        foot.is_some_and(|foot| foot.gap < -self.behind)
     }
 
     /// What the trapezoidal rule makes of points that open or close in the increment that `trial` ends
