@@ -207,7 +207,7 @@ impl<'m> Run<'m> {
         if let Some(motion) = course.newton.motion() {
             motion.end_shock();
         }
-        let dq = self.commit(&course.newton, course.step, size, added);
+        let dq = self.commit(&mut course.newton, course.step, size, added);
         course.load = report.load_factor;
         let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
         match leg.method {

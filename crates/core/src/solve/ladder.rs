@@ -207,7 +207,11 @@ impl Ladder {
                 .is_some_and(|rung| rung.method == Method::Dissipation);
             if self.snaps {
                 // If no tangent leads along the path: statics has found what lies beyond, that is taken.
-                self.at = if again { self.at + 1 } else { self.rungs.len() - 1 };
+                self.at = if again {
+                    self.at + 1
+                } else {
+                    self.rungs.len() - 1
+                };
                 self.calm = 0;
                 return;
             }

@@ -1,6 +1,7 @@
 //! From a frozen model to its converged frames.
 
 mod balance;
+mod closure;
 mod commit;
 mod course;
 pub mod drive;

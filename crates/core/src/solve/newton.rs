@@ -27,7 +27,7 @@ use std::time::Instant;
 
 /// The equations of one step and their solver.
 pub struct Newton<'m> {
-    model: &'m Model,
+    pub(super) model: &'m Model,
     pub(super) step: &'m Step,
     method: Method,
     tangent: Tangent,
@@ -36,6 +36,8 @@ pub struct Newton<'m> {
     values: Vec<f64>,
     pub(super) direction: Vec<f64>,
     pub(super) residual: Vec<f64>,
+    /// What the last commit left out of balance [N].
+    pub(super) left: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
     pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
@@ -77,6 +79,7 @@ impl<'m> Newton<'m> {
             values: Vec::new(),
             direction: vec![0.0; n],
             residual: vec![0.0; n],
+            left: vec![0.0; n],
             by_load: Vec::new(),
             load_factor: 0.0,
             q: state.q.clone(),
@@ -91,13 +94,7 @@ impl<'m> Newton<'m> {
 
     /// Goes on by the method of `rung`. With inertia the state gets the velocities and accelerations that what is
     /// driven has from here on.
-    pub fn adopt(
-        &mut self,
-        rung: Rung,
-        system: &mut System,
-        state: &mut State,
-        trial: &mut Trial,
-    ) {
+    pub fn adopt(&mut self, rung: Rung, system: &mut System, state: &mut State, trial: &mut Trial) {
         let before = self.backend();
         (self.method, self.tangent) = (rung.method, rung.tangent);
         if self.backend() != before {
@@ -108,6 +105,11 @@ impl<'m> Newton<'m> {
             system.search(trial, &state.q);
             motion.begin(system, state, trial);
         }
+    }
+
+    /// What solves the increments now.
+    pub(super) fn method(&self) -> Method {
+        self.method
     }
 
     /// Unknowns of this step.
@@ -334,7 +336,7 @@ impl<'m> Newton<'m> {
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         if let (Some(last), true) = (last, setting.shifted) {
-            let ratio = setting.dt / last.dt;
+            let ratio = self.momentum(&state.energies) * setting.dt / last.dt;
             system.extrapolate_tractions(self.model, state, trial, ratio);
         }
         // What moves goes on: a tangent would see it stick where it was.

@@ -240,13 +240,7 @@ impl Contact {
     }
 
     /// Whether a point [mm] lies behind a facet, deeper than one that comes through it.
-    fn is_behind(
-        &self,
-        point: &Vector3<f64>,
-        facet: u32,
-        xi: [f64; 2],
-        x: &[[f64; 3]],
-    ) -> bool {
+    fn is_behind(&self, point: &Vector3<f64>, facet: u32, xi: [f64; 2], x: &[[f64; 3]]) -> bool {
         let foot = extend(point, &self.master.corners(facet as usize, x), xi);
         foot.is_some_and(|foot| foot.gap < -self.behind)
     }
