@@ -18,9 +18,13 @@ pub const WORK: f64 = 1.5e-3;
 /// far and turns over nothing.
 pub(super) const NEGLIGIBLE: f64 = 1e-2;
 
-/// Largest change of the work of sliding points, over the same, that may be left to patterns of
-/// tractions which the nodes hardly feel.
-pub(super) const PATTERNS: f64 = 5e-3;
+/// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
+/// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.
+const LEAST_SCALE: f64 = 0.01;
+
+/// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
+/// measure its residual in.
+const ROUNDINGS: f64 = 1e3;
 
 /// What is out of balance.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +55,19 @@ impl Balance {
 }
 
 impl Newton<'_> {
+    /// Force that residuals are measured in: the mean nodal force (theory F), or that of loads and
+    /// inertia where it is larger, or what rounding leaves where nothing is loaded [N].
+    pub(super) fn scale(&self, system: &System, state: &State, trial: &Trial) -> f64 {
+        let moving = self.motion.as_ref();
+        trial
+            .mean_nodal_force
+            .max(LEAST_SCALE * state.largest_mean_force)
+            .max(self.loads.mean)
+            .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
+            .max(ROUNDINGS * system.rounding_force)
+            .max(f64::MIN_POSITIVE)
+    }
+
     /// Work that the out-of-balance forces do along the increment, and the work that it turns over
     /// [N mm]. `way`: displacements of the increment [mm] `[slot]`
     pub(super) fn works(

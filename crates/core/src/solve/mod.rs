@@ -8,6 +8,7 @@ pub mod drive;
 mod dynamics;
 mod explain;
 mod follow;
+mod hidden;
 mod ladder;
 mod line_search;
 mod loads;

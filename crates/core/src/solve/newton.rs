@@ -9,8 +9,9 @@
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
 pub use super::balance::IMBALANCE;
-use super::balance::{Balance, NEGLIGIBLE, PATTERNS, WORK, largest, root_mean_square};
+use super::balance::{Balance, NEGLIGIBLE, WORK, largest, root_mean_square};
 use super::dynamics::Motion;
+use super::hidden::Pause;
 use super::ladder::Rung;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
@@ -23,6 +24,7 @@ use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step, Tangent};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
 use crate::system::{Equations, Evaluation, Solids, System, Trial};
+use std::ops::Range;
 use std::time::Instant;
 
 /// The equations of one step and their solver.
@@ -51,7 +53,9 @@ pub struct Newton<'m> {
     /// Loads at its start.
     loads_start: Loads,
     /// Inertia, if it acts.
-    motion: Option<Motion>,
+    pub(super) motion: Option<Motion>,
+    /// When patterns of tractions are settled.
+    pub(super) pause: Pause,
     /// Wall time by phase.
     pub clock: Clock,
 }
@@ -88,6 +92,7 @@ impl<'m> Newton<'m> {
             loads_start: loads.clone(),
             loads,
             motion: None,
+            pause: Pause::default(),
             clock: Clock::default(),
         }
     }
@@ -219,19 +224,40 @@ impl<'m> Newton<'m> {
         } else {
             Solids::Implicit
         };
-        let mut setting = Evaluation {
+        let setting = Evaluation {
             dt,
             solids,
             shifted: self.shifted(),
             tangent: true,
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
+        let most = self.step.tolerance.max_iterations;
+        let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
+        if !setting.shifted || self.method == Method::Implex {
+            return Ok(report);
+        }
+        self.settle(system, state, trial, attempt, solves, setting, report)
+    }
 
-        let tolerance = self.step.tolerance;
-        let mut iteration = 0;
-        let mut patterns = true;
+    /// Iterates until the increment is in balance; `iterations` were done and are allowed.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
+    pub(super) fn equilibrate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+        mut setting: Evaluation,
+        iterations: Range<usize>,
+    ) -> Result<Report, Refusal> {
+        let (solids, tolerance) = (setting.solids, self.step.tolerance);
+        let mut iteration = iterations.start;
         // A start in balance is no progress where the path says how far to go.
-        let mut on_path = attempt.advance == Advance::Load;
+        let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             if solids == Solids::Secant && attempt.repeat {
@@ -260,16 +286,6 @@ impl<'m> Newton<'m> {
                 work = lost.abs() / turned.max(f64::MIN_POSITIVE);
                 balanced =
                     work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
-                // What nodes do not feel of the tractions, once: what that changes is the next increment's.
-                if balanced && settled && on_path && setting.shifted && patterns {
-                    patterns = false;
-                    let (model, most) = (self.model, PATTERNS * turned);
-                    if timed(&mut self.clock.contact, || {
-                        system.settle_patterns(model, state, trial, &way, most)
-                    }) {
-                        continue;
-                    }
-                }
             }
             if settled && balanced && on_path {
                 return Ok(Report {
@@ -280,7 +296,7 @@ impl<'m> Newton<'m> {
                     load_factor: self.load_factor,
                 });
             }
-            if iteration == tolerance.max_iterations {
+            if iteration >= iterations.end {
                 let (node, _) = system
                     .dofs
                     .node_of(self.equations.slot_of[balance.worst] as usize);
@@ -523,19 +539,6 @@ impl<'m> Newton<'m> {
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
 
-    /// Force that residuals are measured in: the mean nodal force (theory F), or that of loads and
-    /// inertia where it is larger, or what rounding leaves where nothing is loaded [N].
-    fn scale(&self, system: &System, state: &State, trial: &Trial) -> f64 {
-        let moving = self.motion.as_ref();
-        trial
-            .mean_nodal_force
-            .max(LEAST_SCALE * state.largest_mean_force)
-            .max(self.loads.mean)
-            .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
-            .max(ROUNDINGS * system.rounding_force)
-            .max(f64::MIN_POSITIVE)
-    }
-
     /// Work from outside and the energies of motion of the increment that `trial` ends, by the
     /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
     /// `dq` are the displacements of the increment [mm]. `[slot]`
@@ -589,10 +592,3 @@ pub(super) fn along(setting: Evaluation) -> Evaluation {
 
 /// Part of the tolerance within which a start is equilibrium without a solve.
 const START: f64 = 0.1;
-
-/// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
-/// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.
-const LEAST_SCALE: f64 = 0.01;
-/// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
-/// measure its residual in.
-const ROUNDINGS: f64 = 1e3;

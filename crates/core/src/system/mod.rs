@@ -126,6 +126,15 @@ impl Trial {
         self.swing.resize(self.traction.len(), 0.0);
     }
 
+    /// The tractions of this iterate become those of the last, but those of some points others.
+    pub fn take_tractions(&mut self, others: Vec<(usize, [f64; 3])>) {
+        self.keep_tractions();
+        for (point, traction) in others {
+            self.traction[point] = traction;
+        }
+        self.bound_by_traction();
+    }
+
     /// The tractions of this iterate become those of the last. Where pressure and friction swing
     /// against one another, the bound moves by half the change only: the fixed point is the same. Where
     /// no point changed what it does, the numerical stiffness doubles: nothing chatters, and a stiffer

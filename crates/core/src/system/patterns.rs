@@ -16,7 +16,7 @@
 //! nodes do not feel (BᵀA m = 0) changes by all of m, what they feel by no more than in an iterate.
 
 use nalgebra::{Matrix3, Vector3};
-use wythe_contact::{PointStatus, Shift};
+use wythe_contact::{InterfaceLaw, PointStatus, Shift};
 
 use super::contact::{Contact, total_gap};
 use super::{System, Trial};
@@ -24,9 +24,14 @@ use crate::model::Model;
 use crate::solve::State;
 
 /// Most steps of conjugate gradients: BᵀA B is a mass matrix, each step halves what is left.
-const STEPS: usize = 20;
-/// Accepted fall of their residual.
-const FALL: f64 = 1e-3;
+const STEPS: usize = 60;
+/// Accepted fall of their residual over the least k'/k: what nodes feel is in m k/k' times as large as in
+/// the tractions.
+const FALL: f64 = 0.3;
+
+/// Least k'/k: where the penalty is stiffer its patterns exceed the strengths, and no iteration finds a
+/// balance with them.
+const SOFTEST: f64 = 1e-3;
 
 /// A point that presses.
 struct Pressed {
@@ -54,20 +59,19 @@ impl Pressed {
 }
 
 impl System {
-    /// Takes over the tractions of this iterate and settles the patterns in them, where that would
-    /// change the work of sliding points by more than `most` [N mm] over the way `dq` of the increment
-    /// [mm] `[slot]`; else nothing is done, and false returned.
-    pub fn settle_patterns(
+    /// Tractions of points with their patterns settled [MPa], where that would change the work of sliding
+    /// points by more than `most` [N mm] over the way `dq` of the increment [mm] `[slot]`; else none.
+    pub fn settled_tractions(
         &self,
         model: &Model,
         state: &State,
-        trial: &mut Trial,
+        trial: &Trial,
         dq: &[f64],
         most: f64,
-    ) -> bool {
+    ) -> Option<Vec<(usize, [f64; 3])>> {
         let dissipated: f64 = trial.point_energy.iter().map(|e| e[1]).sum();
         if dissipated.is_nan() || dissipated <= most {
-            return false;
+            return None;
         }
         let mut way = vec![[0.0; 3]; trial.x.len()];
         self.dofs.spread(dq, &mut way);
@@ -76,24 +80,21 @@ impl System {
         let mut work = 0.0;
         let mut changes = Vec::with_capacity(points.len());
         for (pressed, change) in points.iter().zip(settling(&points, way.len())) {
-            let by = self.contact.change_of(model, state, trial, pressed, change);
+            // Beyond its bounds a traction would be read as an opening of the joint.
+            let history = &trial.interface[pressed.point];
+            let law = self.contact.law(model, pressed.point);
+            let settled = [0, 1, 2].map(|i| history.traction[i] + change[i]);
+            let settled = law.within_bounds(settled, history);
+            let by = self
+                .contact
+                .change_of(model, state, trial, pressed, settled);
             let moved = pressed.relative(&way);
             for (by, axis) in by.iter().zip(&pressed.frame) {
                 work += pressed.area * by * axis.dot(&moved);
             }
-            changes.push((pressed.point, change));
+            changes.push((pressed.point, settled));
         }
-        if work.is_nan() || work.abs() <= most {
-            return false;
-        }
-        trial.keep_tractions();
-        for (point, change) in changes {
-            for (t, dt) in trial.traction[point].iter_mut().zip(change) {
-                *t += dt;
-            }
-        }
-        trial.bound_by_traction();
-        true
+        (work.abs() > most).then_some(changes)
     }
 }
 
@@ -120,7 +121,10 @@ fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
     let mut z = scaled(&r);
     let mut direction = z.clone();
     let mut size = dot(&r, &z);
-    let enough = FALL * FALL * size;
+    let softest = points
+        .iter()
+        .fold(1.0_f64, |least, p| least.min(p.softness));
+    let enough = (FALL * softest).powi(2) * size;
     for _ in 0..STEPS {
         if size.is_nan() || size <= enough {
             break;
@@ -162,7 +166,11 @@ impl Contact {
             if !status.contains(&PointStatus::Slip) {
                 continue;
             }
-            let law = &model.contact.laws[self.law_of[f] as usize];
+            let law = self.law(model, 4 * f);
+            let softness = (self.numerical[f][0] / law.normal_stiffness).min(1.0);
+            if softness < SOFTEST {
+                continue;
+            }
             let slave = self.slave.corners(f, &trial.x);
             for (p, status) in status.iter().enumerate() {
                 let point = 4 * f + p;
@@ -192,25 +200,30 @@ impl Contact {
                     area: self.points[point].area,
                     elastic,
                     missing,
-                    softness: (self.numerical[f][0] / law.normal_stiffness).min(1.0),
+                    softness,
                 });
             }
         }
         found
     }
 
-    /// Change of the shifted law's traction at a point when that of the last iterate is the present one
-    /// and `change` [MPa].
+    /// The law of a point.
+    fn law<'m>(&self, model: &'m Model, point: usize) -> &'m InterfaceLaw {
+        &model.contact.laws[self.law_of[point / 4] as usize]
+    }
+
+    /// Change of the shifted law's traction at a point when that of the last iterate is `settled` and not
+    /// the present one [MPa].
     fn change_of(
         &self,
         model: &Model,
         state: &State,
         trial: &Trial,
         pressed: &Pressed,
-        change: [f64; 3],
+        settled: [f64; 3],
     ) -> [f64; 3] {
         let (at, f) = (pressed.point, pressed.point / 4);
-        let law = &model.contact.laws[self.law_of[f] as usize];
+        let law = self.law(model, at);
         let slave = self.slave.corners(f, &trial.x);
         let (anchor, pair) = (trial.anchors[at], trial.pairs[at]);
         let Some((_, kin)) = self.see(at, &slave, anchor, pair, &trial.x) else {
@@ -228,7 +241,7 @@ impl Contact {
             law.update_shifted(total_gap(&kin, &old), &old, &shift)
                 .traction
         };
-        let after = respond([0, 1, 2].map(|i| present[i] + change[i]));
+        let after = respond(settled);
         let before = respond(present);
         [0, 1, 2].map(|i| after[i] - before[i])
     }
