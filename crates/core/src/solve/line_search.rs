@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_softening_direction_is_lengthened() {
         let (eta, count) = search(|eta| 0.2 * eta - 1.0);
-        assert!((eta - 5.0).abs() < 1.0, "{eta}"); // a fifth of the slope
+        assert!((4.0..=6.0).contains(&eta), "{eta}"); // to a fifth of the slope
         assert!(count <= 3, "{count}");
         // It never rises: a bounded step.
         assert_eq!(search(|_| -1.0).0, FARTHEST);
