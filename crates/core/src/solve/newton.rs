@@ -280,7 +280,8 @@ impl<'m> Newton<'m> {
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
-            if balanced {
+            // Along a path the dissipation is given: nothing lags behind a load.
+            if balanced && attempt.advance == Advance::Load {
                 let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
                 let [lost, turned] = self.works(system, state, trial, &way);
                 work = lost.abs() / turned.max(f64::MIN_POSITIVE);
