@@ -24,7 +24,7 @@ const LEAST_SCALE: f64 = 0.01;
 
 /// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
 /// measure its residual in.
-const ROUNDINGS: f64 = 1e3;
+pub(super) const ROUNDINGS: f64 = 1e3;
 
 /// What is out of balance.
 #[derive(Clone, Copy, Debug)]

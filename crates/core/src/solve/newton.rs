@@ -9,7 +9,7 @@
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
 pub use super::balance::IMBALANCE;
-use super::balance::{Balance, NEGLIGIBLE, WORK, largest, root_mean_square};
+use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
 use super::dynamics::Motion;
 use super::hidden::Pause;
 use super::ladder::Rung;
@@ -280,8 +280,9 @@ impl<'m> Newton<'m> {
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
-            // Along a path the dissipation is given: nothing lags behind a load.
-            if balanced && attempt.advance == Advance::Load {
+            // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
+            let loaded = scale > ROUNDINGS * system.rounding_force;
+            if balanced && loaded && attempt.advance == Advance::Load {
                 let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
                 let [lost, turned] = self.works(system, state, trial, &way);
                 work = lost.abs() / turned.max(f64::MIN_POSITIVE);
