@@ -295,7 +295,7 @@ impl<'m> Run<'m> {
             false
         };
         let size = leg.increment.size;
-        if *refusal == Refusal::Snap {
+        if *refusal == Refusal::Snap && !on_path {
             course.beyond = Some(leg.increment.end());
         }
         if course.ladder.is_last() && course.beyond.take().is_some() {
@@ -340,7 +340,7 @@ impl<'m> Run<'m> {
                     // Its equations are linear: whatever cut the increment is not their trouble.
                     Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
                     // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
-                    Method::Static => {
+                    Method::Static if course.ladder.is_last() => {
                         let beyond = course.beyond.map(|load| load - course.load);
                         let jump = beyond.unwrap_or(course.step.increments.max);
                         course.schedule.resume(jump);
@@ -428,6 +428,11 @@ impl<'m> Run<'m> {
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
     /// and the path there can be followed instead: much of the elastic energy is gone.
     fn is_snap(&self, course: &Course, leg: Leg) -> bool {
+        if leg.method == Method::Dissipation {
+            let (q, last) = (course.newton.q(), &self.state.q);
+            let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
+            return course.trail.is_left_by(&dq);
+        }
         if leg.method != Method::Static || !course.ladder.prefers_paths() {
             return false;
         }

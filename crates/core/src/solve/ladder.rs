@@ -4,7 +4,8 @@
 //! equilibrium:
 //!
 //! ```text
-//! static ──▶ dissipation (the load must fall before it rises: snap-back; with consistent tangents
+//! static ──▶ static with consistent tangents (secant ones settle too slowly for any increment)
+//!        ──▶ dissipation (the load must fall before it rises: snap-back; with consistent tangents
 //!            where secant ones do not get along it)
 //!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
 //!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
@@ -34,6 +35,10 @@ pub const QUIET: f64 = 1e-3;
 const PATIENCE: usize = 3;
 /// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
 const MOST_LOST: u32 = 6;
+/// Refusals in a row after which secant tangents, not the size of the increment, are to blame.
+const STALLS: usize = 2;
+/// Solves of an increment with consistent tangents within which secant ones may be tried again.
+const EASY: usize = 2;
 /// Increments in which the load must rise before statics takes over from a path; doubled each time.
 const RISING: usize = 2;
 
@@ -73,8 +78,11 @@ pub struct Ladder {
     /// How often paths led nowhere, and how many troubles yet pass without one being tried.
     lost: u32,
     passed_over: usize,
-    /// Whether the first method was left for a snap.
+    /// Whether statics was left for a snap.
     snaps: bool,
+    /// How many rungs are statics, and refusals in a row on the first.
+    statics: usize,
+    stalls: usize,
 }
 
 impl Ladder {
@@ -97,6 +105,12 @@ impl Ladder {
         if step.procedure == Procedure::Auto {
             let path = own(Method::Dissipation);
             if softens {
+                if step.tangent == Tangent::Secant {
+                    rungs.push(Rung {
+                        method: Method::Static,
+                        tangent: Tangent::Consistent,
+                    });
+                }
                 rungs.push(path);
                 if step.tangent == Tangent::Secant {
                     rungs.push(Rung {
@@ -120,7 +134,10 @@ impl Ladder {
             }
             rungs.push(own(Method::Static));
         }
+        let statics = rungs.iter().take_while(|r| r.method == Method::Static);
         Self {
+            statics: statics.count(),
+            stalls: 0,
             rungs,
             at: 0,
             floor: FLOOR * step.increments.initial,
@@ -161,11 +178,15 @@ impl Ladder {
 
     /// What follows from the refusal of an increment of this size; `spent` if its path cannot be cut
     /// further.
-    pub fn refused(&self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
+    pub fn refused(&mut self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
         let higher = self.at + 1 < self.rungs.len();
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
+            Method::Static if self.at + 1 < self.statics => {
+                self.stalls += 1;
+                self.stalls >= STALLS || self.is_small(size) || free
+            }
             Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
@@ -184,22 +205,22 @@ impl Ladder {
 
     /// Whether a snap should be followed along its path rather than jumped over.
     pub fn prefers_paths(&self) -> bool {
-        self.at == 0 && self.place(Method::Dissipation).is_some()
+        self.at < self.statics && self.place(Method::Dissipation).is_some()
     }
 
     /// Steps over to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn climb(&mut self, refusal: &Refusal, load: f64) {
-        if self.at == 0 {
+        self.stalls = 0;
+        if self.at < self.statics {
             self.left_at = load;
+            self.snaps = *refusal == Refusal::Snap;
         }
         let wanted = match refusal {
             Refusal::Linear { dof: Some(_), .. } => self.inertia(),
-            Refusal::Snap => self.place(Method::Dissipation),
+            // Where secant tangents stalled before, they do along the path.
+            Refusal::Snap => self.place(Method::Dissipation).map(|path| path + usize::from(self.at > 0)),
             _ => None,
         };
-        if self.at == 0 {
-            self.snaps = *refusal == Refusal::Snap;
-        }
         if self.method() == Method::Dissipation {
             let again = self
                 .rungs
@@ -250,6 +271,7 @@ impl Ladder {
     /// Back to the first method if the increment shows that the trouble has passed: `moving`, the kinetic
     /// energy over what the bodies have taken, and what the increment added to the load, which is now `load`.
     pub fn descend(&mut self, report: Report, moving: f64, added: f64, load: f64) -> bool {
+        self.stalls = 0;
         if self.at == 0 {
             return false;
         }
@@ -257,7 +279,7 @@ impl Ladder {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
             Method::QuasiStatic => (moving < QUIET, self.patience),
             Method::Direct => (true, self.patience),
-            Method::Static => (true, RISING),
+            Method::Static => (report.iterations <= EASY, self.patience),
             _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
         self.calm = if passed { self.calm + 1 } else { 0 };
@@ -265,7 +287,7 @@ impl Ladder {
             return false;
         }
         match self.method() {
-            Method::QuasiStatic | Method::Direct => self.patience *= 2,
+            Method::QuasiStatic | Method::Direct | Method::Static => self.patience *= 2,
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }

@@ -99,6 +99,8 @@ pub struct Trail {
 
 /// How far an increment may lead beside one of the largest size when the step began to move.
 const FAR: f64 = 10.0;
+/// The same, of the largest movement wanted, beyond which it has jumped.
+const LEAP: f64 = 2.0;
 /// Cuts after which a path is given up.
 const CUTS: usize = 6;
 
@@ -161,6 +163,12 @@ impl Trail {
             cuts: 0,
         };
         true
+    }
+
+    /// Whether a way of dissipation has left the path: it has come to an equilibrium far from the last
+    /// one, over what lies between.
+    pub fn is_left_by(&self, dq: &[f64]) -> bool {
+        self.method == Method::Dissipation && dq.iter().any(|u| u.abs() > LEAP * self.most)
     }
 
     /// Whether the next increment of `method` can be measured.
