@@ -129,6 +129,57 @@ fn a_block_brakes() {
     }
 }
 
+#[test]
+fn a_block_that_comes_from_the_side_is_not_caught_below_the_surface() {
+    // Only the faces are told to meet, top and bottom. The bottom is a millimetre below the top when its
+    // corners pass the edge: a penalty of 200 GPa/mm would throw the block off.
+    let mut model = scene::empty();
+    let solid = scene::heavy(1e4, 0.2, DENSITY);
+    let table = scene::block(
+        &mut model,
+        [0.0, -20.0, -50.0],
+        [200.0, 100.0, 50.0],
+        [2, 1, 1],
+        &solid,
+    );
+    let slider = scene::block(
+        &mut model,
+        [201.0, 0.0, -1.0],
+        [100.0, 60.0, 50.0],
+        [4, 2, 2],
+        &solid,
+    );
+    scene::hold(&mut model, table.nodes(), [true; 3]);
+    scene::master(&mut model, &table, Face::Top);
+    let k = 500.0 * 1e4 / 25.0;
+    scene::slave(
+        &mut model,
+        &slider,
+        Face::Bottom,
+        InterfaceLaw::dry(MU, k, k / 2.4),
+    );
+    let v0 = -1000.0;
+    model.initial_velocity = vec![[0.0; 3]; model.mesh.nodes.len()];
+    for n in slider.nodes() {
+        model.initial_velocity[n as usize][0] = v0;
+    }
+    model.steps = vec![scene::set_free(
+        Gravity::Constant([0.0; 3]),
+        0.05,
+        50,
+        1e-3,
+        -0.05,
+    )];
+    let recording = completed(&model);
+    for [t, u, v] in way(&model, &recording, &slider) {
+        // Nothing acts on it: rounding, and the tolerance of nothing.
+        assert!(
+            (u - v0 * t).abs() < 1e-6 * 50.0 && (v / v0 - 1.0).abs() < 1e-6,
+            "{u} {v}"
+        );
+    }
+}
+
 /// The block of the reference, 0.2 × 1.0 m, turned by θ about its lower right edge.
 fn tilted(theta: f64, points: ContactPoints) -> (Model, Block) {
     let mut model = scene::empty();

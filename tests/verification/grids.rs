@@ -107,12 +107,15 @@ fn bad_files_name_the_line_and_the_fix() {
             "flat or folded",
         ),
     ] {
+        let before = format!("{HEAD}{SCENE}");
+        let before = before.split("nodes = \"body.csv\"").next().unwrap();
+        let of_deck = before.matches('\n').count() + 1;
         let error = build(SCENE, &nodes).map_or_else(|e| e, |_| panic!("accepted: {nodes}"));
         let wythe::error::DeckError::Model(error) = error else {
             panic!("{error}");
         };
         assert_eq!(error.key(), "blocks.1.nodes");
-        assert_eq!(error.line(), Some(24));
+        assert_eq!(error.line(), Some(of_deck));
         let text = error.message();
         assert!(text.contains("body.csv") && text.contains(line), "{text}");
         assert!(text.contains(message), "{text}");

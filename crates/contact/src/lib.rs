@@ -20,7 +20,7 @@ pub use aabb::Aabb;
 pub use bvh::Bvh;
 pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
 pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
-pub use projection::{Projection, project};
+pub use projection::{Projection, extend, project};
 pub use shifted::Shift;
 pub use stencil::{
     Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, write_stiffness,

@@ -117,6 +117,11 @@ impl Kinematics {
         })
     }
 
+    /// Weights of the relative displacement. `[slave corners, master corners]`
+    pub fn weights(&self) -> &[f64; 8] {
+        &self.weights
+    }
+
     /// Traction vector σ n + τ_α t_α [MPa].
     fn vector(&self, traction: &[f64; 3]) -> Vector3<f64> {
         self.frame[0] * traction[0] + self.frame[1] * traction[1] + self.frame[2] * traction[2]

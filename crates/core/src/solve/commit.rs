@@ -17,7 +17,7 @@ impl Run<'_> {
     /// Returns its way [mm]. `[slot]`
     pub(super) fn commit(
         &mut self,
-        newton: &Newton,
+        newton: &mut Newton,
         step: &Step,
         size: f64,
         load: f64,
@@ -35,6 +35,7 @@ impl Run<'_> {
             .zip(&state.interface)
             .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
             .collect();
+        newton.note_leak(&self.system, state, trial);
         newton.account(&self.system, state, trial, &dq);
         let energies = &mut state.energies;
         energies.elastic = self.system.elastic_energy(trial, &state.spring_forces);

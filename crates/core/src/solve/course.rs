@@ -27,8 +27,8 @@ pub(super) struct Course<'m> {
     pub(super) repeat: bool,
     /// The end of the step was tried from here and refused: the path goes on.
     pub(super) end_refused: bool,
-    /// Size of an increment that found equilibrium beyond a snap.
-    pub(super) jump: Option<f64>,
+    /// Part of the loads at which an increment found equilibrium beyond a snap.
+    pub(super) beyond: Option<f64>,
 }
 
 /// A displacement c·q that steers the load.
@@ -84,7 +84,7 @@ impl<'m> Course<'m> {
             cutbacks: 0,
             repeat: true,
             end_refused: false,
-            jump: None,
+            beyond: None,
         }
     }
 

@@ -186,10 +186,10 @@ impl<'m> Run<'m> {
 
     /// Goes on by the method of the ladder.
     fn adopt(&mut self, course: &mut Course) {
-        let method = course.ladder.method();
+        let rung = course.ladder.rung();
         course
             .newton
-            .adopt(method, &mut self.system, &mut self.state, &mut self.trial);
+            .adopt(rung, &mut self.system, &mut self.state, &mut self.trial);
     }
 
     /// Commits an increment and chooses the next; false if the run should stop.
@@ -207,7 +207,7 @@ impl<'m> Run<'m> {
         if let Some(motion) = course.newton.motion() {
             motion.end_shock();
         }
-        let dq = self.commit(&course.newton, course.step, size, added);
+        let dq = self.commit(&mut course.newton, course.step, size, added);
         course.load = report.load_factor;
         let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
         match leg.method {
@@ -253,8 +253,8 @@ impl<'m> Run<'m> {
         }
         (course.cutbacks, course.solves) = (0, 0);
         (course.repeat, course.end_refused) = (true, false);
-        if leg.method == Method::Static {
-            course.jump = None;
+        if leg.method == Method::Static || course.beyond.is_some_and(|load| load <= course.load) {
+            course.beyond = None;
         }
         let moving = self.state.energies.moving();
         if course.ladder.descend(report, moving, added, course.load) {
@@ -295,8 +295,13 @@ impl<'m> Run<'m> {
             false
         };
         let size = leg.increment.size;
-        if *refusal == Refusal::Snap {
-            course.jump.get_or_insert(size);
+        if *refusal == Refusal::Snap && !on_path {
+            course.beyond = Some(leg.increment.end());
+        }
+        if course.ladder.is_last() && course.beyond.take().is_some() {
+            // Not even there: over it in increments as large as may be.
+            course.schedule.resume(course.step.increments.max);
+            return true;
         }
         let mut answer = course.ladder.refused(refusal, size, spent);
         if method.follows_path() && !on_path && course.ladder.is_small(size) {
@@ -334,12 +339,13 @@ impl<'m> Run<'m> {
                     }
                     // Its equations are linear: whatever cut the increment is not their trouble.
                     Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
-                    // No path leads through the snap: it is jumped over, as it was found.
-                    Method::Static => {
-                        if let Some(jump) = course.jump {
-                            course.schedule.resume(jump);
-                        }
+                    // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
+                    Method::Static if course.ladder.is_last() => {
+                        let beyond = course.beyond.map(|load| load - course.load);
+                        let jump = beyond.unwrap_or(course.step.increments.max);
+                        course.schedule.resume(jump);
                     }
+                    method if method.follows_path() => course.trail.mend(),
                     _ => {}
                 }
                 self.note(course, &why, recorder);
@@ -422,6 +428,11 @@ impl<'m> Run<'m> {
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
     /// and the path there can be followed instead: much of the elastic energy is gone.
     fn is_snap(&self, course: &Course, leg: Leg) -> bool {
+        if leg.method == Method::Dissipation {
+            let (q, last) = (course.newton.q(), &self.state.q);
+            let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
+            return course.trail.is_left_by(&dq);
+        }
         if leg.method != Method::Static || !course.ladder.prefers_paths() {
             return false;
         }

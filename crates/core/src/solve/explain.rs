@@ -1,7 +1,7 @@
 //! Lost convergence in words: where, why, and what to try.
 
+use super::balance::{IMBALANCE, WORK};
 use super::course::Leg;
-use super::newton::IMBALANCE;
 use super::outcome::Refusal;
 use crate::material::MaterialParameters;
 use crate::model::Model;
@@ -33,11 +33,12 @@ pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
         Refusal::Iterations {
             residual,
             root_mean_square,
+            work,
             node,
         } => format!(
             "no equilibrium within {} iterations, the largest out-of-balance force is {residual:.2e} of \
              the mean nodal force (tolerance {:e}), the root mean square {root_mean_square:.2e} \
-             ({IMBALANCE:e}), worst at {}",
+             ({IMBALANCE:e}), their work {work:.2e} of that of the increment ({WORK:e}), worst at {}",
             step.tolerance.max_iterations,
             step.tolerance.residual,
             place(model, *node)

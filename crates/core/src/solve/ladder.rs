@@ -4,10 +4,14 @@
 //! equilibrium:
 //!
 //! ```text
-//! static ──▶ dissipation (the load must fall before it rises: snap-back)
+//! static ──▶ static with consistent tangents (secant ones settle too slowly for any increment)
+//!        ──▶ dissipation (the load must fall before it rises: snap-back; with consistent tangents
+//!            where secant ones do not get along it)
 //!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
 //!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
 //!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
+//!        ──▶ static (over what nothing leads through: where it found equilibrium, or in the largest
+//!            increments)
 //! ```
 //!
 //! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
@@ -31,6 +35,10 @@ pub const QUIET: f64 = 1e-3;
 const PATIENCE: usize = 3;
 /// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
 const MOST_LOST: u32 = 6;
+/// Refusals in a row after which secant tangents, not the size of the increment, are to blame.
+const STALLS: usize = 2;
+/// Solves of an increment with consistent tangents within which secant ones may be tried again.
+const EASY: usize = 2;
 /// Increments in which the load must rise before statics takes over from a path; doubled each time.
 const RISING: usize = 2;
 
@@ -45,10 +53,19 @@ pub enum Answer {
     GiveUp,
 }
 
+/// A method and its tangents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rung {
+    /// What solves the increments.
+    pub method: Method,
+    /// With which matrices.
+    pub tangent: Tangent,
+}
+
 /// The methods of a step, the one that is used now, and what it must show before it is left.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    rungs: Vec<Method>,
+    rungs: Vec<Rung>,
     at: usize,
     /// Size of increments below which statics gives up.
     floor: f64,
@@ -61,8 +78,11 @@ pub struct Ladder {
     /// How often paths led nowhere, and how many troubles yet pass without one being tried.
     lost: u32,
     passed_over: usize,
-    /// Whether the first method was left for a snap.
+    /// Whether statics was left for a snap.
     snaps: bool,
+    /// How many rungs are statics, and refusals in a row on the first.
+    statics: usize,
+    stalls: usize,
 }
 
 impl Ladder {
@@ -72,25 +92,52 @@ impl Ladder {
             .materials
             .iter()
             .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
-        let mut rungs = vec![Method::of(step.procedure)];
+        let own = |method| Rung {
+            method,
+            // Extrapolated solids are linear: their tangent is their secant.
+            tangent: if method == Method::Implex {
+                Tangent::Secant
+            } else {
+                step.tangent
+            },
+        };
+        let mut rungs = vec![own(Method::of(step.procedure))];
         if step.procedure == Procedure::Auto {
-            let path = Method::Dissipation;
+            let path = own(Method::Dissipation);
             if softens {
-                rungs.extend([path, Method::Implex]);
+                if step.tangent == Tangent::Secant {
+                    rungs.push(Rung {
+                        method: Method::Static,
+                        tangent: Tangent::Consistent,
+                    });
+                }
+                rungs.push(path);
+                if step.tangent == Tangent::Secant {
+                    rungs.push(Rung {
+                        tangent: Tangent::Consistent,
+                        ..path
+                    });
+                }
+                rungs.push(own(Method::Implex));
             }
             if step.tangent != Tangent::Direct {
-                rungs.push(Method::Direct);
+                rungs.push(Rung {
+                    method: Method::Direct,
+                    tangent: Tangent::Direct,
+                });
             }
             if !softens {
                 rungs.push(path);
             }
             if all_has_mass {
-                rungs.push(Method::QuasiStatic);
+                rungs.push(own(Method::QuasiStatic));
             }
-            // For want of a better one, in increments as small as the deck allows.
-            rungs.push(Method::Static);
+            rungs.push(own(Method::Static));
         }
+        let statics = rungs.iter().take_while(|r| r.method == Method::Static);
         Self {
+            statics: statics.count(),
+            stalls: 0,
             rungs,
             at: 0,
             floor: FLOOR * step.increments.initial,
@@ -111,7 +158,17 @@ impl Ladder {
 
     /// The method of now.
     pub fn method(&self) -> Method {
+        self.rung().method
+    }
+
+    /// The method of now with its tangents.
+    pub fn rung(&self) -> Rung {
         self.rungs[self.at]
+    }
+
+    /// Whether nothing is left to try but what `auto` ends with.
+    pub fn is_last(&self) -> bool {
+        self.at > 0 && self.at + 1 == self.rungs.len()
     }
 
     /// Size of increments below which errors are reported and no longer pursued.
@@ -121,11 +178,15 @@ impl Ladder {
 
     /// What follows from the refusal of an increment of this size; `spent` if its path cannot be cut
     /// further.
-    pub fn refused(&self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
+    pub fn refused(&mut self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
         let higher = self.at + 1 < self.rungs.len();
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
+            Method::Static if self.at + 1 < self.statics => {
+                self.stalls += 1;
+                self.stalls >= STALLS || self.is_small(size) || free
+            }
             Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
@@ -144,35 +205,53 @@ impl Ladder {
 
     /// Whether a snap should be followed along its path rather than jumped over.
     pub fn prefers_paths(&self) -> bool {
-        self.at == 0 && self.rungs.contains(&Method::Dissipation)
+        self.at < self.statics && self.place(Method::Dissipation).is_some()
     }
 
     /// Steps over to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn climb(&mut self, refusal: &Refusal, load: f64) {
-        if self.at == 0 {
+        self.stalls = 0;
+        if self.at < self.statics {
             self.left_at = load;
+            self.snaps = *refusal == Refusal::Snap;
         }
         let wanted = match refusal {
             Refusal::Linear { dof: Some(_), .. } => self.inertia(),
-            Refusal::Snap => self.rungs.iter().position(|m| *m == Method::Dissipation),
+            // Where secant tangents stalled before, they do along the path.
+            Refusal::Snap => self.place(Method::Dissipation).map(|path| path + usize::from(self.at > 0)),
             _ => None,
         };
-        if self.at == 0 {
-            self.snaps = *refusal == Refusal::Snap;
-        }
         if self.method() == Method::Dissipation {
+            let again = self
+                .rungs
+                .get(self.at + 1)
+                .is_some_and(|rung| rung.method == Method::Dissipation);
             if self.snaps {
-                // Statics has found what lies beyond: that is taken.
-                self.at = self.rungs.len() - 1;
+                // If no tangent leads along the path: statics has found what lies beyond, that is taken.
+                self.at = if again {
+                    self.at + 1
+                } else {
+                    self.rungs.len() - 1
+                };
                 self.calm = 0;
                 return;
             }
             self.passed_over = 2 << self.lost.min(MOST_LOST);
             self.lost += 1;
         }
-        let mut next = (self.at + 1).min(self.rungs.len() - 1);
-        if self.rungs[next] == Method::Dissipation && wanted.is_none() && self.passed_over > 0 {
+        let last = self.rungs.len() - 1;
+        let mut next = (self.at + 1).min(last);
+        if self.rungs[next].method == Method::Dissipation
+            && wanted.is_none()
+            && self.passed_over > 0
+        {
             self.passed_over -= 1;
+            next += 1;
+        }
+        // A path of consistent tangents is for snaps: elsewhere extrapolation is cheaper.
+        while self.rungs[next].method == Method::Dissipation
+            && self.rungs[next - 1].method == Method::Dissipation
+        {
             next += 1;
         }
         self.at = wanted.map_or(next, |rung| rung.max(next));
@@ -181,12 +260,18 @@ impl Ladder {
 
     /// The rung with inertia.
     fn inertia(&self) -> Option<usize> {
-        self.rungs.iter().position(|m| *m == Method::QuasiStatic)
+        self.place(Method::QuasiStatic)
+    }
+
+    /// The first rung of a method.
+    fn place(&self, method: Method) -> Option<usize> {
+        self.rungs.iter().position(|rung| rung.method == method)
     }
 
     /// Back to the first method if the increment shows that the trouble has passed: `moving`, the kinetic
     /// energy over what the bodies have taken, and what the increment added to the load, which is now `load`.
     pub fn descend(&mut self, report: Report, moving: f64, added: f64, load: f64) -> bool {
+        self.stalls = 0;
         if self.at == 0 {
             return false;
         }
@@ -194,7 +279,7 @@ impl Ladder {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
             Method::QuasiStatic => (moving < QUIET, self.patience),
             Method::Direct => (true, self.patience),
-            Method::Static => (true, RISING),
+            Method::Static => (report.iterations <= EASY, self.patience),
             _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
         self.calm = if passed { self.calm + 1 } else { 0 };
@@ -202,7 +287,7 @@ impl Ladder {
             return false;
         }
         match self.method() {
-            Method::QuasiStatic | Method::Direct => self.patience *= 2,
+            Method::QuasiStatic | Method::Direct | Method::Static => self.patience *= 2,
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }

@@ -26,6 +26,12 @@ pub struct LineSearch {
 /// Accepted fall of the slope: a looser root takes more solves, a tighter one saves none
 /// (docs/decisions.md).
 const FALL: f64 = 0.2;
+/// Part of the slope that is much to be left at the full step.
+const MUCH: f64 = 0.5;
+/// Largest step.
+const FARTHEST: f64 = 8.0;
+/// Next step over one at which much of the slope was left, at most.
+const LONGER: f64 = 4.0;
 /// Most residuals spent on one direction.
 const MOST: usize = 6;
 /// Smallest step: below it, the direction is bad and a new tangent is due.
@@ -49,9 +55,22 @@ impl LineSearch {
         if slope.is_finite() && slope.abs() <= FALL * self.start.abs() {
             return Probe::Accept(eta);
         }
-        // Still descending at the full step: take it, the next tangent goes on from there.
+        // Still descending: the next tangent goes on from there, unless most of the slope is left. Then the
+        // tangent knows nothing of what softens along the direction, and would take many such steps.
         if slope.is_finite() && slope * self.start > 0.0 && self.high.is_none() {
-            return Probe::Accept(eta);
+            let far = eta >= FARTHEST || self.evaluations >= MOST;
+            if far || slope.abs() <= MUCH * self.start.abs() {
+                return Probe::Accept(eta);
+            }
+            let (before, slope_before) = self.low;
+            let fall = (slope_before - slope) / slope;
+            let root = if fall > 0.0 {
+                eta + (eta - before) / fall
+            } else {
+                f64::INFINITY
+            };
+            self.low = (eta, slope);
+            return Probe::Try(root.min(LONGER * eta).min(FARTHEST));
         }
         if self.evaluations >= MOST || eta <= SMALLEST {
             return Probe::Accept(eta);
@@ -117,6 +136,23 @@ mod tests {
         let (eta, count) = search(slope);
         assert!(slope(eta).abs() < 0.5, "slope {} at {eta}", slope(eta));
         assert!(count <= MOST);
+    }
+
+    #[test]
+    fn a_softening_direction_is_lengthened() {
+        let (eta, count) = search(|eta| 0.2 * eta - 1.0);
+        assert!((4.0..=6.0).contains(&eta), "{eta}"); // to a fifth of the slope
+        assert!(count <= 3, "{count}");
+        // It never rises: a bounded step.
+        assert_eq!(search(|_| -1.0).0, FARTHEST);
+        // Quick enough for the next tangent.
+        assert_eq!(search(|eta| 0.6 * eta - 1.0), (1.0, 1));
+    }
+
+    #[test]
+    fn not_a_number_beyond_the_full_step_leads_back() {
+        let (eta, _) = search(|eta| if eta > 2.5 { f64::NAN } else { 0.5 * eta - 1.2 });
+        assert!((1.0..=2.5).contains(&eta), "{eta}");
     }
 
     #[test]

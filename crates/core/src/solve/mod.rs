@@ -1,5 +1,7 @@
 //! From a frozen model to its converged frames.
 
+mod balance;
+mod closure;
 mod commit;
 mod course;
 pub mod drive;
@@ -7,6 +9,7 @@ mod dynamics;
 mod explain;
 mod fields;
 mod follow;
+mod hidden;
 mod ladder;
 mod line_search;
 mod loads;

@@ -8,7 +8,11 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
+pub use super::balance::IMBALANCE;
+use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
 use super::dynamics::Motion;
+use super::hidden::Pause;
+use super::ladder::Rung;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
 use super::method::Method;
@@ -20,18 +24,22 @@ use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step, Tangent};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
 use crate::system::{Equations, Evaluation, Solids, System, Trial};
+use std::ops::Range;
 use std::time::Instant;
 
 /// The equations of one step and their solver.
 pub struct Newton<'m> {
-    model: &'m Model,
+    pub(super) model: &'m Model,
     pub(super) step: &'m Step,
     method: Method,
+    tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
     values: Vec<f64>,
     pub(super) direction: Vec<f64>,
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    /// What the last commit left out of balance [N].
+    pub(super) left: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
     pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
@@ -45,7 +53,9 @@ pub struct Newton<'m> {
     /// Loads at its start.
     loads_start: Loads,
     /// Inertia, if it acts.
-    motion: Option<Motion>,
+    pub(super) motion: Option<Motion>,
+    /// When patterns of tractions are settled.
+    pub(super) pause: Pause,
     /// Wall time by phase.
     pub clock: Clock,
 }
@@ -67,11 +77,13 @@ impl<'m> Newton<'m> {
             model,
             step,
             method: Method::Static,
+            tangent: step.tangent,
             equations,
             linear: None,
             values: Vec::new(),
             direction: vec![0.0; n],
             residual: vec![0.0; n],
+            left: vec![0.0; n],
             by_load: Vec::new(),
             load_factor: 0.0,
             q: state.q.clone(),
@@ -80,29 +92,29 @@ impl<'m> Newton<'m> {
             loads_start: loads.clone(),
             loads,
             motion: None,
+            pause: Pause::default(),
             clock: Clock::default(),
         }
     }
 
-    /// Goes on by `method`. With inertia the state gets the velocities and accelerations that what is
+    /// Goes on by the method of `rung`. With inertia the state gets the velocities and accelerations that what is
     /// driven has from here on.
-    pub fn adopt(
-        &mut self,
-        method: Method,
-        system: &mut System,
-        state: &mut State,
-        trial: &mut Trial,
-    ) {
+    pub fn adopt(&mut self, rung: Rung, system: &mut System, state: &mut State, trial: &mut Trial) {
         let before = self.backend();
-        self.method = method;
+        (self.method, self.tangent) = (rung.method, rung.tangent);
         if self.backend() != before {
             self.linear = None;
         }
-        self.motion = Motion::new(self.step, method, system, &self.equations);
+        self.motion = Motion::new(self.step, self.method, system, &self.equations);
         if let Some(motion) = &mut self.motion {
             system.search(trial, &state.q);
             motion.begin(system, state, trial);
         }
+    }
+
+    /// What solves the increments now.
+    pub(super) fn method(&self) -> Method {
+        self.method
     }
 
     /// Unknowns of this step.
@@ -126,25 +138,16 @@ impl<'m> Newton<'m> {
 
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
-        if self.tangent() == Tangent::Secant {
+        if self.tangent == Tangent::Secant {
             Backend::MultifrontalLlt
         } else {
             Backend::MultifrontalLu
         }
     }
 
-    /// The tangents of the step, or those that the method has and no other.
-    fn tangent(&self) -> Tangent {
-        match self.method {
-            Method::Implex => Tangent::Secant,
-            Method::Direct => Tangent::Direct,
-            _ => self.step.tangent,
-        }
-    }
-
     /// Whether the penalty is shifted.
     fn shifted(&self) -> bool {
-        self.tangent() != Tangent::Direct
+        self.tangent != Tangent::Direct
     }
 
     /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
@@ -216,23 +219,45 @@ impl<'m> Newton<'m> {
             // The rate of a state without a last increment is not known: nothing extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
-        } else if self.tangent() == Tangent::Secant {
+        } else if self.tangent == Tangent::Secant {
             Solids::Secant
         } else {
             Solids::Implicit
         };
-        let mut setting = Evaluation {
+        let setting = Evaluation {
             dt,
             solids,
             shifted: self.shifted(),
             tangent: true,
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
+        let most = self.step.tolerance.max_iterations;
+        let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
+        if !setting.shifted || self.method == Method::Implex {
+            return Ok(report);
+        }
+        self.settle(system, state, trial, attempt, solves, setting, report)
+    }
 
-        let tolerance = self.step.tolerance;
-        let mut iteration = 0;
+    /// Iterates until the increment is in balance; `iterations` were done and are allowed.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
+    pub(super) fn equilibrate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+        mut setting: Evaluation,
+        iterations: Range<usize>,
+    ) -> Result<Report, Refusal> {
+        let (solids, tolerance) = (setting.solids, self.step.tolerance);
+        let mut iteration = iterations.start;
         // A start in balance is no progress where the path says how far to go.
-        let mut on_path = attempt.advance == Advance::Load;
+        let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             if solids == Solids::Secant && attempt.repeat {
@@ -244,32 +269,43 @@ impl<'m> Newton<'m> {
             }
             self.evaluate(system, state, trial, setting)?;
             let scale = self.scale(system, state, trial);
-            let (residual, worst) = largest(&self.residual);
-            if !residual.is_finite() {
+            let balance = Balance::new(&self.residual, scale);
+            if !balance.largest.is_finite() {
                 return Err(Refusal::NotFinite);
             }
-            let rms = root_mean_square(&self.residual);
             // Nothing has been solved yet: what a start leaves would add up from increment to increment.
             let part = if solves.count == 0 { START } else { 1.0 };
-            let balanced =
-                residual <= part * tolerance.residual * scale && rms <= part * IMBALANCE * scale;
+            let mut work = 0.0;
+            let mut balanced = balance.holds(part, tolerance.residual);
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = iteration > 0 || !setting.shifted;
+            // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
+            let loaded = scale > ROUNDINGS * system.rounding_force;
+            if balanced && loaded && attempt.advance == Advance::Load {
+                let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+                let [lost, turned] = self.works(system, state, trial, &way);
+                work = lost.abs() / turned.max(f64::MIN_POSITIVE);
+                balanced =
+                    work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
+            }
             if settled && balanced && on_path {
                 return Ok(Report {
                     iterations: solves.count,
-                    residual: residual / scale,
-                    out_of_balance: residual / scale,
+                    residual: balance.largest,
+                    out_of_balance: balance.largest,
                     extrapolation_error: 0.0,
                     load_factor: self.load_factor,
                 });
             }
-            if iteration == tolerance.max_iterations {
-                let (node, _) = system.dofs.node_of(self.equations.slot_of[worst] as usize);
+            if iteration >= iterations.end {
+                let (node, _) = system
+                    .dofs
+                    .node_of(self.equations.slot_of[balance.worst] as usize);
                 return Err(Refusal::Iterations {
-                    residual: residual / scale,
-                    root_mean_square: rms / scale,
+                    residual: balance.largest,
+                    root_mean_square: balance.root_mean_square,
+                    work,
                     node,
                 });
             }
@@ -302,7 +338,7 @@ impl<'m> Newton<'m> {
         setting: Evaluation,
         solves: &mut Solves,
     ) -> Result<(), Refusal> {
-        trial.start(state);
+        system.start(trial, state);
         self.q.copy_from_slice(&state.q);
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;
@@ -318,7 +354,7 @@ impl<'m> Newton<'m> {
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         if let (Some(last), true) = (last, setting.shifted) {
-            let ratio = setting.dt / last.dt;
+            let ratio = self.momentum(&state.energies) * setting.dt / last.dt;
             system.extrapolate_tractions(self.model, state, trial, ratio);
         }
         // What moves goes on: a tangent would see it stick where it was.
@@ -505,19 +541,6 @@ impl<'m> Newton<'m> {
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
 
-    /// Force that residuals are measured in: the mean nodal force (theory F), or that of loads and
-    /// inertia where it is larger, or what rounding leaves where nothing is loaded [N].
-    fn scale(&self, system: &System, state: &State, trial: &Trial) -> f64 {
-        let moving = self.motion.as_ref();
-        trial
-            .mean_nodal_force
-            .max(LEAST_SCALE * state.largest_mean_force)
-            .max(self.loads.mean)
-            .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
-            .max(ROUNDINGS * system.rounding_force)
-            .max(f64::MIN_POSITIVE)
-    }
-
     /// Work from outside and the energies of motion of the increment that `trial` ends, by the
     /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
     /// `dq` are the displacements of the increment [mm]. `[slot]`
@@ -557,11 +580,6 @@ const SOFTENED: usize = 6;
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
 const OVER_INERTIA: f64 = 3.0;
 
-/// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
-/// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is
-/// steered to leave no more.
-pub const IMBALANCE: f64 = 2e-3;
-
 /// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
 pub(super) fn along(setting: Evaluation) -> Evaluation {
     Evaluation {
@@ -574,31 +592,5 @@ pub(super) fn along(setting: Evaluation) -> Evaluation {
     }
 }
 
-fn root_mean_square(values: &[f64]) -> f64 {
-    let square: f64 = values.iter().map(|v| v * v).sum();
-    (square / values.len().max(1) as f64).sqrt()
-}
-
 /// Part of the tolerance within which a start is equilibrium without a solve.
 const START: f64 = 0.1;
-
-/// Part of the largest mean nodal force so far that the tolerance refers to at least: when a joint
-/// has parted all forces vanish, and a tolerance that vanishes with them asks for less than nothing.
-const LEAST_SCALE: f64 = 0.01;
-/// Nodal forces of fewer roundings than this are none: without it a scene under no load has nothing to
-/// measure its residual in.
-const ROUNDINGS: f64 = 1e3;
-
-/// Largest magnitude and its place; not finite if any entry is not.
-fn largest(values: &[f64]) -> (f64, usize) {
-    let mut worst = (0.0, 0);
-    for (i, v) in values.iter().enumerate() {
-        if !v.is_finite() {
-            return (f64::NAN, i);
-        }
-        if v.abs() > worst.0 {
-            worst = (v.abs(), i);
-        }
-    }
-    worst
-}

@@ -14,6 +14,9 @@ pub enum Refusal {
         residual: f64,
         /// Their root mean square, over the same.
         root_mean_square: f64,
+        /// Work of these forces along the increment, over the work that it turns over; 0 where they
+        /// are too large themselves.
+        work: f64,
         /// Node with the largest out-of-balance force.
         node: usize,
     },

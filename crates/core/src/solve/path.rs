@@ -87,8 +87,9 @@ pub struct Trail {
     size: f64,
     /// What it added to the load.
     load: f64,
-    /// Next increment over it.
+    /// Next increment over it, and what it was before it was cut.
     ratio: f64,
+    planned: f64,
     /// Largest movement wanted in one increment [mm].
     most: f64,
     /// Largest increment of the step, as part of it.
@@ -98,6 +99,8 @@ pub struct Trail {
 
 /// How far an increment may lead beside one of the largest size when the step began to move.
 const FAR: f64 = 10.0;
+/// The same, of the largest movement wanted, beyond which it has jumped.
+const LEAP: f64 = 2.0;
 /// Cuts after which a path is given up.
 const CUTS: usize = 6;
 
@@ -113,6 +116,7 @@ impl Trail {
             size: 0.0,
             load: 0.0,
             ratio: 1.0,
+            planned: 1.0,
             most,
             cuts: 0,
         }
@@ -145,18 +149,26 @@ impl Trail {
             // Nothing is driven: the first increment, by the load, tells what is far.
             self.most = FAR * movement * self.largest / size;
         }
+        let ratio = growth.min(self.most / movement);
         *self = Self {
             method,
             gradient,
             measure,
             size,
             load,
-            ratio: growth.min(self.most / movement),
+            ratio,
+            planned: ratio,
             most: self.most,
             largest: self.largest,
             cuts: 0,
         };
         true
+    }
+
+    /// Whether a way of dissipation has left the path: it has come to an equilibrium far from the last
+    /// one, over what lies between.
+    pub fn is_left_by(&self, dq: &[f64]) -> bool {
+        self.method == Method::Dissipation && dq.iter().any(|u| u.abs() > LEAP * self.most)
     }
 
     /// Whether the next increment of `method` can be measured.
@@ -188,6 +200,11 @@ impl Trail {
                 by,
             }
         }
+    }
+
+    /// The whole way again, for another method.
+    pub fn mend(&mut self) {
+        (self.ratio, self.cuts) = (self.planned, 0);
     }
 
     /// A shorter way; false if it was cut too often.

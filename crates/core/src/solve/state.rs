@@ -24,14 +24,21 @@ pub struct Energies {
     pub damping: f64,
     /// What the time integration has taken out.
     pub numerical: f64,
+    /// What increments in equilibrium have left open: taken beyond the work done.
+    #[serde(default)]
+    pub leaked: f64,
 }
 
 impl Energies {
+    /// What solids and interfaces have taken [N mm].
+    pub fn taken(&self) -> f64 {
+        self.elastic + self.plastic_damage + self.interface + self.viscous
+    }
+
     /// Kinetic energy over what solids and interfaces have taken [-].
     pub fn moving(&self) -> f64 {
-        let taken = self.elastic + self.plastic_damage + self.interface + self.viscous;
         if self.kinetic > 0.0 {
-            self.kinetic / taken
+            self.kinetic / self.taken()
         } else {
             0.0
         }

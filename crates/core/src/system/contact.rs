@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use wythe_contact::stencil::Anchor;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, PointStatus, Shift,
-    SlavePoint, Surface, corner_points, frame_at, gauss_points, pair_point, to_frame,
+    SlavePoint, Surface, corner_points, extend, frame_at, gauss_points, pair_point, to_frame,
     write_stiffness,
 };
 
@@ -27,6 +27,11 @@ const REACH_OVER_OPENING: f64 = 2.0;
 /// How far surfaces may move before the candidates are searched anew, over the same edge.
 const SKIN: f64 = 0.03;
 
+/// How far behind a facet a point may come into contact with it, over the half of the same edge: what the
+/// elastic bodies step by. One that is deeper has come from the side, and its penalty would throw bodies
+/// about.
+const BEHIND: f64 = 1e-5;
+
 /// A point whose shear is below this part of its limit is in no danger of chatter, and takes
 /// [`FIRM`] times the numerical stiffness (docs/decisions.md).
 const WELL_WITHIN: f64 = 0.85;
@@ -36,20 +41,22 @@ const FIRM: f64 = 3.0;
 /// Surfaces, points and candidates.
 #[derive(Clone, Debug)]
 pub struct Contact {
-    slave: Surface,
+    pub(super) slave: Surface,
     master: Surface,
-    law_of: Vec<u16>,
+    pub(super) law_of: Vec<u16>,
     /// Normal and shear stiffness of the shifted penalty [N/mm³]. `[slave facet]`
-    numerical: Vec<[f64; 2]>,
+    pub(super) numerical: Vec<[f64; 2]>,
     /// Mass behind each slave facet [tonne/mm²]. `[slave facet]`
     areal_mass: Vec<f64>,
     /// Sampling points. `[slave facet][point]`, four to a facet
     pub points: Vec<SlavePoint>,
-    candidates: Candidates,
-    cells: Vec<[u32; 8]>,
+    pub(super) candidates: Candidates,
+    pub(super) cells: Vec<[u32; 8]>,
     version: usize,
     radius: f64,
     skin: f64,
+    /// How far behind a facet a point may come into contact with it [mm].
+    behind: f64,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
 }
@@ -67,11 +74,10 @@ struct Task<'a> {
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
-    stiffening: f64,
+    /// Factor of the numerical stiffness [-], and the least one from what inertia opposes [1/s²].
+    soft: [f64; 2],
     /// Tangents of points at their shear limit are those of stick.
     sticks: bool,
-    /// Least stiffness, from what inertia makes of the facet [N/mm³].
-    inertia: f64,
 }
 
 impl Contact {
@@ -120,6 +126,7 @@ impl Contact {
             version: 0,
             radius: surfaces.search_radius.unwrap_or(chosen),
             skin: SKIN * edge,
+            behind: 0.5 * BEHIND * edge,
             searched_at: Vec::new(),
         }
     }
@@ -200,6 +207,7 @@ impl Contact {
             }
         }
         let anchors = trial.anchors.par_chunks_mut(4);
+        let (free, x_start) = (&trial.free, &trial.x_start);
         trial
             .pairs
             .par_chunks_mut(4)
@@ -207,16 +215,21 @@ impl Contact {
             .enumerate()
             .for_each(|(f, (pairs, anchors))| {
                 let points = self.positions(f, x);
-                for ((pair, anchor), point) in pairs.iter_mut().zip(anchors).zip(points) {
+                for (p, ((pair, anchor), point)) in
+                    pairs.iter_mut().zip(anchors).zip(points).enumerate()
+                {
+                    let point = Vector3::from(point);
                     let present = pair.facet.map(|facet| (facet, pair.xi));
-                    let found = pair_point(
-                        &Vector3::from(point),
-                        present,
-                        self.candidates.of(f),
-                        &self.master,
-                        x,
-                        self.radius,
-                    );
+                    let candidates = self.candidates.of(f);
+                    let mut found =
+                        pair_point(&point, present, candidates, &self.master, x, self.radius);
+                    if !x_start.is_empty() && free[4 * f + p] {
+                        found = found.filter(|&(facet, xi)| {
+                            let before = || Vector3::from(self.positions(f, x_start)[p]);
+                            !self.is_behind(&point, facet, xi, x)
+                                || !self.is_behind(&before(), facet, xi, x_start)
+                        });
+                    }
                     *pair = match found {
                         Some((facet, xi)) => PointPair {
                             facet: Some(facet),
@@ -229,6 +242,12 @@ impl Contact {
                     }
                 }
             });
+    }
+
+    /// Whether a point [mm] lies behind a facet, deeper than one that comes through it.
+    fn is_behind(&self, point: &Vector3<f64>, facet: u32, xi: [f64; 2], x: &[[f64; 3]]) -> bool {
+        let foot = extend(point, &self.master.corners(facet as usize, x), xi);
+        foot.is_some_and(|foot| foot.gap < -self.behind)
     }
 
     /// What the trapezoidal rule makes of points that open or close in the increment that `trial` ends
@@ -301,9 +320,8 @@ impl Contact {
                 anchors,
                 last,
                 bounding,
-                stiffening: trial.stiffening,
+                soft: [trial.stiffening, trial.inertia],
                 sticks: trial.sticks,
-                inertia: trial.inertia * self.areal_mass[facet],
             });
         }
         tasks
@@ -324,7 +342,6 @@ impl Contact {
         let f = task.facet;
         let law = &model.contact.laws[self.law_of[f] as usize];
         let slave = self.slave.corners(f, x);
-        let candidates = self.candidates.of(f);
         task.force.fill([[0.0; 3]; 8]);
         let mut stiff = [None; 4];
         if setting.tangent {
@@ -335,14 +352,7 @@ impl Contact {
             let old = &state.interface[4 * f + p];
             let committed = task.anchors[p];
             let pair = &mut task.pairs[p];
-            let seen = pair.facet.and_then(|facet| {
-                let cell = candidates.binary_search(&facet).ok()?;
-                let master = self.master.corners(facet as usize, x);
-                let anchor = self.anchor(committed, *pair, x);
-                let kin = Kinematics::new(&slave, &point.weights, &master, pair.xi, anchor)?;
-                Some((cell, kin))
-            });
-            let Some((cell, kin)) = seen else {
+            let Some((cell, kin)) = self.see(4 * f + p, &slave, committed, *pair, x) else {
                 *pair = PointPair::default();
                 task.history[p] = lost(law, old);
                 // What the point stored is set free.
@@ -352,19 +362,12 @@ impl Contact {
             };
             pair.xi = kin.xi;
             let old = self.carried(old, committed, *pair, &kin, x);
-            let gap = [
-                kin.gap,
-                old.slip[0] + kin.slip[0],
-                old.slip[1] + kin.slip[1],
-            ];
+            let gap = total_gap(&kin, &old);
             let mut stick = law.shear_stiffness;
             let mut response = if setting.shifted {
-                let last = &task.last[p];
-                let firm = law.utilisation(last, old.damage) < WELL_WITHIN;
-                let factor = task.stiffening.max(if firm { FIRM } else { 1.0 });
                 let shift = Shift {
-                    stiffness: self.numerical[f].map(|k| (k * factor).max(task.inertia)),
-                    traction: *last,
+                    stiffness: self.shifted_stiffness(f, law, &task.last[p], old.damage, task.soft),
+                    traction: task.last[p],
                     bounding: task.bounding[p],
                 };
                 stick = stick.min(shift.stiffness[1]);
@@ -411,6 +414,39 @@ impl Contact {
         }
     }
 
+    /// Numerical stiffness of a point with traction `last`, of `[factor, inertia]` [N/mm³].
+    pub(super) fn shifted_stiffness(
+        &self,
+        facet: usize,
+        law: &InterfaceLaw,
+        last: &[f64; 3],
+        damage: f64,
+        [stiffening, inertia]: [f64; 2],
+    ) -> [f64; 2] {
+        let firm = law.utilisation(last, damage) < WELL_WITHIN;
+        let factor = stiffening.max(if firm { FIRM } else { 1.0 });
+        let least = inertia * self.areal_mass[facet];
+        self.numerical[facet].map(|k| (k * factor).max(least))
+    }
+
+    /// Kinematics of a point, and the place of its cell among those of its facet.
+    pub(super) fn see(
+        &self,
+        at: usize,
+        slave: &[[f64; 3]; 4],
+        committed: PointPair,
+        pair: PointPair,
+        x: &[[f64; 3]],
+    ) -> Option<(usize, Kinematics)> {
+        let facet = pair.facet?;
+        let cell = self.candidates.of(at / 4).binary_search(&facet).ok()?;
+        let master = self.master.corners(facet as usize, x);
+        let anchor = self.anchor(committed, pair, x);
+        let weights = &self.points[at].weights;
+        let kin = Kinematics::new(slave, weights, &master, pair.xi, anchor)?;
+        Some((cell, kin))
+    }
+
     /// Where the slip of this increment starts: the foot at the last commit, wherever it is now. A
     /// point that comes into contact starts where it is.
     fn anchor(&self, committed: PointPair, now: PointPair, x: &[[f64; 3]]) -> Anchor {
@@ -426,7 +462,7 @@ impl Contact {
     }
 
     /// History with its tangential components in the frame of the present facet.
-    fn carried(
+    pub(super) fn carried(
         &self,
         old: &InterfaceHistory,
         committed: PointPair,
@@ -449,6 +485,15 @@ impl Contact {
             _ => *old,
         }
     }
+}
+
+/// `[u, δ₁, δ₂]` of a pair [mm], its slip on from that of its history.
+pub(super) fn total_gap(kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
+    [
+        kin.gap,
+        old.slip[0] + kin.slip[0],
+        old.slip[1] + kin.slip[1],
+    ]
 }
 
 /// A point that faces nothing: no traction; if it comes back it sticks where it is.

@@ -3,6 +3,18 @@
 use super::{System, Trial};
 
 impl System {
+    /// Work that an increment turns over: Σ |f·Δu| of the elements and contact cells that `trial` has
+    /// after it, over its way `dq` [mm] `[slot]`; N mm. Rigid motion turns over nothing.
+    pub fn work_turned_over(&self, trial: &Trial, dq: &[f64]) -> f64 {
+        let mut way = vec![[0.0; 3]; self.bulk.reference.len()];
+        self.dofs.spread(dq, &mut way);
+        let cells = self.bulk.elements.iter().chain(self.contact.cells());
+        cells
+            .zip(&trial.cell_force)
+            .map(|(nodes, force)| work(nodes, force, &way).abs())
+            .sum()
+    }
+
     /// c with c·Δq = Σ of what the elements and facets dissipated in the increment that `trial` ends,
     /// over its way `dq` [mm] `[slot]`; N. `[slot]`
     ///

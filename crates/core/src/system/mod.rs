@@ -9,6 +9,7 @@ pub mod linear;
 mod mass;
 mod numerical;
 pub mod pattern;
+mod patterns;
 mod rounding;
 mod springs;
 
@@ -74,6 +75,10 @@ pub struct Trial {
     /// Where the slip of this increment is measured from: the pair at the last commit, or where a
     /// point came into contact. `[point]`
     pub anchors: Vec<PointPair>,
+    /// Whether a point faced nothing at the last commit. `[point]`
+    pub free: Vec<bool>,
+    /// Positions at the last commit [mm], none when the run begins. `[node]`
+    pub x_start: Vec<[f64; 3]>,
     /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
     pub traction: Vec<[f64; 3]>,
     /// Normal traction that bounds the shear of the next iterate (shifted penalty) [MPa]. `[point]`
@@ -102,6 +107,9 @@ impl Trial {
         self.interface.clone_from(&state.interface);
         self.pairs.clone_from(&state.pairs);
         self.anchors.clone_from(&state.pairs);
+        self.free.clear();
+        self.free
+            .extend(state.pairs.iter().map(|pair| pair.facet.is_none()));
         self.traction.clear();
         self.traction
             .extend(state.interface.iter().map(|h| h.traction));
@@ -117,6 +125,15 @@ impl Trial {
         self.bounding.extend(self.traction.iter().map(|t| t[0]));
         self.swing.clear();
         self.swing.resize(self.traction.len(), 0.0);
+    }
+
+    /// The tractions of this iterate become those of the last, but those of some points others.
+    pub fn take_tractions(&mut self, others: Vec<(usize, [f64; 3])>) {
+        self.keep_tractions();
+        for (point, traction) in others {
+            self.traction[point] = traction;
+        }
+        self.bound_by_traction();
     }
 
     /// The tractions of this iterate become those of the last. Where pressure and friction swing
@@ -208,6 +225,13 @@ impl System {
         self.search(&mut trial, &state.q);
         state.pairs = trial.pairs;
         state
+    }
+
+    /// Begins an increment from the committed state.
+    pub fn start(&self, trial: &mut Trial, state: &State) {
+        trial.start(state);
+        self.place(trial, &state.q);
+        trial.x_start.clone_from(&trial.x);
     }
 
     /// Pairs the contact points with master facets at generalised displacements `q`.

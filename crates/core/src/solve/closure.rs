@@ -1,0 +1,72 @@
+//! The energy that an increment in balance still leaves open.
+//!
+//! Work and dissipation go by the trapezoidal rule. With internal forces p and out-of-balance forces r
+//! the energies that solids and interfaces have taken exceed the work done on them by
+//!
+//! ```text
+//! w = ΔE + D − ½ (p₀ + p₁)·Δq + ½ (r₀ + r₁)·Δq
+//! ```
+//!
+//! The last term is what the tolerance of forces leaves. The others vanish where interfaces have taken
+//! over the tractions of their gaps; the shifted penalty stops when the nodes feel no difference, and
+//! patterns of tractions that they do not feel swing on from increment to increment, sliding forth and
+//! back at the Coulomb bound: dissipation of which no force did the work (docs/decisions.md, case 26).
+
+use super::method::Method;
+use super::newton::Newton;
+use super::state::{Energies, State};
+use crate::system::{System, Trial};
+
+/// Part of the energy taken so far that is much to be left open: a quarter of what an energy balance is
+/// asked to close to.
+const LEAK: f64 = 2.5e-3;
+/// Part of the last change of tractions that the next increment starts with, where too much is left open:
+/// patterns that no node feels die out.
+const DAMPED: f64 = 0.5;
+
+impl Newton<'_> {
+    /// w of the increment that `trial` ends [N mm]; none where inertia or extrapolated solids leave other
+    /// errors.
+    fn leak(&self, system: &System, state: &State, trial: &Trial) -> f64 {
+        if self.method().has_inertia() || self.method() == Method::Implex {
+            return 0.0;
+        }
+        let springs = system.spring_forces(trial);
+        let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
+        let solids = trial.element_energy.iter();
+        let dissipated = solids.map(|e| e.plastic_damage + e.viscous).sum::<f64>()
+            + trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        let mut work = -system.contact.crossing_work(self.model, state, trial);
+        for (slot, (q, start)) in self.q.iter().zip(&state.q).enumerate() {
+            work += 0.5 * (state.force[slot] + trial.force[slot]) * (q - start);
+        }
+        for (s, force) in springs.iter().enumerate() {
+            for i in 0..3 {
+                let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
+                work += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
+            }
+        }
+        let forces = self.residual.iter().zip(&self.left);
+        for ((r, left), &slot) in forces.zip(&self.equations.slot_of) {
+            let slot = slot as usize;
+            work -= 0.5 * (r + left) * (self.q[slot] - state.q[slot]);
+        }
+        stored + dissipated - work
+    }
+
+    /// Part of the last change of tractions that the next increment starts with.
+    pub(super) fn momentum(&self, before: &Energies) -> f64 {
+        let open = before.leaked.abs() > LEAK * before.taken();
+        if open && !self.method().has_inertia() {
+            DAMPED
+        } else {
+            1.0
+        }
+    }
+
+    /// Notes what the increment that `trial` ends leaves, before it becomes the state.
+    pub(super) fn note_leak(&mut self, system: &System, state: &mut State, trial: &Trial) {
+        state.energies.leaked += self.leak(system, state, trial);
+        self.left.copy_from_slice(&self.residual);
+    }
+}
