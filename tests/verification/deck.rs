@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use wythe::contact::Coupling;
 use wythe::material::{Interpolation, MaterialParameters};
 use wythe::model::deck::Subdivision;
-use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Procedure};
+use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
 use wythe::model::{Deck, Model, check, keys};
 
 const EXAMPLES: [&str; 4] = [
@@ -107,6 +107,7 @@ fn defaults_are_those_of_the_documentation() {
     assert_eq!(step.procedure, Procedure::Auto);
     assert_eq!((step.duration, step.tolerance.residual), (1.0, 5e-2));
     assert_eq!(step.tolerance.max_iterations, 25);
+    assert_eq!(model.output, Output::default());
     assert_eq!(model.output.every, 5);
     let [elastic, none] =
         ["tension", "compression"].map(|t| (format!("materials.brick.{t}"), "[]"));
@@ -146,6 +147,48 @@ fn steps_move_the_beam_as_in_the_tests() {
         assert_eq!(step.motion, [[Locked, Locked, Driven(by)]]);
         assert_eq!(step.driven, Some((0, 2)));
     }
+}
+
+#[test]
+fn an_experiment_is_read_beside_the_deck() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("wall.toml");
+    let text = std::fs::read_to_string(path("01_couplet_tension")).unwrap();
+    let output = "\n[output]\nmcap = false\nscene_every = 3\nexperiment = \"test.csv\"\n";
+    std::fs::write(&deck, text + output).unwrap();
+    let build = |csv: Option<&str>| {
+        let file = folder.path().join("test.csv");
+        match csv {
+            Some(csv) => std::fs::write(file, csv).unwrap(),
+            None => drop(std::fs::remove_file(file)),
+        }
+        let deck = Deck::load(&deck, &[]).unwrap();
+        Model::from_deck(&deck).map(|(model, _)| model.output)
+    };
+    let csv = "# couplet\nu_mm,F_kN\n0,0\n0.01,4.5\n";
+    let output = build(Some(csv)).unwrap();
+    assert!(!output.mcap && output.scene_every == 3);
+    let experiment = output.experiment.unwrap();
+    assert_eq!((&*experiment.file, &*experiment.text), ("test.csv", csv));
+    assert_eq!(experiment.points, [[0.0, 0.0], [0.01, 4.5]]);
+    for (csv, part) in [
+        (None, "test.csv: "),
+        (
+            Some("0,0\n0.01;4.5\n"),
+            "test.csv line 2: `0.01;4.5` is not",
+        ),
+        (Some("u,F\n0,0\n"), "fewer than two rows"),
+    ] {
+        let error = build(csv).unwrap_err();
+        assert_eq!(error.key(), "output.experiment");
+        assert!(error.message().contains(part), "{error}");
+        assert!(error.line().is_some() && !error.advice().is_empty());
+    }
+    let never = [("output.scene_every".to_owned(), "0".to_owned())];
+    let wythe::error::DeckError::Model(error) = Deck::load(&deck, &never).unwrap_err() else {
+        panic!("the model is wrong")
+    };
+    assert_eq!(error.key(), "output.scene_every");
 }
 
 #[test]

@@ -87,7 +87,10 @@ fn model() -> Model {
             ground: GroundMotion::default(),
             springs: Vec::new(),
         }],
-        output: Output { every: 1 },
+        output: Output {
+            every: 1,
+            ..Output::default()
+        },
     }
 }
 

@@ -30,6 +30,7 @@ const RUN_HELP: &str = "\
 The folder then holds:
   history.csv            a row an increment [mm, kN, J], written as the run goes
   results.vtkhdf         displacements, stresses, damage: ParaView 5.12, VTK 9.3 or later
+  run.mcap               the same in time, with the deformed wall, for Foxglove
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
@@ -46,6 +47,15 @@ the bond), its sizes, and the memory [MB] that a run takes.
 Examples:
   wythe check examples/03_shear_wall_j7d.toml
   wythe check wall.toml --set wall.mesh=fine";
+
+const SALVAGE_HELP: &str = "\
+A run that was killed leaves a run.mcap without an end and an index, which viewers want. This reads it \
+in its order up to the last whole record, which loses the increment that was under way, and writes a \
+whole file. Not while the run goes on, unless with --out.
+
+Examples:
+  wythe salvage wall.out/run.mcap
+  wythe salvage wall.out/run.mcap --out salvaged.mcap";
 
 const MATERIAL_HELP: &str = "\
 PATH.csv has the columns eps_xx eps_yy eps_zz gam_xy gam_yz gam_zx [-] (engineering shear, tension \
@@ -94,6 +104,9 @@ pub enum Command {
     Check(Check),
     /// Take one material or interface point along a prescribed path.
     Drive(Drive),
+    /// Make the run.mcap of an interrupted run whole again.
+    #[command(after_help = SALVAGE_HELP)]
+    Salvage(Salvage),
     /// Many runs side by side, judged and told on one page.
     #[command(subcommand)]
     Study(Study),
@@ -167,6 +180,16 @@ pub struct Check {
     pub model: PathBuf,
     #[command(flatten)]
     pub with: ModelArguments,
+}
+
+/// `wythe salvage`
+#[derive(Debug, Args)]
+pub struct Salvage {
+    /// The file, run.mcap in the folder of a run.
+    pub file: PathBuf,
+    /// Where the whole file goes [default: in its place].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// `wythe drive`

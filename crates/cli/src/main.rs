@@ -7,6 +7,7 @@ mod drive;
 mod failure;
 mod interrupt;
 mod run;
+mod salvage;
 mod study;
 mod terminal;
 
@@ -42,6 +43,7 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Drive(arguments) => drive::drive(arguments),
+        Command::Salvage(arguments) => salvage::salvage(arguments),
         Command::Study(arguments) => study::study(arguments),
     }
 }

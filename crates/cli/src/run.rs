@@ -34,7 +34,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     let interrupt = Interrupt::listen();
-    let directory = RunDirectory::create(&out, &model)?;
+    let mut directory = RunDirectory::create(&out, &model)?;
     directory.keep_deck(&deck)?;
     record(&model, &warnings, directory, &interrupt, |recorder| {
         solve::run(&model, recorder)
@@ -87,10 +87,12 @@ impl Recorder for Watched<'_> {
     }
 
     fn note(&mut self, text: &str) {
+        self.directory.note(text);
         self.terminal.note(text);
     }
 
-    fn progress(&mut self, step: usize, _time: f64, iterations: usize) {
+    fn progress(&mut self, step: usize, time: f64, iterations: usize) {
+        self.directory.progress(step, time, iterations);
         self.terminal.iteration(step, iterations);
     }
 }

@@ -6,7 +6,7 @@ use super::findings;
 use super::gravity::GravityNow;
 use super::layout;
 use super::probes;
-use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Output, Step};
+use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
 use crate::error::{ModelError, Warning};
@@ -72,9 +72,7 @@ impl Model {
             initial_velocity: Vec::new(),
             springs: Vec::new(),
             probes,
-            output: Output {
-                every: deck.output.every,
-            },
+            output: deck.output()?,
         };
         let warnings = findings::findings(deck, &model)?;
         Ok((model, warnings))

@@ -7,7 +7,7 @@ use super::loading::{Loading, loading};
 use super::meeting::{Meeting, Touching, meeting};
 use super::probes;
 use super::quantity::Quantity;
-use super::scene::{Model, NamedMaterial, Output};
+use super::scene::{Model, NamedMaterial};
 use super::supports::unheld_bodies;
 use crate::error::{ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -60,9 +60,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         springs,
         probes,
         steps,
-        output: Output {
-            every: deck.output.every,
-        },
+        output: deck.output()?,
     };
     let warnings = findings::findings(deck, &model)?;
     Ok((model, warnings))

@@ -112,6 +112,9 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("residual", "residual = 5e-3"),
     ("max_iterations", "max_iterations = 25"),
     ("every", "every = 5"),
+    ("mcap", "mcap = true"),
+    ("scene_every", "scene_every = 1"),
+    ("experiment", "experiment = \"test.csv\""),
     ("alpha", "alpha = -0.05  # -1/3 to 0"),
     (
         "rayleigh",

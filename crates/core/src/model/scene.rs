@@ -374,8 +374,36 @@ pub struct Tolerance {
 }
 
 /// What is written, and how often.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// A frame of fields every so many increments (the last is always written).
     pub every: usize,
+    /// Whether `run.mcap` is written.
+    pub mcap: bool,
+    /// A scene in `run.mcap` every so many frames of fields.
+    pub scene_every: usize,
+    /// What the run is compared with.
+    pub experiment: Option<Experiment>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            every: 5,
+            mcap: true,
+            scene_every: 1,
+            experiment: None,
+        }
+    }
+}
+
+/// A measured load-displacement curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Name of the file, without its folder.
+    pub file: String,
+    /// The file as it is.
+    pub text: String,
+    /// Displacement [mm] and force [kN]. `[point][2]`
+    pub points: Vec<[f64; 2]>,
 }

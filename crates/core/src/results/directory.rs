@@ -8,8 +8,8 @@ use miette::Diagnostic;
 
 use super::summary::{EnergyBalance, Measured, ProbeRange, write_whole};
 use super::{
-    Curve, Frame, HistoryRow, HistoryWriter, Recorder, Summary, SummaryFile, VtkHdfWriter,
-    elevation, plot, usage,
+    Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, Summary, SummaryFile,
+    VtkHdfWriter, elevation, plot, usage,
 };
 use crate::model::scene::{BeamMotion, Step};
 use crate::model::{Deck, Model};
@@ -20,6 +20,8 @@ pub const HISTORY: &str = "history.csv";
 pub const DECK: &str = "model.toml";
 /// Name of the fields in the folder.
 pub const FIELDS: &str = "results.vtkhdf";
+/// Name of the messages in the folder.
+pub const MESSAGES: &str = "run.mcap";
 /// Name of the summary in the folder.
 pub const SUMMARY: &str = "summary.json";
 /// Name of the load-displacement curve in the folder.
@@ -66,7 +68,7 @@ impl From<OutputError> for io::Error {
     }
 }
 
-/// Writes everything that a run leaves behind: [`HISTORY`] and [`FIELDS`] as the increments come,
+/// Writes everything that a run leaves behind: [`HISTORY`], [`FIELDS`] and [`MESSAGES`] as the increments come,
 /// the pictures and last of all [`SUMMARY`] at the end. A folder without a summary is that of a run
 /// which goes on, was killed, or could not write.
 #[derive(Debug)]
@@ -74,6 +76,7 @@ pub struct RunDirectory {
     path: PathBuf,
     history: HistoryWriter,
     fields: VtkHdfWriter,
+    messages: Option<McapWriter>,
     curve: Curve,
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
@@ -97,7 +100,9 @@ impl RunDirectory {
             why,
         })?;
         // The summary goes first: it says that the rest is whole.
-        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK] {
+        let unwanted = (!model.output.mcap).then_some(MESSAGES);
+        let names = [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK];
+        for name in names.into_iter().chain(unwanted) {
             let old = path.join(name);
             match std::fs::remove_file(&old) {
                 Err(why) if why.kind() != io::ErrorKind::NotFound => {
@@ -108,10 +113,12 @@ impl RunDirectory {
         }
         let history = writing(path, HISTORY, |file| HistoryWriter::create(file, model))?;
         let fields = writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?;
+        let messages = begin_messages(path, model)?;
         Ok(Self {
             path: path.to_owned(),
             history,
             fields,
+            messages,
             curve: Curve::default(),
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.probes.len()],
@@ -121,14 +128,20 @@ impl RunDirectory {
         })
     }
 
-    /// Keeps a copy of the deck, overrides taken in.
+    /// Keeps a copy of the deck, overrides taken in, beside the results and in [`MESSAGES`].
     ///
     /// # Errors
     /// [`OutputError::Write`].
-    pub fn keep_deck(&self, deck: &Deck) -> Result<(), OutputError> {
-        writing(&self.path, DECK, |file| {
+    pub fn keep_deck(&mut self, deck: &Deck) -> Result<(), OutputError> {
+        let text = writing(&self.path, DECK, |file| {
             let text = deck.to_toml().map_err(io::Error::other)?;
-            write_whole(file, text.as_bytes())
+            write_whole(file, text.as_bytes()).map(|()| text)
+        })?;
+        let Some(messages) = &mut self.messages else {
+            return Ok(());
+        };
+        writing(&self.path, MESSAGES, |_| {
+            messages.attach(DECK, "application/toml", &text)
         })
     }
 
@@ -154,6 +167,7 @@ impl RunDirectory {
     ) -> Result<SummaryFile, OutputError> {
         let Self {
             path,
+            messages,
             curve,
             energy,
             probes,
@@ -166,6 +180,11 @@ impl RunDirectory {
             let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
             write_whole(file, svg.as_bytes())
         })?;
+        if let Some(messages) = messages {
+            writing(&path, MESSAGES, |_| {
+                messages.finish(model, last_frame.as_ref(), run, model_warnings)
+            })?;
+        }
         if let Some(frame) = last_frame {
             let svg = elevation::crack_pattern(model, &frame);
             writing(&path, CRACK_PATTERN, |file| {
@@ -191,6 +210,20 @@ impl RunDirectory {
     }
 }
 
+/// Begins [`MESSAGES`], with the experiment that the deck names; none if it wants none.
+fn begin_messages(folder: &Path, model: &Model) -> Result<Option<McapWriter>, OutputError> {
+    if !model.output.mcap {
+        return Ok(None);
+    }
+    writing(folder, MESSAGES, |file| {
+        let mut messages = McapWriter::create(file, model)?;
+        if let Some(experiment) = &model.output.experiment {
+            messages.attach(&experiment.file, "text/csv", &experiment.text)?;
+        }
+        Ok(Some(messages))
+    })
+}
+
 /// Does something to a file of the folder and names the file if it fails.
 fn writing<T>(
     folder: &Path,
@@ -214,6 +247,7 @@ impl Recorder for RunDirectory {
             path,
             history,
             fields,
+            messages,
             ..
         } = self;
         writing(path, HISTORY, |_| history.append(row))?;
@@ -227,7 +261,22 @@ impl Recorder for RunDirectory {
             writing(path, FIELDS, |_| fields.append(frame))?;
             self.last_frame = Some(frame.clone());
         }
+        if let Some(messages) = messages {
+            writing(path, MESSAGES, |_| messages.increment(model, row, frame))?;
+        }
         Ok(true)
+    }
+
+    fn note(&mut self, text: &str) {
+        if let Some(messages) = &mut self.messages {
+            messages.note(text);
+        }
+    }
+
+    fn progress(&mut self, step: usize, time: f64, iterations: usize) {
+        if let Some(messages) = &mut self.messages {
+            messages.progress(step, time, iterations);
+        }
     }
 }
 
@@ -263,7 +312,7 @@ mod tests {
             );
             assert_eq!(
                 names(&path),
-                [HISTORY, FIELDS],
+                [HISTORY, FIELDS, MESSAGES],
                 "nothing that says whole while it runs"
             );
         }
@@ -272,7 +321,14 @@ mod tests {
             .unwrap();
         assert_eq!(
             names(&path),
-            [CRACK_PATTERN, HISTORY, LOAD_DISPLACEMENT, FIELDS, SUMMARY]
+            [
+                CRACK_PATTERN,
+                HISTORY,
+                LOAD_DISPLACEMENT,
+                FIELDS,
+                MESSAGES,
+                SUMMARY
+            ]
         );
         assert_eq!(summary.peak_force_kN, Some(20.0));
         assert_eq!(summary.displacement_at_80_percent_mm, Some(2.4));
@@ -283,7 +339,7 @@ mod tests {
         // The next run into the same folder begins by removing what says "whole".
         std::fs::write(path.join("notes.txt"), "mine").unwrap();
         let _next = RunDirectory::create(&path, &model).unwrap();
-        assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS]);
+        assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS, MESSAGES]);
         let header_only = std::fs::read_to_string(path.join(HISTORY)).unwrap();
         assert_eq!(header_only.lines().count(), 1);
     }
@@ -311,5 +367,28 @@ mod tests {
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
         assert!(error.to_string().contains(HISTORY), "{error}");
         assert_eq!(names(folder.path()), [HISTORY]);
+    }
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn messages_that_cannot_be_written_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = fake::model();
+        let messages = folder.path().join(MESSAGES);
+        std::os::unix::fs::symlink("/dev/full", &messages).unwrap();
+        let error = io::Error::from(RunDirectory::create(folder.path(), &model).unwrap_err());
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(error.to_string().contains(MESSAGES), "{error}");
+    }
+
+    #[test]
+    fn messages_that_are_not_wanted_are_not_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut model = fake::model();
+        drop(RunDirectory::create(folder.path(), &model).unwrap());
+        model.output.mcap = false;
+        let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+        run.note("nobody hears");
+        run.progress(0, 0.0, 1);
+        assert_eq!(names(folder.path()), [HISTORY, FIELDS]);
     }
 }

@@ -70,7 +70,10 @@ pub fn model() -> Model {
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
         ],
-        output: Output { every: 1 },
+        output: Output {
+            every: 1,
+            ..Output::default()
+        },
     }
 }
 

@@ -3,6 +3,7 @@
 //! ```text
 //! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
 //!                                               ├─▶ results.vtkhdf       a step an output increment
+//!                                               ├─▶ run.mcap             messages an increment
 //!                                               ├─▶ model.toml           the deck, overrides taken in
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
@@ -14,6 +15,7 @@ pub mod directory;
 pub mod elevation;
 pub mod frame;
 pub mod history;
+pub mod mcap;
 pub mod plot;
 pub mod reading;
 pub mod summary;
@@ -29,6 +31,7 @@ pub use frame::{
     Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
 };
 pub use history::HistoryWriter;
+pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;

@@ -8,6 +8,7 @@ mod grid;
 mod ground;
 mod interfaces;
 mod materials;
+mod output;
 mod probes;
 mod procedure;
 mod rows;
@@ -108,16 +109,28 @@ pub struct Contact {
 }
 
 /// `[output]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
     /// A frame of fields every so many increments; the last one always.
     pub every: usize,
+    /// Whether `run.mcap` is written.
+    pub mcap: bool,
+    /// A scene in `run.mcap` every so many frames of fields.
+    pub scene_every: usize,
+    /// A measured load-displacement curve: a CSV file in the deck's folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<String>,
 }
 
 impl Default for DeckOutput {
     fn default() -> Self {
-        Self { every: 5 }
+        Self {
+            every: 5,
+            mcap: true,
+            scene_every: 1,
+            experiment: None,
+        }
     }
 }
 

@@ -23,7 +23,7 @@
 //! holds the steps that `NSteps` counts.
 
 pub mod grid;
-mod quarters;
+pub(super) mod quarters;
 pub mod read;
 
 use std::io;

@@ -7,7 +7,7 @@ use crate::model::Model;
 
 /// Weights of a facet's corners at the nine points of its quarters: corners, middles of the edges from
 /// corner k to the next, the middle.
-const WEIGHTS: [[f64; 4]; 9] = [
+pub const WEIGHTS: [[f64; 4]; 9] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.0, 1.0, 0.0, 0.0],
     [0.0, 0.0, 1.0, 0.0],
@@ -21,7 +21,7 @@ const WEIGHTS: [[f64; 4]; 9] = [
 
 /// Points of the quarter around each contact point: its corner, the next edge, the middle, the edge
 /// before.
-const QUARTERS: [[i64; 4]; 4] = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]];
+pub const QUARTERS: [[i64; 4]; 4] = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]];
 
 /// Quads of the interfaces.
 #[derive(Debug)]

@@ -52,6 +52,12 @@ pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
         || "a frame every 0 increments means nothing".to_owned(),
         "1 writes every increment",
     );
+    checks.require(
+        deck.output.scene_every > 0,
+        "output.scene_every",
+        || "a scene every 0 frames means nothing".to_owned(),
+        "1 shows every frame; mcap = false writes no run.mcap at all",
+    );
     if let Some(radius) = deck.contact.search_radius {
         checks.positive("contact.search_radius", radius);
     }

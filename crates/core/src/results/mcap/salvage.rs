@@ -1,0 +1,306 @@
+//! Gives an interrupted MCAP file its end and its index.
+//!
+//! The file is read in its order up to the last whole record; a chunk counts as whole if its checksum
+//! is right. What was read is written to a file beside it, which takes its place only when it is whole.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read};
+use std::path::{Path, PathBuf};
+
+use ::mcap::records::{Header, Record, op};
+use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use ::mcap::{Attachment, MAGIC, McapError, McapResult, Writer, parse_record};
+use miette::Diagnostic;
+
+use super::{into_io, options};
+use crate::error::IoError;
+
+/// A file that cannot be salvaged.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum SalvageError {
+    /// A file that cannot be read or written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Io(#[from] IoError),
+    /// Not the begin of an MCAP file.
+    #[error("{}: no MCAP file: it does not begin like one", .0.display())]
+    #[diagnostic(help(
+        "name the run.mcap in the folder of a run; if this is one, it was cut within its first bytes \
+         and holds nothing"
+    ))]
+    NotMcap(PathBuf),
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Salvaged {
+    /// Messages in the file.
+    pub messages: u64,
+    /// Attachments in the file.
+    pub attachments: u64,
+    /// Bytes after the last whole record, which are left out.
+    pub lost_bytes: u64,
+    /// Whether the file was whole: it was left as it is.
+    pub was_whole: bool,
+}
+
+/// Reads `file` up to its last whole record and writes a whole file in its place, or to `out`. A file
+/// that is whole is left alone, unless there is an `out`.
+///
+/// # Errors
+/// `file` cannot be read or is no MCAP file, or the new one cannot be written; `file` is as it was
+/// then.
+pub fn salvage(file: &Path, out: Option<&Path>) -> Result<Salvaged, SalvageError> {
+    let at = |path: &Path| {
+        let path = path.to_owned();
+        move |why| IoError { path, why }
+    };
+    let mut source = Source::open(file).map_err(at(file))?;
+    let Some(header) = source.begin().map_err(at(file))? else {
+        return Err(SalvageError::NotMcap(file.to_owned()));
+    };
+    let target = out.unwrap_or(file);
+    let mut temporary = target.as_os_str().to_owned();
+    temporary.push(".tmp");
+    let temporary = PathBuf::from(temporary);
+    let new = File::create(&temporary).map_err(at(&temporary))?;
+    let outcome = rewrite(source, &header, new).and_then(|found| {
+        if found.was_whole && out.is_none() {
+            std::fs::remove_file(&temporary)?;
+        } else {
+            std::fs::rename(&temporary, target)?;
+        }
+        Ok(found)
+    });
+    if outcome.is_err() {
+        // Best effort: the error that matters is the first.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    Ok(outcome.map_err(at(target))?)
+}
+
+fn rewrite(mut source: Source, header: &Header, new: File) -> io::Result<Salvaged> {
+    let mut writer = options(&header.profile, &header.library)
+        .create(BufWriter::new(new))
+        .map_err(into_io)?;
+    let found = copy(&mut source, &mut writer)?;
+    writer.finish().map_err(into_io)?;
+    let file = writer.into_inner().into_inner();
+    file.map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    Ok(found)
+}
+
+type Out = Writer<BufWriter<File>>;
+
+/// Copies whole records until there are no more.
+fn copy(source: &mut Source, writer: &mut Out) -> io::Result<Salvaged> {
+    let mut found = Salvaged::default();
+    loop {
+        let kept = source.read;
+        let record = source.record()?;
+        let taken = match &record {
+            Some((op::DATA_END, _)) => {
+                found.was_whole = source.ends_well()?;
+                return Ok(found);
+            }
+            Some((op::CHUNK, body)) => match records_of_chunk(body) {
+                Ok(records) => {
+                    let taken = take_all(&records, writer, &mut found)?;
+                    // A chunk each, as it was.
+                    writer.flush().map_err(into_io)?;
+                    taken
+                }
+                Err(_) => false,
+            },
+            Some((opcode, body)) => take(*opcode, body, writer, &mut found)?,
+            None => false,
+        };
+        if !taken {
+            found.lost_bytes = source.length - kept;
+            return Ok(found);
+        }
+    }
+}
+
+fn take_all(records: &[(u8, Vec<u8>)], out: &mut Out, found: &mut Salvaged) -> io::Result<bool> {
+    for (opcode, body) in records {
+        if !take(*opcode, body, out, found)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Writes a record; false if it is none. Indices are made anew.
+fn take(opcode: u8, body: &[u8], writer: &mut Out, found: &mut Salvaged) -> io::Result<bool> {
+    // The parser takes it for granted that a record holds its checksum.
+    if opcode == 0 || (opcode == op::ATTACHMENT && body.len() < LEAST_ATTACHMENT) {
+        return Ok(false);
+    }
+    let Ok(record) = parse_record(opcode, body) else {
+        return Ok(false);
+    };
+    let written = match record {
+        Record::Schema { header, data } => writer
+            .add_schema_with_id(header.id, &header.name, &header.encoding, &data)
+            .map(drop),
+        Record::Channel(c) => writer
+            .add_channel_with_id(
+                c.id,
+                c.schema_id,
+                &c.topic,
+                &c.message_encoding,
+                &c.metadata,
+            )
+            .map(drop),
+        Record::Message { header, data } => {
+            found.messages += 1;
+            writer.write_to_known_channel(&header, &data)
+        }
+        Record::Attachment { header, data, .. } => {
+            found.attachments += 1;
+            writer.attach(&Attachment {
+                log_time: header.log_time,
+                create_time: header.create_time,
+                name: header.name,
+                media_type: header.media_type,
+                data,
+            })
+        }
+        Record::Metadata(metadata) => writer.write_metadata(&metadata),
+        Record::MessageIndex(_) | Record::Unknown { .. } => Ok(()),
+        // Nothing else stands before the end of the data.
+        _ => return Ok(false),
+    };
+    match written {
+        Ok(()) => Ok(true),
+        // What contradicts the records before it is damaged.
+        Err(
+            McapError::ConflictingChannels(_)
+            | McapError::ConflictingSchemas(_)
+            | McapError::InvalidSchemaId
+            | McapError::UnknownChannel(..)
+            | McapError::UnknownSchema(..),
+        ) => Ok(false),
+        Err(error) => Err(into_io(error)),
+    }
+}
+
+/// Two times, two lengths of texts, the length of the data, the checksum.
+const LEAST_ATTACHMENT: usize = 8 + 8 + 4 + 4 + 8 + 4;
+
+/// Most bytes of a chunk for one packed, and for all: a damaged length must not fill the memory.
+const MOST_PACKED: usize = 4096;
+const MOST_BYTES: usize = 1 << 30;
+
+/// The records of a chunk whose checksum is right.
+fn records_of_chunk(body: &[u8]) -> McapResult<Vec<(u8, Vec<u8>)>> {
+    // Of a chunk that is not packed nothing may follow the records.
+    if let Record::Chunk { header, data } = parse_record(op::CHUNK, body)?
+        && header.compression.is_empty()
+        && (data.len() as u64 != header.uncompressed_size || !body.ends_with(&data))
+    {
+        return Err(McapError::UnexpectedEoc);
+    }
+    let limit = MOST_PACKED.saturating_mul(body.len()).min(MOST_BYTES);
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(limit),
+    );
+    let mut bytes = Vec::with_capacity(9 + body.len());
+    bytes.push(op::CHUNK);
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(body);
+    let mut bytes = bytes.as_slice();
+    let mut records = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let wanted = wanted.min(bytes.len());
+                let read = bytes.read(reader.insert(wanted))?;
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { opcode, data } => records.push((opcode, data.to_vec())),
+        }
+    }
+    Ok(records)
+}
+
+/// An MCAP file, record by record.
+struct Source {
+    file: BufReader<File>,
+    /// Bytes of the file.
+    length: u64,
+    /// Bytes read, up to the end of a record.
+    read: u64,
+}
+
+impl Source {
+    fn open(path: &Path) -> io::Result<Self> {
+        let file = File::open(path)?;
+        let about = file.metadata()?;
+        if about.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        Ok(Self {
+            file: BufReader::new(file),
+            length: about.len(),
+            read: 0,
+        })
+    }
+
+    /// The header; none of what is no MCAP file.
+    fn begin(&mut self) -> io::Result<Option<Header>> {
+        if self.bytes(MAGIC.len() as u64)?.as_deref() != Some(MAGIC) {
+            return Ok(None);
+        }
+        let record = self.record()?;
+        let Some((op::HEADER, body)) = &record else {
+            return Ok(None);
+        };
+        match parse_record(op::HEADER, body) {
+            Ok(Record::Header(header)) => Ok(Some(header)),
+            _ => Ok(None),
+        }
+    }
+
+    /// The next record; none if it is not all there.
+    fn record(&mut self) -> io::Result<Option<(u8, Vec<u8>)>> {
+        let Some(head) = self.bytes(9)? else {
+            return Ok(None);
+        };
+        let Some((&opcode, length)) = head.split_first() else {
+            return Ok(None);
+        };
+        let length = length.iter().rev().fold(0, |n, b| (n << 8) | u64::from(*b));
+        Ok(self.bytes(length)?.map(|body| (opcode, body)))
+    }
+
+    /// Whether footer and magic close the file, from the end of the data on.
+    fn ends_well(&mut self) -> io::Result<bool> {
+        loop {
+            match self.record()? {
+                Some((op::FOOTER, _)) => {
+                    let magic = self.bytes(MAGIC.len() as u64)?;
+                    return Ok(magic.as_deref() == Some(MAGIC) && self.read == self.length);
+                }
+                Some(_) => {}
+                None => return Ok(false),
+            }
+        }
+    }
+
+    /// The next bytes, if there are so many.
+    fn bytes(&mut self, count: u64) -> io::Result<Option<Vec<u8>>> {
+        if count > self.length.saturating_sub(self.read) {
+            return Ok(None);
+        }
+        let mut bytes = Vec::new();
+        (&mut self.file).take(count).read_to_end(&mut bytes)?;
+        self.read += bytes.len() as u64;
+        Ok((bytes.len() as u64 == count).then_some(bytes))
+    }
+}
