@@ -112,7 +112,13 @@ fn bad_files_name_the_line_and_the_fix() {
             panic!("{error}");
         };
         assert_eq!(error.key(), "blocks.1.nodes");
-        assert_eq!(error.line(), Some(24));
+        let written = format!("{HEAD}{SCENE}");
+        let line_of_key = written
+            .lines()
+            .position(|l| l.starts_with("nodes"))
+            .unwrap()
+            + 1;
+        assert_eq!(error.line(), Some(line_of_key));
         let text = error.message();
         assert!(text.contains("body.csv") && text.contains(line), "{text}");
         assert!(text.contains(message), "{text}");
