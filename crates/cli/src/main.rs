@@ -5,10 +5,15 @@ mod arguments;
 mod check;
 mod drive;
 mod failure;
+mod findings;
 mod interrupt;
+mod new;
 mod run;
+mod schema;
+mod shell;
 mod study;
 mod terminal;
+mod unicode;
 
 use std::process::ExitCode;
 
@@ -19,6 +24,7 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    failure::draw_as_the_terminal_can();
     let outcome = std::panic::catch_unwind(|| dispatch(&arguments.command));
     match outcome {
         Ok(Ok(())) => ExitCode::SUCCESS,
@@ -40,8 +46,12 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments),
+        Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Schema => schema::schema(),
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Study(arguments) => study::study(arguments),
+        Command::Completions(arguments) => shell::completions(arguments),
+        Command::Man(arguments) => shell::man(arguments),
     }
 }
