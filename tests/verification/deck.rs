@@ -35,7 +35,11 @@ fn every_example_builds_and_is_short() {
         let deck = load(name, &[]);
         Model::from_deck(&deck).unwrap();
         let text = std::fs::read_to_string(path(name)).unwrap();
-        assert!(text.starts_with("# "), "{name} opens with a drawing");
+        let opening = "#:schema ../docs/deck.schema.json\n# ";
+        assert!(
+            text.starts_with(opening),
+            "{name} opens with its schema and a drawing"
+        );
         let lines = text
             .lines()
             .filter(|l| !l.is_empty() && !l.starts_with('#'))

@@ -3,7 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::new;
 
 /// Pushes walls of bricks to collapse: the detailed micro-model of masonry.
 ///
@@ -19,9 +22,10 @@ pub struct Arguments {
 
 const EXIT_CODES: &str = "\
 Examples:
-  wythe check examples/03_shear_wall_j7d.toml
-  wythe run examples/03_shear_wall_j7d.toml --threads 4
-  wythe drive material brick --model examples/03_shear_wall_j7d.toml --path tension.csv
+  wythe new wall --template shear-wall
+  wythe check wall.toml
+  wythe run wall.toml --threads 4
+  wythe drive material brick --model wall.toml --path tension.csv
 
 Exit codes: 0 completed; 2 bad model or usage; 3 not converged, results kept; 4 input/output; \
 130 interrupted; 1 a bug of wythe.";
@@ -36,16 +40,31 @@ The folder then holds:
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
 a second Ctrl-C stops at once.
 
+Progress goes to standard error: a bar with the force so far and the time left on a terminal, a line an \
+increment elsewhere. With --progress json it goes to standard output, an object a line, its \
+\"event\" one of begin, increment, note, end. NO_COLOR takes the colours away; where the locale is not \
+UTF-8, all is drawn in ASCII.
+
 Examples:
-  wythe run examples/03_shear_wall_j7d.toml
+  wythe run wall.toml
+  wythe run wall.toml --progress json | jq .force_kN
   wythe run wall.toml --out fine.out --set wall.mesh=fine --set steps.1.displacement='6 mm'";
 
 const CHECK_HELP: &str = "\
-Prints warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
+Two layers. The form: keys, types, units, ranges, names; and where that is right the physics: tables, \
+snap-back, bodies that nothing holds, faces that do not meet. All errors of a layer are told at once, with \
+line, place and advice.
+
+Where there are none: warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
 the bond), its sizes, and the memory [MB] that a run takes.
 
+With --json one object on standard output, errors or not: file, ok, layer (\"form\" or \"physics\", where \
+ok is false), errors [file, key, line, column, message, help], warnings [key, line, column, message]; and \
+where ok is true title, notes, sizes, memory_MB.
+
 Examples:
-  wythe check examples/03_shear_wall_j7d.toml
+  wythe check wall.toml
+  wythe check wall.toml --json | jq '.errors[] | [.line, .key, .message]'
   wythe check wall.toml --set wall.mesh=fine";
 
 const SALVAGE_HELP: &str = "\
@@ -56,6 +75,41 @@ whole file. Not while the run goes on, unless with --out.
 Examples:
   wythe salvage wall.out/run.mcap
   wythe salvage wall.out/run.mcap --out salvaged.mcap";
+const NEW_HELP: &str = "\
+Writes NAME.toml, a commented deck that runs as it is, and beside it deck.schema.json, by which editors \
+complete and check it (any with a TOML language server, such as taplo or Even Better TOML).
+
+Examples:
+  wythe new --list
+  wythe new wall --template shear-wall
+  wythe new tests/arch --template arch --force";
+
+const SCHEMA_HELP: &str = "\
+Editors with a TOML language server complete and check a deck whose first line names the schema:
+  #:schema ./deck.schema.json
+
+Example:
+  wythe schema > deck.schema.json";
+
+const COMPLETIONS_HELP: &str = "\
+Examples:
+  wythe completions bash > ~/.local/share/bash-completion/completions/wythe
+  wythe completions zsh > ~/.zfunc/_wythe
+  wythe completions fish > ~/.config/fish/completions/wythe.fish";
+
+const MAN_HELP: &str = "\
+Examples:
+  wythe man | man -l -
+  wythe man --out ~/.local/share/man/man1";
+
+const DRIVE_HELP: &str = "\
+Examples:
+  wythe drive material brick --model wall.toml --path tension.csv
+  wythe drive interface joint --model wall.toml --path shear.csv --stress normal";
+
+const STUDY_HELP: &str = "\
+Example:
+  wythe study stability --short --only 1,17";
 
 const MATERIAL_HELP: &str = "\
 PATH.csv has the columns eps_xx eps_yy eps_zz gam_xy gam_yz gam_zx [-] (engineering shear, tension \
@@ -96,6 +150,9 @@ Examples:
 /// The sub-commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented deck that runs as it is.
+    #[command(after_help = NEW_HELP)]
+    New(New),
     /// Run a model through all its steps.
     #[command(after_help = RUN_HELP)]
     Run(Run),
@@ -103,13 +160,23 @@ pub enum Command {
     #[command(after_help = CHECK_HELP)]
     Check(Check),
     /// Take one material or interface point along a prescribed path.
+    #[command(after_help = DRIVE_HELP)]
     Drive(Drive),
     /// Make the run.mcap of an interrupted run whole again.
     #[command(after_help = SALVAGE_HELP)]
     Salvage(Salvage),
     /// Many runs side by side, judged and told on one page.
-    #[command(subcommand)]
+    #[command(subcommand, after_help = STUDY_HELP)]
     Study(Study),
+    /// Print the JSON schema of decks, by which editors complete and check them.
+    #[command(after_help = SCHEMA_HELP)]
+    Schema,
+    /// Print a script that completes this command in a shell.
+    #[command(after_help = COMPLETIONS_HELP)]
+    Completions(Completions),
+    /// Print the manual page, or write those of all sub-commands.
+    #[command(after_help = MAN_HELP)]
+    Man(Man),
 }
 
 /// `wythe study`
@@ -169,8 +236,57 @@ pub struct Run {
     /// Threads; results do not depend on them [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// How progress is told.
+    #[arg(long, value_enum, value_name = "HOW", default_value = "auto")]
+    pub progress: Progress,
+    /// Say nothing but errors.
+    #[arg(long, short, conflicts_with = "progress")]
+    pub quiet: bool,
     #[command(flatten)]
     pub with: ModelArguments,
+}
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Progress {
+    /// A bar on a terminal, lines elsewhere.
+    Auto,
+    /// A line an increment, on standard error.
+    Plain,
+    /// An object an increment, on standard output.
+    Json,
+}
+
+/// `wythe new`
+#[derive(Debug, Args)]
+pub struct New {
+    /// Name of the deck: NAME.toml is written.
+    #[arg(required_unless_present = "list")]
+    pub name: Option<PathBuf>,
+    /// What it describes, see --list.
+    #[arg(long, value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(new::NAMES), default_value = "couplet")]
+    pub template: String,
+    /// Overwrite NAME.toml.
+    #[arg(long)]
+    pub force: bool,
+    /// List the templates.
+    #[arg(long, conflicts_with_all = ["name", "template", "force"])]
+    pub list: bool,
+}
+
+/// `wythe completions`
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+/// `wythe man`
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Folder for the pages of all sub-commands: wythe.1, wythe-run.1, ...
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// `wythe check`
@@ -178,6 +294,9 @@ pub struct Run {
 pub struct Check {
     /// The model, a TOML file.
     pub model: PathBuf,
+    /// Print one JSON object, for machines.
+    #[arg(long)]
+    pub json: bool,
     #[command(flatten)]
     pub with: ModelArguments,
 }

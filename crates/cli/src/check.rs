@@ -2,23 +2,86 @@
 
 use std::io::Write;
 
-use wythe_core::model::{Deck, Model};
+use serde_json::{Value, json};
 
 use crate::arguments::Check;
 use crate::failure::Failure;
+use crate::findings::{self, Sound, Unsound};
 
-/// Reads and builds the model, and prints what follows from it.
+/// Reads and builds the model, and prints what is wrong with it, or what follows from it.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
-    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
-    let (model, _) = Model::from_deck(&deck)?;
-    let report = wythe_core::model::check(&deck, &model);
-    print(&report.to_string())
+    let path = &arguments.model;
+    let found = findings::read(path, &arguments.with);
+    if arguments.json {
+        return print_json(path, found);
+    }
+    let Sound {
+        deck,
+        model,
+        warnings,
+    } = found.map_err(|unsound| unsound.tell(path))?;
+    let mut report = wythe_core::model::check(&deck, &model);
+    // These are drawn with their places.
+    report.warnings.clear();
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let drawn: String = warnings.iter().map(|w| findings::drawn(w, &text)).collect();
+    print(&format!("{drawn}{report}"))
+}
+
+/// One object, whatever was found.
+fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(), Failure> {
+    let file = path.display().to_string();
+    let (object, outcome): (Value, _) = match found {
+        Err(Unsound::Unread(failure)) => return Err(failure),
+        Err(Unsound::Wrong(layer, error)) => {
+            let errors: Vec<Value> = error.all().map(findings::error_json).collect();
+            let warnings: Vec<Value> = error
+                .warnings()
+                .iter()
+                .map(findings::warning_json)
+                .collect();
+            let object = json!({
+                "file": file,
+                "ok": false,
+                "layer": layer.name(),
+                "errors": errors,
+                "warnings": warnings,
+            });
+            (object, Err(Failure::ToldModel))
+        }
+        Ok(Sound {
+            deck,
+            model,
+            warnings,
+        }) => {
+            let report = wythe_core::model::check(&deck, &model);
+            let warnings: Vec<Value> = warnings.iter().map(findings::warning_json).collect();
+            let object = json!({
+                "file": file,
+                "ok": true,
+                "title": report.title,
+                "errors": [],
+                "warnings": warnings,
+                "notes": report.notes,
+                "sizes": report.sizes,
+                "memory_MB": report.memory_mb,
+            });
+            (object, Ok(()))
+        }
+    };
+    print(&format!("{object}\n"))?;
+    outcome
 }
 
 /// Writes to standard output; a reader that has had enough is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
+    print_bytes(text.as_bytes())
+}
+
+/// The same for bytes.
+pub fn print_bytes(text: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(text).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::InputOutput(
             miette::Report::msg(format!("standard output cannot be written: {error}")),
         )),

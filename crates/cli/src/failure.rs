@@ -6,6 +6,8 @@ use wythe_core::results::OutputError;
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
+use crate::unicode;
+
 /// Exit code of our own mistakes.
 pub const BUG: u8 = 1;
 const MODEL: u8 = 2;
@@ -19,6 +21,8 @@ pub const INTERRUPTED: u8 = 130;
 pub enum Failure {
     /// The model, the path of a point or the usage is wrong.
     Model(Report),
+    /// The model is wrong, and what is wrong has been told.
+    ToldModel,
     /// Equilibrium or a stress-driven point was not found; everything before it is kept.
     NotConverged(Report),
     /// A file could not be read or written.
@@ -41,7 +45,7 @@ impl Failure {
     /// The exit code of the command.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Model(_) => MODEL,
+            Self::Model(_) | Self::ToldModel => MODEL,
             Self::NotConverged(_) => NOT_CONVERGED,
             Self::InputOutput(_) => INPUT_OUTPUT,
             Self::Interrupted => INTERRUPTED,
@@ -54,9 +58,24 @@ impl Failure {
             Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
                 eprintln!("{report:?}");
             }
-            Self::Interrupted => {}
+            Self::ToldModel | Self::Interrupted => {}
         }
     }
+}
+
+/// Reports in ASCII where the locale is not UTF-8, without colours where they are not wanted.
+pub fn draw_as_the_terminal_can() {
+    let set = miette::set_hook(Box::new(|_| {
+        let options = miette::MietteHandlerOpts::new().unicode(unicode::is_on());
+        let options = if unicode::colours() {
+            options
+        } else {
+            options.color(false)
+        };
+        Box::new(options.build())
+    }));
+    // Only a second hook would be refused, and this is the only one.
+    debug_assert!(set.is_ok());
 }
 
 impl From<ModelError> for Failure {

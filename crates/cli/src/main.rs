@@ -5,11 +5,16 @@ mod arguments;
 mod check;
 mod drive;
 mod failure;
+mod findings;
 mod interrupt;
+mod new;
 mod run;
 mod salvage;
+mod schema;
+mod shell;
 mod study;
 mod terminal;
+mod unicode;
 
 use std::process::ExitCode;
 
@@ -20,6 +25,7 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    failure::draw_as_the_terminal_can();
     let outcome = std::panic::catch_unwind(|| dispatch(&arguments.command));
     match outcome {
         Ok(Ok(())) => ExitCode::SUCCESS,
@@ -41,9 +47,13 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments),
+        Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Schema => schema::schema(),
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Salvage(arguments) => salvage::salvage(arguments),
         Command::Study(arguments) => study::study(arguments),
+        Command::Completions(arguments) => shell::completions(arguments),
+        Command::Man(arguments) => shell::man(arguments),
     }
 }

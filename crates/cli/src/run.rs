@@ -3,7 +3,8 @@
 use std::io;
 use std::path::Path;
 
-use wythe_core::model::{Deck, Model};
+use serde_json::{Value, json};
+use wythe_core::model::Model;
 use wythe_core::results::{
     Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
 };
@@ -12,13 +13,18 @@ use wythe_core::solve::{self, RunError};
 use crate::arguments::Run;
 use crate::check::print;
 use crate::failure::Failure;
+use crate::findings::{self, Sound};
 use crate::interrupt::Interrupt;
 use crate::terminal::{Terminal, count};
 
 /// Runs the model and writes its folder.
 pub fn run(arguments: &Run) -> Result<(), Failure> {
-    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
-    let (model, warnings) = Model::from_deck(&deck)?;
+    let read = findings::read(&arguments.model, &arguments.with);
+    let Sound {
+        deck,
+        model,
+        warnings,
+    } = read.map_err(|unsound| unsound.tell(&arguments.model))?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     if let Some(threads) = arguments.threads {
         // Only a second call could fail, and this is the only one.
@@ -30,13 +36,13 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| arguments.model.with_extension("out"));
-    for warning in &warnings {
-        eprintln!("warning: {warning}");
-    }
+    let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
+    terminal.begin(&model, &warnings, &out);
     let interrupt = Interrupt::listen();
     let mut directory = RunDirectory::create(&out, &model)?;
     directory.keep_deck(&deck)?;
-    record(&model, &warnings, directory, &interrupt, |recorder| {
+    let watched = (directory, terminal);
+    record(&model, &warnings, watched, &interrupt, |recorder| {
         solve::run(&model, recorder)
     })
 }
@@ -45,14 +51,14 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
 fn record(
     model: &Model,
     warnings: &[String],
-    directory: RunDirectory,
+    (directory, terminal): (RunDirectory, Terminal),
     interrupt: &Interrupt,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
     let out = directory.path().to_owned();
     let mut watched = Watched {
         directory,
-        terminal: Terminal::new(model),
+        terminal,
         interrupt,
     };
     let ended = solve(&mut watched);
@@ -60,7 +66,10 @@ fn record(
     let summary = watched.directory.finish(model, &ended?, warnings)?;
     // Those of the model were told at the start.
     let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
-    print(&conclusion(&summary, new_warnings, &out))?;
+    print(&watched.terminal.conclude(
+        || conclusion(&summary, new_warnings, &out),
+        || end(&summary, new_warnings, &out),
+    ))?;
     match summary.status {
         Status::Completed => Ok(()),
         Status::Interrupted => Err(Failure::Interrupted),
@@ -95,6 +104,24 @@ impl Recorder for Watched<'_> {
         self.directory.progress(step, time, iterations);
         self.terminal.iteration(step, iterations);
     }
+}
+
+/// The last object of a run.
+fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
+    json!({
+        "event": "end",
+        "status": summary.status,
+        "message": summary.message,
+        "peak_force_kN": summary.peak_force_kN,
+        "displacement_at_peak_mm": summary.displacement_at_peak_mm,
+        "increments": summary.increments,
+        "iterations": summary.iterations,
+        "cutbacks": summary.cutbacks,
+        "wall_s": summary.wall_s,
+        "energy_balance_error": summary.energy_balance_error,
+        "warnings": new_warnings,
+        "out": out.display().to_string(),
+    })
 }
 
 /// What stands below the progress when all is written.

@@ -1,21 +1,32 @@
-//! Progress: a live bar on a terminal, a line an increment elsewhere. Both on standard error.
+//! Progress: a live bar on a terminal, a line an increment elsewhere, both on standard error; or an object
+//! an increment on standard output; or nothing.
 
-use std::io::IsTerminal;
+mod pace;
+mod sparkline;
+
+use std::io::{IsTerminal, Write};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
 use wythe_core::model::Model;
 use wythe_core::results::HistoryRow;
 use wythe_core::solve::Method;
 
+use crate::arguments::Progress;
+use crate::unicode;
+use pace::{Pace, seconds};
+
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
+
+/// Characters of the sparkline.
+const SPARKS: usize = 40;
 
 /// Tells how a run goes on.
 #[derive(Debug)]
 pub struct Terminal {
-    /// None where standard error is no terminal.
-    bar: Option<ProgressBar>,
+    voice: Voice,
     started: Instant,
     /// Step time of all steps together [s].
     duration: f64,
@@ -23,99 +34,191 @@ pub struct Terminal {
     steps: Vec<String>,
     /// What the last increment gave.
     last: String,
+    /// Forces of all increments [kN].
+    forces: Vec<f64>,
     /// Number of the last increment.
     increment: usize,
+    /// By what the last increment was found.
+    procedure: &'static str,
     pace: Pace,
+    unicode: bool,
 }
 
-/// How fast a run goes: one step says nothing of the next.
-#[derive(Debug, Default)]
-struct Pace {
-    step: usize,
-    /// Seconds since the run began and step time, when this step began.
-    start: [f64; 2],
-    /// The same now.
-    now: [f64; 2],
+/// How progress is told.
+#[derive(Debug)]
+enum Voice {
+    /// A bar on a terminal.
+    Bar(ProgressBar),
+    /// A line an increment.
+    Lines,
+    /// An object an increment.
+    Json,
+    /// Not at all.
+    None,
 }
 
-impl Pace {
-    /// An increment of `step` ends at `time` [s], `elapsed` seconds after the run began.
-    fn mark(&mut self, step: usize, elapsed: f64, time: f64) {
-        if step != self.step {
-            (self.step, self.start) = (step, self.now);
+impl Voice {
+    fn new(how: Progress, quiet: bool, unicode: bool) -> Self {
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        match how {
+            _ if quiet => Self::None,
+            Progress::Json => Self::Json,
+            Progress::Auto if std::io::stderr().is_terminal() && !dumb => {
+                let bar = ProgressBar::new(TICKS as u64);
+                bar.set_style(style(unicode, unicode::colours()));
+                Self::Bar(bar)
+            }
+            Progress::Auto | Progress::Plain => Self::Lines,
         }
-        self.now = [elapsed, time];
     }
+}
 
-    /// Seconds to the step time `end`, at the pace of this step; none if it has not moved.
-    fn left(&self, end: f64) -> Option<f64> {
-        let [spent, done] = [0, 1].map(|i| self.now[i] - self.start[i]);
-        let left = (end - self.now[1]).max(0.0) * spent / done;
-        left.is_finite().then_some(left)
-    }
+/// Bar and message, in what the terminal can draw.
+fn style(unicode: bool, colours: bool) -> ProgressStyle {
+    let bar = if colours {
+        "{wide_bar:.cyan/dim}"
+    } else {
+        "{wide_bar}"
+    };
+    let style = ProgressStyle::with_template(&format!("{bar} {{percent:>3}} %\n{{msg}}"));
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.progress_chars(if unicode {
+        "█▉▊▋▌▍▎▏ "
+    } else {
+        "#>-"
+    })
 }
 
 impl Terminal {
     /// For a run of this model, from now.
-    pub fn new(model: &Model) -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(TICKS as u64);
-            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %\n{msg}") {
-                bar.set_style(style);
-            }
-            bar
-        });
+    pub fn new(model: &Model, how: Progress, quiet: bool) -> Self {
+        let unicode = unicode::is_on();
         Self {
-            bar,
+            voice: Voice::new(how, quiet, unicode),
             started: Instant::now(),
             duration: model.steps.iter().map(|step| step.duration).sum(),
             steps: model.steps.iter().map(|step| step.name.clone()).collect(),
             last: String::new(),
+            forces: Vec::new(),
             increment: 0,
+            procedure: "",
             pace: Pace::default(),
+            unicode,
+        }
+    }
+
+    /// The run begins, into this folder.
+    pub fn begin(&self, model: &Model, warnings: &[String], out: &std::path::Path) {
+        match &self.voice {
+            Voice::Bar(_) | Voice::Lines => {
+                for warning in warnings {
+                    eprintln!("warning: {warning}");
+                }
+            }
+            Voice::Json => emit(&json!({
+                "event": "begin",
+                "title": model.title,
+                "steps": self.steps,
+                "duration_s": self.duration,
+                "warnings": warnings,
+                "out": out.display().to_string(),
+            })),
+            Voice::None => {}
         }
     }
 
     /// An increment is done.
     pub fn increment(&mut self, row: &HistoryRow) {
         self.increment = row.increment;
+        self.procedure = row.procedure.name();
+        self.forces.push(row.force_kN);
         let elapsed = self.started.elapsed().as_secs_f64();
         self.pace.mark(row.step, elapsed, row.time);
-        let eta = self.pace.left(self.duration);
-        let eta = eta.map_or_else(String::new, |left| format!(", ETA {}", seconds(left)));
+        let left = self.pace.left(self.duration);
+        let eta = left.map_or_else(String::new, |left| format!(", ETA {}", seconds(left)));
         self.last = format!("{} [{}{eta}]", self.line(row), seconds(elapsed));
         let done = (row.time / self.duration).clamp(0.0, 1.0);
-        if let Some(bar) = &self.bar {
-            bar.set_position((TICKS * done) as u64);
-            bar.set_message(self.last.clone());
-        } else {
-            eprintln!("{}", self.last);
+        match &self.voice {
+            Voice::Bar(bar) => {
+                bar.set_position((TICKS * done) as u64);
+                bar.set_message(self.message(""));
+            }
+            Voice::Lines => eprintln!("{}", self.last),
+            Voice::Json => emit(&json!({
+                "event": "increment",
+                "step": row.step,
+                "name": self.name(row.step),
+                "increment": row.increment,
+                "time_s": row.time,
+                "done": done,
+                "displacement_mm": row.displacement_mm,
+                "force_kN": row.force_kN,
+                "iterations": row.iterations,
+                "cutbacks": row.cutbacks,
+                "procedure": self.procedure,
+                "elapsed_s": elapsed,
+                "eta_s": left,
+            })),
+            Voice::None => {}
         }
     }
 
     /// So many linear solves were spent on the increment after the last in `step`.
     pub fn iteration(&mut self, step: usize, iterations: usize) {
-        if let Some(bar) = &self.bar {
+        if let Voice::Bar(bar) = &self.voice {
             let (next, name) = (self.increment + 1, self.name(step));
-            let now = format!("step {step} {name}: increment {next}, iteration {iterations} …");
-            let gap = if self.last.is_empty() { "" } else { "\n" };
-            bar.set_message(format!("{}{gap}{now}", self.last));
+            let by = match self.procedure {
+                "" => String::new(),
+                procedure => format!(" by {procedure}"),
+            };
+            let dots = if self.unicode { "…" } else { "..." };
+            let now =
+                format!("step {step} {name}{by}: increment {next}, iteration {iterations} {dots}");
+            bar.set_message(self.message(&now));
         }
+    }
+
+    /// What stands below the bar: the forces so far, the last increment, the one in hand.
+    fn message(&self, now: &str) -> String {
+        let width = unicode::width().saturating_sub(1);
+        let forces = sparkline::draw(&self.forces, SPARKS.min(width / 2), self.unicode);
+        let forces = match sparkline::range(&self.forces) {
+            Some([low, high]) => format!("{forces} {low:.3} to {high:.3} kN"),
+            None => forces,
+        };
+        let lines = [forces.as_str(), &self.last, now];
+        let lines = lines.into_iter().filter(|line| !line.is_empty());
+        let lines: Vec<String> = lines.map(|line| fit(line, width, self.unicode)).collect();
+        lines.join("\n")
     }
 
     /// A line that stays.
     pub fn note(&self, text: &str) {
-        if let Some(bar) = &self.bar {
-            bar.println(text);
-        } else {
-            eprintln!("{text}");
+        match &self.voice {
+            Voice::Bar(bar) => bar.println(text),
+            Voice::Lines => eprintln!("{text}"),
+            Voice::Json => emit(&json!({ "event": "note", "text": text })),
+            Voice::None => {}
         }
     }
 
     /// Clears the bar.
     pub fn finish(&self) {
-        if let Some(bar) = &self.bar {
+        if let Voice::Bar(bar) = &self.voice {
             bar.finish_and_clear();
+        }
+    }
+
+    /// Whether what follows the progress is to be told in words, as an object, or not.
+    pub fn conclude(
+        &self,
+        words: impl FnOnce() -> String,
+        object: impl FnOnce() -> Value,
+    ) -> String {
+        match &self.voice {
+            Voice::Bar(_) | Voice::Lines => words(),
+            Voice::Json => format!("{}\n", object()),
+            Voice::None => String::new(),
         }
     }
 
@@ -144,20 +247,28 @@ impl Terminal {
     }
 }
 
+/// An object on a line of standard output. A reader that has gone is no reason to stop a run.
+fn emit(object: &Value) {
+    let mut out = std::io::stdout().lock();
+    let _ = writeln!(out, "{object}").and_then(|()| out.flush());
+}
+
+/// A line, cut to this many characters.
+fn fit(line: &str, width: usize, unicode: bool) -> String {
+    let dots = if unicode { "…" } else { "..." };
+    if line.chars().count() <= width {
+        return line.to_owned();
+    }
+    let kept = line
+        .chars()
+        .take(width.saturating_sub(dots.chars().count()));
+    kept.chain(dots.chars()).take(width).collect()
+}
+
 /// 1 iteration, 2 iterations.
 pub fn count(n: usize, what: &str) -> String {
     let plural = if n == 1 { "" } else { "s" };
     format!("{n} {what}{plural}")
-}
-
-/// 7.3 s, 2 min 05 s, 1 h 02 min.
-fn seconds(value: f64) -> String {
-    let whole = value.round() as u64;
-    match whole {
-        0..60 => format!("{value:.1} s"),
-        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
-        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
-    }
 }
 
 #[cfg(test)]
@@ -165,30 +276,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_read_as_people_say_them() {
-        let said = [0.04, 59.4, 60.0, 125.2, 3599.9, 3720.0].map(seconds);
-        assert_eq!(
-            said,
-            [
-                "0.0 s",
-                "59.4 s",
-                "1 min 00 s",
-                "2 min 05 s",
-                "1 h 00 min",
-                "1 h 02 min"
-            ]
-        );
+    fn lines_are_cut_to_the_width() {
+        assert_eq!(fit("abcdef", 6, true), "abcdef");
+        assert_eq!(fit("abcdefg", 6, true), "abcde…");
+        assert_eq!(fit("abcdefg", 6, false), "abc...");
+        assert_eq!(fit("abcdefg", 2, false), "..");
+        assert_eq!(fit("abc", 0, true), "");
     }
 
     #[test]
-    fn the_rest_is_estimated_from_the_step_in_hand() {
-        let mut pace = Pace::default();
-        assert_eq!(pace.left(2.0), None);
-        pace.mark(0, 4.0, 1.0);
-        assert_eq!(pace.left(2.0), Some(4.0));
-        // The second step takes 3 s for a tenth: 27 s for the rest of it.
-        pace.mark(1, 7.0, 1.1);
-        let left = pace.left(2.0).unwrap();
-        assert!((left - 27.0).abs() < 1e-9, "{left}"); // rounding of 1.1 − 1
+    fn templates_of_the_bar_are_sound() {
+        for (unicode, colours) in [(true, true), (true, false), (false, true), (false, false)] {
+            let bar = ProgressBar::hidden();
+            bar.set_style(style(unicode, colours));
+        }
     }
 }

@@ -19,7 +19,9 @@ struct Details {
     help: String,
     source: NamedSource<String>,
     span: Option<Range<usize>>,
+    place: Place,
     others: Vec<ModelError>,
+    warnings: Vec<Warning>,
 }
 
 impl ModelError {
@@ -38,16 +40,48 @@ impl ModelError {
             help: help.into(),
             source: NamedSource::new(file, text.to_owned()),
             span: span.map(|s| s.start.min(text.len())..s.end.min(text.len())),
+            place: Place::default(),
             others: Vec::new(),
+            warnings: Vec::new(),
         }))
     }
 
-    /// Several errors as one: the first leads, the others follow. `None` if there is none.
+    /// This error, told at this place among others.
+    #[must_use]
+    pub(crate) fn at(mut self, place: Place) -> Self {
+        self.0.place = place;
+        self
+    }
+
+    /// Several errors as one: the first leads, the others follow, each once. `None` if there is none.
     pub fn gather(errors: Vec<Self>) -> Option<Self> {
-        let mut errors = errors.into_iter();
-        let mut first = errors.next()?;
-        first.0.others.extend(errors);
+        let mut seen = Vec::new();
+        let mut warnings = Vec::new();
+        let mut all = Vec::new();
+        for mut error in errors {
+            let others = std::mem::take(&mut error.0.others);
+            warnings.append(&mut error.0.warnings);
+            for error in std::iter::once(error).chain(others) {
+                let where_and_what = (error.0.span.clone(), error.key().to_owned());
+                let said = (where_and_what, error.message().to_owned());
+                if !seen.contains(&said) {
+                    seen.push(said);
+                    all.push(error);
+                }
+            }
+        }
+        let mut all = all.into_iter();
+        let mut first = all.next()?;
+        first.0.others.extend(all);
+        first.0.warnings = warnings;
         Some(first)
+    }
+
+    /// What the author of the deck should know besides.
+    #[must_use]
+    pub fn with_warnings(mut self, warnings: Vec<Warning>) -> Self {
+        self.0.warnings.extend(warnings);
+        self
     }
 
     /// What is wrong, without the place.
@@ -83,6 +117,25 @@ impl ModelError {
     /// The other errors of the same deck.
     pub fn others(&self) -> &[Self] {
         &self.0.others
+    }
+
+    /// This error and the others of the same deck.
+    pub fn all(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.0.others)
+    }
+
+    /// This error without the others.
+    #[must_use]
+    pub fn alone(&self) -> Self {
+        let mut alone = self.clone();
+        alone.0.others.clear();
+        alone.0.warnings.clear();
+        alone
+    }
+
+    /// Warnings of the same deck.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.0.warnings
     }
 
     fn position(&self) -> Option<(usize, usize)> {
@@ -129,6 +182,55 @@ impl Diagnostic for ModelError {
     }
 }
 
+/// Where an error is told among others of its deck: section by section, in each what is written before
+/// what is not there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place {
+    /// Byte at which the section begins.
+    pub(crate) section: usize,
+    /// The key is not written.
+    pub(crate) absent: bool,
+    /// Byte of the error.
+    pub(crate) start: usize,
+}
+
+/// Errors of a pass that goes on after each of them.
+#[derive(Debug, Default)]
+pub(crate) struct Errors(Vec<ModelError>);
+
+impl Errors {
+    pub(crate) fn push(&mut self, error: ModelError) {
+        self.0.push(error);
+    }
+
+    /// The value, or its error for later.
+    pub(crate) fn keep<T>(&mut self, result: Result<T, ModelError>) -> Option<T> {
+        result.map_err(|error| self.push(error)).ok()
+    }
+
+    /// The value if there was no error, else all of them as one, in the order in which they are written.
+    pub(crate) fn end<T>(self, value: T) -> Result<T, ModelError> {
+        self.gather().map_or(Ok(value), Err)
+    }
+
+    /// All errors and this one.
+    pub(crate) fn and(mut self, error: ModelError) -> ModelError {
+        self.push(error.clone());
+        self.gather().unwrap_or(error)
+    }
+
+    fn gather(self) -> Option<ModelError> {
+        let mut errors: Vec<ModelError> = Vec::new();
+        for mut error in self.0 {
+            let others = std::mem::take(&mut error.0.others);
+            errors.push(error);
+            errors.extend(others);
+        }
+        errors.sort_by_key(|error| error.0.place);
+        ModelError::gather(errors)
+    }
+}
+
 /// A file that could not be read or written (exit code 4 of the command).
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{}: {why}", path.display())]
@@ -171,6 +273,8 @@ pub struct Warning {
     pub key: String,
     /// Line of the deck, from 1, if the key is written there.
     pub line: Option<usize>,
+    /// Its column there, from 1, in characters.
+    pub column: Option<usize>,
     /// What, and what it means.
     pub message: String,
 }

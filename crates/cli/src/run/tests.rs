@@ -1,7 +1,9 @@
 //! A solver that is told what to do drives the recorder.
 
 use super::*;
+use crate::arguments::Progress;
 use std::path::PathBuf;
+use wythe_core::model::Deck;
 use wythe_core::results::Sizes;
 
 const COUPLET: &str = concat!(
@@ -91,7 +93,12 @@ fn recorded(
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
     let directory = RunDirectory::create(out, model)?;
-    record(model, &warnings(), directory, &Interrupt::default(), solve)
+    let watched = (directory, quiet(model));
+    record(model, &warnings(), watched, &Interrupt::default(), solve)
+}
+
+fn quiet(model: &Model) -> Terminal {
+    Terminal::new(model, Progress::Auto, true)
 }
 
 fn warnings() -> Vec<String> {
@@ -138,7 +145,8 @@ fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
     let interrupt = Interrupt::default();
     interrupt.request();
     let directory = RunDirectory::create(&out, &model).unwrap();
-    let ended = record(&model, &warnings(), directory, &interrupt, |recorder| {
+    let watched = (directory, quiet(&model));
+    let ended = record(&model, &warnings(), watched, &interrupt, |recorder| {
         solve(&model, recorder, 5, Status::Completed)
     });
     assert_eq!(ended.unwrap_err().exit_code(), 130);

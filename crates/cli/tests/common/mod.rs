@@ -14,6 +14,8 @@ pub fn repository(path: &str) -> PathBuf {
 pub fn wythe(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_wythe"))
         .args(arguments)
+        // What is drawn does not depend on where the tests run.
+        .env("LC_ALL", "C.UTF-8")
         .output()
         .unwrap()
 }

@@ -1,5 +1,6 @@
 //! What a user says about a material, before it is fitted to an element's size.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a solid.
@@ -35,7 +36,7 @@ pub struct TableRow {
 }
 
 /// How a table is interpolated between its rows (theory A.5).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// σ and effective σ̄ linear in the plastic strain between rows.

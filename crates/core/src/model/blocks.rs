@@ -2,21 +2,12 @@
 
 use super::arch::{Stones, stones};
 use super::deck::{Deck, DeckBlock, Names};
-use super::hexahedron::{Corners, Face, Placed, Shape, area_vector, norm};
-use super::keys;
+use super::hexahedron::{Corners, Placed, Shape, area_vector, norm};
 use super::quantity::Quantity;
+use super::roll::{Place, Roll};
 use super::scene::{Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
-use crate::error::ModelError;
-
-/// A block, or one face of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
-    /// Index of the block.
-    pub(super) block: usize,
-    /// None: all of it.
-    pub(super) face: Option<Face>,
-}
+use crate::error::{Errors, ModelError};
 
 /// The blocks of a scene in the mesh, and how a deck calls them.
 pub(super) struct Blocks<'a> {
@@ -27,8 +18,8 @@ pub(super) struct Blocks<'a> {
     pub(super) materials: Vec<String>,
     /// In the order of the deck, then the arch: voussoirs, left springing, right springing.
     pub(super) placed: Vec<Placed>,
-    /// Names that stand for several blocks. `(name, first, one past the last)`
-    groups: Vec<(String, usize, usize)>,
+    /// Their names.
+    roll: Roll,
     /// Velocity at the beginning [mm/s]. `[node]`
     pub(super) velocity: Vec<[f64; 3]>,
 }
@@ -40,25 +31,30 @@ impl<'a> Blocks<'a> {
     /// Lays all blocks of a deck.
     ///
     /// # Errors
-    /// Too many elements, or a name that two blocks have.
+    /// Too many elements, names that two blocks have, files of nodes that are none.
     pub(super) fn new(deck: &'a Deck) -> Result<Self, ModelError> {
         let mut blocks = Self {
             deck,
             mesh: Mesh::default(),
             materials: Vec::new(),
             placed: Vec::new(),
-            groups: Vec::new(),
+            roll: Roll::default(),
             velocity: Vec::new(),
         };
         blocks.require_countable()?;
-        for (i, block) in deck.blocks.iter().enumerate() {
-            blocks.lay(i, block)?;
+        let mut errors = Errors::default();
+        if let Some((roll, twice)) = Roll::call(deck) {
+            blocks.roll = roll;
+            twice.into_iter().for_each(|error| errors.push(error));
         }
-        blocks.lay_arch()?;
+        for (i, block) in deck.blocks.iter().enumerate() {
+            errors.keep(blocks.lay(i, block));
+        }
+        blocks.lay_arch();
         if blocks.velocity.iter().all(|v| *v == [0.0; 3]) {
             blocks.velocity.clear();
         }
-        Ok(blocks)
+        errors.end(blocks)
     }
 
     /// Refuses a mesh that is too large before it is made.
@@ -84,7 +80,6 @@ impl<'a> Blocks<'a> {
 
     /// Lays a block and its copies.
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
-        let first = self.placed.len();
         let material = self.material(&block.material);
         let own = match self.deck.block_nodes(index)? {
             Some(nodes) => Shape::Grid(nodes),
@@ -103,87 +98,42 @@ impl<'a> Blocks<'a> {
                         Some(_) => format!("{}-{i}-{j}-{k}", block.name),
                         None => block.name.clone(),
                     };
-                    self.add(
-                        &format!("blocks.{index}.name"),
-                        name,
-                        moved,
-                        block.mesh,
-                        material,
-                    )?;
+                    self.add(name, moved, block.mesh, material);
                 }
             }
-        }
-        if block.copies.is_some() {
-            self.group(&format!("blocks.{index}.name"), block.name.clone(), first)?;
         }
         let velocity = block.velocity.map(Quantity::get);
         self.velocity.resize(self.mesh.nodes.len(), velocity);
         Ok(())
     }
 
-    fn lay_arch(&mut self) -> Result<(), ModelError> {
+    fn lay_arch(&mut self) {
         let Some(arch) = &self.deck.arch else {
-            return Ok(());
+            return;
         };
-        let first = self.placed.len();
         let material = self.material(&arch.material);
         let Stones {
             voussoirs,
             springings,
         } = stones(arch);
         for (i, corners) in voussoirs.into_iter().enumerate() {
-            self.add(
-                "arch",
-                format!("voussoir-{i}"),
-                Shape::Hexahedron(corners),
-                arch.mesh,
-                material,
-            )?;
+            let shape = Shape::Hexahedron(corners);
+            self.add(format!("voussoir-{i}"), shape, arch.mesh, material);
         }
-        self.group("arch", "voussoir".to_owned(), first)?;
-        let springing = self.placed.len();
         for (name, corners) in ["springing-left", "springing-right"]
             .into_iter()
             .zip(springings)
         {
             let shape = Shape::Hexahedron(corners);
-            self.add("arch", name.to_owned(), shape, [1; 3], material)?;
+            self.add(name.to_owned(), shape, [1; 3], material);
         }
-        self.group("arch", "springing".to_owned(), springing)?;
         self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
-        Ok(())
     }
 
-    fn add(
-        &mut self,
-        path: &str,
-        name: String,
-        shape: Shape,
-        mesh: [u32; 3],
-        material: u16,
-    ) -> Result<(), ModelError> {
-        self.require_new(path, &name)?;
+    fn add(&mut self, name: String, shape: Shape, mesh: [u32; 3], material: u16) {
         let cells = mesh.map(|n| n as usize);
         let placed = Placed::append(&mut self.mesh, name, shape, cells, material);
         self.placed.push(placed);
-        Ok(())
-    }
-
-    fn group(&mut self, path: &str, name: String, first: usize) -> Result<(), ModelError> {
-        self.require_new(path, &name)?;
-        self.groups.push((name, first, self.placed.len()));
-        Ok(())
-    }
-
-    fn require_new(&self, path: &str, name: &str) -> Result<(), ModelError> {
-        if self.find(name).is_none() {
-            return Ok(());
-        }
-        Err(self.deck.error(
-            path,
-            format!("there are two blocks named `{name}`"),
-            "give each a name of its own",
-        ))
     }
 
     fn material(&mut self, name: &str) -> u16 {
@@ -194,16 +144,7 @@ impl<'a> Blocks<'a> {
         }) as u16
     }
 
-    /// Blocks that a name stands for.
-    fn find(&self, name: &str) -> Option<std::ops::Range<usize>> {
-        let group = self.groups.iter().find(|(n, _, _)| n == name);
-        let single = || self.placed.iter().position(|p| p.name == name);
-        group
-            .map(|(_, from, to)| *from..*to)
-            .or_else(|| single().map(|i| i..i + 1))
-    }
-
-    /// What the names at `path` stand for: blocks, or faces of blocks. `faces`: nothing but faces.
+    /// What the names at `path` stand for, see [`Roll::places`].
     ///
     /// # Errors
     /// No such block or face.
@@ -213,53 +154,7 @@ impl<'a> Blocks<'a> {
         names: &Names,
         faces: bool,
     ) -> Result<Vec<Place>, ModelError> {
-        let mut places = Vec::new();
-        for name in &names.0 {
-            let (block, face) = match name.rsplit_once('.') {
-                None if faces => {
-                    return Err(self.deck.error(
-                        path,
-                        format!("`{name}` is no face"),
-                        &format!("say which: {name}.top, {name}.left, ..."),
-                    ));
-                }
-                None => (name.as_str(), None),
-                Some((block, face)) => {
-                    let known = Face::ALL.iter().find(|(known, _)| *known == face);
-                    let Some((_, known)) = known else {
-                        return Err(self.deck.error(
-                            path,
-                            format!("`{name}`: a block has no face `{face}`"),
-                            "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
-                        ));
-                    };
-                    (block, Some(*known))
-                }
-            };
-            let Some(range) = self.find(block) else {
-                return Err(self.unknown(path, block));
-            };
-            places.extend(range.map(|block| Place { block, face }));
-        }
-        Ok(places)
-    }
-
-    fn unknown(&self, path: &str, name: &str) -> ModelError {
-        let groups = self.groups.iter().map(|g| g.0.as_str());
-        let known = || {
-            groups
-                .clone()
-                .chain(self.placed.iter().map(|p| p.name.as_str()))
-        };
-        let help = keys::nearest(name, known()).map_or_else(
-            || {
-                let some: Vec<&str> = known().take(8).collect();
-                format!("the deck has {}", some.join(", "))
-            },
-            |near| format!("did you mean `{near}`?"),
-        );
-        self.deck
-            .error(path, format!("there is no block named `{name}`"), &help)
+        self.roll.places(self.deck, path, names, faces)
     }
 
     /// Nodes of these places, ascending and each once.
@@ -323,17 +218,10 @@ impl<'a> Blocks<'a> {
     /// Springs of the deck.
     ///
     /// # Errors
-    /// Names of nothing, or two springs of one name.
+    /// Names of nothing.
     pub(super) fn springs(&self) -> Result<Vec<Spring>, ModelError> {
         let mut springs: Vec<Spring> = Vec::new();
         for (i, spring) in self.deck.springs.iter().enumerate() {
-            if springs.iter().any(|s| s.name == spring.name) {
-                return Err(self.deck.error(
-                    &format!("springs.{i}.name"),
-                    format!("there are two springs named `{}`", spring.name),
-                    "give each a name of its own",
-                ));
-            }
             let places = self.places(&format!("springs.{i}.on"), &spring.on, false)?;
             springs.push(Spring {
                 name: spring.name.clone(),

@@ -9,17 +9,16 @@ use super::probes;
 use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
-use crate::error::{ModelError, Warning};
+use crate::error::{Errors, ModelError, Warning};
 
 impl Model {
     /// Builds the model that a deck describes, with what its author should know.
     ///
     /// # Errors
     /// A missing wall or step, softening that would snap back in the elements of this mesh, bodies
-    /// that nothing holds.
+    /// that nothing holds: all that can be found, with the warnings.
     pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
         if deck.has_blocks() {
-            require_steps(deck)?;
             return build_blocks::build(deck);
         }
         let Some(wall) = &deck.wall else {
@@ -30,7 +29,8 @@ impl Model {
                  or [arch]",
             ));
         };
-        require_steps(deck)?;
+        let mut errors = Errors::default();
+        errors.keep(require_steps(deck));
         let names = [&wall.unit_material, &wall.mortar_material];
         let materials = [deck.material(names[0])?, deck.material(names[1])?];
         let Some(interface) = deck.interfaces.get(&wall.interface) else {
@@ -41,7 +41,7 @@ impl Model {
         require_countable(deck, wall, pattern[0].len().max(pattern[1].len()))?;
         let elastic = [materials[0].elastic(), materials[1].elastic()];
         let parts = wall::build(wall, &pattern, interface, elastic);
-        require_held(deck, wall, &parts)?;
+        errors.keep(require_held(deck, wall, &parts));
 
         let WallParts {
             mesh,
@@ -52,10 +52,8 @@ impl Model {
         } = parts;
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
-        let probes = probes::of_wall(deck, &mesh)?;
         let model = Self {
             title: deck.title.clone(),
-            mesh,
             materials: names
                 .into_iter()
                 .zip(materials.clone())
@@ -67,19 +65,21 @@ impl Model {
             formulation: deck.element.formulation,
             contact,
             supports,
-            steps: steps(deck, &beams[0])?,
+            steps: errors.keep(steps(deck, &beams[0])).unwrap_or_default(),
             beams,
             initial_velocity: Vec::new(),
             springs: Vec::new(),
-            probes,
-            output: deck.output()?,
+            probes: errors
+                .keep(probes::of_wall(deck, &mesh))
+                .unwrap_or_default(),
+            mesh,
+            output: errors.keep(deck.output()).unwrap_or_default(),
         };
-        let warnings = findings::findings(deck, &model)?;
-        Ok((model, warnings))
+        findings::judged(deck, model, errors)
     }
 }
 
-fn require_steps(deck: &Deck) -> Result<(), ModelError> {
+pub(super) fn require_steps(deck: &Deck) -> Result<(), ModelError> {
     if !deck.steps.is_empty() {
         return Ok(());
     }
@@ -120,6 +120,7 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
     let mut gravity = GravityNow::none();
     let mut load = 0.0; // vertical force on the beam [N], upwards
     let mut steps = Vec::with_capacity(deck.steps.len());
+    let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         let mut motion = [BeamMotion::Locked; 3];
         match step.kind {
@@ -149,13 +150,14 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
             .iter()
             .find(|s| s.kind == StepKind::Drive)
             .map_or(2, |s| drive_axis(s).0);
-        steps.push(Step {
+        let rules = errors.keep(super::loading::rules(deck, i, step, &mut gravity));
+        steps.extend(rules.map(|rules| Step {
             motion: vec![motion],
             driven: Some((0, axis)),
-            ..super::loading::rules(deck, i, step, &mut gravity)?
-        });
+            ..rules
+        }));
     }
-    Ok(steps)
+    errors.end(steps)
 }
 
 fn drive_axis(step: &DeckStep) -> (usize, f64) {

@@ -1,6 +1,7 @@
 //! A deck of blocks or of an arch → [`Model`].
 
 use super::blocks::Blocks;
+use super::build::require_steps;
 use super::deck::{Deck, DeckStep, StepKind};
 use super::findings;
 use super::loading::{Loading, loading};
@@ -9,7 +10,7 @@ use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Model, NamedMaterial};
 use super::supports::unheld_bodies;
-use crate::error::{ModelError, Warning};
+use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 
 /// Builds the model of a scene of blocks.
@@ -17,21 +18,36 @@ use crate::material::MaterialParameters;
 /// # Errors
 /// Names of nothing, contradictions, blocks that float, softening that would snap back.
 pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
+    let mut errors = Errors::default();
+    errors.keep(require_steps(deck));
+    let mut blocks = Blocks::new(deck)?;
+    errors.keep(require_mass(deck, &blocks));
+    let supports = errors.keep(blocks.supports()).unwrap_or_default();
+    let springs = errors.keep(blocks.springs()).unwrap_or_default();
+    let probes = errors.keep(probes::of_blocks(deck, &blocks));
+    let (loaded, met) = (
+        loading(deck, &blocks, &supports, &springs),
+        surfaces(deck, &blocks),
+    );
+    let (Loading { beams, steps }, surfaces) = match (loaded, met) {
+        (Ok(loaded), Ok(met)) => (loaded, met),
+        // What holds the blocks, or the sizes of the elements, are not known.
+        (Err(error), met) => {
+            errors.keep(met);
+            return Err(errors.and(error));
+        }
+        (Ok(_), Err(error)) => return Err(errors.and(error)),
+    };
     let Surfaces {
-        mut blocks,
         parameters,
         meeting: Meeting {
             mut contact,
             touching,
             ..
         },
-    } = surfaces(deck)?;
+    } = surfaces;
     contact.points = deck.contact.points;
     contact.search_radius = deck.contact.search_radius.map(Quantity::get);
-    let supports = blocks.supports()?;
-    let springs = blocks.springs()?;
-    let Loading { beams, steps } = loading(deck, &blocks, &supports, &springs)?;
-    require_mass(deck, &blocks)?;
     let held = supports.iter().map(|s| &s.nodes);
     let held = held.chain(springs.iter().map(|s| &s.nodes));
     let held: Vec<u32> = held
@@ -39,9 +55,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         .flatten()
         .copied()
         .collect();
-    require_held(deck, &blocks, &held, &touching)?;
-
-    let probes = probes::of_blocks(deck, &blocks)?;
+    errors.keep(require_held(deck, &blocks, &held, &touching));
     let names = std::mem::take(&mut blocks.materials);
     let initial_velocity = std::mem::take(&mut blocks.velocity);
     let model = Model {
@@ -58,31 +72,27 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         supports,
         initial_velocity,
         springs,
-        probes,
+        probes: probes.unwrap_or_default(),
         steps,
         output: deck.output()?,
     };
-    let warnings = findings::findings(deck, &model)?;
-    Ok((model, warnings))
+    findings::judged(deck, model, errors)
 }
 
-/// Blocks, their materials and what meets.
-struct Surfaces<'a> {
-    blocks: Blocks<'a>,
+/// Materials of the blocks, and what meets.
+struct Surfaces {
     parameters: Vec<MaterialParameters>,
     meeting: Meeting,
 }
 
-fn surfaces(deck: &Deck) -> Result<Surfaces<'_>, ModelError> {
-    let blocks = Blocks::new(deck)?;
+fn surfaces(deck: &Deck, blocks: &Blocks<'_>) -> Result<Surfaces, ModelError> {
     let materials = blocks.materials.iter();
     let parameters = materials
         .map(|name| deck.material(name))
         .collect::<Result<Vec<_>, _>>()?;
     let elastic: Vec<_> = parameters.iter().map(|p| *p.elastic()).collect();
-    let meeting = meeting(deck, &blocks, &elastic)?;
+    let meeting = meeting(deck, blocks, &elastic)?;
     Ok(Surfaces {
-        blocks,
         parameters,
         meeting,
     })
@@ -90,7 +100,7 @@ fn surfaces(deck: &Deck) -> Result<Surfaces<'_>, ModelError> {
 
 /// What the author of a scene of blocks should know of its surfaces.
 pub(super) fn surface_warnings(deck: &Deck) -> Result<Vec<Warning>, ModelError> {
-    Ok(surfaces(deck)?.meeting.warnings)
+    Ok(surfaces(deck, &Blocks::new(deck)?)?.meeting.warnings)
 }
 
 /// Refuses gravity and motion of what has no mass.

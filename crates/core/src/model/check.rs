@@ -58,7 +58,7 @@ pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     CheckReport {
         title: model.title.clone(),
         // a model that could be built has no errors left to find
-        warnings: findings::findings(deck, model).unwrap_or_default(),
+        warnings: findings::findings(deck, model).0,
         notes: notes(deck, model),
         sizes,
         memory_mb: memory_mb(model, sizes),

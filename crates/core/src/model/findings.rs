@@ -5,8 +5,8 @@ use super::build_blocks;
 use super::deck::{Deck, Interface};
 use super::layout;
 use super::tables;
-use crate::error::{ModelError, Warning};
-use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
+use crate::error::{Errors, ModelError, Warning};
+use crate::material::{MaterialParameters, TableRow};
 
 /// Equivalent lengths l_eq = V^(1/3) of the elements of a material that `of` accepts by its index
 /// [mm] (theory A.8, α_h = 1 for hex8), ascending and each once.
@@ -24,11 +24,26 @@ pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> V
 /// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// All warnings of a model.
+/// The model with its warnings, if there were no errors before and the physics has none.
 ///
 /// # Errors
-/// Softening that would snap back within an element.
-pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, ModelError> {
+/// Those that there were, and softening that would snap back within an element, with the warnings.
+pub(super) fn judged(
+    deck: &Deck,
+    model: Model,
+    mut errors: Errors,
+) -> Result<(Model, Vec<Warning>), ModelError> {
+    let (warnings, wrong) = findings(deck, &model);
+    wrong.into_iter().for_each(|error| errors.push(error));
+    match errors.end(model) {
+        Ok(model) => Ok((model, warnings)),
+        Err(error) => Err(error.with_warnings(warnings)),
+    }
+}
+
+/// All warnings of a model, and all errors of its physics: softening that would snap back within an
+/// element.
+pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelError>) {
     let mut warnings = Vec::new();
     let mut errors = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
@@ -40,14 +55,14 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, Model
         seen.push(name);
         if let MaterialParameters::DamagePlasticity(p) = &material.parameters {
             let lengths = equivalent_lengths(model, |m| model.materials[m].name == name);
-            match check_material(deck, name, p, &lengths) {
+            if p.reference_length.is_none() {
+                warnings.push(unscaled(deck, name));
+            }
+            match tables::judge(deck, name, p, &lengths) {
                 Ok(found) => warnings.extend(found),
                 Err(error) => errors.push(error),
             }
         }
-    }
-    if let Some(error) = ModelError::gather(errors) {
-        return Err(error);
     }
     for (name, interface) in interfaces(deck, model) {
         warnings.extend(check_interface(deck, name, interface, model));
@@ -55,9 +70,10 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> Result<Vec<Warning>, Model
     if deck.wall.is_some() {
         warnings.extend(check_bond(deck));
     } else {
-        warnings.extend(build_blocks::surface_warnings(deck)?);
+        // Errors of the surfaces were met when the model was built.
+        warnings.extend(build_blocks::surface_warnings(deck).unwrap_or_default());
     }
-    Ok(warnings)
+    (warnings, errors)
 }
 
 /// Interfaces that the model uses, each once.
@@ -72,27 +88,13 @@ pub(super) fn interfaces<'a>(deck: &'a Deck, model: &'a Model) -> Vec<(&'a str, 
     names.into_iter().filter_map(with_law).collect()
 }
 
-/// A material in elements of these equivalent lengths [mm]: whether its tables are scaled, and what
-/// its laws say of them.
-///
-/// # Errors
-/// Tables of which no law can be made in one of these elements (theory A.5, A.8).
-fn check_material(
-    deck: &Deck,
-    name: &str,
-    p: &DamagePlasticityParameters,
-    lengths: &[f64],
-) -> Result<Vec<Warning>, ModelError> {
-    let mut warnings = Vec::new();
-    if p.reference_length.is_none() {
-        warnings.push(deck.warning(
-            &format!("materials.{name}"),
-            "reference_length is missing: the tables are taken as given in every element, and the \
-             energy to break a unit depends on the mesh (scaling is off)",
-        ));
-    }
-    warnings.extend(tables::judge(deck, name, p, lengths)?);
-    Ok(warnings)
+/// A material whose tables are not scaled.
+fn unscaled(deck: &Deck, name: &str) -> Warning {
+    deck.warning(
+        &format!("materials.{name}"),
+        "reference_length is missing: the tables are taken as given in every element, and the \
+         energy to break a unit depends on the mesh (scaling is off)",
+    )
 }
 
 /// Largest l_eq/l_ref without snap-back, min E Δε_in/Δσ over the rows beyond the peak (theory A.8).

@@ -185,6 +185,27 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ),
 ];
 
+/// Sections of which a deck has several, each with a header of its own.
+pub(super) const LISTS: [&str; 6] = [
+    "blocks", "contacts", "supports", "springs", "probes", "steps",
+];
+
+/// Tables of named tables.
+pub(super) const NAMED: [&str; 2] = ["materials", "interfaces"];
+
+/// Sections that a deck has once.
+pub(super) const TABLES: [&str; 5] = ["wall", "arch", "element", "contact", "output"];
+
+/// `steps.1` of `steps.1.increments.max`, `wall` of `wall.unit.0`.
+pub(super) fn section_of(path: &str) -> &str {
+    let root = path.split('.').next().unwrap_or(path);
+    if !LISTS.contains(&root) && !NAMED.contains(&root) {
+        return root;
+    }
+    let end = path.match_indices('.').nth(1).map(|(i, _)| i);
+    &path[..end.unwrap_or(path.len())]
+}
+
 /// Advice for the key `name`, the last part of a path: write it like this.
 pub(super) fn example(name: &str) -> String {
     example_at(name)
@@ -192,15 +213,22 @@ pub(super) fn example(name: &str) -> String {
 
 /// Advice for the key at `path`; some names mean different things in different tables.
 pub(super) fn example_at(path: &str) -> String {
+    match line_at(path) {
+        Some(line) => format!("write it like this: {line}"),
+        None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
+    }
+}
+
+/// A line that would be right for the key at `path`.
+pub(super) fn line_at(path: &str) -> Option<&'static str> {
     let mut parts = path.split('.').filter(|s| s.parse::<usize>().is_err());
     let first = parts.next().unwrap_or_default();
     let name = parts.next_back().unwrap_or(first);
     let in_table = format!("{first}.{name}");
     let found = |wanted: &str| EXAMPLES.iter().find(|(key, _)| *key == wanted);
-    match found(&in_table).or_else(|| found(name)) {
-        Some((_, line)) => format!("write it like this: {line}"),
-        None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
-    }
+    found(&in_table)
+        .or_else(|| found(name))
+        .map(|(_, line)| *line)
 }
 
 /// The known name nearest to a misspelt one, if it is near enough to be meant.

@@ -7,7 +7,7 @@ use super::keys;
 use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, Spring, Step, Support};
-use crate::error::ModelError;
+use crate::error::{Errors, ModelError};
 
 /// Beams and steps of a scene of blocks.
 pub(super) struct Loading {
@@ -39,6 +39,7 @@ pub(super) fn loading(
     let mut load = vec![[0.0; 3]; beams.len()];
     let mut gravity = GravityNow::none();
     let mut steps = Vec::with_capacity(deck.steps.len());
+    let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         // What was driven is held where it stands.
         for motion in now.iter_mut().flatten() {
@@ -53,7 +54,8 @@ pub(super) fn loading(
         if let Some(b) = beam {
             let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
             if step.kind == StepKind::Preload {
-                load[b] = pressure(deck, i, step, &beams[b])?;
+                let force = errors.keep(pressure(deck, i, step, &beams[b]));
+                load[b] = force.unwrap_or_default();
             }
             for d in 0..3 {
                 let pressed = step.kind == StepKind::Preload && beams[b].normal[d].abs() > ALONG;
@@ -67,23 +69,10 @@ pub(super) fn loading(
                 };
             }
         } else if let Some(name) = &step.spring {
-            let Some(s) = springs.iter().position(|s| s.name == *name) else {
-                let known = springs.iter().map(|s| s.name.as_str());
-                let help = keys::nearest(name, known).map_or_else(
-                    || keys::example("springs"),
-                    |near| format!("did you mean `{near}`?"),
-                );
-                let path = format!("steps.{i}.spring");
-                return Err(deck.error(&path, format!("there is no spring named `{name}`"), &help));
-            };
-            if springs[s].stiffness[axis] == 0.0 {
-                return Err(deck.error(
-                    &format!("steps.{i}.direction"),
-                    format!("the spring `{name}` has no stiffness in this direction"),
-                    "give it one: springs.stiffness, along x, y, z",
-                ));
+            match spring_of(deck, i, springs, name, axis) {
+                Ok(s) => far_ends[s][axis] = displacement,
+                Err(error) => errors.push(error),
             }
-            far_ends[s][axis] = displacement;
         }
         // The history tells of the face that is driven; before that of the one that will be.
         let driven = deck.steps[i..].iter().find_map(|s| {
@@ -92,14 +81,38 @@ pub(super) fn loading(
         });
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
         let pressed = beam.and_then(|b| Some((b, normal(b)?)));
-        steps.push(Step {
+        let rules = errors.keep(rules(deck, i, step, &mut gravity));
+        steps.extend(rules.map(|rules| Step {
             motion: now.clone(),
             driven: driven.or(pressed),
             springs: far_ends,
-            ..rules(deck, i, step, &mut gravity)?
-        });
+            ..rules
+        }));
     }
-    Ok(Loading { beams, steps })
+    errors.end(Loading { beams, steps })
+}
+
+/// Index of the spring whose far end step `i` moves along `axis`.
+fn spring_of(
+    deck: &Deck,
+    i: usize,
+    springs: &[Spring],
+    name: &str,
+    axis: usize,
+) -> Result<usize, ModelError> {
+    let Some(s) = springs.iter().position(|s| s.name == name) else {
+        let path = format!("steps.{i}.spring");
+        let help = keys::example("springs");
+        return Err(deck.error(&path, format!("there is no spring named `{name}`"), &help));
+    };
+    if springs[s].stiffness[axis] == 0.0 {
+        return Err(deck.error(
+            &format!("steps.{i}.direction"),
+            format!("the spring `{name}` has no stiffness in this direction"),
+            "give it one: springs.stiffness, along x, y, z",
+        ));
+    }
+    Ok(s)
 }
 
 /// What the step says of its way through, whatever it loads; nothing moves.
@@ -109,7 +122,11 @@ pub(super) fn rules(
     step: &DeckStep,
     gravity: &mut GravityNow,
 ) -> Result<Step, ModelError> {
-    Ok(Step {
+    let mut errors = Errors::default();
+    let control = errors.keep(probes::control(deck, i, step)).flatten();
+    let gravity = errors.keep(gravity.step(deck, i, step));
+    let ground = errors.keep(deck.ground_motion(i));
+    errors.end(Step {
         name: step.name().to_owned(),
         duration: step.duration.get(),
         motion: Vec::new(),
@@ -118,10 +135,10 @@ pub(super) fn rules(
         viscosity: step.viscosity.get(),
         procedure: step.procedure.with(step.alpha, step.rayleigh),
         tangent: step.tangent,
-        control: probes::control(deck, i, step)?,
+        control,
         tolerance: step.tolerance(),
-        gravity: gravity.step(deck, i, step)?,
-        ground: deck.ground_motion(i)?,
+        gravity: gravity.unwrap_or_default(),
+        ground: ground.unwrap_or_default(),
         springs: Vec::new(),
     })
 }
@@ -133,47 +150,60 @@ fn beam_name(faces: &Names) -> String {
 /// The faces that steps name, each once.
 fn beams(deck: &Deck, blocks: &Blocks<'_>, supports: &[Support]) -> Result<Vec<Beam>, ModelError> {
     let mut beams: Vec<Beam> = Vec::new();
+    let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         let Some(faces) = &step.face else { continue };
-        let path = format!("steps.{i}.face");
-        let name = beam_name(faces);
-        if beams.iter().any(|b| b.name == name) {
-            continue;
+        if !beams.iter().any(|b| b.name == beam_name(faces)) {
+            let beam = beam(deck, i, faces, blocks, &beams);
+            beams.extend(errors.keep(beam));
         }
-        let places = blocks.places(&path, faces, true)?;
-        if places.is_empty() {
-            return Err(deck.error(&path, "the list is empty", &keys::example("face")));
-        }
-        let nodes = blocks.nodes(&places);
-        if let Some(other) = beams
-            .iter()
-            .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
-        {
-            return Err(deck.error(
-                &path,
-                format!("{name} has nodes in common with {}", other.name),
-                "a node follows one face: drive one of them, or faces of different blocks",
-            ));
-        }
-        let (vector, area) = blocks.area(&places);
-        let length = super::hexahedron::norm(vector);
-        beams.push(Beam {
-            name,
-            nodes,
-            area,
-            normal: if length > 0.0 {
-                vector.map(|x| x / length)
-            } else {
-                [0.0; 3]
-            },
-        });
     }
-    require_movable(deck, &beams, supports)?;
-    Ok(beams)
+    errors.keep(require_movable(deck, &beams, supports));
+    errors.end(beams)
+}
+
+/// The face of step `i`, beside those of the steps before it.
+fn beam(
+    deck: &Deck,
+    i: usize,
+    faces: &Names,
+    blocks: &Blocks<'_>,
+    beams: &[Beam],
+) -> Result<Beam, ModelError> {
+    let path = format!("steps.{i}.face");
+    let name = beam_name(faces);
+    let places = blocks.places(&path, faces, true)?;
+    if places.is_empty() {
+        return Err(deck.error(&path, "the list is empty", &keys::example("face")));
+    }
+    let nodes = blocks.nodes(&places);
+    if let Some(other) = beams
+        .iter()
+        .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
+    {
+        return Err(deck.error(
+            &path,
+            format!("{name} has nodes in common with {}", other.name),
+            "a node follows one face: drive one of them, or faces of different blocks",
+        ));
+    }
+    let (vector, area) = blocks.area(&places);
+    let length = super::hexahedron::norm(vector);
+    Ok(Beam {
+        name,
+        nodes,
+        area,
+        normal: if length > 0.0 {
+            vector.map(|x| x / length)
+        } else {
+            [0.0; 3]
+        },
+    })
 }
 
 /// Refuses a drive of a face that supports hold in that direction.
 fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<(), ModelError> {
+    let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         let (Some(faces), Some(direction)) = (&step.face, step.direction) else {
             continue;
@@ -189,14 +219,14 @@ fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<
                 .any(|s| s.fixed[axis] && s.nodes.contains(n))
         };
         if beam.nodes.iter().all(held) {
-            return Err(deck.error(
+            errors.push(deck.error(
                 &format!("steps.{i}.face"),
                 format!("supports hold {name} in the direction that is driven"),
                 "take the support away, or drive another face",
             ));
         }
     }
-    Ok(())
+    errors.end(())
 }
 
 /// Force of a pressure on a face, against its normal [N].

@@ -8,7 +8,7 @@ use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
 use super::touch;
-use crate::error::{ModelError, Warning};
+use crate::error::{Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
 
 /// Two blocks that touch at rest.
@@ -45,6 +45,7 @@ pub(super) fn meeting(
     let pairings = pairings(deck, blocks)?;
     let mut contact = ContactSurfaces::default();
     let (mut touching, mut warnings) = (Vec::new(), Vec::new());
+    let mut errors = Errors::default();
     let mesh = &blocks.mesh;
     let describe = |element: usize, facet: &[u32; 4]| {
         let x = facet.map(|n| mesh.nodes[n as usize]);
@@ -76,7 +77,7 @@ pub(super) fn meeting(
             let distance = |m: &Facing<'_>| norm(difference(m.centre, here.centre));
             let nearest = opposed.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let Some(facing) = nearest else {
-                return Err(deck.error(
+                errors.push(deck.error(
                     &pairing.path,
                     format!(
                         "{}.{}: no master faces it",
@@ -85,6 +86,7 @@ pub(super) fn meeting(
                     ),
                     "faces that meet look at each other: block.bottom on base.top",
                 ));
+                break;
             };
             let (a, b) = (here.side, facing.side);
             let law = law_between(&mut contact, &pairing.interface, interface, a, b);
@@ -132,7 +134,7 @@ pub(super) fn meeting(
         }
     }
     add_masters(blocks, &pairings, &mut contact);
-    Ok(Meeting {
+    errors.end(Meeting {
         contact,
         touching,
         warnings,

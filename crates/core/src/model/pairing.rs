@@ -1,10 +1,11 @@
 //! Which faces of a scene of blocks meet: those that the deck pairs, and those that touch at rest.
 
-use super::blocks::{Blocks, Place};
+use super::blocks::Blocks;
 use super::deck::{Deck, DeckContact};
 use super::hexahedron::{Face, area_vector, norm};
+use super::roll::Place;
 use super::touch;
-use crate::error::ModelError;
+use crate::error::{Errors, ModelError};
 
 /// A face of a block. `(block, face)`
 pub(super) type Patch = (usize, Face);
@@ -26,50 +27,54 @@ pub(super) const TOUCHES: f64 = 1e-3;
 /// Names of nothing, a slave face of two interfaces, a face that is slave and master of another.
 pub(super) fn pairings(deck: &Deck, blocks: &Blocks<'_>) -> Result<Vec<Pairing>, ModelError> {
     let mut pairings = arch_pairings(deck, blocks);
+    let mut errors = Errors::default();
     for (i, contact) in deck.contacts.iter().enumerate() {
-        let path = format!("contacts.{i}");
-        if let (Some(slave), Some(master)) = (&contact.slave, &contact.master) {
-            let slaves = patches(&blocks.places(&format!("{path}.slave"), slave, true)?);
-            let masters = patches(&blocks.places(&format!("{path}.master"), master, true)?);
-            for slave in slaves {
-                let others = masters.iter().filter(|m| m.0 != slave.0);
-                let masters: Vec<Patch> = others.copied().collect();
-                if masters.is_empty() {
-                    let name = &blocks.placed[slave.0].name;
-                    return Err(deck.error(
-                        &path,
-                        format!("`{name}` would meet itself"),
-                        "slave and master are faces of different blocks",
-                    ));
-                }
-                let interface = contact.interface.clone();
-                let path = path.clone();
-                add(
-                    deck,
-                    blocks,
-                    &mut pairings,
-                    Pairing {
-                        slave,
-                        masters,
-                        interface,
-                        path,
-                    },
-                )?;
-            }
-        }
+        errors.keep(add_declared(deck, blocks, &mut pairings, contact, i));
     }
     for (i, contact) in deck.contacts.iter().enumerate() {
         if contact.slave.is_none() {
-            add_touching(
-                deck,
-                blocks,
-                &mut pairings,
-                contact,
-                &format!("contacts.{i}"),
-            )?;
+            let path = format!("contacts.{i}");
+            errors.keep(add_touching(deck, blocks, &mut pairings, contact, &path));
         }
     }
-    Ok(pairings)
+    errors.end(pairings)
+}
+
+/// Adds the pairings that contact `i` names, if it names any.
+fn add_declared(
+    deck: &Deck,
+    blocks: &Blocks<'_>,
+    pairings: &mut Vec<Pairing>,
+    contact: &DeckContact,
+    i: usize,
+) -> Result<(), ModelError> {
+    let path = format!("contacts.{i}");
+    let (Some(slave), Some(master)) = (&contact.slave, &contact.master) else {
+        return Ok(());
+    };
+    let slaves = patches(&blocks.places(&format!("{path}.slave"), slave, true)?);
+    let masters = patches(&blocks.places(&format!("{path}.master"), master, true)?);
+    for slave in slaves {
+        let others = masters.iter().filter(|m| m.0 != slave.0);
+        let masters: Vec<Patch> = others.copied().collect();
+        if masters.is_empty() {
+            let name = &blocks.placed[slave.0].name;
+            return Err(deck.error(
+                &path,
+                format!("`{name}` would meet itself"),
+                "slave and master are faces of different blocks",
+            ));
+        }
+        let (interface, path) = (contact.interface.clone(), path.clone());
+        let new = Pairing {
+            slave,
+            masters,
+            interface,
+            path,
+        };
+        add(deck, blocks, pairings, new)?;
+    }
+    Ok(())
 }
 
 fn patches(places: &[Place]) -> Vec<Patch> {

@@ -7,7 +7,7 @@ use super::hexahedron::{difference, norm};
 use super::keys;
 use super::quantity::Quantity;
 use super::scene::Control;
-use crate::error::ModelError;
+use crate::error::{Errors, ModelError};
 
 /// Motion of some nodes along an axis, less that of others: a column of the history.
 ///
@@ -71,11 +71,7 @@ pub(super) fn control(
     let path = format!("steps.{index}.control.probe");
     let name = &control.probe;
     let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
-        let known = deck.probes.iter().map(|p| p.name.as_str());
-        let help = keys::nearest(name, known).map_or_else(
-            || keys::example("probes"),
-            |near| format!("did you mean `{near}`?"),
-        );
+        let help = keys::example("probes");
         return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
     };
     if deck.probes[probe].quantity != ProbeQuantity::Displacement {
@@ -111,7 +107,10 @@ fn probes(deck: &Deck, mesh: &Mesh, named: &Named<'_>) -> Result<Vec<Probe>, Mod
             quantity: probe.quantity,
         })
     };
-    deck.probes.iter().enumerate().map(probe).collect()
+    let mut errors = Errors::default();
+    let all = deck.probes.iter().enumerate();
+    let all = all.filter_map(|one| errors.keep(probe(one))).collect();
+    errors.end(all)
 }
 
 /// Nodes of a place, ascending: those of its names, or of these (or all) the nearest to its point. Of

@@ -4,6 +4,7 @@
 //! `"2.12 MPa"`, `"30 kN/m^2"`, `"1900 kg/m^3"`. All values are kept in the base units.
 
 use super::unit::{self, Dimension};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
@@ -108,5 +109,29 @@ impl<'de, const L: i8, const M: i8, const T: i8, const A: i8> Deserialize<'de>
 {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(QuantityVisitor)
+    }
+}
+
+/// A number, or a string of a number and its unit (dimensionless ones may go without).
+impl<const L: i8, const M: i8, const T: i8, const A: i8> JsonSchema for Quantity<L, M, T, A> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        format!("Quantity_{L}_{M}_{T}_{A}").into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?";
+        let unit = if Self::DIMENSION == Number::DIMENSION {
+            r"\s*([^\s0-9+-].*)?"
+        } else {
+            r"\s*[^\s0-9.+-].*"
+        };
+        json_schema!({
+            "type": ["number", "string"],
+            "pattern": format!("^\\s*{number}{unit}$"),
+        })
     }
 }

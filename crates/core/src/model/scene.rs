@@ -54,7 +54,17 @@ pub struct NamedMaterial {
 }
 
 /// How the hex8 interpolates strain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Formulation {
     /// 2×2×2 points, displacement strains.
@@ -67,7 +77,17 @@ pub enum Formulation {
 }
 
 /// Where an interface is sampled on a slave facet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactPoints {
     /// 2×2 Gauss points; for bonded walls.
@@ -342,7 +362,17 @@ impl Procedure {
 }
 
 /// Which tangents the iterations take, and with them how the laws enter.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Tangent {
     /// Secant stiffness of the solids, shifted penalty: symmetric and positive definite.

@@ -1,7 +1,7 @@
 //! Where each key of a deck is written, so that an error can point at it.
 
 use super::keys;
-use crate::error::{ModelError, Warning};
+use crate::error::{self as errors, ModelError, Warning};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -133,10 +133,13 @@ impl Source {
         }
     }
 
-    /// Line of the file, from 1, at which `path` itself is written.
-    fn line(&self, path: &str) -> Option<usize> {
+    /// Line and column of the file, from 1, at which `path` itself is written.
+    fn position(&self, path: &str) -> Option<(usize, usize)> {
         let start = self.places.get(path)?.value.start;
-        (start < self.file_length).then(|| self.text[..start].matches('\n').count() + 1)
+        let before = self.text[..self.file_length].get(..start)?;
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let line = before.matches('\n').count() + 1;
+        Some((line, before[line_start..].chars().count() + 1))
     }
 
     /// Dotted path of the key or value at these bytes: the narrowest that contains them.
@@ -173,14 +176,37 @@ impl Source {
 
     /// A warning about the key `path`.
     pub fn warning(&self, path: &str, message: impl Into<String>) -> Warning {
+        let (line, column) = self.position(path).unzip();
         Warning {
             key: path.to_owned(),
-            line: self.line(path),
+            line,
+            column,
             message: message.into(),
         }
     }
 
     fn error_at(
+        &self,
+        span: Option<Range<usize>>,
+        path: &str,
+        message: String,
+        help: &str,
+    ) -> ModelError {
+        let start = span.as_ref().map_or(0, |span| span.start);
+        let section = self.span(keys::section_of(path));
+        let place = errors::Place {
+            section: match section {
+                Some(section) if start < self.file_length => section.start.min(start),
+                _ => start,
+            },
+            absent: !path.is_empty() && !self.places.contains_key(path),
+            start,
+        };
+        self.error_in(span, path, message, help).at(place)
+    }
+
+    /// The same, wherever it is told: in the file, or in the override that says the key anew.
+    fn error_in(
         &self,
         span: Option<Range<usize>>,
         path: &str,
@@ -232,8 +258,23 @@ impl Source {
 
     /// What serde or the TOML parser says, with the path of the key and advice.
     pub(crate) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
+        if self.places.is_empty() {
+            // nothing is located before the text has been parsed
+            return self.syntax_error(error);
+        }
+        self.misread(error).error
+    }
+
+    /// What the TOML parser says.
+    pub(super) fn syntax_error(&self, error: &toml::de::Error) -> ModelError {
+        let help = "the text is no TOML here: strings want quotes, each key its own line";
+        self.error_at(error.span(), "", in_a_line(error), help)
+    }
+
+    /// What serde says, and what kind of trouble it is.
+    pub(super) fn misread(&self, error: &toml::de::Error) -> Misread {
         let span = error.span();
-        let message = error.message().trim_end().replace('\n', ", ");
+        let message = in_a_line(error);
         // Rust's names of integers are none of a deck's.
         let message = ["u64", "u32", "usize"].iter().fold(message, |text, name| {
             text.replace(
@@ -248,32 +289,69 @@ impl Source {
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("missing field")) {
             let path = join(span.as_ref().map_or("", |s| self.table_at(s)), name);
             let message = format!("the key `{name}` is missing");
-            return self.error_at(span, &path, message, &self.advice(&path));
+            let help = self.advice(&path);
+            return Misread {
+                trouble: Trouble::Missing,
+                error: self.error_at(span, &path, message, &help),
+            };
         }
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("unknown")) {
             let known = message.split('`').skip(3).step_by(2);
-            let help = match keys::nearest(name, known.clone()) {
+            let near = keys::nearest(name, known.clone());
+            let help = match near {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("known here: {}", known.collect::<Vec<_>>().join(", ")),
             };
-            let kind = if message.starts_with("unknown field") {
-                "key"
+            let is_key = message.starts_with("unknown field");
+            let (kind, trouble) = if is_key {
+                let meant = near.map(str::to_owned);
+                ("key", Trouble::UnknownKey { meant })
             } else {
-                "choice"
+                ("choice", Trouble::Value)
             };
-            return self.error_at(span, at, format!("`{name}` is not a known {kind}"), &help);
+            let message = format!("`{name}` is not a known {kind}");
+            return Misread {
+                trouble,
+                error: self.error_at(span, at, message, &help),
+            };
         }
-        if self.places.is_empty() {
-            // nothing is located before the text has been parsed
-            let help = "the text is no TOML here: strings want quotes, each key its own line";
-            return self.error_at(span, "", message, help);
+        Misread {
+            trouble: Trouble::Value,
+            error: self.error_at(span, at, message, &self.advice(at)),
         }
-        self.error_at(span, at, message, &self.advice(at))
+    }
+
+    /// From now on a table is taken to stand at `path`, where something else is written.
+    pub(super) fn stands_as_table(&mut self, path: &str) {
+        if let Some(place) = self.places.get_mut(path) {
+            place.is_table = true;
+        }
     }
 }
 
+/// What serde could not read.
+pub(super) struct Misread {
+    pub(super) trouble: Trouble,
+    pub(super) error: ModelError,
+}
+
+/// Kinds of what serde cannot read.
+pub(super) enum Trouble {
+    /// A key that no one knows, and the one that was probably meant.
+    UnknownKey { meant: Option<String> },
+    /// A key that is not there.
+    Missing,
+    /// A value of the wrong type or unit, or none of the choices.
+    Value,
+}
+
+/// The message of an error, without line breaks.
+fn in_a_line(error: &toml::de::Error) -> String {
+    error.message().trim_end().replace('\n', ", ")
+}
+
 /// `prefix.key`, or `key` at the root.
-fn join(prefix: &str, key: &str) -> String {
+pub(super) fn join(prefix: &str, key: &str) -> String {
     if prefix.is_empty() {
         key.to_owned()
     } else {

@@ -1,10 +1,11 @@
 //! `[arch]`: a circular arch of equal voussoirs between two springings.
 
 use crate::model::quantity::{Angle, Length};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An arch in the plane x, z about the origin, its crown on the z axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckArch {
     /// Radius of the centre line [mm]; or `span`.

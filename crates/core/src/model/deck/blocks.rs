@@ -2,12 +2,14 @@
 
 use super::Direction;
 use crate::model::quantity::{Angle, Length, SpringStiffness, Velocity};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 use std::fmt;
 
 /// A block of hex8: a box by its size, any hexahedron by its eight corners, or a grid of nodes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckBlock {
     /// Name, by which faces, supports and springs call it.
@@ -24,7 +26,7 @@ pub struct DeckBlock {
     /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<[[Length; 3]; 8]>,
-    /// File of the nodes of its grid, see [`Deck::block_nodes`](super::Deck::block_nodes).
+    /// File of the nodes of its grid: x, y, z a line [mm], along x first, then y, then z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<String>,
     /// Its material.
@@ -44,7 +46,7 @@ pub struct DeckBlock {
 }
 
 /// A turn about an axis, right-handed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
     /// The axis.
@@ -54,7 +56,7 @@ pub struct Rotation {
 }
 
 /// Faces that may meet: points on slaves against masters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckContact {
     /// Slave faces, the finer side; all faces that touch at rest if neither side is given.
@@ -68,7 +70,7 @@ pub struct DeckContact {
 }
 
 /// Blocks or faces that are held.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckSupport {
     /// Blocks (`"base"`) or faces (`"base.bottom"`).
@@ -79,7 +81,7 @@ pub struct DeckSupport {
 }
 
 /// A spring to the ground, whose far end a drive may move.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckSpring {
     /// Name, by which a drive calls it.
@@ -91,7 +93,7 @@ pub struct DeckSpring {
 }
 
 /// An axis without a sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// x.
@@ -119,6 +121,20 @@ impl Serialize for Names {
             [one] => one.serialize(serializer),
             many => many.serialize(serializer),
         }
+    }
+}
+
+impl JsonSchema for Names {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Names".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["string", "array"], "items": { "type": "string" } })
     }
 }
 

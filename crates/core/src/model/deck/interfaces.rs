@@ -1,12 +1,13 @@
 //! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory C).
 
 use crate::model::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
 use wythe_contact::{Coupling, InterfaceLaw};
 
 /// An interface as written.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
     non_snake_case,
@@ -50,7 +51,21 @@ pub struct Interface {
     pub shear_stiffness: Option<InterfaceStiffness>,
     /// Coupling of the modes.
     #[serde(default)]
+    #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
+}
+
+// `Coupling` as the schema of decks tells it: its crate knows no schemas.
+/// How opening and slip damage the same bond.
+#[derive(JsonSchema)]
+#[schemars(rename = "Coupling")]
+#[serde(rename_all = "kebab-case")]
+#[expect(dead_code, reason = "its schema is what counts")]
+enum CouplingSchema {
+    /// The larger of both damages.
+    Max,
+    /// Damages add up.
+    Additive,
 }
 
 /// Theory C.8: 500 × E/h.

@@ -4,10 +4,11 @@ use crate::material::{
     DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters, TableRow,
 };
 use crate::model::quantity::{Angle, Density, Length, Number, Pressure, Time};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A material as written.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
     non_snake_case,
@@ -57,7 +58,7 @@ pub struct Material {
 }
 
 /// A row of a uniaxial table: stress [MPa], inelastic strain [-], damage [-].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(expecting = "a row [stress, inelastic strain, damage]")]
 pub struct Row(pub Pressure, pub Number, pub Number);
 

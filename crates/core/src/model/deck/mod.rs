@@ -4,6 +4,7 @@
 
 mod arch;
 mod blocks;
+mod form;
 mod grid;
 mod ground;
 mod interfaces;
@@ -12,6 +13,7 @@ mod output;
 mod probes;
 mod procedure;
 mod rows;
+mod stand_in;
 mod steps;
 mod validate;
 mod wall;
@@ -29,8 +31,9 @@ use super::overrides;
 use super::quantity::Length;
 use super::scene::{ContactPoints, Formulation};
 use super::source::Source;
-use crate::error::{DeckError, IoError, ModelError};
+use crate::error::{DeckError, Errors, IoError, ModelError};
 use crate::material::MaterialParameters;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -38,10 +41,11 @@ use toml::de::DeTable;
 use wythe_contact::InterfaceLaw;
 
 /// Everything that a model file says.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Deck {
     /// Version of the format: 1.
+    #[schemars(range(min = 1, max = 1))]
     pub format: u32,
     /// Title; the name of the file if absent.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -90,7 +94,7 @@ pub struct Deck {
 }
 
 /// `[element]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Element {
     /// How the hex8 interpolates strain.
@@ -98,7 +102,7 @@ pub struct Element {
 }
 
 /// `[contact]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// Where an interface is sampled on a slave facet.
@@ -109,7 +113,7 @@ pub struct Contact {
 }
 
 /// `[output]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
     /// A frame of fields every so many increments; the last one always.
@@ -138,7 +142,8 @@ impl Deck {
     /// Reads a deck from a text. `file` names it in errors.
     ///
     /// # Errors
-    /// Syntax, unknown or missing keys, wrong types and units (the first), values out of range (all).
+    /// Syntax, unknown or missing keys, wrong types and units, values out of range, names of nothing: all
+    /// that can be found, in the order in which it is written.
     pub fn from_str(text: &str, file: &str) -> Result<Self, ModelError> {
         Self::from_str_with(text, file, &[])
     }
@@ -163,25 +168,40 @@ impl Deck {
                 (start, overrides::padded(value, start))
             })
             .collect();
-        let mut root = DeTable::parse(text).map_err(|e| source.toml_error(&e))?;
+        let (mut root, syntax) = DeTable::parse_recoverable(text);
+        let mut errors: Vec<ModelError> = syntax.iter().map(|e| source.syntax_error(e)).collect();
+        // What follows on a line that is no TOML is noise.
+        errors.dedup_by_key(|error| error.line());
+        let no_toml: Vec<_> = errors.iter().map(ModelError::line).collect();
         for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
             let value = overrides::parse(padded, *start);
-            overrides::set(root.get_mut(), key, source.override_key(i).start, value)
-                .map_err(|message| source.override_error(i, message))?;
+            let set = overrides::set(root.get_mut(), key, source.override_key(i).start, value);
+            errors.extend(set.err().map(|why| source.override_error(i, why)));
         }
         source.locate(root.get_ref());
-        let mut deck =
-            Self::deserialize(toml::Deserializer::from(root)).map_err(|e| source.toml_error(&e))?;
-        deck.source = source;
-        if deck.title.is_empty() {
-            deck.title = Path::new(file)
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into();
+        let form = form::read(&mut source, root, no_toml.is_empty());
+        let misread = form.errors.into_iter();
+        errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
+        if let Some(mut deck) = form.deck {
+            deck.source = source;
+            if deck.title.is_empty() {
+                deck.title = Path::new(file)
+                    .file_stem()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into();
+            }
+            if no_toml.is_empty() {
+                errors.extend(validate::validate(&deck, &form.broken));
+            }
+            if errors.is_empty() {
+                return Ok(deck);
+            }
         }
-        validate::validate(&deck)?;
-        Ok(deck)
+        let nothing = || ModelError::new(file, text, None, "", "the deck cannot be read", "");
+        let mut all = Errors::default();
+        errors.into_iter().for_each(|error| all.push(error));
+        Err(all.end(()).err().unwrap_or_else(nothing))
     }
 
     /// Reads the deck in the file `path`, then says the keys of `overrides` anew.

@@ -2,13 +2,15 @@
 
 use super::{Direction, Names};
 use crate::model::quantity::Length;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// A number a row of the history: the motion of a place, or of two relative to each other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckProbe {
     /// Name, from which the column has its own.
@@ -41,7 +43,7 @@ pub struct DeckPlace {
 }
 
 /// What a probe follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ProbeQuantity {
     /// Displacement [mm].
@@ -68,11 +70,28 @@ impl DeckProbe {
     }
 }
 
-/// The table that [`DeckPlace`] may be.
-#[derive(Deserialize)]
+impl JsonSchema for DeckPlace {
+    fn schema_name() -> Cow<'static, str> {
+        "DeckPlace".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (names, table) = (
+            Names::json_schema(generator),
+            PlaceTable::json_schema(generator),
+        );
+        json_schema!({ "anyOf": [names, table] })
+    }
+}
+
+// The table that `DeckPlace` may be.
+/// Nodes of a scene: those of `on`, or of these the one nearest to `near`.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct PlaceTable {
+    /// Blocks or faces.
     on: Option<Names>,
+    /// A point at rest [mm].
     near: Option<[Length; 3]>,
 }
 
@@ -96,7 +115,7 @@ impl<'de> Visitor<'de> for PlaceVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<DeckPlace, A::Error> {
-        let Table { on, near } = Table::deserialize(MapAccessDeserializer::new(map))?;
+        let PlaceTable { on, near } = PlaceTable::deserialize(MapAccessDeserializer::new(map))?;
         Ok(DeckPlace { on, near })
     }
 }

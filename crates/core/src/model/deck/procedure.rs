@@ -2,10 +2,11 @@
 
 use crate::model::quantity::{Frequency, Length, Number, Time};
 use crate::model::scene::{Procedure, Rayleigh};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `procedure` of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DeckProcedure {
     /// The cheapest that finds equilibrium, from increment to increment.
@@ -28,7 +29,7 @@ pub enum DeckProcedure {
 }
 
 /// `control` of a step: a displacement that steers the load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckControl {
     /// The probe that measures it.
@@ -38,7 +39,7 @@ pub struct DeckControl {
 }
 
 /// `rayleigh` of a dynamic step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckRayleigh {
     /// Factor of the masses [1/s].
@@ -48,7 +49,7 @@ pub struct DeckRayleigh {
 }
 
 /// `ground` of a step: a record of acceleration a direction.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckGround {
     /// File with the acceleration along the wall.

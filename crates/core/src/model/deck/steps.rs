@@ -4,10 +4,11 @@ use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Tangent, Tolerance};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A step as written. Keys that belong to the other kind are refused when the deck is checked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckStep {
     /// Name; the kind if absent.
@@ -84,7 +85,7 @@ pub struct DeckStep {
 }
 
 /// What a step does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepKind {
     /// Presses the top, free to move vertically and nowhere else.
@@ -113,7 +114,7 @@ impl StepKind {
 }
 
 /// A direction of the axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Direction {
     /// Along the wall.
     #[serde(rename = "x")]
@@ -150,7 +151,7 @@ impl Direction {
 }
 
 /// What the level beam does vertically while it is driven sideways.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Vertical {
     /// Held where the preload left it, as in the tests of the paper.
@@ -161,7 +162,7 @@ pub enum Vertical {
 }
 
 /// `increments`; what is not said depends on the kind of the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckIncrements {
     /// First.
@@ -176,7 +177,7 @@ pub struct DeckIncrements {
 }
 
 /// `tolerance`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckTolerance {
     /// Largest out-of-balance force over the mean nodal force [-]; by default that of the procedure.

@@ -1,13 +1,15 @@
 //! `[wall]`: what is built, of what, how finely, and how it is held.
 
 use crate::model::quantity::Length;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 use std::fmt;
 
 /// A wall of representative elements: each a unit with the bed joint on top of it and the head joint
 /// at its +x end.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Length (x), thickness (y), height (z) of a whole unit [mm].
@@ -38,7 +40,7 @@ pub struct Wall {
 }
 
 /// How the units of a course lie on those below.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bond {
     /// Stretchers; the last unit of a course is cut to the length, every second course is mirrored.
@@ -47,7 +49,7 @@ pub enum Bond {
 }
 
 /// Courses that a test's steel beams hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Clamped {
     /// Lowest courses held in x, y, z; 0: the bottom face is held.
@@ -101,6 +103,31 @@ impl Default for Subdivision {
 impl Serialize for Subdivision {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         [self.length, self.height, self.thickness].serialize(serializer)
+    }
+}
+
+impl JsonSchema for Subdivision {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Subdivision".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let count = |least: u32| json_schema!({ "type": "integer", "minimum": least });
+        json_schema!({
+            "anyOf": [
+                { "enum": ["coarse", "fine"] },
+                {
+                    "type": "array",
+                    "items": [count(2), count(2), count(1)],
+                    "minItems": 3,
+                    "maxItems": 3,
+                },
+            ],
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Ranges of `[[blocks]]`, `[arch]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`.
 
 use super::Checks;
+use crate::error::ModelError;
 use crate::model::deck::{DeckArch, DeckBlock, Names};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
@@ -13,7 +14,7 @@ impl Checks<'_> {
     pub(super) fn scene(&mut self) {
         let deck = self.deck;
         let blocks = deck.has_blocks();
-        self.require(
+        self.demand(
             deck.wall.is_none() || !blocks,
             "wall",
             || "a scene is either a wall, or blocks and an arch".to_owned(),
@@ -24,8 +25,8 @@ impl Checks<'_> {
             ("supports", !deck.supports.is_empty()),
             ("springs", !deck.springs.is_empty()),
         ] {
-            self.require(
-                blocks || !given,
+            self.demand(
+                blocks || !given || !self.scene_is_known(),
                 name,
                 || format!("[[{name}]] belongs to a scene of blocks, and there is none"),
                 "add [[blocks]] or [arch]",
@@ -56,7 +57,7 @@ impl Checks<'_> {
         }
         for (i, support) in deck.supports.iter().enumerate() {
             self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
-            self.require(
+            self.demand(
                 !support.fixed.is_empty(),
                 &format!("supports.{i}.fixed"),
                 || "a support that holds no direction".to_owned(),
@@ -68,7 +69,7 @@ impl Checks<'_> {
             for (d, stiffness) in spring.stiffness.into_iter().enumerate() {
                 self.not_negative(&format!("springs.{i}.stiffness.{d}"), stiffness);
             }
-            self.require(
+            self.demand(
                 spring.stiffness.iter().any(|k| k.get() > 0.0),
                 &format!("springs.{i}.stiffness"),
                 || "a spring without stiffness".to_owned(),
@@ -80,7 +81,7 @@ impl Checks<'_> {
     fn block(&mut self, path: &str, block: &DeckBlock) {
         let key = |name: &str| format!("{path}.{name}");
         let plain = !block.name.is_empty() && !block.name.contains('.');
-        self.require(
+        self.demand(
             plain,
             &key("name"),
             || format!("`{}` is no name for a block", block.name),
@@ -106,7 +107,7 @@ impl Checks<'_> {
             }
             (_, Some(corners)) => {
                 let corners = corners.map(|x| x.map(Quantity::get));
-                self.require(
+                self.demand(
                     crate::model::hexahedron::is_upright(&corners),
                     &key("corners"),
                     || "the corners are not in order, or the block is flat or folded".to_owned(),
@@ -124,7 +125,7 @@ impl Checks<'_> {
         self.elements(&key("mesh"), block.mesh, "blocks.mesh");
         let copies = block.copies.unwrap_or([1; 3]);
         let count: f64 = copies.iter().map(|n| f64::from(*n)).product();
-        self.require(
+        self.demand(
             (1.0..=MOST_COPIES).contains(&count),
             &key("copies"),
             || format!("{count} copies of a block"),
@@ -169,7 +170,7 @@ impl Checks<'_> {
             "each follows from the other: leave out one",
         );
         let angle = arch.angle.get();
-        self.require(
+        self.demand(
             angle > 0.0 && angle <= 180.0,
             "arch.angle",
             || format!("an arch over {angle} degrees"),
@@ -183,7 +184,7 @@ impl Checks<'_> {
             "a ring is thinner than its radius",
         );
         let count = arch.voussoirs;
-        self.require(
+        self.demand(
             (2..=10_000).contains(&count),
             "arch.voussoirs",
             || format!("{count} voussoirs are no arch"),
@@ -195,7 +196,7 @@ impl Checks<'_> {
     }
 
     fn elements(&mut self, path: &str, mesh: [u32; 3], example: &str) {
-        self.require(
+        self.demand(
             mesh.iter().all(|n| *n > 0),
             path,
             || format!("{mesh:?} leaves no element"),
@@ -204,7 +205,7 @@ impl Checks<'_> {
     }
 
     pub(super) fn not_empty(&mut self, path: &str, names: Option<&Names>) {
-        self.require(
+        self.demand(
             names.is_none_or(|names| !names.0.is_empty()),
             path,
             || "the list is empty".to_owned(),
@@ -212,16 +213,30 @@ impl Checks<'_> {
         );
     }
 
+    /// Whether it can be told if the scene is a wall or blocks.
+    pub(super) fn scene_is_known(&self) -> bool {
+        !["wall", "blocks", "arch"]
+            .iter()
+            .any(|name| self.broken.whole(name))
+    }
+
     pub(super) fn known_material(&mut self, path: &str, name: &str) {
         if !self.deck.materials.contains_key(name) {
             let error = self.deck.unknown(path, "material", name, "materials");
-            self.errors.push(error);
+            self.refer("materials", path, error);
         }
     }
 
     pub(super) fn known_interface(&mut self, path: &str, name: &str) {
         if !self.deck.interfaces.contains_key(name) {
             let error = self.deck.unknown(path, "interface", name, "interfaces");
+            self.refer("interfaces", path, error);
+        }
+    }
+
+    /// A name at `path` of nothing in the section `of`, unless that could not be read.
+    pub(super) fn refer(&mut self, of: &str, path: &str, error: ModelError) {
+        if !self.broken.whole(of) && !self.broken.holds(path) {
             self.errors.push(error);
         }
     }

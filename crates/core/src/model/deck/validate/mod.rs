@@ -4,8 +4,10 @@ mod blocks;
 mod interfaces;
 mod materials;
 mod probes;
+mod references;
 mod steps;
 
+use super::form::Broken;
 use super::{Deck, Wall};
 use crate::error::ModelError;
 use crate::model::layout;
@@ -14,19 +16,19 @@ use crate::model::quantity::{Number, Quantity};
 /// Errors found so far.
 struct Checks<'a> {
     deck: &'a Deck,
+    broken: &'a Broken,
     errors: Vec<ModelError>,
 }
 
-/// Checks all that needs no mesh.
-///
-/// # Errors
-/// All values out of range and all contradictions, as one error.
-pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
+/// Checks all that needs no mesh: values out of range, contradictions, names of nothing. What rests on
+/// something `broken` is let be.
+pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     let mut checks = Checks {
         deck,
+        broken,
         errors: Vec::new(),
     };
-    checks.require(
+    checks.demand(
         deck.format == 1,
         "format",
         || format!("format {} is not known", deck.format),
@@ -61,12 +63,21 @@ pub(super) fn validate(deck: &Deck) -> Result<(), ModelError> {
     if let Some(radius) = deck.contact.search_radius {
         checks.positive("contact.search_radius", radius);
     }
-    ModelError::gather(checks.errors).map_or(Ok(()), Err)
+    checks.references();
+    checks.errors
 }
 
 impl Checks<'_> {
+    /// What the key at `path` and others of its section must be to each other.
     fn require(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
-        if !ok {
+        if !self.broken.section(path) {
+            self.demand(ok, path, message, help);
+        }
+    }
+
+    /// What the value at `path` must be by itself.
+    fn demand(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
+        if !ok && !self.broken.holds(path) {
             self.errors.push(self.deck.error(path, message(), help));
         }
     }
@@ -77,7 +88,7 @@ impl Checks<'_> {
         value: Quantity<L, M, T, A>,
     ) {
         let value = value.get();
-        self.require(
+        self.demand(
             value > 0.0,
             path,
             || format!("{value} is not positive"),
@@ -91,7 +102,7 @@ impl Checks<'_> {
         value: Quantity<L, M, T, A>,
     ) {
         let value = value.get();
-        self.require(
+        self.demand(
             value >= 0.0,
             path,
             || format!("{value} is negative"),
@@ -102,7 +113,7 @@ impl Checks<'_> {
     fn within(&mut self, path: &str, value: Number, range: std::ops::RangeInclusive<f64>) {
         let value = value.get();
         let (low, high) = (*range.start(), *range.end());
-        self.require(
+        self.demand(
             range.contains(&value),
             path,
             || format!("{value} is not between {low} and {high}"),
@@ -117,7 +128,7 @@ impl Checks<'_> {
         self.positive("wall.bed_joint", wall.bed_joint);
         self.positive("wall.head_joint", wall.head_joint);
         self.positive("wall.length", wall.length);
-        self.require(
+        self.demand(
             wall.courses > 0,
             "wall.courses",
             || "a wall has at least one course".to_owned(),

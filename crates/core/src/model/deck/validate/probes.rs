@@ -17,7 +17,7 @@ impl Checks<'_> {
             let path = format!("probes.{i}");
             let name = &probe.name;
             let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            self.require(
+            self.demand(
                 name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
                 &format!("{path}.name"),
                 || format!("`{name}` is no name for a column"),

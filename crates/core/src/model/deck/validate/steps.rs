@@ -35,7 +35,7 @@ impl Checks<'_> {
             ("pressure", step.pressure),
         ] {
             let value = pressure.map_or(0.0, Quantity::get);
-            self.require(
+            self.demand(
                 value >= 0.0,
                 &key(name),
                 || format!("the pressure {value} MPa pulls"),
@@ -54,14 +54,14 @@ impl Checks<'_> {
                 "name the other directions only",
             );
         }
-        self.require(
+        self.demand(
             !matches!(step.axis, Some(Direction::Z | Direction::MinusZ)),
             &key("axis"),
             || "a turn about z tilts nothing".to_owned(),
             &keys::example("axis"),
         );
         if let Some(angle) = step.angle.map(Quantity::get) {
-            self.require(
+            self.demand(
                 angle.abs() <= 180.0,
                 &key("angle"),
                 || format!("{angle} degrees are more than half a turn"),
@@ -69,7 +69,7 @@ impl Checks<'_> {
             );
         }
         if let Some(displacement) = step.displacement {
-            self.require(
+            self.demand(
                 displacement.get() != 0.0,
                 &key("displacement"),
                 || "the displacement is 0".to_owned(),
@@ -89,7 +89,7 @@ impl Checks<'_> {
             },
             "fractions of the step: 0 < min <= initial <= max <= 1",
         );
-        self.require(
+        self.demand(
             step.viscosity.get() >= 0.0,
             &key("viscosity"),
             || format!("{} is negative", step.viscosity.get()),
@@ -98,7 +98,7 @@ impl Checks<'_> {
         if let Some(residual) = step.tolerance.residual {
             self.positive(&key("tolerance.residual"), residual);
         }
-        self.require(
+        self.demand(
             step.tolerance.max_iterations > 0,
             &key("tolerance.max_iterations"),
             || "no iteration is allowed".to_owned(),
@@ -130,7 +130,7 @@ impl Checks<'_> {
         );
         if let Some(alpha) = step.alpha {
             let value = alpha.get();
-            self.require(
+            self.demand(
                 (-1.0 / 3.0..=0.0).contains(&value),
                 &key("alpha"),
                 || format!("{value} is not between -1/3 and 0"),
@@ -147,7 +147,9 @@ impl Checks<'_> {
         ) {
             let materials = self.deck.materials.iter();
             let massless = materials
-                .filter(|(_, m)| m.density.get() <= 0.0)
+                .filter(|(name, m)| {
+                    m.density.get() <= 0.0 && !self.broken.section(&format!("materials.{name}"))
+                })
                 .map(|(name, _)| name.clone());
             for name in massless.collect::<Vec<_>>() {
                 self.require(
@@ -187,7 +189,7 @@ impl Checks<'_> {
             },
         );
         if let Some(control) = &step.control {
-            self.require(
+            self.demand(
                 control.displacement.get() != 0.0,
                 &key("control.displacement"),
                 || "the displacement is 0".to_owned(),
@@ -204,6 +206,9 @@ impl Checks<'_> {
 
     /// Keys that the kind of the step, and of the scene, knows; and those that it needs.
     fn keys_of_kind(&mut self, path: &str, step: &DeckStep) {
+        if !self.scene_is_known() {
+            return;
+        }
         use StepKind::{Drive, Free, Gravity, Preload, Tilt};
         let key = |name: &str| format!("{path}.{name}");
         let kind = step.kind;

@@ -1,0 +1,149 @@
+//! What is wrong with a model and what its author should know: all of it at once, for people and for
+//! machines.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use miette::Report;
+use serde_json::{Value, json};
+use wythe_core::error::{DeckError, ModelError, Warning};
+use wythe_core::model::{Deck, Model};
+
+use crate::arguments::ModelArguments;
+use crate::failure::Failure;
+
+/// A deck that could be read, and the model that was built of it.
+pub struct Sound {
+    pub deck: Deck,
+    pub model: Model,
+    pub warnings: Vec<Warning>,
+}
+
+/// The two layers of a check: physics is judged where the form is right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Keys, types, units, ranges, names.
+    Form,
+    /// What the model that the deck describes would do.
+    Physics,
+}
+
+impl Layer {
+    /// As it is called in what the command prints.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Form => "form",
+            Self::Physics => "physics",
+        }
+    }
+}
+
+/// Why there is no model.
+pub enum Unsound {
+    /// The file could not be read.
+    Unread(Failure),
+    /// The model is wrong, in this layer.
+    Wrong(Layer, ModelError),
+}
+
+/// Reads a deck and builds its model.
+pub fn read(path: &Path, with: &ModelArguments) -> Result<Sound, Unsound> {
+    let deck = Deck::load(path, &with.overrides).map_err(|error| match error {
+        DeckError::Io(error) => Unsound::Unread(error.into()),
+        DeckError::Model(error) => Unsound::Wrong(Layer::Form, error),
+    })?;
+    let (model, warnings) =
+        Model::from_deck(&deck).map_err(|error| Unsound::Wrong(Layer::Physics, error))?;
+    Ok(Sound {
+        deck,
+        model,
+        warnings,
+    })
+}
+
+impl Unsound {
+    /// Says on standard error what is wrong, each error with its place, and how the command ends.
+    pub fn tell(self, path: &Path) -> Failure {
+        let (layer, error) = match self {
+            Self::Unread(failure) => return failure,
+            Self::Wrong(layer, error) => (layer, error),
+        };
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        for warning in error.warnings() {
+            eprint!("{}", drawn(warning, &text));
+        }
+        for error in error.all() {
+            eprintln!("{:?}", Report::new(error.alone()));
+        }
+        let count = crate::terminal::count(error.all().count(), "error");
+        let rest = match layer {
+            Layer::Form => "; the physics is judged when the form is right",
+            Layer::Physics => "",
+        };
+        eprintln!("{count} of {} in {}{rest}", layer.name(), path.display());
+        Failure::ToldModel
+    }
+}
+
+/// A warning, with the line of the deck and a caret below the place.
+pub fn drawn(warning: &Warning, text: &str) -> String {
+    let mut out = format!("warning: {warning}\n");
+    let (Some(line), Some(column)) = (warning.line, warning.column) else {
+        return out;
+    };
+    if let Some(written) = text.lines().nth(line - 1) {
+        let gutter = line.to_string().len();
+        let before = written.chars().take(column - 1);
+        let indent: String = before.map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        // Writing to a string does not fail.
+        let _ = writeln!(out, "  {line} | {written}\n  {:gutter$} | {indent}^", "");
+    }
+    out
+}
+
+/// An error as machines read it.
+pub fn error_json(error: &ModelError) -> Value {
+    json!({
+        "file": error.file(),
+        "key": error.key(),
+        "line": error.line(),
+        "column": error.column(),
+        "message": error.message(),
+        "help": error.advice(),
+    })
+}
+
+/// A warning as machines read it.
+pub fn warning_json(warning: &Warning) -> Value {
+    json!({
+        "key": warning.key,
+        "line": warning.line,
+        "column": warning.column,
+        "message": warning.message,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_points_at_its_place() {
+        let warning = Warning {
+            key: "materials.brick.nu".to_owned(),
+            line: Some(2),
+            column: Some(6),
+            message: "high".to_owned(),
+        };
+        assert_eq!(
+            drawn(&warning, "[materials.brick]\nnu = 0.49\n"),
+            "warning: materials.brick.nu (line 2): high\n  2 | nu = 0.49\n    |      ^\n"
+        );
+        let nowhere = Warning {
+            line: None,
+            column: None,
+            ..warning
+        };
+        assert_eq!(drawn(&nowhere, ""), "warning: materials.brick.nu: high\n");
+    }
+}

@@ -1,0 +1,9 @@
+//! `wythe schema`: what editors need to complete and check a deck.
+
+use crate::check::print;
+use crate::failure::Failure;
+
+/// Prints the JSON schema of decks.
+pub fn schema() -> Result<(), Failure> {
+    print(&wythe_core::model::schema::text())
+}

@@ -1,0 +1,216 @@
+//! What `check` and `run` tell of a wrong model: all of it, for people and for machines; and how the
+//! progress of a run is told.
+
+mod common;
+
+use common::*;
+use serde_json::Value;
+
+/// Three errors of form.
+const WRONG: [&str; 6] = [
+    "--set",
+    "wall.courses=0",
+    "--set",
+    "materials.brick.E=4 mm",
+    "--set",
+    "materials.brick.poison=1",
+];
+
+/// Both materials snap back, and the joint is told of a warning.
+const SNAPS: [&str; 6] = [
+    "--set",
+    "materials.brick.reference_length=1 mm",
+    "--set",
+    "materials.mortar.reference_length=1 mm",
+    "--set",
+    "interfaces.joint.mu=0.9",
+];
+
+fn wall() -> String {
+    let path = repository("examples/03_shear_wall_j7d.toml");
+    path.display().to_string()
+}
+
+#[test]
+fn check_and_run_tell_all_errors_of_the_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let wall = wall();
+    let checked = wythe(&[&["check", &wall], &WRONG[..]].concat());
+    let run = wythe(&[&["run", &wall, "--out", &out], &WRONG[..]].concat());
+    for output in [&checked, &run] {
+        assert_eq!(code(output), 2);
+        let said = stderr(output);
+        for part in [
+            "wall.courses",
+            "materials.brick.E: expected a pressure (MPa)",
+            "`poison` is not a known key",
+            "3 errors of form",
+            "physics is judged when the form is right",
+        ] {
+            assert!(said.contains(part), "{part} is not in {said}");
+        }
+    }
+    assert_eq!(stderr(&checked), stderr(&run));
+    assert!(!std::path::Path::new(&out).exists());
+}
+
+#[test]
+fn the_physics_is_told_with_its_warnings() {
+    let output = wythe(&[&["check", &wall()], &SNAPS[..]].concat());
+    assert_eq!(code(&output), 2);
+    let said = stderr(&output);
+    for part in [
+        "warning: interfaces.joint.mu",
+        "materials.brick.tension",
+        "materials.mortar.compression",
+        "errors of physics",
+    ] {
+        assert!(said.contains(part), "{part} is not in {said}");
+    }
+}
+
+fn json(arguments: &[&str]) -> (i32, Value) {
+    let output = wythe(arguments);
+    assert!(output.stderr.is_empty(), "{}", stderr(&output));
+    (
+        code(&output),
+        serde_json::from_slice(&output.stdout).unwrap(),
+    )
+}
+
+#[test]
+fn machines_read_one_object() {
+    let wall = wall();
+    let (code, object) = json(&[&["check", "--json", &wall], &WRONG[..]].concat());
+    assert_eq!(
+        (code, &object["ok"], &object["layer"]),
+        (2, &false.into(), &"form".into())
+    );
+    let errors = object["errors"].as_array().unwrap();
+    assert_eq!(errors.len(), 3);
+    assert!(
+        errors
+            .iter()
+            .all(|e| e["line"].is_u64() && e["help"].is_string())
+    );
+    assert!(errors.iter().any(|e| e["key"] == "materials.brick.E"));
+
+    let (code, object) = json(&[&["check", "--json", &wall], &SNAPS[..]].concat());
+    assert_eq!((code, &object["layer"]), (2, &"physics".into()));
+    assert!(object["errors"].as_array().unwrap().len() >= 4);
+    assert!(!object["warnings"].as_array().unwrap().is_empty());
+
+    let (code, object) = json(&["check", "--json", &wall]);
+    assert_eq!((code, &object["ok"]), (0, &true.into()));
+    assert!(
+        object["sizes"]["elements"].as_u64().unwrap() > 1000,
+        "{object}"
+    );
+    let warning = &object["warnings"][0];
+    assert!(
+        warning["line"].is_u64() && warning["column"].is_u64(),
+        "{warning}"
+    );
+
+    // A file that is not there is no finding.
+    let missing = wythe(&["check", "--json", "no/such.toml"]);
+    assert_eq!((self::code(&missing), missing.stdout.len()), (4, 0));
+}
+
+/// A warning is drawn with its line and a caret.
+#[test]
+fn warnings_point_at_their_place() {
+    let output = wythe(&["check", &wall()]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut lines = text
+        .lines()
+        .skip_while(|l| !l.starts_with("warning: materials.mortar.tension"));
+    let (_, written, caret) = (lines.next(), lines.next().unwrap(), lines.next().unwrap());
+    let at = caret.find('^').unwrap();
+    assert!(written[at..].starts_with("0.95"), "{text}");
+}
+
+/// A short couplet.
+fn short(more: &[&str]) -> std::process::Output {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let couplet = couplet();
+    let run = [
+        "run",
+        &couplet,
+        "--out",
+        &out,
+        "--set",
+        "steps.0.displacement=0.001 mm",
+        "--set",
+        "steps.1.displacement=0.001 mm",
+    ];
+    wythe(&[&run, more].concat())
+}
+
+#[test]
+fn progress_for_machines_is_an_object_a_line() {
+    let output = short(&["--progress", "json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(output.stderr.is_empty(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let objects: Vec<Value> = text
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let event = |object: &Value| object["event"].as_str().unwrap().to_owned();
+    assert_eq!(event(&objects[0]), "begin");
+    assert_eq!(event(objects.last().unwrap()), "end");
+    assert_eq!(objects.last().unwrap()["status"], "completed");
+    let increments: Vec<&Value> = objects.iter().filter(|o| event(o) == "increment").collect();
+    assert!(increments.len() > 2);
+    let done: Vec<f64> = increments
+        .iter()
+        .map(|o| o["done"].as_f64().unwrap())
+        .collect();
+    assert!(done.is_sorted() && *done.last().unwrap() == 1.0, "{done:?}");
+    for key in [
+        "step",
+        "force_kN",
+        "displacement_mm",
+        "procedure",
+        "elapsed_s",
+        "eta_s",
+    ] {
+        assert!(!increments[0][key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn progress_is_plain_where_no_terminal_is_and_quiet_if_asked() {
+    let plain = short(&[]);
+    assert!(
+        stderr(&plain).contains("step 0 drive: increment 1,"),
+        "{}",
+        stderr(&plain)
+    );
+    assert!(!plain.stderr.contains(&0x1b) && !plain.stdout.is_empty());
+    let quiet = short(&["--quiet"]);
+    assert_eq!(code(&quiet), 0);
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert_eq!(code(&short(&["--quiet", "--progress", "json"])), 2);
+}
+
+/// Neither colours nor anything but ASCII where the locale or NO_COLOR asks for it.
+#[test]
+fn errors_are_ascii_in_a_plain_locale() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_wythe"))
+        .args(["check", &couplet(), "--set", "wall.courses=0"])
+        .env("LC_ALL", "C")
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    assert_eq!(code(&output), 2);
+    assert!(
+        output.stderr.is_ascii(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(!output.stderr.contains(&0x1b));
+}

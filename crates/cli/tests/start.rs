@@ -1,0 +1,150 @@
+//! Starting: templates, the schema, completions, manual pages.
+
+mod common;
+
+use std::path::Path;
+
+use common::*;
+
+/// Every template by name, and what makes its run short.
+const SHORT: [(&str, &[&str]); 6] = [
+    ("couplet", &["steps.1.displacement=0.01 mm"]),
+    ("shear-wall", &["steps.1.displacement=0.02 mm"]),
+    ("out-of-plane", &["steps.1.displacement=0.02 mm"]),
+    ("arch", &["steps.1.angle=0.5 deg"]),
+    ("dry-wall", &["steps.1.angle=0.5 deg"]),
+    ("column", &["steps.1.duration=5 ms"]),
+];
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+#[test]
+fn every_template_is_listed_passes_check_and_runs() {
+    let list = wythe(&["new", "--list"]);
+    assert_eq!(code(&list), 0);
+    let list = String::from_utf8(list.stdout).unwrap();
+    assert_eq!(list.lines().count(), SHORT.len(), "{list}");
+    let folder = tempfile::tempdir().unwrap();
+    for (name, short) in SHORT {
+        assert!(list.contains(name), "{name}");
+        let stem = text(&folder.path().join(name));
+        let made = wythe(&["new", &stem, "--template", name]);
+        assert_eq!(code(&made), 0, "{}", stderr(&made));
+        let deck = format!("{stem}.toml");
+        let checked = wythe(&["check", &deck]);
+        assert_eq!(code(&checked), 0, "{name}: {}", stderr(&checked));
+        let said = String::from_utf8(checked.stdout).unwrap();
+        assert!(!said.contains("warning"), "{name}: {said}");
+        let set: Vec<&str> = short.iter().flat_map(|set| ["--set", set]).collect();
+        let run = wythe(&[&["run", &deck, "--quiet"], &set[..]].concat());
+        assert_eq!(code(&run), 0, "{name}: {}", stderr(&run));
+        assert!(run.stdout.is_empty() && run.stderr.is_empty(), "{name}");
+        assert!(Path::new(&format!("{stem}.out/summary.json")).is_file());
+    }
+    assert!(folder.path().join("deck.schema.json").is_file());
+}
+
+#[test]
+fn a_deck_is_not_overwritten_unless_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("wall.toml");
+    std::fs::write(&deck, "mine").unwrap();
+    let refused = wythe(&["new", &text(&deck)]);
+    assert_eq!(code(&refused), 4);
+    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
+    assert_eq!(std::fs::read_to_string(&deck).unwrap(), "mine");
+    let forced = wythe(&["new", &text(&deck), "--force", "--template", "arch"]);
+    assert_eq!(code(&forced), 0, "{}", stderr(&forced));
+    assert!(std::fs::read_to_string(&deck).unwrap().contains("[arch]"));
+    // Neither an unknown template nor no name.
+    let unknown = wythe(&["new", "x", "--template", "arc"]);
+    assert_eq!(code(&unknown), 2);
+    assert!(stderr(&unknown).contains("arch"), "{}", stderr(&unknown));
+    assert_eq!(code(&wythe(&["new"])), 2);
+}
+
+#[test]
+fn the_schema_is_json_and_stands_beside_a_new_deck() {
+    let printed = wythe(&["schema"]);
+    assert_eq!(code(&printed), 0);
+    let schema: serde_json::Value = serde_json::from_slice(&printed.stdout).unwrap();
+    assert!(schema["properties"]["wall"].is_object(), "{schema}");
+    let folder = tempfile::tempdir().unwrap();
+    let made = wythe(&["new", &text(&folder.path().join("below/wall"))]);
+    assert_eq!(code(&made), 0, "{}", stderr(&made));
+    let beside = std::fs::read(folder.path().join("below/deck.schema.json")).unwrap();
+    assert_eq!(beside, printed.stdout);
+}
+
+#[test]
+fn shells_have_their_completions() {
+    for (shell, part) in [
+        ("bash", "complete -F"),
+        ("zsh", "#compdef wythe"),
+        ("fish", "complete -c wythe"),
+        ("powershell", "Register-ArgumentCompleter"),
+        ("elvish", "edit:completion"),
+    ] {
+        let output = wythe(&["completions", shell]);
+        assert_eq!(code(&output), 0, "{shell}");
+        let script = String::from_utf8(output.stdout).unwrap();
+        assert!(
+            script.contains(part) && script.contains("shear-wall"),
+            "{shell}"
+        );
+    }
+    assert_eq!(code(&wythe(&["completions", "cmd"])), 2);
+}
+
+#[test]
+fn manual_pages_are_printed_and_written() {
+    let page = wythe(&["man"]);
+    assert_eq!(code(&page), 0);
+    assert!(
+        String::from_utf8(page.stdout)
+            .unwrap()
+            .contains(".TH wythe 1")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("man1");
+    let written = wythe(&["man", "--out", &text(&out)]);
+    assert_eq!(code(&written), 0, "{}", stderr(&written));
+    for name in [
+        "wythe",
+        "wythe-run",
+        "wythe-new",
+        "wythe-drive-material",
+        "wythe-study-stability",
+    ] {
+        let page = std::fs::read_to_string(out.join(format!("{name}.1"))).unwrap();
+        assert!(page.contains("Example"), "{name}");
+    }
+}
+
+/// Whoever asks for help sees how it is typed.
+#[test]
+fn every_help_text_has_an_example() {
+    for command in [
+        &["new"][..],
+        &["run"],
+        &["check"],
+        &["drive"],
+        &["drive", "material"],
+        &["drive", "interface"],
+        &["study"],
+        &["study", "stability"],
+        &["schema"],
+        &["completions"],
+        &["man"],
+        &[],
+    ] {
+        let help = wythe(&[command, &["--help"]].concat());
+        let help = String::from_utf8(help.stdout).unwrap();
+        assert!(
+            help.contains("Example") && help.contains("  wythe "),
+            "{command:?}: {help}"
+        );
+    }
+}
