@@ -6,6 +6,7 @@ mod check;
 mod drive;
 mod failure;
 mod interrupt;
+mod report;
 mod run;
 mod study;
 mod terminal;
@@ -42,6 +43,7 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Drive(arguments) => drive::drive(arguments),
+        Command::Report(arguments) => report::report(arguments),
         Command::Study(arguments) => study::study(arguments),
     }
 }

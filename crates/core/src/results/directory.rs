@@ -26,6 +26,8 @@ pub const SUMMARY: &str = "summary.json";
 pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
 /// Name of the elevation in the folder.
 pub const CRACK_PATTERN: &str = "crack_pattern.svg";
+/// Name of the report in the folder, unless it is written elsewhere.
+pub const REPORT: &str = "report.html";
 
 /// Results that could not be written.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -97,7 +99,7 @@ impl RunDirectory {
             why,
         })?;
         // The summary goes first: it says that the rest is whole.
-        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK] {
+        for name in [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK, REPORT] {
             let old = path.join(name);
             match std::fs::remove_file(&old) {
                 Err(why) if why.kind() != io::ErrorKind::NotFound => {
