@@ -234,9 +234,12 @@ mod tests {
         mesh.unit.push(1);
         let skin = Skin::of(&mesh).unwrap();
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let mut surface = RestSurface::default();
-        surface.points = corners.map(|[y, z]| [1.0, y, z]).to_vec();
-        surface.points.extend([[1.0, 0.5, 0.5]; 5]);
+        let mut points = corners.map(|[y, z]| [1.0, y, z]).to_vec();
+        points.extend([[1.0, 0.5, 0.5]; 5]);
+        let mut surface = RestSurface {
+            points,
+            quads: Vec::new(),
+        };
         let mut solid = vec![[0.0; 3]; 16];
         solid[8..].fill([0.3, 0.0, 0.0]);
         for (u, first) in [([0.0; 3], 4), ([0.3, 0.0, 0.0], 8)] {

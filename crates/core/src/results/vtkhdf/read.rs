@@ -52,22 +52,20 @@ impl FieldsFile {
     pub fn open(path: &Path) -> io::Result<Self> {
         // HDF5 says it in many lines.
         std::fs::metadata(path)?;
-        match Self::open_at(path, path) {
+        match Self::open_at(path, None) {
             Err(held) if held.kind() == io::ErrorKind::WouldBlock => {
                 let copy = tempfile::NamedTempFile::new()?.into_temp_path();
                 std::fs::copy(path, &copy)?;
-                let mut file = Self::open_at(path, &copy)?;
-                file._copy = Some(copy);
-                Ok(file)
+                Self::open_at(path, Some(copy))
             }
             opened => opened,
         }
     }
 
-    /// Opens the file of `path` by reading the one `at`.
-    fn open_at(path: &Path, at: &Path) -> io::Result<Self> {
+    /// Opens the file, by reading the copy if there is one.
+    fn open_at(path: &Path, copy: Option<tempfile::TempPath>) -> io::Result<Self> {
         let open = || -> hdf5::Result<Self> {
-            let file = hdf5::File::open(at)?;
+            let file = hdf5::File::open(copy.as_deref().unwrap_or(path))?;
             let steps = file.group("VTKHDF/Steps")?;
             let count: i64 = steps.attr("NSteps")?.read_scalar()?;
             let mut times: Vec<f64> = steps.dataset("Values")?.read_raw()?;
@@ -76,7 +74,7 @@ impl FieldsFile {
                 path: path.to_owned(),
                 file,
                 times,
-                _copy: None,
+                _copy: copy,
             })
         };
         open().map_err(|error| into_io(&error))
