@@ -147,6 +147,19 @@ Examples:
   wythe study stability --only 1,17 --methods auto,secant --verbose
   wythe study stability --short --jobs 2 --out target/atlas";
 
+const REPORT_HELP: &str = "\
+One file that needs no network: the curve (click to move through the run), the deformed wall in 3D \
+with its damage, cracks and joints, key figures, energies, convergence, log, warnings, deck. It works \
+while a run goes on or after it was killed, too, and says what is missing. Frames are left out where \
+the page would exceed 2 MB.
+
+EXPERIMENT.csv has a line of names with displacement_mm and force_kN (or names that end so) and a row a \
+point [mm, kN]; # begins a comment.
+
+Examples:
+  wythe report examples/03_shear_wall_j7d.out
+  wythe report wall.out --experiment measured.csv --out wall.html";
+
 /// The sub-commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -165,6 +178,9 @@ pub enum Command {
     /// Make the run.mcap of an interrupted run whole again.
     #[command(after_help = SALVAGE_HELP)]
     Salvage(Salvage),
+    /// Show a run on one HTML page.
+    #[command(after_help = REPORT_HELP)]
+    Report(ReportPage),
     /// Many runs side by side, judged and told on one page.
     #[command(subcommand, after_help = STUDY_HELP)]
     Study(Study),
@@ -309,6 +325,20 @@ pub struct Salvage {
     /// Where the whole file goes [default: in its place].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// `wythe report`
+#[derive(Debug, Args)]
+pub struct ReportPage {
+    /// Folder of a run.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The page [default: DIR/report.html].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// A measured curve to lay over the computed one.
+    #[arg(long, value_name = "FILE.csv")]
+    pub experiment: Option<PathBuf>,
 }
 
 /// `wythe drive`

@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
-use wythe_core::results::OutputError;
+use wythe_core::results::{OutputError, ReadError, ReportError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
@@ -102,6 +102,21 @@ impl From<DeckError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::input_output(error)
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        Self::input_output(error)
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        match error {
+            ReportError::Unreadable { .. } => Self::input_output(error),
+            ReportError::Experiment { .. } => Self::model(error),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod failure;
 mod findings;
 mod interrupt;
 mod new;
+mod report;
 mod run;
 mod salvage;
 mod schema;
@@ -52,6 +53,7 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Schema => schema::schema(),
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Salvage(arguments) => salvage::salvage(arguments),
+        Command::Report(arguments) => report::report(arguments),
         Command::Study(arguments) => study::study(arguments),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),

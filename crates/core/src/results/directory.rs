@@ -28,6 +28,8 @@ pub const SUMMARY: &str = "summary.json";
 pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
 /// Name of the elevation in the folder.
 pub const CRACK_PATTERN: &str = "crack_pattern.svg";
+/// Name of the report in the folder, unless it is written elsewhere.
+pub const REPORT: &str = "report.html";
 
 /// Results that could not be written.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -101,7 +103,7 @@ impl RunDirectory {
         })?;
         // The summary goes first: it says that the rest is whole.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
-        let names = [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK];
+        let names = [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK, REPORT];
         for name in names.into_iter().chain(unwanted) {
             let old = path.join(name);
             match std::fs::remove_file(&old) {

@@ -204,11 +204,17 @@ pub fn magnification(model: &Model, frame: &Frame) -> f64 {
             high - low
         })
         .fold(0.0, f64::max);
-    let largest = frame
-        .displacement
-        .iter()
-        .map(|u| u[0].hypot(u[2]))
-        .fold(0.0, f64::max);
+    suitable(extent, largest(&frame.displacement))
+}
+
+/// Largest displacement in the drawing, x and z [mm].
+pub(super) fn largest(displacement: &[[f64; 3]]) -> f64 {
+    let size = displacement.iter().map(|u| u[0].hypot(u[2]));
+    size.fold(0.0, f64::max)
+}
+
+/// Factor by which displacements as large as `largest` are drawn on a model of this extent [mm].
+pub(super) fn suitable(extent: f64, largest: f64) -> f64 {
     let most = 0.04 * extent / largest;
     // Not finite: nothing has moved, or nothing is there.
     if !(most.is_finite() && most > 1.0) {

@@ -7,7 +7,7 @@
 //!                                               ├─▶ model.toml           the deck, overrides taken in
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
-//! RunFolder reads them back.
+//! RunFolder reads them back; report makes one page of them.
 //! ```
 
 pub mod curve;
@@ -18,6 +18,7 @@ pub mod history;
 pub mod mcap;
 pub mod plot;
 pub mod reading;
+pub mod report;
 pub mod summary;
 pub mod usage;
 pub mod vtkhdf;
@@ -33,6 +34,7 @@ pub use frame::{
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
+pub use report::{Experiment, Report, ReportError};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

@@ -73,7 +73,7 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
 }
 
 /// Four significant digits, never an exponent: couplets peak at micrometres, walls at millimetres.
-fn brief(value: f64) -> String {
+pub(super) fn brief(value: f64) -> String {
     let digits = if value == 0.0 {
         0
     } else {

@@ -51,28 +51,23 @@ pub struct ReadHistory {
 }
 
 impl ReadHistory {
-    /// The load-displacement curve of the driven steps. A step is taken as driven if the displacement
-    /// changes in it.
+    /// Which rows are of driven steps. A step is taken as driven if the displacement changes in it.
+    /// `[row]`
+    pub fn driven(&self) -> Vec<bool> {
+        let mut driven = Vec::with_capacity(self.rows.len());
+        let mut before = 0.0;
+        for step in self.rows.chunk_by(|a, b| a.step == b.step) {
+            let moves = step.iter().any(|r| r.displacement_mm != before);
+            driven.extend(step.iter().map(|_| moves));
+            before = step.last().map_or(before, |r| r.displacement_mm);
+        }
+        driven
+    }
+
+    /// The load-displacement curve of the driven steps.
     pub fn curve(&self) -> Curve {
         let mut curve = Curve::default();
-        let moves = |step: usize| {
-            let first = self.rows.iter().position(|r| r.step == step);
-            let start = first
-                .and_then(|i| i.checked_sub(1))
-                .map_or(0.0, |i| self.rows[i].displacement_mm);
-            let of_step = || self.rows.iter().filter(|r| r.step == step);
-            of_step().any(|r| r.displacement_mm != start)
-        };
-        let mut driven = None;
-        for row in &self.rows {
-            let driven = match driven {
-                Some((step, driven)) if step == row.step => driven,
-                _ => {
-                    let moves = moves(row.step);
-                    driven = Some((row.step, moves));
-                    moves
-                }
-            };
+        for (row, driven) in self.rows.iter().zip(self.driven()) {
             curve.push(row, driven);
         }
         curve

@@ -39,18 +39,33 @@ pub struct FieldsFile {
     path: PathBuf,
     file: hdf5::File,
     times: Vec<f64>,
+    /// What is read in place of a file that a run holds; removed with this.
+    _copy: Option<tempfile::TempPath>,
 }
 
 impl FieldsFile {
-    /// Opens a file, that of a run that goes on or was killed too.
+    /// Opens a file, that of a run that goes on or was killed too. A run that goes on holds its file: a copy
+    /// of it is read then, which has the frames that were whole.
     ///
     /// # Errors
     /// There is no such file, or it holds no fields of wythe.
     pub fn open(path: &Path) -> io::Result<Self> {
         // HDF5 says it in many lines.
         std::fs::metadata(path)?;
+        match Self::open_at(path, None) {
+            Err(held) if held.kind() == io::ErrorKind::WouldBlock => {
+                let copy = tempfile::NamedTempFile::new()?.into_temp_path();
+                std::fs::copy(path, &copy)?;
+                Self::open_at(path, Some(copy))
+            }
+            opened => opened,
+        }
+    }
+
+    /// Opens the file, by reading the copy if there is one.
+    fn open_at(path: &Path, copy: Option<tempfile::TempPath>) -> io::Result<Self> {
         let open = || -> hdf5::Result<Self> {
-            let file = hdf5::File::open(path)?;
+            let file = hdf5::File::open(copy.as_deref().unwrap_or(path))?;
             let steps = file.group("VTKHDF/Steps")?;
             let count: i64 = steps.attr("NSteps")?.read_scalar()?;
             let mut times: Vec<f64> = steps.dataset("Values")?.read_raw()?;
@@ -59,6 +74,7 @@ impl FieldsFile {
                 path: path.to_owned(),
                 file,
                 times,
+                _copy: copy,
             })
         };
         open().map_err(|error| into_io(&error))
@@ -284,6 +300,26 @@ mod tests {
         }
         let error = file.frame(3).unwrap_err().to_string();
         assert!(error.contains("no frame 3"), "{error}");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_file_that_a_run_holds_is_read_as_far_as_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.vtkhdf");
+        let model = fake::model();
+        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
+        writer.append(&fake::frame(&model, 1.0)).unwrap();
+        drop(writer);
+        // As HDF5 does for a writer.
+        let held = std::fs::File::open(&path).unwrap();
+        held.lock().unwrap();
+        let file = FieldsFile::open(&path).unwrap();
+        assert_eq!((file.path(), file.times()), (path.as_path(), &[1.0][..]));
+        assert_eq!(
+            file.frame(0).unwrap().displacement,
+            fake::frame(&model, 1.0).displacement
+        );
     }
 
     #[test]

@@ -1,0 +1,37 @@
+//! `wythe report`: a run's folder on one page.
+
+use wythe_core::error::IoError;
+use wythe_core::results::directory::REPORT;
+use wythe_core::results::{Experiment, Report, RunFolder};
+
+use crate::arguments::ReportPage;
+use crate::check::print;
+use crate::failure::Failure;
+
+/// Writes the page and says how large it is and what it lacks.
+pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
+    let folder = RunFolder::open(&arguments.folder)?;
+    let experiment = arguments.experiment.as_deref();
+    let experiment = experiment.map(Experiment::read).transpose()?;
+    let report = Report::of(&folder, experiment.as_ref())?;
+    for note in &report.notes {
+        eprintln!("note: {note}");
+    }
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| arguments.folder.join(REPORT));
+    report.write(&out).map_err(|why| {
+        Failure::input_output(IoError {
+            path: out.clone(),
+            why,
+        })
+    })?;
+    print(&format!(
+        "{}: {:.2} MB, {} of {} frames\n",
+        out.display(),
+        report.html.len() as f64 / 1e6,
+        report.frames,
+        report.frames_of_run
+    ))
+}

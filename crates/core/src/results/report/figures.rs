@@ -1,0 +1,158 @@
+//! The key figures of a run, as tiles of the page.
+
+use super::Experiment;
+use super::page::escape;
+use crate::results::plot;
+use crate::results::{ReadHistory, SummaryFile};
+
+/// Name of the tile that stands out.
+const PEAK: &str = "Peak force";
+
+/// A tile: what it is, its number with unit, and what goes with it.
+struct Tile {
+    name: &'static str,
+    value: String,
+    unit: &'static str,
+    note: String,
+}
+
+/// The tiles as HTML. What only a summary knows is left out without one.
+pub(super) fn tiles(
+    history: &ReadHistory,
+    summary: Option<&SummaryFile>,
+    experiment: Option<&Experiment>,
+) -> String {
+    let mut tiles = mechanics(history, experiment);
+    tiles.extend(effort(history, summary));
+    let html = |tile: &Tile| {
+        let Tile {
+            name,
+            value,
+            unit,
+            note,
+        } = tile;
+        let (value, note) = (escape(value), escape(note));
+        let class = if *name == PEAK { "tile peak" } else { "tile" };
+        format!(
+            "<div class=\"{class}\"><dt>{name}</dt><dd><strong>{value}</strong> <span class=\"unit\">{unit}</span>\
+             <span class=\"note\">{note}</span></dd></div>\n"
+        )
+    };
+    tiles.iter().map(html).collect()
+}
+
+fn mechanics(history: &ReadHistory, experiment: Option<&Experiment>) -> Vec<Tile> {
+    let curve = history.curve();
+    let mut tiles = Vec::new();
+    let mut tile = |name, value: String, unit, note: String| {
+        tiles.push(Tile {
+            name,
+            value,
+            unit,
+            note,
+        });
+    };
+    if let Some(peak) = curve.peak() {
+        let at = format!("at {} mm", brief(peak.displacement));
+        let note = match experiment.and_then(|e| measured_peak(e, peak.force.signum())) {
+            Some(measured) => format!("{at}; measured {} kN", brief(measured)),
+            None => at,
+        };
+        tile(PEAK, brief(peak.force), "kN", note);
+    }
+    if let Some(stiffness) = curve.initial_stiffness() {
+        let note = "secant to a tenth of the peak".to_owned();
+        tile("Initial stiffness", brief(stiffness), "kN/mm", note);
+    }
+    if let Some(displacement) = curve.displacement_at_80_percent() {
+        let note = "force down to 0.8 of the peak".to_owned();
+        tile("At 80 %", brief(displacement), "mm", note);
+    }
+    if let Some(&(displacement, force)) = curve.points().last() {
+        let note = format!("force {} kN", brief(force));
+        tile("Final displacement", brief(displacement), "mm", note);
+    }
+    if let Some(last) = history.rows.last() {
+        let dissipated = last.plastic_damage_dissipation_J
+            + last.interface_dissipation_J
+            + last.viscous_dissipation_J
+            + last.damping_dissipation_J
+            + last.numerical_dissipation_J;
+        let work = last.external_work_J;
+        let note = format!("{} J dissipated", brief(dissipated));
+        tile("Work from outside", brief(work), "J", note);
+    }
+    tiles
+}
+
+fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {
+    let count = |of: fn(&crate::results::HistoryRow) -> usize| history.rows.iter().map(of).sum();
+    let cutbacks = summary.map_or_else(|| count(|r| r.cutbacks), |s| s.cutbacks);
+    let solves = summary.map_or_else(|| count(|r| r.iterations), |s| s.iterations);
+    let mut tiles = vec![
+        Tile {
+            name: "Increments",
+            value: history.rows.len().to_string(),
+            unit: "",
+            note: format!("{cutbacks} cut-back{}", plural(cutbacks)),
+        },
+        Tile {
+            name: "Linear solves",
+            value: solves.to_string(),
+            unit: "",
+            note: match summary {
+                Some(s) => format!("{} factorisations", s.factorisations),
+                None => "of accepted increments".to_owned(),
+            },
+        },
+    ];
+    if let Some(s) = summary {
+        let memory = s
+            .peak_rss_MB
+            .map_or(String::new(), |m| format!(", {m:.0} MB"));
+        tiles.push(Tile {
+            name: "Time",
+            value: brief(s.wall_s),
+            unit: "s",
+            note: format!("{} thread{}{memory}", s.threads, plural(s.threads)),
+        });
+        tiles.push(Tile {
+            name: "Energy balance",
+            value: brief(100.0 * s.energy_balance_error),
+            unit: "%",
+            note: "largest gap over the largest work".to_owned(),
+        });
+        tiles.push(Tile {
+            name: "Unknowns",
+            value: s.dofs.to_string(),
+            unit: "",
+            note: format!(
+                "{} elements, {} unit{}, {} contact points",
+                s.elements,
+                s.units,
+                plural(s.units),
+                s.contact_points
+            ),
+        });
+    }
+    tiles
+}
+
+/// Largest measured force with this sign [kN].
+fn measured_peak(experiment: &Experiment, sign: f64) -> Option<f64> {
+    let along = experiment.points.iter().map(|p| sign * p.1);
+    along.max_by(f64::total_cmp).map(|force| sign * force)
+}
+
+/// Four significant digits, and an exponent for what is next to nothing.
+fn brief(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-4 {
+        format!("{value:.1e}")
+    } else {
+        plot::brief(value)
+    }
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}

@@ -1,0 +1,350 @@
+//! `report.html`: a run on one page that needs nothing else, neither network nor program.
+//!
+//! ```text
+//! history.csv ──▶ series ──┐
+//! results.vtkhdf ─▶ skin ─▶ view ──┤ base64 in JSON
+//! summary.json ─▶ figures ─┼──▶ page.html + style.css + view.js, charts.js, page.js ──▶ report.html
+//! model.toml, log, warnings ──▶ escaped text ──┘
+//! ```
+//!
+//! Only the outer faces of the solids are on the page, displacements in 16 bits and damage in 8. Frames
+//! are left out where the page would become larger than [`LIMIT`], and the page says so. A folder that
+//! lacks parts (no summary, no fields, nothing driven) gives a page of what is there.
+
+mod base64;
+mod experiment;
+mod figures;
+mod page;
+mod series;
+mod skin;
+mod view;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use miette::Diagnostic;
+use serde::Serialize;
+
+use super::summary::write_whole;
+use super::{HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+pub use experiment::Experiment;
+use page::{escape, escape_json, fill};
+use series::Series;
+use view::{Scene, View};
+
+/// Size that frames may fill the page up to [bytes].
+pub const LIMIT: usize = 2_000_000;
+
+const PAGE: &str = include_str!("assets/page.html");
+const STYLE: &str = include_str!("assets/style.css");
+const SCRIPTS: [&str; 3] = [
+    include_str!("assets/view.js"),
+    include_str!("assets/charts.js"),
+    include_str!("assets/page.js"),
+];
+
+/// What a report was to show and could not.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum ReportError {
+    /// The file of the experiment cannot be read.
+    #[error("{}: the experiment cannot be read: {why}", path.display())]
+    #[diagnostic(help("check the path; it is relative to the current folder"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        why: io::Error,
+    },
+    /// The file of the experiment holds no curve.
+    #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
+    #[diagnostic(help(
+        "an experiment is a CSV file with the line displacement_mm,force_kN and a row of two numbers \
+         [mm, kN] a point; # begins a comment"
+    ))]
+    Experiment {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1, where one is to blame.
+        line: Option<u64>,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// A run on one page.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The page.
+    pub html: String,
+    /// Frames on it.
+    pub frames: usize,
+    /// Frames of the run.
+    pub frames_of_run: usize,
+    /// What is missing or left out, as the page says it.
+    pub notes: Vec<String>,
+}
+
+/// The page's data.
+#[derive(Serialize)]
+struct Data<'a> {
+    series: Series,
+    experiment: Option<Measured<'a>>,
+    view: Option<View>,
+}
+
+#[derive(Serialize)]
+struct Measured<'a> {
+    name: &'a str,
+    points: &'a [(f64, f64)],
+}
+
+impl Report {
+    /// Gathers what a folder holds, finished, going on or killed.
+    ///
+    /// # Errors
+    /// The history cannot be read. What else is missing or damaged is told on the page.
+    pub fn of(folder: &RunFolder, experiment: Option<&Experiment>) -> Result<Self, ReadError> {
+        Self::within(folder, experiment, LIMIT)
+    }
+
+    /// [`Report::of`] with frames up to this size of the page [bytes].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn within(
+        folder: &RunFolder,
+        experiment: Option<&Experiment>,
+        limit: usize,
+    ) -> Result<Self, ReadError> {
+        let history = folder.history()?;
+        let mut notes = Vec::new();
+        let summary = or_note(folder.summary(), &mut notes).flatten();
+        let deck = or_note(folder.deck(), &mut notes).flatten();
+        let fields = or_note(folder.fields(), &mut notes);
+        let scene = fields.as_ref().and_then(|file| {
+            let scene = Scene::open(file, &mut notes);
+            or_note(
+                scene.map_err(|why| fields_unread(file.path(), why)),
+                &mut notes,
+            )
+        });
+        let driven = history.driven();
+        let peak = series::peak_row(&history, &driven);
+        let times = fields.as_ref().map_or(&[][..], |file| file.times());
+        let row_of_frame: Vec<usize> = times.iter().map(|t| nearest(&history.rows, *t)).collect();
+        let mut rows = series::chosen(history.rows.len(), row_of_frame.iter().copied().chain(peak));
+        rows.dedup();
+        if rows.len() < history.rows.len() {
+            notes.push(format!(
+                "The charts show {} of {} increments.",
+                rows.len(),
+                history.rows.len()
+            ));
+        }
+        let title = title(folder, deck.as_deref(), fields.as_ref());
+        let mut data = Data {
+            series: Series::of(&history, &driven, peak, &rows),
+            experiment: experiment.map(|e| Measured {
+                name: &e.name,
+                points: &e.points,
+            }),
+            view: None,
+        };
+        let text = Text {
+            title: &title,
+            history: &history,
+            summary: summary.as_ref(),
+            deck: deck.as_deref(),
+            experiment,
+        };
+        let mut frames = 0;
+        if let Some(scene) = scene {
+            let (still, each) = scene.sizes();
+            let around = text.page(&data, &notes).len() + still;
+            let room = limit.saturating_sub(around) / each;
+            let at_peak = peak
+                .and_then(|peak| (0..times.len()).min_by_key(|&f| row_of_frame[f].abs_diff(peak)));
+            let kept = view::choose(times.len(), at_peak, room);
+            if kept.len() < times.len() {
+                notes.push(format!(
+                    "The wall is shown at {} of {} frames, so that the page stays below {} MB; results.vtkhdf has all.",
+                    kept.len(),
+                    times.len(),
+                    limit as f64 / 1e6
+                ));
+            }
+            let place = |frame: usize| {
+                rows.binary_search(&row_of_frame[frame])
+                    .unwrap_or_else(|near| near)
+            };
+            let chosen: Vec<(usize, usize)> = kept.into_iter().map(|f| (f, place(f))).collect();
+            let view = scene.with_frames(&chosen, &mut notes);
+            frames = view.frames.len();
+            data.view = Some(view);
+        }
+        let html = text.page(&data, &notes);
+        Ok(Self {
+            html,
+            frames,
+            frames_of_run: times.len(),
+            notes,
+        })
+    }
+
+    /// Writes the page, whole or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        write_whole(path, self.html.as_bytes())
+    }
+}
+
+/// What is read, or a note of why not.
+fn or_note<T>(read: Result<T, ReadError>, notes: &mut Vec<String>) -> Option<T> {
+    read.map_err(|error| {
+        notes.push(match &error {
+            ReadError::Read { path, why } if why.kind() == io::ErrorKind::NotFound => {
+                format!("The folder has no {}.", name(path))
+            }
+            // A page may go to others: names of files, not where they lie.
+            ReadError::Read { path, why } => format!("{} cannot be read: {why}", name(path)),
+            ReadError::Content { path, why, .. } => {
+                format!("{} cannot be read: {why}", name(path))
+            }
+            error => error.to_string(),
+        });
+    })
+    .ok()
+}
+
+fn fields_unread(path: &Path, why: io::Error) -> ReadError {
+    ReadError::Read {
+        path: path.to_owned(),
+        why,
+    }
+}
+
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The row that a frame of this time belongs to.
+fn nearest(rows: &[HistoryRow], time: f64) -> usize {
+    // Times do not fall; a frame is written after its row.
+    let after = rows.partition_point(|r| r.time < time);
+    let closer = |row: &usize| {
+        rows.get(*row)
+            .map_or(f64::INFINITY, |r| (r.time - time).abs())
+    };
+    let before = after.saturating_sub(1);
+    if closer(&before) < closer(&after) {
+        before
+    } else {
+        after.min(rows.len().saturating_sub(1))
+    }
+}
+
+/// That of the deck, of the fields, or the folder's name.
+fn title(folder: &RunFolder, deck: Option<&str>, fields: Option<&super::FieldsFile>) -> String {
+    let of_deck = || {
+        let table: toml::Table = deck?.parse().ok()?;
+        Some(table.get("title")?.as_str()?.to_owned())
+    };
+    let of_fields = || fields?.title_and_version().ok().map(|(title, _)| title);
+    let title = of_deck()
+        .or_else(of_fields)
+        .filter(|t| !t.trim().is_empty());
+    title.unwrap_or_else(|| name(folder.path()))
+}
+
+/// What the page says in words.
+struct Text<'a> {
+    title: &'a str,
+    history: &'a ReadHistory,
+    summary: Option<&'a SummaryFile>,
+    deck: Option<&'a str>,
+    experiment: Option<&'a Experiment>,
+}
+
+impl Text<'_> {
+    fn page(&self, data: &Data, notes: &[String]) -> String {
+        let (class, status) = match self.summary.map(|s| s.status) {
+            Some(Status::Completed) => ("good", "completed"),
+            Some(Status::NotConverged) => ("bad", "not converged"),
+            Some(Status::Interrupted) => ("warn", "interrupted"),
+            None => ("warn", "no summary: going on, or killed"),
+        };
+        let message = self.summary.map_or("", |s| s.message.as_str());
+        let version = self.summary.map_or("", |s| s.version.as_str());
+        let warnings = self.summary.map_or(&[][..], |s| &s.warnings[..]);
+        let log = self.summary.map_or(&[][..], |s| &s.log[..]);
+        // Numbers, and text that serde_json writes: nothing that could fail.
+        let json = serde_json::to_string(data);
+        debug_assert!(json.is_ok());
+        let deck = self.deck.map_or_else(
+            || "<p class=\"empty\">The folder holds no copy of the deck.</p>".to_owned(),
+            |deck| format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(deck)),
+        );
+        let figures = figures::tiles(self.history, self.summary, self.experiment);
+        let message = paragraph("message", message);
+        let (notes, warnings) = (list("notes", notes), list("warnings", warnings));
+        let log = log_list(log);
+        fill(
+            PAGE,
+            &[
+                ("TITLE", &escape(self.title)),
+                ("STATUS_CLASS", class),
+                ("STATUS", status),
+                ("VERSION", &escape(version)),
+                ("MESSAGE", &message),
+                ("FIGURES", &figures),
+                ("NOTES", &notes),
+                ("WARNINGS", &warnings),
+                ("LOG", &log),
+                ("DECK", &deck),
+                ("STYLE", STYLE),
+                ("DATA", &escape_json(&json.unwrap_or_default())),
+                ("SCRIPT", &SCRIPTS.concat()),
+            ],
+        )
+    }
+}
+
+fn paragraph(class: &str, text: &str) -> String {
+    if text.is_empty() {
+        String::new()
+    } else {
+        format!("<p class=\"{class}\">{}</p>", escape(text))
+    }
+}
+
+fn list(class: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let items: String = lines
+        .iter()
+        .map(|l| format!("<li>{}</li>\n", escape(l)))
+        .collect();
+    format!("<ul class=\"{class}\">{items}</ul>")
+}
+
+/// The log; a long one is cut in its middle, which repeats itself.
+fn log_list(lines: &[String]) -> String {
+    const ENDS: usize = 100;
+    if lines.is_empty() {
+        return "<p class=\"empty\">The procedure was never changed, or the run left no log.</p>"
+            .to_owned();
+    }
+    if lines.len() <= 2 * ENDS {
+        return list("log", lines);
+    }
+    let skipped = format!("… {} more …", lines.len() - 2 * ENDS);
+    let (first, last) = (&lines[..ENDS], &lines[lines.len() - ENDS..]);
+    list("log", &[first, &[skipped], last].concat())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,259 @@
+//! What of the solids can be seen: their outer faces, and the facets of the interfaces on them.
+
+use std::collections::HashMap;
+
+use crate::results::vtkhdf::read::{RestMesh, RestSurface};
+
+/// Local nodes of the faces of a hexahedron, counter-clockwise seen from outside: −x, +x, −y, +y, −z, +z.
+pub(super) const FACES: [[usize; 4]; 6] = [
+    [0, 4, 7, 3],
+    [1, 2, 6, 5],
+    [0, 1, 5, 4],
+    [3, 7, 6, 2],
+    [0, 3, 2, 1],
+    [4, 5, 6, 7],
+];
+
+/// Points that a facet of the interfaces has in the file: its corners first.
+const FACET_POINTS: usize = 9;
+/// Cosine between the normals of two faces below which their common edge is drawn.
+const SHARP: f64 = 0.8;
+
+/// The elements that can be seen, and the nodes on them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Skin {
+    /// Nodes of the mesh that are on it. `[skin node]`
+    pub nodes: Vec<u32>,
+    /// Elements of the mesh with an outer face. `[skin element]`
+    pub elements: Vec<u32>,
+    /// Skin nodes of the elements' corners; 0 at corners within. `[skin element]`
+    pub corners: Vec<[u32; 8]>,
+    /// Bit f: the face [`FACES`]`[f]` is an outer one. `[skin element]`
+    pub faces: Vec<u8>,
+    /// Edges of the bodies. `[edge][skin node]`
+    pub edges: Vec<[u32; 2]>,
+}
+
+impl Skin {
+    /// Of a mesh; none if an element names a node that is not there.
+    pub fn of(mesh: &RestMesh) -> Option<Self> {
+        let mut met: HashMap<[u32; 4], (usize, u8)> = HashMap::new();
+        let mut faces = vec![0_u8; mesh.elements.len()];
+        for (e, nodes) in mesh.elements.iter().enumerate() {
+            if nodes.iter().any(|&n| n as usize >= mesh.nodes.len()) {
+                return None;
+            }
+            for (f, face) in FACES.iter().enumerate() {
+                let mut key = face.map(|i| nodes[i]);
+                key.sort_unstable();
+                // A face met twice is within.
+                if let Some((other, bit)) = met.remove(&key) {
+                    faces[other] &= !bit;
+                } else {
+                    met.insert(key, (e, 1 << f));
+                    faces[e] |= 1 << f;
+                }
+            }
+        }
+        let mut skin = Self::default();
+        let mut place = vec![u32::MAX; mesh.nodes.len()];
+        for (e, &bits) in faces.iter().enumerate().filter(|(_, bits)| **bits != 0) {
+            let mut corners = [0; 8];
+            for i in outer(bits).flatten() {
+                let node = mesh.elements[e][i];
+                let place = &mut place[node as usize];
+                if *place == u32::MAX {
+                    *place = skin.nodes.len() as u32;
+                    skin.nodes.push(node);
+                }
+                corners[i] = *place;
+            }
+            skin.elements.push(e as u32);
+            skin.corners.push(corners);
+            skin.faces.push(bits);
+        }
+        skin.edges = skin.sharp_edges(mesh);
+        Some(skin)
+    }
+
+    fn sharp_edges(&self, mesh: &RestMesh) -> Vec<[u32; 2]> {
+        let position = |n: u32| mesh.nodes[self.nodes[n as usize] as usize];
+        let mut met: HashMap<[u32; 2], ([f64; 3], bool)> = HashMap::new();
+        let mut order = Vec::new();
+        for (corners, &bits) in self.corners.iter().zip(&self.faces) {
+            for face in outer(bits) {
+                let nodes = face.map(|i| corners[i]);
+                let normal = normal(nodes.map(position));
+                for i in 0..4 {
+                    let mut edge = [nodes[i], nodes[(i + 1) % 4]];
+                    edge.sort_unstable();
+                    met.entry(edge)
+                        .and_modify(|(first, sharp)| *sharp = dot(*first, normal) < SHARP)
+                        .or_insert_with(|| {
+                            order.push(edge);
+                            (normal, true)
+                        });
+                }
+            }
+        }
+        order.retain(|edge| met.get(edge).is_some_and(|(_, sharp)| *sharp));
+        order
+    }
+
+    /// Skin nodes of the facets of the interfaces; none if the two grids do not belong together. Where
+    /// bodies touch they have nodes at the same place: of those with a node at every corner the one is
+    /// taken whose nodes have moved as the facet has.
+    ///
+    /// `moved`: displacements of the mesh's nodes and of the surface's points in some frame.
+    pub fn facets(
+        &self,
+        mesh: &RestMesh,
+        surface: &RestSurface,
+        moved: (&[[f64; 3]], &[[f64; 3]]),
+    ) -> Option<Vec<[u32; 4]>> {
+        let (solid, interface) = moved;
+        let points = &surface.points;
+        if solid.len() != mesh.nodes.len() || interface.len() != points.len() {
+            return None;
+        }
+        // −0 is 0.
+        let key = |x: [f64; 3]| x.map(|x| (x + 0.0).to_bits());
+        let mut there: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
+        let mut seen = vec![false; self.nodes.len()];
+        for ((&e, corners), &bits) in self.elements.iter().zip(&self.corners).zip(&self.faces) {
+            let unit = *mesh.unit.get(e as usize)?;
+            for n in outer(bits).flatten().map(|i| corners[i]) {
+                if !std::mem::replace(&mut seen[n as usize], true) {
+                    let node = mesh.nodes[self.nodes[n as usize] as usize];
+                    there.entry(key(node)).or_default().push((unit, n));
+                }
+            }
+        }
+        let (facets, rest) = points.as_chunks::<FACET_POINTS>();
+        if !rest.is_empty() {
+            return None;
+        }
+        let facet = |(f, points): (usize, &[[f64; 3]; FACET_POINTS])| {
+            let corner = |k: usize| there.get(&key(points[k]));
+            let of_unit = |unit: u32| {
+                let mut nodes = [0; 4];
+                let mut off = 0.0;
+                for (k, node) in nodes.iter_mut().enumerate() {
+                    *node = corner(k)?.iter().find(|(u, _)| *u == unit)?.1;
+                    let u = solid[self.nodes[*node as usize] as usize];
+                    let v = interface[FACET_POINTS * f + k];
+                    off += (0..3).map(|i| (u[i] - v[i]).abs()).sum::<f64>();
+                }
+                Some((off, nodes))
+            };
+            let candidates = corner(0)?.iter().filter_map(|(unit, _)| of_unit(*unit));
+            candidates
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, nodes)| nodes)
+        };
+        facets.iter().enumerate().map(facet).collect()
+    }
+}
+
+/// Local nodes of the faces whose bits are set.
+fn outer(bits: u8) -> impl Iterator<Item = [usize; 4]> {
+    FACES
+        .into_iter()
+        .enumerate()
+        .filter(move |(f, _)| bits >> f & 1 == 1)
+        .map(|(_, face)| face)
+}
+
+/// Unit normal of a quad, from its diagonals.
+fn normal(x: [[f64; 3]; 4]) -> [f64; 3] {
+    let d = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
+    let (a, b) = (d(0, 2), d(1, 3));
+    let n = [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ];
+    let length = dot(n, n).sqrt();
+    n.map(|n| n / length)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// n × 1 × 1 cubes in a row, as one body.
+    fn row(n: u32) -> RestMesh {
+        let mut mesh = RestMesh::default();
+        for x in 0..=n {
+            for (y, z) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                mesh.nodes.push([f64::from(x), y, z]);
+            }
+        }
+        for e in 0..n {
+            let (a, b) = (4 * e, 4 * e + 4);
+            mesh.elements
+                .push([a, b, b + 1, a + 1, a + 3, b + 3, b + 2, a + 2]);
+            mesh.unit.push(0);
+        }
+        mesh
+    }
+
+    #[test]
+    fn inner_faces_and_flat_edges_are_left_out() {
+        let one = Skin::of(&row(1)).unwrap();
+        assert_eq!((one.faces[0], one.edges.len()), (0b11_1111, 12));
+        let three = Skin::of(&row(3)).unwrap();
+        assert_eq!(three.faces, [0b11_1101, 0b11_1100, 0b11_1110]);
+        // 4 long ones of 3 each, 4 at each end.
+        assert_eq!(three.edges.len(), 12 + 8);
+        assert_eq!(three.nodes.len(), 16);
+        for (face, bit) in FACES.iter().zip(0..) {
+            let mesh = row(1);
+            let x = face.map(|i| mesh.nodes[mesh.elements[0][i] as usize]);
+            let mut outward = [0.0; 3];
+            outward[bit / 2] = if bit % 2 == 0 { -1.0 } else { 1.0 };
+            assert_eq!(normal(x).map(|n| n + 0.0), outward);
+        }
+        let mut wrong = row(1);
+        wrong.elements[0][3] = 99;
+        assert_eq!(Skin::of(&wrong), None);
+    }
+
+    #[test]
+    fn a_facet_is_of_the_body_that_moves_with_it() {
+        // Two bodies that touch at x = 1.
+        let mut mesh = row(1);
+        for x in row(1).nodes {
+            mesh.nodes.push([x[0] + 1.0, x[1], x[2]]);
+        }
+        mesh.elements.push(mesh.elements[0].map(|n| n + 8));
+        mesh.unit.push(1);
+        let skin = Skin::of(&mesh).unwrap();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut points = corners.map(|[y, z]| [1.0, y, z]).to_vec();
+        points.extend([[1.0, 0.5, 0.5]; 5]);
+        let mut surface = RestSurface {
+            points,
+            quads: Vec::new(),
+        };
+        let mut solid = vec![[0.0; 3]; 16];
+        solid[8..].fill([0.3, 0.0, 0.0]);
+        for (u, first) in [([0.0; 3], 4), ([0.3, 0.0, 0.0], 8)] {
+            let facets = skin
+                .facets(&mesh, &surface, (&solid, &[u; FACET_POINTS]))
+                .unwrap();
+            let nodes = facets[0].map(|n| skin.nodes[n as usize]);
+            assert_eq!(nodes, [first, first + 1, first + 2, first + 3]);
+        }
+        surface.points[0][0] = 7.0;
+        assert_eq!(
+            skin.facets(&mesh, &surface, (&solid, &[[0.0; 3]; FACET_POINTS])),
+            None
+        );
+        assert_eq!(skin.facets(&mesh, &surface, (&solid, &[])), None);
+    }
+}

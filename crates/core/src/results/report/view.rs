@@ -1,0 +1,327 @@
+//! The 3D view's data: the skin at rest, and of each frame what has moved, cracked and opened.
+
+use std::io;
+
+use serde::Serialize;
+
+use super::base64;
+use super::skin::Skin;
+use crate::results::vtkhdf::read::FieldsFile;
+use crate::results::{Frame, elevation};
+
+/// Greatest number that 16 bits with a sign hold, both ways.
+const WORD: f64 = 32767.0;
+
+/// Everything of the view. Arrays are little-endian in base64; `u16` or `u32` by [`View::wide`].
+#[derive(Debug, Serialize)]
+pub(super) struct View {
+    /// Lower corner of the box around the wall at rest [mm].
+    pub low: [f64; 3],
+    /// Sizes of that box [mm].
+    pub size: [f64; 3],
+    /// Nodes at rest, 0 to 65535 over the box. `[node][xyz]` u16
+    pub rest: String,
+    /// Whether numbers of nodes take 32 bits.
+    pub wide: bool,
+    /// Nodes of the elements. `[element][8]`
+    pub corners: String,
+    /// Outer faces of the elements, a bit each. `[element]` u8
+    pub faces: String,
+    /// Unit of each element, 0 to 65535. `[element]` u16
+    pub unit: String,
+    /// Material of each element, as in `materials`. `[element]` u8
+    pub material: String,
+    /// Names of the materials.
+    pub materials: Vec<String>,
+    /// Edges of the bodies. `[edge][2]`
+    pub edges: String,
+    /// Facets of the interfaces. `[facet][4]`
+    pub facets: String,
+    /// Largest crack width of all frames [mm]: 255 of its bytes stand for it.
+    pub widest: f64,
+    /// Factor by which displacements are drawn at first.
+    pub magnification: f64,
+    /// The frames.
+    pub frames: Vec<EncodedFrame>,
+}
+
+/// One frame.
+#[derive(Debug, Serialize)]
+pub(super) struct EncodedFrame {
+    /// Row of the history on this page.
+    pub row: usize,
+    /// Step time [s].
+    pub time: f64,
+    /// Displacement of 32767 [mm].
+    pub most: f64,
+    /// Displacements. `[node][xyz]` i16
+    pub displacement: String,
+    /// Damage, 255 for 1. `[element]` u8
+    pub tensile: String,
+    /// As `tensile`.
+    pub compressive: String,
+    /// Root of the crack width, 255 for the widest. `[element]` u8
+    pub crack: String,
+    /// States of the points, four to a byte, the first lowest. `[facet]` u8
+    pub state: String,
+}
+
+/// The view before its frames are chosen and read.
+#[derive(Debug)]
+pub(super) struct Scene<'a> {
+    file: &'a FieldsFile,
+    skin: Skin,
+    nodes: usize,
+    elements: usize,
+    facets: usize,
+    view: View,
+}
+
+impl<'a> Scene<'a> {
+    /// Reads what does not change. Says in `notes` what is left out.
+    pub fn open(file: &'a FieldsFile, notes: &mut Vec<String>) -> io::Result<Self> {
+        let mesh = file.mesh()?;
+        let damaged = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what);
+        let skin =
+            Skin::of(&mesh).ok_or_else(|| damaged("an element names a node that is not there"))?;
+        let elements = mesh.elements.len();
+        if mesh.unit.len() != elements || mesh.material.len() != elements {
+            return Err(damaged("units and materials are not as many as elements"));
+        }
+        let surface = file.surface()?;
+        let last = file.times().len().checked_sub(1);
+        let facets = match last {
+            Some(last) if !surface.points.is_empty() => {
+                let solid = file.frame(last)?.displacement;
+                let interface = file.surface_displacement(last)?;
+                let facets = skin.facets(&mesh, &surface, (&solid, &interface));
+                if facets.is_none() {
+                    notes.push(
+                        "The interfaces are not shown: their facets are no faces of the solids."
+                            .to_owned(),
+                    );
+                }
+                facets.unwrap_or_default()
+            }
+            _ => Vec::new(),
+        };
+        let (low, size) = bounds(&mesh.nodes);
+        let fraction = |x: f64, i: usize| ((x - low[i]) / size[i] * 65535.0).round() as u16;
+        let wide = skin.nodes.len() > usize::from(u16::MAX);
+        let numbers = |flat: &[u32]| {
+            if wide {
+                base64::longs(flat.iter().copied())
+            } else {
+                base64::words(flat.iter().map(|&n| n as u16))
+            }
+        };
+        let of = |values: &dyn Fn(usize) -> u32| -> Vec<u32> {
+            skin.elements.iter().map(|&e| values(e as usize)).collect()
+        };
+        let unit = of(&|e| mesh.unit[e]);
+        let material = of(&|e| mesh.material[e].into());
+        let rest = skin.nodes.iter().map(|&n| mesh.nodes[n as usize]);
+        let view = View {
+            low,
+            size,
+            rest: base64::words(rest.flat_map(|x| [0, 1, 2].map(|i| fraction(x[i], i)))),
+            wide,
+            corners: numbers(skin.corners.as_flattened()),
+            faces: base64::encode(&skin.faces),
+            unit: base64::words(unit.into_iter().map(|u| u as u16)),
+            material: base64::encode(&material.iter().map(|&m| m as u8).collect::<Vec<_>>()),
+            materials: file.materials()?,
+            edges: numbers(skin.edges.as_flattened()),
+            facets: numbers(facets.as_flattened()),
+            widest: 0.0,
+            magnification: 1.0,
+            frames: Vec::new(),
+        };
+        Ok(Self {
+            file,
+            nodes: mesh.nodes.len(),
+            elements,
+            facets: facets.len(),
+            skin,
+            view,
+        })
+    }
+
+    /// Bytes on the page without frames, and of each frame.
+    pub fn sizes(&self) -> (usize, usize) {
+        let view = &self.view;
+        let still = [
+            &view.rest,
+            &view.corners,
+            &view.faces,
+            &view.unit,
+            &view.material,
+            &view.edges,
+            &view.facets,
+        ];
+        let fixed = still.iter().map(|text| text.len()).sum();
+        let cells = base64::length(self.skin.elements.len());
+        let frame = base64::length(6 * self.skin.nodes.len())
+            + 3 * cells
+            + base64::length(self.facets)
+            + FRAME_KEYS;
+        (fixed, frame)
+    }
+
+    /// Reads these frames of the file, each with its row of the history. A frame that cannot be read is
+    /// left out, and said so in `notes`.
+    pub fn with_frames(mut self, chosen: &[(usize, usize)], notes: &mut Vec<String>) -> View {
+        let mut frames = Vec::new();
+        for &(index, row) in chosen {
+            match self.file.frame(index) {
+                Ok(frame) if self.fits(&frame) => frames.push((row, frame)),
+                Ok(_) => notes.push(format!("Frame {index} has not the size of the mesh.")),
+                Err(why) => notes.push(format!("Frame {index} cannot be read: {why}")),
+            }
+        }
+        let widths = frames.iter().flat_map(|(_, f)| &f.crack_width);
+        self.view.widest = widths
+            .copied()
+            .filter(|w| w.is_finite())
+            .fold(0.0, f64::max);
+        if let Some((_, frame)) = frames.last() {
+            let extent = self.view.size.into_iter().fold(0.0, f64::max);
+            self.view.magnification =
+                elevation::suitable(extent, elevation::largest(&frame.displacement));
+        }
+        self.view.frames = frames
+            .iter()
+            .map(|(row, frame)| self.encode(*row, frame))
+            .collect();
+        self.view
+    }
+
+    fn fits(&self, frame: &Frame) -> bool {
+        frame.displacement.len() == self.nodes
+            && [
+                &frame.tensile_damage,
+                &frame.compressive_damage,
+                &frame.crack_width,
+            ]
+            .iter()
+            .all(|field| field.len() == self.elements)
+            && (self.facets == 0 || frame.interfaces.state.len() == 4 * self.facets)
+    }
+
+    fn encode(&self, row: usize, frame: &Frame) -> EncodedFrame {
+        let moved: Vec<f64> = self
+            .skin
+            .nodes
+            .iter()
+            .flat_map(|&n| frame.displacement[n as usize])
+            .collect();
+        let (most, displacement) = words(&moved);
+        let cells = |field: &[f64], scale: &dyn Fn(f64) -> f64| {
+            let byte = |&e: &u32| (255.0 * scale(field[e as usize]).clamp(0.0, 1.0)).round() as u8;
+            base64::encode(&self.skin.elements.iter().map(byte).collect::<Vec<_>>())
+        };
+        let widest = self.view.widest.max(f64::MIN_POSITIVE);
+        let four = |states: &[crate::results::InterfaceState]| {
+            let shifted = states.iter().enumerate();
+            shifted.fold(0, |byte, (i, s)| byte | (*s as u8) << (2 * i))
+        };
+        let facets = &frame.interfaces.state[..4 * self.facets];
+        EncodedFrame {
+            row,
+            time: frame.time,
+            most,
+            displacement: base64::words(displacement.into_iter().map(i16::cast_unsigned)),
+            tensile: cells(&frame.tensile_damage, &|d| d),
+            compressive: cells(&frame.compressive_damage, &|d| d),
+            crack: cells(&frame.crack_width, &|w| (w / widest).sqrt()),
+            state: base64::encode(&facets.chunks(4).map(four).collect::<Vec<_>>()),
+        }
+    }
+}
+
+/// What the keys and numbers of a frame take, generously.
+const FRAME_KEYS: usize = 200;
+
+/// Numbers as 16 bits each, and what 32767 stands for.
+pub(super) fn words(values: &[f64]) -> (f64, Vec<i16>) {
+    let finite = values.iter().filter(|v| v.is_finite());
+    let most = finite.fold(0.0_f64, |most, v| most.max(v.abs()));
+    if most == 0.0 {
+        return (0.0, vec![0; values.len()]);
+    }
+    let word = |v: &f64| (v / most * WORD).round() as i16;
+    (most, values.iter().map(word).collect())
+}
+
+/// Lower corner and sizes of the box around all points, none of them 0.
+fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for (x, i) in points.iter().flat_map(|x| [(x, 0), (x, 1), (x, 2)]) {
+        low[i] = low[i].min(x[i]);
+        high[i] = high[i].max(x[i]);
+    }
+    if !low.iter().chain(&high).all(|v| v.is_finite()) {
+        return ([0.0; 3], [1.0; 3]);
+    }
+    let size = |i: usize| {
+        let size = high[i] - low[i];
+        if size > 0.0 { size } else { 1.0 }
+    };
+    (low, [0, 1, 2].map(size))
+}
+
+/// Which of so many frames to show if there is room for `room` of them: the first, the last, the peak's,
+/// and of the others as evenly as it goes.
+pub(super) fn choose(frames: usize, peak: Option<usize>, room: usize) -> Vec<usize> {
+    if frames <= room {
+        return (0..frames).collect();
+    }
+    let wanted = std::iter::once(frames - 1).chain(peak.filter(|p| *p < frames));
+    let mut chosen: Vec<usize> = wanted.collect();
+    chosen.dedup();
+    let rest = room.saturating_sub(chosen.len());
+    for i in 0..rest {
+        chosen.push(i * frames / rest);
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantised_displacements_come_back_within_half_a_step() {
+        let values: Vec<f64> = (0..1000).map(|i| (f64::from(i)).sin() * 4.2).collect();
+        let (most, words) = words(&values);
+        for (value, word) in values.iter().zip(&words) {
+            // Rounding to the nearest of 32767 steps
+            assert!((f64::from(*word) / WORD * most - value).abs() <= 0.5001 * most / WORD);
+        }
+        assert_eq!(super::words(&[0.0, 0.0]), (0.0, vec![0, 0]));
+        assert_eq!(super::words(&[f64::NAN, -1.0]).1, [0, -32767]);
+        assert_eq!(super::words(&[f64::INFINITY]).1, [0]);
+    }
+
+    #[test]
+    fn the_frames_kept_are_spread_and_have_peak_and_end() {
+        assert_eq!(choose(3, Some(1), 5), [0, 1, 2]);
+        assert_eq!(choose(0, None, 5), [0; 0]);
+        for room in [1, 2, 3, 7, 20] {
+            let kept = choose(101, Some(37), room);
+            assert!(kept.len() <= room.max(2), "{kept:?}");
+            assert!(kept.contains(&37) && kept.contains(&100), "{kept:?}");
+        }
+        assert_eq!(choose(10, Some(9), 4), [0, 3, 6, 9]);
+    }
+
+    #[test]
+    fn a_box_is_never_flat() {
+        assert_eq!(bounds(&[]), ([0.0; 3], [1.0; 3]));
+        let (low, size) = bounds(&[[0.0, 5.0, -1.0], [2.0, 5.0, 3.0]]);
+        assert_eq!((low, size), ([0.0, 5.0, -1.0], [2.0, 1.0, 4.0]));
+    }
+}
