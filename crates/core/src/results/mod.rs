@@ -21,7 +21,7 @@ pub mod usage;
 pub mod vtkhdf;
 
 #[cfg(test)]
-mod fake;
+pub(crate) mod fake;
 
 pub use curve::Curve;
 pub use directory::{OutputError, RunDirectory};
