@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
-use wythe_core::results::OutputError;
+use wythe_core::results::{ExperimentError, OutputError, ReadError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
@@ -83,6 +83,24 @@ impl From<DeckError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::input_output(error)
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::NoFrame { .. } => Self::model(error),
+            error => Self::input_output(error),
+        }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Read { .. } => Self::input_output(error),
+            ExperimentError::Content { .. } => Self::model(error),
+        }
     }
 }
 

@@ -3,9 +3,13 @@
 
 mod arguments;
 mod check;
+mod compare;
 mod drive;
+mod export;
 mod failure;
+mod info;
 mod interrupt;
+mod plot;
 mod run;
 mod study;
 mod terminal;
@@ -42,6 +46,10 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Drive(arguments) => drive::drive(arguments),
+        Command::Plot(arguments) => plot::plot(arguments),
+        Command::Compare(arguments) => compare::compare(arguments),
+        Command::Info(arguments) => info::info(arguments),
+        Command::Export(arguments) => export::export(arguments),
         Command::Study(arguments) => study::study(arguments),
     }
 }

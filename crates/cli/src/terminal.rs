@@ -151,7 +151,7 @@ pub fn count(n: usize, what: &str) -> String {
 }
 
 /// 7.3 s, 2 min 05 s, 1 h 02 min.
-fn seconds(value: f64) -> String {
+pub fn seconds(value: f64) -> String {
     let whole = value.round() as u64;
     match whole {
         0..60 => format!("{value:.1} s"),
