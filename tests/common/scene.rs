@@ -236,6 +236,7 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
         procedure: Procedure::Static,
         tangent: Tangent::Consistent,
         control: None,
+        stop: None,
         tolerance: Tolerance {
             residual: tolerance,
             max_iterations: 60,

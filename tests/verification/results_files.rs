@@ -79,6 +79,7 @@ fn model() -> Model {
             procedure: Procedure::Static,
             tangent: Tangent::Direct,
             control: None,
+            stop: None,
             tolerance: Tolerance {
                 residual: 5e-3,
                 max_iterations: 25,

@@ -1,5 +1,7 @@
 //! The command line.
 
+mod results;
+
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -7,6 +9,9 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::new;
+
+use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
+pub use results::{Compare, Export, Format, Frames, Info, Plot};
 
 /// Pushes walls of bricks to collapse: the detailed micro-model of masonry.
 ///
@@ -181,6 +186,18 @@ pub enum Command {
     /// Show a run on one HTML page.
     #[command(after_help = REPORT_HELP)]
     Report(ReportPage),
+    /// Draw a run: curves beside experiments and other runs, cracks, deflections.
+    #[command(after_help = PLOT_HELP)]
+    Plot(Plot),
+    /// Compare a run with an experiment, in numbers.
+    #[command(after_help = COMPARE_HELP)]
+    Compare(Compare),
+    /// Tell what is in a folder of results, a file of fields, or a model.
+    #[command(after_help = INFO_HELP)]
+    Info(Info),
+    /// Write a run in the format of another program.
+    #[command(after_help = EXPORT_HELP)]
+    Export(Export),
     /// Many runs side by side, judged and told on one page.
     #[command(subcommand, after_help = STUDY_HELP)]
     Study(Study),

@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
-use wythe_core::results::{OutputError, ReadError, ReportError};
+use wythe_core::results::{ExperimentError, OutputError, ReadError, ReportError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
@@ -107,7 +107,10 @@ impl From<OutputError> for Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        Self::input_output(error)
+        match error {
+            ReadError::NoFrame { .. } => Self::model(error),
+            error => Self::input_output(error),
+        }
     }
 }
 
@@ -116,6 +119,15 @@ impl From<ReportError> for Failure {
         match error {
             ReportError::Unreadable { .. } => Self::input_output(error),
             ReportError::Experiment { .. } => Self::model(error),
+        }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Read { .. } => Self::input_output(error),
+            ExperimentError::Content { .. } => Self::model(error),
         }
     }
 }

@@ -3,11 +3,15 @@
 
 mod arguments;
 mod check;
+mod compare;
 mod drive;
+mod export;
 mod failure;
 mod findings;
+mod info;
 mod interrupt;
 mod new;
+mod plot;
 mod report;
 mod run;
 mod salvage;
@@ -54,6 +58,10 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Salvage(arguments) => salvage::salvage(arguments),
         Command::Report(arguments) => report::report(arguments),
+        Command::Plot(arguments) => plot::plot(arguments),
+        Command::Compare(arguments) => compare::compare(arguments),
+        Command::Info(arguments) => info::info(arguments),
+        Command::Export(arguments) => export::export(arguments),
         Command::Study(arguments) => study::study(arguments),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),

@@ -271,6 +271,16 @@ pub fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{plural}")
 }
 
+/// 7.3 s, 2 min 05 s, 1 h 02 min.
+pub fn seconds(value: f64) -> String {
+    let whole = value.round() as u64;
+    match whole {
+        0..60 => format!("{value:.1} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

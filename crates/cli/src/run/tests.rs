@@ -4,7 +4,7 @@ use super::*;
 use crate::arguments::Progress;
 use std::path::PathBuf;
 use wythe_core::model::Deck;
-use wythe_core::results::Sizes;
+use wythe_core::results::{InterfaceFrame, InterfaceState, Sizes};
 
 const COUPLET: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -19,6 +19,7 @@ fn couplet() -> Model {
 
 fn frame(model: &Model, time: f64) -> Frame {
     let elements = model.mesh.elements.len();
+    let points = 4 * model.contact.slave_facets.len();
     Frame {
         time,
         displacement: vec![[0.0, 0.0, time]; model.mesh.nodes.len()],
@@ -28,6 +29,13 @@ fn frame(model: &Model, time: f64) -> Frame {
         plastic_strain: vec![[0.0; 6]; elements],
         yielded: vec![true; elements],
         crack_width: vec![0.0; elements],
+        interfaces: InterfaceFrame {
+            opening: vec![0.0; points],
+            slip: vec![[0.0; 2]; points],
+            traction: vec![[0.0; 3]; points],
+            damage: vec![0.0; points],
+            state: vec![InterfaceState::Intact; points],
+        },
         ..Frame::default()
     }
 }

@@ -106,6 +106,14 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "control = { probe = \"crown\", displacement = \"-5 mm\" }",
     ),
     (
+        "stop",
+        "stop = { below_peak = 0.8 }  # or displacement = \"3 mm\", or both",
+    ),
+    (
+        "below_peak",
+        "below_peak = 0.8  # of the step's largest force",
+    ),
+    (
         "tolerance",
         "tolerance = { residual = 5e-3, max_iterations = 25 }",
     ),

@@ -6,7 +6,7 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::scene::{Beam, BeamMotion, Spring, Step, Support};
+use super::scene::{Beam, BeamMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
 
 /// Beams and steps of a scene of blocks.
@@ -136,6 +136,10 @@ pub(super) fn rules(
         procedure: step.procedure.with(step.alpha, step.rayleigh),
         tangent: step.tangent,
         control,
+        stop: step.stop.map(|stop| Stop {
+            below_peak: stop.below_peak.map(Quantity::get),
+            displacement: stop.displacement.map(Quantity::get),
+        }),
         tolerance: step.tolerance(),
         gravity: gravity.unwrap_or_default(),
         ground: ground.unwrap_or_default(),

@@ -211,6 +211,8 @@ pub struct Step {
     pub tangent: Tangent,
     /// What steers the load, in [`Procedure::DisplacementControl`].
     pub control: Option<Control>,
+    /// What ends the step before its loads are whole, if anything does.
+    pub stop: Option<Stop>,
     /// When an increment counts as converged.
     pub tolerance: Tolerance,
     /// Acceleration of gravity during the step.
@@ -392,6 +394,15 @@ pub struct Control {
     pub probe: usize,
     /// How far it goes during the step [mm].
     pub displacement: f64,
+}
+
+/// What ends a driven step early; the increment that reaches it is its last.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stop {
+    /// Part of the largest force of this step, both along the drive, to which it falls [-].
+    pub below_peak: Option<f64>,
+    /// How far the step drives [mm].
+    pub displacement: Option<f64>,
 }
 
 /// Convergence tolerances.

@@ -38,6 +38,15 @@ impl Curve {
         }
     }
 
+    /// A curve that begins with the first of these points [mm, kN].
+    pub fn of_points(points: &[(f64, f64)]) -> Self {
+        let (start, points) = points.split_first().unwrap_or((&(0.0, 0.0), &[]));
+        Self {
+            start: *start,
+            points: points.to_vec(),
+        }
+    }
+
     /// Increments of driven steps: (displacement [mm], force [kN]).
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points
@@ -89,8 +98,13 @@ impl Curve {
     /// risen by a tenth of what it rises to its peak, linear between increments. With a first
     /// increment beyond that it is the secant of the first increment.
     pub fn initial_stiffness(&self) -> Option<f64> {
+        self.secant_stiffness(INITIAL)
+    }
+
+    /// The same up to where the force has risen by another part of what it rises [kN/mm].
+    pub fn secant_stiffness(&self, part: f64) -> Option<f64> {
         let (d0, f0) = self.start;
-        let rise = INITIAL * (self.peak()?.force - f0);
+        let rise = part * (self.peak()?.force - f0);
         let sign = rise.signum();
         let i = self
             .points

@@ -11,21 +11,23 @@
 
 use std::fmt::Write as _;
 
-use super::Frame;
-use crate::model::Model;
+use super::{Frame, InterfaceState, Snapshot};
+use crate::model::{Mesh, Model};
 
 /// Compressive damage above which an element is drawn as crushed [-]: a quarter of the stress is
 /// gone.
 pub const CRUSHED: f64 = 0.25;
 
 /// Local nodes of the face at −y, counter-clockwise seen from there.
-const FRONT: [usize; 4] = [0, 1, 5, 4];
+pub const FRONT: [usize; 4] = [0, 1, 5, 4];
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 900.0;
 const MARGIN: f64 = 24.0;
 const HEADER: f64 = 44.0;
 const FOOTER: f64 = 46.0;
+/// A line more of the footer.
+const LINE: f64 = 22.0;
 
 /// Colours of sound materials by index, again from the start if there are more.
 const SOUND: [[f64; 3]; 4] = [
@@ -38,17 +40,113 @@ const CRACKED: [f64; 3] = [20., 10., 15.];
 
 /// The elevation as SVG text, with displacements magnified by [`magnification`].
 pub fn crack_pattern(model: &Model, frame: &Frame) -> String {
-    let scale = magnification(model, frame);
-    let quads = quads(model, frame, scale);
+    elevation(&model.title, &model.mesh, frame, &[], "")
+}
+
+/// The elevation of a run at a frame, with the joints that have failed: open ones red, those that slide
+/// orange. Joints across the drawing are seen as lines, the others not.
+pub fn crack_pattern_of(snapshot: &Snapshot) -> String {
+    let (mesh, frame) = (&snapshot.mesh, &snapshot.frame);
+    let joints = failed_joints(snapshot);
+    elevation(&snapshot.title, mesh, frame, &joints, &snapshot.caption())
+}
+
+fn elevation(title: &str, mesh: &Mesh, frame: &Frame, joints: &[Joint], caption: &str) -> String {
+    let scale = magnification(mesh, frame);
+    let quads = quads(mesh, frame, scale);
     let [x0, z0, x1, z1] = bounds(&quads);
-    let zoom = (WIDTH - 2.0 * MARGIN) / (x1 - x0).max(f64::MIN_POSITIVE);
-    let height = HEADER + (z1 - z0) * zoom + FOOTER;
-    let place = |[x, z]: [f64; 2]| (MARGIN + (x - x0) * zoom, HEADER + (z1 - z) * zoom);
+    let (length, tall) = (x1 - x0, z1 - z0);
+    // A slender scene must not become a picture of many metres.
+    let zoom = (WIDTH - 2.0 * MARGIN) / length.max(tall / TALLEST).max(f64::MIN_POSITIVE);
+    let drawing = Drawing {
+        title,
+        quads: &quads,
+        joints,
+        height: HEADER + tall * zoom + FOOTER + if joints.is_empty() { 0.0 } else { LINE },
+        scale,
+        time: frame.time,
+        caption,
+    };
+    let left = 0.5 * (WIDTH - length * zoom);
+    let place = |[x, z]: [f64; 2]| (left + (x - x0) * zoom, HEADER + (z1 - z) * zoom);
 
     let mut svg = String::new();
-    let drawn = draw(&mut svg, model, &quads, height, scale, frame.time, place);
+    let drawn = draw(&mut svg, &drawing, place);
     debug_assert!(drawn.is_ok(), "writing to a string does not fail");
     svg
+}
+
+/// Height of the drawing over its width, at most.
+const TALLEST: f64 = 1.6;
+
+/// All that is drawn.
+struct Drawing<'a> {
+    title: &'a str,
+    quads: &'a [Quad],
+    joints: &'a [Joint],
+    height: f64,
+    scale: f64,
+    /// [s]
+    time: f64,
+    /// At the upper right.
+    caption: &'a str,
+}
+
+/// A piece of a joint that has failed, as it is seen from the front.
+struct Joint {
+    /// At rest. `[end][x, z]`
+    rest: [[f64; 2]; 2],
+    /// Displacement of the slave side [mm]. `[end][x, z]`
+    moved: [[f64; 2]; 2],
+    open: bool,
+}
+
+/// Edges on the front of the quads whose points have failed.
+fn failed_joints(snapshot: &Snapshot) -> Vec<Joint> {
+    let (surface, moved) = (&snapshot.surface, &snapshot.surface_displacement);
+    let (front, size) = depth(snapshot.mesh.nodes.iter());
+    let on_front = |n: u32| surface.points[n as usize][1] - front <= 1e-9 * size;
+    let states = &snapshot.frame.interfaces.state;
+    let mut joints = Vec::new();
+    for (quad, state) in surface.quads.iter().zip(states) {
+        let open = match state {
+            InterfaceState::FailedOpen => true,
+            InterfaceState::FailedSliding => false,
+            InterfaceState::Intact | InterfaceState::Softening => continue,
+        };
+        for k in 0..4 {
+            let ends = [quad[k], quad[(k + 1) % 4]];
+            if ends.into_iter().all(on_front) {
+                let seen = |of: &[[f64; 3]]| ends.map(|n| [of[n as usize][0], of[n as usize][2]]);
+                joints.push(Joint {
+                    rest: seen(&surface.points),
+                    moved: seen(moved),
+                    open,
+                });
+            }
+        }
+    }
+    joints
+}
+
+/// The least y, and how deep everything is [mm].
+fn depth<'a>(nodes: impl Iterator<Item = &'a [f64; 3]>) -> (f64, f64) {
+    let (front, back) = nodes.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x[1]), high.max(x[1]))
+    });
+    (front, (back - front).max(0.0))
+}
+
+/// Elements with a face on y = min.
+pub fn front(mesh: &Mesh) -> impl Iterator<Item = usize> + '_ {
+    let (front, size) = depth(mesh.nodes.iter());
+    // Coordinates of the same face may differ by rounding.
+    let on_front = move |e: &usize| {
+        FRONT
+            .iter()
+            .all(|&i| mesh.corners(*e)[i][1] - front <= 1e-9 * size)
+    };
+    (0..mesh.elements.len()).filter(on_front)
 }
 
 /// The front face of one element.
@@ -62,13 +160,10 @@ struct Quad {
 
 fn draw(
     svg: &mut String,
-    model: &Model,
-    quads: &[Quad],
-    height: f64,
-    scale: f64,
-    time: f64,
+    drawing: &Drawing<'_>,
     place: impl Fn([f64; 2]) -> (f64, f64),
 ) -> std::fmt::Result {
+    let (quads, height) = (drawing.quads, drawing.height);
     writeln!(
         svg,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:.0}" height="{height:.0}" viewBox="0 0 {WIDTH:.0} {height:.0}" font-family="sans-serif">"#
@@ -80,8 +175,16 @@ fn draw(
     writeln!(
         svg,
         r#"<text x="{MARGIN}" y="28" font-size="18">{}</text>"#,
-        escape(&model.title)
+        escape(drawing.title)
     )?;
+    if !drawing.caption.is_empty() {
+        writeln!(
+            svg,
+            r#"<text x="{}" y="28" font-size="14" text-anchor="end">{}</text>"#,
+            WIDTH - MARGIN,
+            escape(drawing.caption)
+        )?;
+    }
     // Hairlines, so that the mesh is seen but the damage dominates.
     writeln!(svg, r##"<g stroke="#00000033" stroke-width="0.4">"##)?;
     for quad in quads {
@@ -113,13 +216,64 @@ fn draw(
         }
     }
     writeln!(svg, "</g>")?;
-    legend(svg, height, scale, time)?;
+    joints(svg, drawing, &place)?;
+    legend(svg, drawing)?;
     writeln!(svg, "</svg>")
 }
 
+const OPEN: &str = "#d01c1c";
+const SLIDING: &str = "#e88a00";
+
+/// Failed joints, over the elements.
+fn joints(
+    svg: &mut String,
+    drawing: &Drawing<'_>,
+    place: &impl Fn([f64; 2]) -> (f64, f64),
+) -> std::fmt::Result {
+    for (open, colour) in [(false, SLIDING), (true, OPEN)] {
+        let of_kind = || drawing.joints.iter().filter(|j| j.open == open);
+        if of_kind().next().is_none() {
+            continue;
+        }
+        writeln!(
+            svg,
+            r#"<g stroke="{colour}" stroke-width="1.8" stroke-linecap="round">"#
+        )?;
+        for joint in of_kind() {
+            let end = |k: usize| {
+                let (x, u) = (joint.rest[k], joint.moved[k]);
+                place([0, 1].map(|i| x[i] + drawing.scale * u[i]))
+            };
+            let ((x1, y1), (x2, y2)) = (end(0), end(1));
+            writeln!(svg, r#"<path d="M{x1:.2} {y1:.2}L{x2:.2} {y2:.2}"/>"#)?;
+        }
+        writeln!(svg, "</g>")?;
+    }
+    if drawing.joints.is_empty() {
+        return Ok(());
+    }
+    let y = drawing.height - 18.0;
+    writeln!(svg, r#"<g font-size="13">"#)?;
+    writeln!(svg, r#"<text x="{MARGIN}" y="{y:.0}">failed joints</text>"#)?;
+    for (x, colour, what) in [
+        (MARGIN + 122.0, OPEN, "open"),
+        (MARGIN + 222.0, SLIDING, "closed, sliding"),
+    ] {
+        let (line, end, text) = (y - 5.0, x + 30.0, x + 38.0);
+        writeln!(
+            svg,
+            r#"<path d="M{x:.0} {line:.0}H{end:.0}" stroke="{colour}" stroke-width="2.4"/>"#
+        )?;
+        writeln!(svg, r#"<text x="{text:.0}" y="{y:.0}">{what}</text>"#)?;
+    }
+    writeln!(svg, "</g>")
+}
+
 /// A bar of damage from 0 to 1, the crushing mark, and the magnification.
-fn legend(svg: &mut String, height: f64, scale: f64, time: f64) -> std::fmt::Result {
-    let (y, cells) = (height - 30.0, 20);
+fn legend(svg: &mut String, drawing: &Drawing<'_>) -> std::fmt::Result {
+    let (scale, time, cells) = (drawing.scale, drawing.time, 20);
+    let below = if drawing.joints.is_empty() { 0.0 } else { LINE };
+    let y = drawing.height - 30.0 - below;
     writeln!(svg, r#"<g font-size="13">"#)?;
     writeln!(
         svg,
@@ -160,26 +314,12 @@ fn legend(svg: &mut String, height: f64, scale: f64, time: f64) -> std::fmt::Res
     writeln!(svg, "</g>")
 }
 
-fn quads(model: &Model, frame: &Frame, scale: f64) -> Vec<Quad> {
-    let mesh = &model.mesh;
-    let front = mesh
-        .nodes
-        .iter()
-        .map(|x| x[1])
-        .fold(f64::INFINITY, f64::min);
-    let size = mesh.nodes.iter().map(|x| x[1] - front).fold(0.0, f64::max);
+fn quads(mesh: &Mesh, frame: &Frame, scale: f64) -> Vec<Quad> {
     let corner = |n: u32| {
         let (x, u) = (mesh.nodes[n as usize], frame.displacement[n as usize]);
         [x[0] + scale * u[0], x[2] + scale * u[2]]
     };
-    let on_front = |e: &usize| {
-        // Coordinates of the same face may differ by rounding.
-        FRONT
-            .iter()
-            .all(|&i| mesh.corners(*e)[i][1] - front <= 1e-9 * size)
-    };
-    (0..mesh.elements.len())
-        .filter(on_front)
+    front(mesh)
         .map(|e| Quad {
             corners: FRONT.map(|i| corner(mesh.elements[e][i])),
             material: usize::from(mesh.material[e]),
@@ -191,11 +331,10 @@ fn quads(model: &Model, frame: &Frame, scale: f64) -> Vec<Quad> {
 
 /// Factor by which displacements are drawn: the largest of 1, 2, 5, 10, … which moves no node by
 /// more than 4 % of the model's largest extent in the drawing, and at least 1.
-pub fn magnification(model: &Model, frame: &Frame) -> f64 {
+pub fn magnification(mesh: &Mesh, frame: &Frame) -> f64 {
     let extent = (0..3)
         .map(|i| {
-            let (low, high) = model
-                .mesh
+            let (low, high) = mesh
                 .nodes
                 .iter()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
@@ -285,7 +424,7 @@ mod tests {
         for u in &mut frame.displacement[8..] {
             *u = [1.0, 7.0, 0.5];
         }
-        let quads = quads(&model, &frame, 10.0);
+        let quads = quads(&model.mesh, &frame, 10.0);
         assert_eq!(
             quads[0].corners,
             [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]]
@@ -300,7 +439,7 @@ mod tests {
     fn the_magnification_is_round_and_moderate() {
         let model = fake::model(); // 202 mm long: 4 % are 8.08 mm
         let mut frame = fake::frame(&model, 0.0);
-        assert_eq!(magnification(&model, &frame), 1.0);
+        assert_eq!(magnification(&model.mesh, &frame), 1.0);
         for (moved, expected) in [
             (0.1, 50.0),
             (0.01, 500.0),
@@ -309,7 +448,7 @@ mod tests {
             (50.0, 1.0),
         ] {
             frame.displacement[3] = [0.0, 1e3, moved];
-            assert_eq!(magnification(&model, &frame), expected, "{moved}");
+            assert_eq!(magnification(&model.mesh, &frame), expected, "{moved}");
         }
     }
 

@@ -47,6 +47,7 @@ pub fn model() -> Model {
         procedure: Procedure::Static,
         tangent: Tangent::Direct,
         control: None,
+        stop: None,
         tolerance: Tolerance {
             residual: 5e-3,
             max_iterations: 25,

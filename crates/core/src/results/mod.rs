@@ -7,27 +7,36 @@
 //!                                               ├─▶ model.toml           the deck, overrides taken in
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
-//! RunFolder reads them back; report makes one page of them.
+//! RunFolder reads them back: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
+//! CSV, INP).
 //! ```
 
+pub mod branch;
+pub mod comparison;
 pub mod curve;
 pub mod directory;
 pub mod elevation;
+pub mod experiment;
+pub mod export;
 pub mod frame;
 pub mod history;
 pub mod mcap;
 pub mod plot;
+pub mod plotting;
 pub mod reading;
 pub mod report;
+pub mod snapshot;
 pub mod summary;
 pub mod usage;
 pub mod vtkhdf;
 
 #[cfg(test)]
-mod fake;
+pub(crate) mod fake;
 
+pub use comparison::{Comparison, compare};
 pub use curve::Curve;
 pub use directory::{OutputError, RunDirectory};
+pub use experiment::{Experiment, ExperimentError};
 pub use frame::{
     Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
 };
@@ -35,6 +44,7 @@ pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use report::{Experiment, Report, ReportError};
+pub use snapshot::{FrameChoice, Snapshot};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

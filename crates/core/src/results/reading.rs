@@ -28,6 +28,17 @@ pub enum ReadError {
         /// What the system or HDF5 says.
         why: io::Error,
     },
+    /// A frame that is not there.
+    #[error("{}: there is no frame {asked}: {}", path.display(), frames(*count))]
+    #[diagnostic(help("frames count from 0, as in ParaView; or say `peak` or `last`"))]
+    NoFrame {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        asked: String,
+        /// How many there are.
+        count: usize,
+    },
     /// A file with other content than it should have.
     #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
     #[diagnostic(help("the file was changed, or written by another version of wythe"))]
@@ -39,6 +50,14 @@ pub enum ReadError {
         /// What is wrong.
         why: String,
     },
+}
+
+/// Which frames there are, in words.
+fn frames(count: usize) -> String {
+    match count.checked_sub(1) {
+        None => "the run has written none yet".to_owned(),
+        Some(last) => format!("the file has 0 to {last}"),
+    }
 }
 
 /// `history.csv` as it was written.

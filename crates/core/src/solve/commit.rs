@@ -74,20 +74,7 @@ impl Run<'_> {
         cutbacks: usize,
     ) -> HistoryRow {
         let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
-        let driven = self.model.steps[step]
-            .driven
-            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
-        let (displacement, force, reaction) = match driven {
-            Some((beam, direction)) => {
-                let slot = dofs.beam_slot(beam, direction);
-                let normal = self.model.beams[beam].normal;
-                let along: f64 = (0..3)
-                    .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
-                    .sum();
-                (state.q[slot], state.applied[slot], -along)
-            }
-            None => self.driven_spring(step),
-        };
+        let (displacement, force, reaction) = self.driven(step);
         let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let e = &state.energies;
@@ -120,6 +107,24 @@ impl Run<'_> {
             procedure: method,
             probes: probes(self.model, dofs, state),
         }
+    }
+
+    /// Displacement of what is driven [mm], its force along the drive, and that normal to its face,
+    /// compression positive [N], at the last commit.
+    pub(super) fn driven(&self, step: usize) -> (f64, f64, f64) {
+        let (state, dofs) = (&self.state, &self.system.dofs);
+        let driven = self.model.steps[step]
+            .driven
+            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
+        let Some((beam, direction)) = driven else {
+            return self.driven_spring(step);
+        };
+        let slot = dofs.beam_slot(beam, direction);
+        let normal = self.model.beams[beam].normal;
+        let along: f64 = (0..3)
+            .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
+            .sum();
+        (state.q[slot], state.applied[slot], -along)
     }
 
     /// Displacement of the driven end of a spring [mm] and its force along the drive [N], where a step

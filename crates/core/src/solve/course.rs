@@ -5,6 +5,7 @@ use super::method::Method;
 use super::newton::Newton;
 use super::path::{Advance, Trail};
 use super::schedule::{Increment, Schedule};
+use super::stop::Watch;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step};
 use crate::system::System;
@@ -27,6 +28,10 @@ pub(super) struct Course<'m> {
     pub(super) repeat: bool,
     /// The end of the step was tried from here and refused: the path goes on.
     pub(super) end_refused: bool,
+    /// What ends the step early, if anything does.
+    pub(super) watch: Option<Watch>,
+    /// It has.
+    pub(super) stopped: bool,
     /// Part of the loads at which an increment found equilibrium beyond a snap.
     pub(super) beyond: Option<f64>,
 }
@@ -84,6 +89,8 @@ impl<'m> Course<'m> {
             cutbacks: 0,
             repeat: true,
             end_refused: false,
+            watch: None,
+            stopped: false,
             beyond: None,
         }
     }
@@ -110,6 +117,9 @@ impl<'m> Course<'m> {
 
     /// The increment to try now; none when the step is done.
     pub(super) fn next(&self) -> Option<Leg> {
+        if self.stopped {
+            return None;
+        }
         let increment = self.schedule.next()?;
         let method = self.ladder.method();
         if !method.follows_path() {

@@ -9,6 +9,7 @@ use super::method::Method;
 use super::newton::{IMBALANCE, Newton};
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
 use super::state::State;
+use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
@@ -173,6 +174,7 @@ impl<'m> Run<'m> {
         }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
+        course.watch = Watch::new(step, self.driven(index).0);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
         } else if !course.ladder.method().has_inertia() {
@@ -241,7 +243,12 @@ impl<'m> Run<'m> {
                 course.trail.forget();
             }
         }
-        let end = course.schedule.next().is_none();
+        let why = course.watch.as_mut().and_then(|watch| watch.take(&row));
+        let whole = course.schedule.next().is_none();
+        let end = whole || why.is_some();
+        if let (Some(why), false) = (&why, whole) {
+            self.stop(course, why, recorder);
+        }
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
@@ -388,6 +395,19 @@ impl<'m> Run<'m> {
             course.step.name,
             100.0 * course.load,
             course.ladder.method().name()
+        );
+        recorder.note(&text);
+        self.summary.log.push(text);
+    }
+
+    /// Ends a step before its loads are whole, as the deck has it.
+    fn stop(&mut self, course: &mut Course, why: &str, recorder: &mut dyn Recorder) {
+        course.stopped = true;
+        let text = format!(
+            "step {} ({}) ends at {:.3} % of its loads: {why}",
+            course.index,
+            course.step.name,
+            100.0 * course.load
         );
         recorder.note(&text);
         self.summary.log.push(text);

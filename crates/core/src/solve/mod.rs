@@ -20,6 +20,7 @@ mod path;
 mod probes;
 mod schedule;
 pub mod state;
+mod stop;
 mod tally;
 
 pub use drive::{RunError, run};

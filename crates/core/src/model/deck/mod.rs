@@ -23,7 +23,7 @@ pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, R
 pub use interfaces::Interface;
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
-pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
+pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{Bond, Clamped, Subdivision, Wall};
 

@@ -38,6 +38,18 @@ pub struct DeckControl {
     pub displacement: Length,
 }
 
+/// `stop` of a driven step: what ends it before its displacement is whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckStop {
+    /// The force falls to this part of the largest of the step [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub below_peak: Option<Number>,
+    /// The step has driven this far [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Length>,
+}
+
 /// `rayleigh` of a dynamic step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

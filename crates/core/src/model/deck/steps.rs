@@ -1,6 +1,6 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
-use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh};
+use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Tangent, Tolerance};
@@ -61,6 +61,9 @@ pub struct DeckStep {
     /// Displacement control: the displacement that steers the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<DeckControl>,
+    /// Drive: what ends the step before its displacement is whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop: Option<DeckStop>,
     /// Tangents.
     #[serde(default)]
     pub tangent: Tangent,

@@ -78,6 +78,7 @@ impl Checks<'_> {
         }
         self.inertia(path, step);
         self.procedure(path, step);
+        self.stop(path, step);
         let sizes = step.increments();
         let ok = sizes.min > 0.0 && sizes.min <= sizes.initial && sizes.initial <= sizes.max;
         self.require(
@@ -204,6 +205,35 @@ impl Checks<'_> {
         }
     }
 
+    /// What ends a driven step early must be able to happen.
+    fn stop(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.stop{name}");
+        let Some(stop) = step.stop else { return };
+        self.require(
+            stop.below_peak.is_some() || stop.displacement.is_some(),
+            &key(""),
+            || "`stop` does not say at what".to_owned(),
+            &keys::example("stop"),
+        );
+        if let Some(part) = stop.below_peak.map(Quantity::get) {
+            self.require(
+                part > 0.0 && part < 1.0,
+                &key(".below_peak"),
+                || format!("{part} is not between 0 and 1"),
+                "the part of its peak to which the force falls: below_peak = 0.8",
+            );
+        }
+        if let (Some(by), Some(whole)) = (stop.displacement, step.displacement) {
+            let (by, whole) = (by.get(), whole.get().abs());
+            self.require(
+                by > 0.0 && by <= whole,
+                &key(".displacement"),
+                || format!("{by} mm is not above 0 and within the {whole} mm of the step"),
+                "how far this step drives, without sign: displacement = \"3 mm\"",
+            );
+        }
+    }
+
     /// Keys that the kind of the step, and of the scene, knows; and those that it needs.
     fn keys_of_kind(&mut self, path: &str, step: &DeckStep) {
         if !self.scene_is_known() {
@@ -247,6 +277,7 @@ impl Checks<'_> {
                 None,
                 true,
             ),
+            rule("stop", step.stop.is_some(), &[Drive], None, false),
             rule("vertical", step.vertical.is_some(), &[Drive], wall, false),
             rule("face", step.face.is_some(), pushes, stones, !of_spring),
             rule("free", step.free.is_some(), pushes, stones, false),

@@ -1,0 +1,149 @@
+//! The command line of what reads results.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use wythe_core::results::FrameChoice;
+
+pub(super) const PLOT_HELP: &str = "\
+Writes curves.svg, cracks_N.svg (deformed, with tensile damage, crushing and failed joints), \
+deflection_height.svg and, of a wall bent out of its plane, deflection_length.svg.
+
+An experiment is a CSV file whose header names a column of displacement (mm, cm, m) and one of force \
+(N, kN, MN); # begins a comment. A cyclic one is drawn with its envelope, several with the band \
+between them.
+
+Examples:
+  wythe plot wall.out --frame peak --png
+  wythe plot wall.out --compare SW1001.csv --compare SW1002.csv
+  wythe plot wall.out --against fine.out --against elastic.out --out pictures";
+
+pub(super) const COMPARE_HELP: &str = "\
+Peak, stiffness, area, displacement and drift at 80 % of the peak after it, of both and their ratio, \
+and the root mean square of the difference over the displacements that both cover. Of a cyclic \
+experiment the envelope counts, on the side to which the run goes; one that went the other way is \
+mirrored.
+
+Examples:
+  wythe compare wall.out SW1001.csv
+  wythe compare wall.out SW1001.csv --json > comparison.json
+  wythe compare wall.out SW1001.csv --height 1000";
+
+pub(super) const INFO_HELP: &str = "\
+Of a folder of results: how the run went, its sizes and files; of a file of fields: its frames and \
+meshes; of a model: what it is made of.
+
+Examples:
+  wythe info wall.out
+  wythe info wall.out/results.vtkhdf
+  wythe info examples/03_shear_wall_j7d.toml";
+
+pub(super) const EXPORT_HELP: &str = "\
+  vtu  frame_N.vtu and frame_N_interfaces.vtu for any VTK; of all frames with a series.pvd
+  csv  frame_N_nodes.csv, frame_N_elements.csv, frame_N_interfaces.csv [mm, MPa]
+  inp  model.inp for Abaqus, at rest: nodes, C3D8, sets of units, materials, supports and beams, and \
+the materials with their tables. Interfaces and steps are not translated.
+
+Examples:
+  wythe export wall.out --to vtu --frame all
+  wythe export wall.out --to csv --frame peak --out tables
+  wythe export wall.out --to inp";
+
+/// `wythe plot`
+#[derive(Debug, Args)]
+pub struct Plot {
+    /// Folder of the run.
+    pub folder: PathBuf,
+    /// A measured curve to draw beside it (repeatable).
+    #[arg(long, value_name = "CSV", num_args = 1..)]
+    pub compare: Vec<PathBuf>,
+    /// Another run to draw beside it (repeatable).
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub against: Vec<PathBuf>,
+    /// Frame of cracks and deflections: its number from 0, peak, or last.
+    #[arg(long, value_name = "FRAME", default_value = "last")]
+    pub frame: FrameChoice,
+    /// Folder for the pictures [default: DIR/plots].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write PNG beside SVG, twice as large.
+    #[arg(long)]
+    pub png: bool,
+}
+
+/// `wythe compare`
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Folder of the run.
+    pub folder: PathBuf,
+    /// The measured curve, a CSV file.
+    pub experiment: PathBuf,
+    /// Say it as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Clear height for the drift [mm] [default: between supports and what is driven].
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    pub height: Option<f64>,
+}
+
+/// `wythe info`
+#[derive(Debug, Args)]
+pub struct Info {
+    /// A folder of results, a results.vtkhdf, or a model.
+    pub path: PathBuf,
+}
+
+/// `wythe export`
+#[derive(Debug, Args)]
+pub struct Export {
+    /// Folder of the run.
+    pub folder: PathBuf,
+    /// What to write.
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Format,
+    /// Frame: its number from 0, peak, last, or all [default: last].
+    #[arg(long, value_name = "FRAME")]
+    pub frame: Option<Frames>,
+    /// Folder for the files [default: DIR/export].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Formats of other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// VTK's XML.
+    Vtu,
+    /// Tables.
+    Csv,
+    /// Abaqus.
+    Inp,
+}
+
+/// One frame or all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frames {
+    /// Every frame of the file.
+    All,
+    /// This one.
+    One(FrameChoice),
+}
+
+impl std::str::FromStr for Frames {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let wrong = |_| "expected a number from 0, `peak`, `last` or `all`".to_owned();
+        text.parse().map(Self::One).map_err(wrong)
+    }
+}
+
+fn millimetres(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(height) if height > 0.0 && f64::is_finite(height) => Ok(height),
+        _ => Err("expected millimetres above 0, e.g. 1000".to_owned()),
+    }
+}

@@ -1,0 +1,98 @@
+//! `wythe export`: a run for other programs.
+
+use std::path::PathBuf;
+
+use wythe_core::model::{Deck, Model};
+use wythe_core::results::directory::DECK;
+use wythe_core::results::export::{frame_name, inp, table, vtu};
+use wythe_core::results::snapshot::Snapshots;
+use wythe_core::results::{FrameChoice, RunFolder, Snapshot};
+
+use crate::arguments::{Export, Format, Frames};
+use crate::check::print;
+use crate::failure::Failure;
+use crate::plot::write;
+
+/// Name of the series of all frames.
+const SERIES: &str = "series.pvd";
+
+/// Writes the files and says which.
+pub fn export(arguments: &Export) -> Result<(), Failure> {
+    let folder = RunFolder::open(&arguments.folder)?;
+    let out = match &arguments.out {
+        Some(out) => out.clone(),
+        None => arguments.folder.join("export"),
+    };
+    let mut written: Vec<PathBuf> = Vec::new();
+    if arguments.to == Format::Inp {
+        written.push(write(
+            &out,
+            "model.inp",
+            model(&folder, arguments)?.as_bytes(),
+        )?);
+    } else {
+        let snapshots = Snapshots::open(&folder)?;
+        let frames = match arguments.frame.unwrap_or(Frames::One(FrameChoice::Last)) {
+            Frames::All => (0..snapshots.count()).map(FrameChoice::Number).collect(),
+            Frames::One(choice) => vec![choice],
+        };
+        let mut series = Vec::new();
+        for choice in frames {
+            let snapshot = snapshots.at(choice)?;
+            for (rest, text) in files(arguments.to, &snapshot) {
+                let name = frame_name(snapshot.number, rest);
+                written.push(write(&out, &name, text.as_bytes())?);
+            }
+            let solids = frame_name(snapshot.number, ".vtu");
+            series.push((snapshot.frame.time, solids));
+        }
+        if arguments.to == Format::Vtu && arguments.frame == Some(Frames::All) {
+            let text = vtu::collection(&series);
+            written.push(write(&out, SERIES, text.as_bytes())?);
+        }
+    }
+    let lines: Vec<String> = written
+        .iter()
+        .map(|p| format!("{}\n", p.display()))
+        .collect();
+    print(&lines.concat())
+}
+
+/// Files of a frame: what comes after its name, and their text.
+fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
+    let joined = !snapshot.surface.quads.is_empty();
+    let mut files = match format {
+        Format::Vtu => vec![(".vtu", vtu::solids(snapshot))],
+        _ => vec![
+            ("_nodes.csv", table::nodes(snapshot)),
+            ("_elements.csv", table::elements(snapshot)),
+        ],
+    };
+    if joined {
+        files.push(match format {
+            Format::Vtu => ("_interfaces.vtu", vtu::interfaces(snapshot)),
+            _ => ("_interfaces.csv", table::interfaces(snapshot)),
+        });
+    }
+    files
+}
+
+/// The model of the folder's deck, for Abaqus.
+fn model(folder: &RunFolder, arguments: &Export) -> Result<String, Failure> {
+    if arguments.frame.is_some() {
+        return Err(Failure::Model(miette::miette!(
+            help = "leave --frame out; deformed shapes are in --to vtu and --to csv",
+            "--to inp writes the model at rest, no frame of it"
+        )));
+    }
+    if folder.deck()?.is_none() {
+        return Err(Failure::InputOutput(miette::miette!(
+            help = "run the model again: `wythe run` keeps a copy of its deck there",
+            "{}: there is no {DECK}, from which sets and materials come",
+            folder.path().display()
+        )));
+    }
+    let deck = Deck::load(folder.path().join(DECK), &[])?;
+    let (model, _) = Model::from_deck(&deck)?;
+    Ok(inp::inp(&model))
+}

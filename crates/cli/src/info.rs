@@ -1,0 +1,389 @@
+//! `wythe info`: what is inside, in a screen of text.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use wythe_core::error::IoError;
+use wythe_core::model::{Deck, Model, check};
+use wythe_core::results::directory::{
+    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, SUMMARY,
+};
+use wythe_core::results::vtkhdf::read::FieldsFile;
+use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+
+use crate::arguments::Info;
+use crate::check::print;
+use crate::failure::Failure;
+use crate::terminal::{count, seconds};
+
+/// From which a run can go on.
+const CHECKPOINT: &str = "checkpoint.bin";
+
+/// Tells of a folder, of fields or of a model.
+pub fn info(arguments: &Info) -> Result<(), Failure> {
+    let path = &arguments.path;
+    std::fs::metadata(path).map_err(|why| IoError {
+        path: path.clone(),
+        why,
+    })?;
+    let is = |ending: &str| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    };
+    let mut text = String::new();
+    let told = if path.is_dir() {
+        folder(&mut text, &RunFolder::open(path)?)?
+    } else if is("toml") {
+        model(&mut text, path)?
+    } else if is("vtkhdf") || is("hdf") || is("h5") {
+        let file = FieldsFile::open(path).map_err(|why| ReadError::Read {
+            path: path.clone(),
+            why,
+        })?;
+        fields(&mut text, &file)?
+    } else {
+        return Err(Failure::Model(miette::miette!(
+            help = "name a folder of results, a results.vtkhdf, or a model.toml",
+            "{}: neither results nor a model",
+            path.display()
+        )));
+    };
+    debug_assert!(told.is_ok(), "writing to a string does not fail");
+    print(&text)
+}
+
+/// Text into a string, which does not fail.
+type Told = std::fmt::Result;
+
+fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
+    let (history, summary) = (folder.history()?, folder.summary()?);
+    // A killed or damaged file of fields must not hide the rest.
+    let fields = folder.fields();
+    let about = fields
+        .as_ref()
+        .ok()
+        .and_then(|f| f.title_and_version().ok());
+    let title = about.as_ref().map_or("a run", |(title, _)| title.as_str());
+    let version = summary.as_ref().map(|s| s.version.clone());
+    let version = version.or_else(|| about.as_ref().map(|(_, version)| version.clone()));
+    let frames = fields
+        .as_ref()
+        .map(|f| f.times().to_vec())
+        .map_err(ToString::to_string);
+    let tell = |text: &mut String| -> Told {
+        writeln!(text, "{title}")?;
+        writeln!(text, "  folder      {}", folder.path().display())?;
+        writeln!(
+            text,
+            "  version     {}",
+            version.as_deref().unwrap_or("not known")
+        )?;
+        status(text, summary.as_ref(), folder.path())?;
+        if let Some(summary) = &summary {
+            sizes(text, summary)?;
+        }
+        steps(text, &history)?;
+        curve(text, &history)?;
+        if let Some(summary) = &summary {
+            cost(text, summary)?;
+        }
+        energies(text, &history, summary.as_ref())?;
+        match frames {
+            Ok(times) => of_frames(text, &times)?,
+            Err(why) => writeln!(text, "  frames      {why}")?,
+        }
+        files(text, folder.path())
+    };
+    Ok(tell(text))
+}
+
+fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> Told {
+    let status = match summary.map(|s| s.status) {
+        Some(Status::Completed) => "completed; the folder is whole",
+        Some(Status::NotConverged) => "not converged; all up to there is whole",
+        Some(Status::Interrupted) => "interrupted; all up to there is whole",
+        None => "no summary: the run goes on, was killed, or could not write",
+    };
+    writeln!(text, "  status      {status}")?;
+    if let Some(message) = summary.map(|s| &s.message).filter(|m| !m.is_empty()) {
+        writeln!(text, "              {message}")?;
+    }
+    let resumable = path.join(CHECKPOINT).is_file();
+    let done = summary.is_some_and(|s| s.status == Status::Completed);
+    if resumable && !done {
+        writeln!(
+            text,
+            "              can be resumed: there is a {CHECKPOINT}"
+        )?;
+    } else if !done {
+        writeln!(
+            text,
+            "              cannot be resumed: there is no {CHECKPOINT}"
+        )?;
+    }
+    for note in summary
+        .iter()
+        .flat_map(|s| &s.log)
+        .filter(|l| l.contains(" ends at "))
+    {
+        writeln!(text, "              {note}")?;
+    }
+    Ok(())
+}
+
+fn sizes(text: &mut String, s: &SummaryFile) -> Told {
+    writeln!(
+        text,
+        "  sizes       {}, {}, {}, {}, {}",
+        count(s.units, "unit"),
+        count(s.elements, "element"),
+        count(s.nodes, "node"),
+        count(s.dofs, "unknown"),
+        count(s.contact_points, "contact point")
+    )
+}
+
+fn steps(text: &mut String, history: &ReadHistory) -> Told {
+    let Some(last) = history.rows.last() else {
+        return writeln!(text, "  steps       no increment is done");
+    };
+    for step in 0..=last.step {
+        let of_step = || history.rows.iter().filter(|r| r.step == step);
+        let Some(end) = of_step().next_back() else {
+            continue;
+        };
+        let head = if step == 0 { "steps" } else { "" };
+        let (d, f) = (end.displacement_mm, end.force_kN);
+        writeln!(
+            text,
+            "  {head:10}  {step}: {}, {:.1} % of its loads, ends at {d:.4} mm, {f:.3} kN",
+            count(of_step().count(), "increment"),
+            100.0 * end.load_factor
+        )?;
+    }
+    Ok(())
+}
+
+fn curve(text: &mut String, history: &ReadHistory) -> Told {
+    let curve = history.curve();
+    let Some(peak) = curve.peak() else {
+        return writeln!(text, "  peak        nothing was driven");
+    };
+    writeln!(
+        text,
+        "  peak        {:.3} kN at {:.4} mm{}",
+        peak.force,
+        peak.displacement,
+        curve
+            .displacement_at_80_percent()
+            .map_or(String::new(), |d| format!("; 80 % of it at {d:.4} mm"))
+    )?;
+    match curve.initial_stiffness() {
+        Some(k) => writeln!(text, "              initial stiffness {k:.2} kN/mm"),
+        None => Ok(()),
+    }
+}
+
+fn cost(text: &mut String, s: &SummaryFile) -> Told {
+    writeln!(
+        text,
+        "  cost        {}, {}, {}, {} on {}{}",
+        count(s.increments, "increment"),
+        count(s.iterations, "iteration"),
+        count(s.cutbacks, "cut-back"),
+        seconds(s.wall_s),
+        count(s.threads, "thread"),
+        s.peak_rss_MB
+            .map_or(String::new(), |mb| format!(", {mb:.0} MB"))
+    )
+}
+
+fn energies(text: &mut String, history: &ReadHistory, summary: Option<&SummaryFile>) -> Told {
+    let Some(row) = history.rows.last() else {
+        return Ok(());
+    };
+    writeln!(
+        text,
+        "  energies    {:.3} J from outside",
+        row.external_work_J
+    )?;
+    let parts = [
+        ("elastic", row.elastic_energy_J),
+        ("kinetic", row.kinetic_energy_J),
+        ("plastic and damage", row.plastic_damage_dissipation_J),
+        ("interfaces", row.interface_dissipation_J),
+        ("viscous", row.viscous_dissipation_J),
+        ("damping", row.damping_dissipation_J),
+        ("numerical", row.numerical_dissipation_J),
+    ];
+    let there = parts.iter().filter(|(_, value)| *value != 0.0);
+    let parts: Vec<String> = there
+        .map(|(name, value)| format!("{name} {value:.3}"))
+        .collect();
+    if !parts.is_empty() {
+        writeln!(text, "              {} J", parts.join(", "))?;
+    }
+    match summary {
+        Some(s) => writeln!(
+            text,
+            "              balance closes to {:.1e}",
+            s.energy_balance_error
+        ),
+        None => Ok(()),
+    }
+}
+
+fn of_frames(text: &mut String, times: &[f64]) -> Told {
+    match times {
+        [] => writeln!(text, "  frames      none"),
+        [first, .., last] => writeln!(
+            text,
+            "  frames      {}, 0 to {}, from t = {first:.4} to {last:.4} s",
+            times.len(),
+            times.len() - 1
+        ),
+        [only] => writeln!(text, "  frames      1, at t = {only:.4} s"),
+    }
+}
+
+/// Files that a run leaves, with their sizes.
+fn files(text: &mut String, path: &Path) -> Told {
+    let names = [
+        HISTORY,
+        FIELDS,
+        DECK,
+        LOAD_DISPLACEMENT,
+        CRACK_PATTERN,
+        CHECKPOINT,
+        SUMMARY,
+    ];
+    let mut head = "files";
+    for name in names {
+        if let Ok(there) = std::fs::metadata(path.join(name)) {
+            writeln!(text, "  {head:10}  {name:24}{:>10}", bytes(there.len()))?;
+            head = "";
+        }
+    }
+    Ok(())
+}
+
+/// 812 B, 1.5 kB, 23 MB.
+fn bytes(count: u64) -> String {
+    let mut value = count as f64;
+    for unit in ["B", "kB", "MB", "GB"] {
+        if value < 1000.0 {
+            let decimals = usize::from(unit != "B" && value < 10.0);
+            return format!("{value:.decimals$} {unit}");
+        }
+        value /= 1000.0;
+    }
+    format!("{value:.1} TB")
+}
+
+fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
+    let read = |why| ReadError::Read {
+        path: file.path().to_owned(),
+        why,
+    };
+    let (title, version) = file.title_and_version().map_err(read)?;
+    let (mesh, surface) = (file.mesh().map_err(read)?, file.surface().map_err(read)?);
+    let materials = file.materials().map_err(read)?;
+    let size = std::fs::metadata(file.path()).map_or(0, |m| m.len());
+    let units = mesh.unit.iter().max().map_or(0, |last| *last as usize + 1);
+    let extent = [0, 1, 2].map(|i| {
+        let along = mesh.nodes.iter().map(|x| x[i]);
+        let [low, high] = [
+            along.clone().fold(f64::INFINITY, f64::min),
+            along.fold(f64::NEG_INFINITY, f64::max),
+        ];
+        if low <= high { high - low } else { 0.0 }
+    });
+    let tell = |text: &mut String| -> Told {
+        writeln!(text, "{title}")?;
+        writeln!(
+            text,
+            "  file        {}, {}",
+            file.path().display(),
+            bytes(size)
+        )?;
+        writeln!(text, "  version     {version}")?;
+        let [x, y, z] = extent;
+        writeln!(
+            text,
+            "  solids      {}, {}, {}; {x:.1} × {y:.1} × {z:.1} mm",
+            count(units, "unit"),
+            count(mesh.elements.len(), "element"),
+            count(mesh.nodes.len(), "node")
+        )?;
+        for (m, name) in materials.iter().enumerate() {
+            let of = mesh
+                .material
+                .iter()
+                .filter(|&&of| usize::from(of) == m)
+                .count();
+            let head = if m == 0 { "materials" } else { "" };
+            writeln!(text, "  {head:10}  {name}: {}", count(of, "element"))?;
+        }
+        writeln!(
+            text,
+            "  interfaces  {}",
+            count(surface.quads.len(), "contact point")
+        )?;
+        of_frames(text, file.times())
+    };
+    Ok(tell(text))
+}
+
+fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
+    let deck = Deck::load(path, &[])?;
+    let (model, warnings) = Model::from_deck(&deck)?;
+    let sizes = check::sizes(&model);
+    let tell = |text: &mut String| -> Told {
+        writeln!(text, "{}", model.title)?;
+        writeln!(text, "  model       {}", path.display())?;
+        writeln!(
+            text,
+            "  sizes       {}, {}, {}, {}, {}",
+            count(sizes.units, "unit"),
+            count(sizes.elements, "element"),
+            count(sizes.nodes, "node"),
+            count(sizes.dofs, "unknown"),
+            count(sizes.contact_points, "contact point")
+        )?;
+        let materials: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
+        writeln!(text, "  materials   {}", materials.join(", "))?;
+        // A law stands there once for every pair of stiffnesses.
+        let mut laws: Vec<&str> = model.contact.law_names.iter().map(String::as_str).collect();
+        laws.dedup();
+        writeln!(text, "  interfaces  {}", laws.join(", "))?;
+        for (i, step) in deck.steps.iter().enumerate() {
+            let head = if i == 0 { "steps" } else { "" };
+            writeln!(
+                text,
+                "  {head:10}  {i}: {}, {}",
+                step.name(),
+                step.kind.name()
+            )?;
+        }
+        let probes: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
+        if !probes.is_empty() {
+            writeln!(text, "  probes      {}", probes.join(", "))?;
+        }
+        match warnings.len() {
+            0 => writeln!(text, "  warnings    none"),
+            n => writeln!(text, "  warnings    {n}: see `wythe check`"),
+        }
+    };
+    Ok(tell(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bytes;
+
+    #[test]
+    fn sizes_of_files_read_as_people_say_them() {
+        let said = [812, 1500, 23_000_000, 9_960_000].map(bytes);
+        assert_eq!(said, ["812 B", "1.5 kB", "23 MB", "10.0 MB"]);
+    }
+}

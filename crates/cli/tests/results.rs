@@ -1,0 +1,290 @@
+//! What reads results: pictures, comparisons, what is inside, and the formats of other programs.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use common::*;
+
+/// The couplet pulled beyond its peak, once for all tests: to 0.8 of the peak of its second step.
+fn run() -> &'static Path {
+    static RUN: OnceLock<PathBuf> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("read/couplet.out");
+        let out = folder.display().to_string();
+        let stop = "steps.1.stop={ below_peak = 0.8 }";
+        let sets = ["--set", "steps.1.displacement=0.014", "--set", stop];
+        let output = wythe(&[&["run", &couplet(), "--out", &out][..], &sets].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        folder
+    })
+}
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn said(output: &std::process::Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_step_stops_below_its_peak_completed_and_says_so() {
+    let summary = std::fs::read_to_string(run().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "completed");
+    let log = summary["log"].to_string();
+    assert!(
+        log.contains("step 1 (drive) ends at") && log.contains("stop.below_peak is 0.8"),
+        "{log}"
+    );
+    let history = std::fs::read_to_string(run().join("history.csv")).unwrap();
+    let (steps, forces) = (column(&history, "step"), column(&history, "force_kN"));
+    let second: Vec<f64> = steps
+        .iter()
+        .zip(&forces)
+        .filter(|p| *p.0 == 1.0)
+        .map(|p| *p.1)
+        .collect();
+    let peak = second.iter().copied().fold(0.0, f64::max);
+    let (last, before) = second.split_last().unwrap();
+    assert!(*last <= 0.8 * peak && before.iter().all(|f| *f > 0.8 * peak));
+    // Its last increment has a frame.
+    let output = wythe(&["info", &text(run())]);
+    assert!(said(&output).contains("ends at"), "{}", said(&output));
+}
+
+/// A step that ends early is followed by the next, from where it ended.
+#[test]
+fn a_step_stops_at_a_displacement_and_the_next_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("couplet.out");
+    let set = [
+        "--set",
+        "steps.0.stop.displacement='0.0015 mm'",
+        "--set",
+        "steps.1.displacement=0.002",
+    ];
+    let output = wythe(&[&["run", &couplet(), "--out", &text(&out)][..], &set].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let (steps, moved) = (
+        column(&history, "step"),
+        column(&history, "displacement_mm"),
+    );
+    let first = steps.iter().filter(|s| **s == 0.0).count();
+    // At the first increment that reaches it, no larger than 0.0125 of 0.006 mm.
+    assert!(
+        (0.0015..0.0015 + 0.0125 * 0.006 + 1e-12).contains(&moved[first - 1]),
+        "{}",
+        moved[first - 1]
+    );
+    assert!((moved[moved.len() - 1] - moved[first - 1] - 0.002).abs() < 1e-12);
+}
+
+#[test]
+fn stops_that_cannot_be_are_refused_with_their_key() {
+    for (set, key) in [
+        ("steps.0.stop={}", "steps.0.stop:"),
+        ("steps.0.stop={ below_peak = 1 }", "steps.0.stop.below_peak"),
+        (
+            "steps.0.stop={ displacement = '9 mm' }",
+            "steps.0.stop.displacement",
+        ),
+    ] {
+        let output = wythe(&["check", &couplet(), "--set", set]);
+        assert_eq!(code(&output), 2, "{set}");
+        assert!(stderr(&output).contains(key), "{set}: {}", stderr(&output));
+        assert!(stderr(&output).contains("help:"), "{set}");
+    }
+    let wall = text(&repository("examples/03_shear_wall_j7d.toml"));
+    let output = wythe(&["check", &wall, "--set", "steps.0.stop={ below_peak = 0.8 }"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("`stop` belongs to a drive"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn pictures_are_drawn_beside_experiments_and_other_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, two] = ["one.csv", "two.csv"].map(|name| folder.path().join(name));
+    std::fs::write(&one, "displacement_mm,force_kN\n0,0\n0.003,5\n0.02,3\n").unwrap();
+    std::fs::write(
+        &two,
+        "# softer\ndeflection [mm];load [N]\n0;0\n0,004;4500\n0,02;2500\n",
+    )
+    .unwrap();
+    let out = folder.path().join("pictures");
+    let output = wythe(&[
+        "plot",
+        &text(run()),
+        "--compare",
+        &text(&one),
+        &text(&two),
+        "--against",
+        &text(run()),
+        "--frame",
+        "peak",
+        "--png",
+        "--out",
+        &text(&out),
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let curves = std::fs::read_to_string(out.join("curves.svg")).unwrap();
+    for part in [
+        "couplet",
+        "one",
+        "two",
+        "from lowest to highest",
+        "force [kN]",
+    ] {
+        assert!(curves.contains(part), "{part}");
+    }
+    assert!(out.join("deflection_height.svg").is_file());
+    for line in said(&output).lines() {
+        let bytes = std::fs::read(line).unwrap();
+        let begins: &[u8] = if line.ends_with("png") {
+            b"\x89PNG\r\n\x1a\n"
+        } else {
+            b"<svg"
+        };
+        assert!(bytes.starts_with(begins), "{line}");
+    }
+    assert_eq!(said(&output).lines().count(), 6);
+}
+
+#[test]
+fn a_run_is_its_own_equal_in_text_and_json() {
+    let history = text(&run().join("history.csv"));
+    let output = wythe(&["compare", &text(run()), &history, "--json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["ratio"]["peak_force_kN"], 1.0);
+    assert_eq!(found["rms_difference_kN"], 0.0);
+    // Pulled upwards: there is no drift.
+    assert!(found["height_mm"].is_null());
+    let output = wythe(&["compare", &text(run()), &history, "--height", "50"]);
+    for part in [
+        "peak force [kN]",
+        "1.000",
+        "drift over 50.0 mm",
+        "rms difference 0.00 kN",
+    ] {
+        assert!(said(&output).contains(part), "{part}: {}", said(&output));
+    }
+}
+
+#[test]
+fn a_bad_experiment_is_told_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bad.csv");
+    std::fs::write(&path, "# a\ndisplacement_mm,force_kN\n0,0\n1,many\n").unwrap();
+    for command in [
+        &["compare", &text(run()), &text(&path)][..],
+        &["plot", &text(run()), "--compare", &text(&path)],
+    ] {
+        let output = wythe(command);
+        assert_eq!(code(&output), 2);
+        let said = stderr(&output).replace(' ', "");
+        assert!(
+            said.contains("bad.csv:4:") && said.contains("`many`") && said.contains("help:"),
+            "{said}"
+        );
+    }
+    let output = wythe(&["compare", &text(run()), "no/such.csv"]);
+    assert_eq!(code(&output), 4);
+}
+
+#[test]
+fn info_tells_of_folders_fields_and_models() {
+    let of = |path: &str| {
+        let output = wythe(&["info", path]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert!(said(&output).lines().count() <= 40);
+        said(&output)
+    };
+    let folder = of(&text(run()));
+    for part in [
+        "Couplet",
+        "completed",
+        "2 units",
+        "peak",
+        "frames",
+        "history.csv",
+        "balance closes",
+    ] {
+        assert!(folder.contains(part), "{part}: {folder}");
+    }
+    let fields = of(&text(&run().join("results.vtkhdf")));
+    assert!(
+        fields.contains("contact points") && fields.contains("brick"),
+        "{fields}"
+    );
+    let model = of(&couplet());
+    assert!(
+        model.contains("1: drive") && model.contains("unknowns"),
+        "{model}"
+    );
+    for (path, exit) in [
+        ("no/such", 4),
+        ("Cargo.toml", 2),
+        ("src", 4),
+        ("src/main.rs", 2),
+    ] {
+        assert_eq!(code(&wythe(&["info", path])), exit, "{path}");
+    }
+}
+
+#[test]
+fn exports_are_written_and_damaged_files_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(folder.path());
+    for (format, frame, files) in [("csv", Some("peak"), 3), ("vtu", None, 2), ("inp", None, 1)] {
+        let mut command = vec![
+            "export",
+            run().to_str().unwrap(),
+            "--to",
+            format,
+            "--out",
+            &out,
+        ];
+        command.extend(frame.into_iter().flat_map(|f| ["--frame", f]));
+        let output = wythe(&command);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert_eq!(said(&output).lines().count(), files);
+    }
+    let inp = std::fs::read_to_string(folder.path().join("model.inp")).unwrap();
+    assert!(inp.contains("*NSET, NSET=BEAM_TOP") && inp.contains("*NSET, NSET=SUPPORT_BOTTOM"));
+    let run_folder = text(run());
+    for (rest, exit, part) in [
+        (&["--to", "vtu", "--frame", "999"][..], 2, "no frame 999"),
+        (&["--to", "inp", "--frame", "peak"][..], 2, "at rest"),
+        (&["--to", "stl"][..], 2, "invalid value"),
+    ] {
+        let output = wythe(&[&["export", &run_folder][..], rest].concat());
+        assert_eq!(code(&output), exit);
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+    // Half a file of fields: an error that names it, nothing of a bug.
+    let half = folder.path().join("half.out");
+    std::fs::create_dir(&half).unwrap();
+    std::fs::copy(run().join("history.csv"), half.join("history.csv")).unwrap();
+    let fields = std::fs::read(run().join("results.vtkhdf")).unwrap();
+    std::fs::write(half.join("results.vtkhdf"), &fields[..fields.len() / 2]).unwrap();
+    let half_run = text(&half);
+    for command in [&["export", "--to", "vtu"][..], &["plot"]] {
+        let output = wythe(&[command, &[half_run.as_str()]].concat());
+        assert_eq!(code(&output), 4, "{}", stderr(&output));
+        assert!(
+            stderr(&output).replace(' ', "").contains("results.vtkhdf"),
+            "{}",
+            stderr(&output)
+        );
+    }
+    let output = wythe(&["info", &text(&half)]);
+    assert!(said(&output).contains("no summary") && said(&output).contains("cannot be resumed"));
+}

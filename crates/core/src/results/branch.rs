@@ -1,0 +1,206 @@
+//! One side of a load-displacement curve as a function: what can be compared.
+//!
+//! ```text
+//! force ▲        ╭──────╮ ← envelope        A curve that comes back, as that of a cyclic test, has
+//!       │    ╭───╯╱╱ ╱╱ ╰───╮               several forces at one displacement: the branch takes
+//!       │ ╭──╯ ╱ ╱ ╱ ╱   ╱  │               the largest.
+//!       └─╯──╱─╱───╱──╱────╱──▶ displacement
+//! ```
+
+use super::experiment::Point;
+
+/// A curve as a function of the displacement: displacements never fall. Both are counted along the
+/// side that was asked for, so that pulling and pushing read the same.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Branch {
+    points: Vec<Point>,
+}
+
+/// Part of its range by which a curve may go back and still counts as going on: what digitising does.
+const BACK: f64 = 0.02;
+/// Intervals of an envelope.
+const INTERVALS: usize = 400;
+
+/// Whether a curve comes back, as that of a cyclic test does.
+pub fn returns(points: &[Point]) -> bool {
+    let (low, high) = range(points);
+    let allowed = BACK * (high - low);
+    let goes_back = |sign: f64| {
+        let mut furthest = f64::NEG_INFINITY;
+        points.iter().any(|p| {
+            furthest = furthest.max(sign * p.0);
+            sign * p.0 < furthest - allowed
+        })
+    };
+    goes_back(1.0) && goes_back(-1.0)
+}
+
+/// Smallest and largest displacement [mm].
+fn range(points: &[Point]) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |(low, high): (f64, f64), p: &Point| (low.min(p.0), high.max(p.0));
+    points.iter().fold(start, wider)
+}
+
+/// The side to which a curve goes farther: 1 or −1.
+pub fn side(points: &[Point]) -> f64 {
+    let (low, high) = range(points);
+    if high.abs() >= low.abs() { 1.0 } else { -1.0 }
+}
+
+impl Branch {
+    /// The part of a curve on one side (1 or −1) of zero.
+    pub fn new(points: &[Point], side: f64) -> Self {
+        let turned: Vec<Point> = points.iter().map(|p| (side * p.0, side * p.1)).collect();
+        if returns(points) {
+            return Self {
+                points: envelope(&turned),
+            };
+        }
+        let mut furthest = f64::NEG_INFINITY;
+        let onwards = turned.into_iter().map(|(d, f)| {
+            furthest = furthest.max(d);
+            (furthest, f)
+        });
+        Self {
+            points: onwards.collect(),
+        }
+    }
+
+    /// As [`Branch::new`], on the side given, or mirrored if the curve lies on the other side alone.
+    /// Says whether it was.
+    pub fn towards(points: &[Point], side: f64) -> (Self, bool) {
+        let (low, high) = range(points);
+        let (here, there) = if side > 0.0 {
+            (high, -low)
+        } else {
+            (-low, high)
+        };
+        let mirrored = here < BACK * there;
+        (
+            Self::new(points, if mirrored { -side } else { side }),
+            mirrored,
+        )
+    }
+
+    /// Points, displacements ascending [mm, kN].
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// First and last displacement [mm]; none of an empty branch.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        Some((self.points.first()?.0, self.points.last()?.0))
+    }
+
+    /// Force just after a displacement (`after`) or just before it [kN]; none beyond the ends.
+    pub fn force(&self, at: f64, after: bool) -> Option<f64> {
+        let points = &self.points;
+        let i = points.partition_point(|p| if after { p.0 <= at } else { p.0 < at });
+        match (i.checked_sub(1).map(|k| points[k]), points.get(i)) {
+            (Some(a), Some(&b)) => Some(a.1 + (b.1 - a.1) * (at - a.0) / (b.0 - a.0)),
+            // At the very ends there is one side only.
+            (Some(last), None) if last.0 == at => Some(last.1),
+            (None, Some(first)) if first.0 == at => Some(first.1),
+            _ => None,
+        }
+    }
+}
+
+/// The largest force of any passage, at even distances.
+fn envelope(points: &[Point]) -> Vec<Point> {
+    let end = points.iter().map(|p| p.0).fold(0.0, f64::max);
+    let start = points.first().map_or(0.0, |p| p.0).clamp(0.0, end);
+    let width = (end - start) / INTERVALS as f64;
+    if width <= 0.0 {
+        return Vec::new();
+    }
+    let place = |i: usize| {
+        if i == INTERVALS {
+            end
+        } else {
+            start + width * i as f64
+        }
+    };
+    let mut most = vec![f64::NEG_INFINITY; INTERVALS + 1];
+    for pair in points.windows(2) {
+        let (a, b) = if pair[0].0 <= pair[1].0 {
+            (pair[0], pair[1])
+        } else {
+            (pair[1], pair[0])
+        };
+        let first = ((a.0 - start) / width).ceil().max(0.0) as usize;
+        for i in first..=INTERVALS {
+            let d = place(i);
+            if d > b.0 {
+                break;
+            }
+            if d < a.0 {
+                continue;
+            }
+            let force = if b.0 == a.0 {
+                a.1.max(b.1)
+            } else {
+                a.1 + (b.1 - a.1) * (d - a.0) / (b.0 - a.0)
+            };
+            most[i] = most[i].max(force);
+        }
+    }
+    (0..=INTERVALS)
+        .filter(|&i| most[i].is_finite())
+        .map(|i| (place(i), most[i]))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn what_goes_on_stays_as_it_is_but_for_jitter() {
+        let curve = [(0.0, 0.0), (1.0, 10.0), (0.99, 10.5), (2.0, 8.0)];
+        assert!(!returns(&curve));
+        let branch = Branch::new(&curve, 1.0);
+        assert_eq!(
+            branch.points(),
+            [(0.0, 0.0), (1.0, 10.0), (1.0, 10.5), (2.0, 8.0)]
+        );
+        assert_eq!(branch.force(1.0, false), Some(10.0));
+        assert_eq!(branch.force(1.0, true), Some(10.5));
+        assert_eq!(branch.force(0.5, true), Some(5.0));
+        assert_eq!(branch.force(2.0, true), Some(8.0));
+        assert_eq!(branch.force(2.1, true), None);
+    }
+
+    #[test]
+    fn a_cyclic_curve_has_an_envelope_on_each_side() {
+        // To 1 and back, to −1 and back, to 2 with less force on the way, beyond at 12.
+        let curve = [
+            (0.0, 0.0),
+            (1.0, 10.0),
+            (0.2, 0.0),
+            (-1.0, -8.0),
+            (-0.1, 0.0),
+            (1.0, 7.0),
+            (2.0, 12.0),
+        ];
+        assert!(returns(&curve));
+        let right = Branch::new(&curve, 1.0);
+        assert_relative_eq!(right.force(0.5, true).unwrap(), 5.0, epsilon = 1e-12);
+        assert_relative_eq!(right.force(2.0, false).unwrap(), 12.0, epsilon = 1e-12);
+        let left = Branch::new(&curve, -1.0);
+        assert_eq!(left.range(), Some((0.0, 1.0)));
+        assert_relative_eq!(left.force(1.0, false).unwrap(), 8.0, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn a_curve_of_the_other_side_is_mirrored() {
+        let pulled = [(0.0, 0.0), (-1.0, -10.0)];
+        assert_eq!(side(&pulled), -1.0);
+        let (branch, mirrored) = Branch::towards(&pulled, 1.0);
+        assert!(mirrored);
+        assert_eq!(branch.points(), [(0.0, 0.0), (1.0, 10.0)]);
+        assert!(!Branch::towards(&pulled, -1.0).1);
+    }
+}

@@ -1,0 +1,260 @@
+//! A run against an experiment, in the numbers that engineers ask for.
+
+use serde::Serialize;
+
+use super::Curve;
+use super::branch::{self, Branch};
+use super::experiment::{Experiment, Point};
+use crate::model::Model;
+use crate::model::scene::BeamMotion;
+
+/// What is read off a curve, displacements and forces counted along the drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct Measures {
+    /// Largest force [kN].
+    pub peak_force_kN: Option<f64>,
+    /// Displacement there [mm].
+    pub displacement_at_peak_mm: Option<f64>,
+    /// Secant up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
+    pub initial_stiffness_kN_per_mm: Option<f64>,
+    /// Secant up to 0.7 of the peak [kN/mm]: what digitised beginnings do not disturb.
+    pub secant_stiffness_kN_per_mm: Option<f64>,
+    /// Area below the curve over the common range of displacement [J].
+    pub energy_J: Option<f64>,
+    /// Displacement after the peak at which the force is down to 0.8 of it [mm].
+    pub displacement_at_80_percent_mm: Option<f64>,
+    /// The same over the clear height [%]; none where that is not known.
+    pub drift_at_80_percent: Option<f64>,
+}
+
+/// Both curves, and how far they are apart.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct Comparison {
+    /// The experiment's name.
+    pub experiment_name: String,
+    /// Whether the experiment went the other way and was mirrored.
+    pub mirrored: bool,
+    /// Clear height for the drift [mm].
+    pub height_mm: Option<f64>,
+    /// Displacements that both curves cover [mm]; none if there are none.
+    pub common_range_mm: Option<[f64; 2]>,
+    /// The run.
+    pub run: Measures,
+    /// The experiment, its envelope if it is cyclic.
+    pub experiment: Measures,
+    /// Run over experiment [-].
+    pub ratio: Measures,
+    /// Root mean square of the difference over the common range [kN].
+    pub rms_difference_kN: Option<f64>,
+    /// The same over the experiment's largest force [-].
+    pub rms_over_peak: Option<f64>,
+}
+
+/// Compares the curve of a run with an experiment; `height`: clear height of what moves [mm].
+pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> Comparison {
+    let points = points_of(curve);
+    let travel = |p: super::curve::Peak| (p.displacement - curve.start().0).signum();
+    let side = curve.peak().map_or_else(|| branch::side(&points), travel);
+    let run = Branch::new(&points, side);
+    let (test, mirrored) = Branch::towards(&experiment.points, side);
+    let common = common_range(&run, &test);
+    let [of_run, of_test] = [&run, &test].map(|branch| measures(branch, common, height));
+    let rms = common.and_then(|range| root_mean_square(&run, &test, range));
+    Comparison {
+        experiment_name: experiment.name.clone(),
+        mirrored,
+        height_mm: height,
+        common_range_mm: common.map(|(from, to)| [from, to]),
+        run: of_run,
+        experiment: of_test,
+        ratio: ratio(&of_run, &of_test),
+        rms_difference_kN: rms,
+        rms_over_peak: rms.zip(of_test.peak_force_kN).map(|(rms, peak)| rms / peak),
+    }
+}
+
+/// Height between what supports hold below and what is driven above [mm]; none where nothing is driven
+/// sideways, or not above a support.
+pub fn clear_height(model: &Model) -> Option<f64> {
+    let driven = model.steps.iter().find_map(|step| {
+        let (beam, axis) = step.driven?;
+        let moves = matches!(step.motion[beam][axis], BeamMotion::Driven(_));
+        (moves && axis != 2).then_some(beam)
+    })?;
+    let height = |n: &u32| model.mesh.nodes[*n as usize][2];
+    let beam = model.beams[driven].nodes.iter().map(height);
+    let held = model.supports.iter().flat_map(|s| &s.nodes).map(height);
+    let clear = beam.fold(f64::INFINITY, f64::min) - held.fold(f64::NEG_INFINITY, f64::max);
+    (clear > 0.0 && clear.is_finite()).then_some(clear)
+}
+
+/// A run's curve with the point where driving began.
+pub fn points_of(curve: &Curve) -> Vec<Point> {
+    std::iter::once(curve.start())
+        .chain(curve.points().iter().copied())
+        .collect()
+}
+
+fn common_range(a: &Branch, b: &Branch) -> Option<(f64, f64)> {
+    let ((a0, a1), (b0, b1)) = (a.range()?, b.range()?);
+    let (from, to) = (a0.max(b0), a1.min(b1));
+    (from < to).then_some((from, to))
+}
+
+fn measures(branch: &Branch, common: Option<(f64, f64)>, height: Option<f64>) -> Measures {
+    let curve = Curve::of_points(branch.points());
+    let peak = curve.peak();
+    let at_80 = curve.displacement_at_80_percent();
+    Measures {
+        peak_force_kN: peak.map(|p| p.force),
+        displacement_at_peak_mm: peak.map(|p| p.displacement),
+        initial_stiffness_kN_per_mm: curve.initial_stiffness(),
+        secant_stiffness_kN_per_mm: curve.secant_stiffness(SECANT),
+        energy_J: common.map(|range| area(branch, range)),
+        displacement_at_80_percent_mm: at_80,
+        drift_at_80_percent: at_80.zip(height).map(|(d, h)| 100.0 * d / h),
+    }
+}
+
+/// Part of the peak up to which the second stiffness is measured.
+const SECANT: f64 = 0.7;
+
+fn ratio(a: &Measures, b: &Measures) -> Measures {
+    let over = |a: Option<f64>, b: Option<f64>| {
+        let (a, b) = a.zip(b)?;
+        (b != 0.0).then_some(a / b)
+    };
+    Measures {
+        peak_force_kN: over(a.peak_force_kN, b.peak_force_kN),
+        displacement_at_peak_mm: over(a.displacement_at_peak_mm, b.displacement_at_peak_mm),
+        initial_stiffness_kN_per_mm: over(
+            a.initial_stiffness_kN_per_mm,
+            b.initial_stiffness_kN_per_mm,
+        ),
+        secant_stiffness_kN_per_mm: over(
+            a.secant_stiffness_kN_per_mm,
+            b.secant_stiffness_kN_per_mm,
+        ),
+        energy_J: over(a.energy_J, b.energy_J),
+        displacement_at_80_percent_mm: over(
+            a.displacement_at_80_percent_mm,
+            b.displacement_at_80_percent_mm,
+        ),
+        drift_at_80_percent: over(a.drift_at_80_percent, b.drift_at_80_percent),
+    }
+}
+
+/// Places where either of the branches has a corner, with both ends of the range.
+fn corners(branches: &[&Branch], (from, to): (f64, f64)) -> Vec<f64> {
+    let all = branches.iter().flat_map(|b| b.points()).map(|p| p.0);
+    let mut places: Vec<f64> = all.filter(|&d| from < d && d < to).collect();
+    places.extend([from, to]);
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
+
+/// ∫ F du [J], exact: the branch is linear between its corners.
+fn area(branch: &Branch, range: (f64, f64)) -> f64 {
+    corners(&[branch], range)
+        .windows(2)
+        .filter_map(|w| {
+            let (a, b) = (branch.force(w[0], true)?, branch.force(w[1], false)?);
+            Some(0.5 * (a + b) * (w[1] - w[0]))
+        })
+        .sum()
+}
+
+/// (∫ ΔF² du / ∫ du)^½ [kN], exact for branches that are linear between their corners.
+fn root_mean_square(a: &Branch, b: &Branch, range: (f64, f64)) -> Option<f64> {
+    let mut squares = 0.0;
+    for w in corners(&[a, b], range).windows(2) {
+        let start = a.force(w[0], true)? - b.force(w[0], true)?;
+        let end = a.force(w[1], false)? - b.force(w[1], false)?;
+        squares += (start * start + start * end + end * end) / 3.0 * (w[1] - w[0]);
+    }
+    Some((squares / (range.1 - range.0)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn experiment(points: &[Point]) -> Experiment {
+        Experiment {
+            name: "test".to_owned(),
+            points: points.to_vec(),
+        }
+    }
+
+    const WALL: [Point; 5] = [
+        (0.0, 0.0),
+        (0.5, 20.0),
+        (2.0, 50.0),
+        (3.0, 45.0),
+        (4.0, 30.0),
+    ];
+
+    #[test]
+    fn a_curve_is_its_own_equal_whichever_way_it_goes() {
+        for sign in [1.0, -1.0] {
+            let curve = Curve::of_points(&WALL.map(|p| (sign * p.0, sign * p.1)));
+            let found = compare(&curve, &experiment(&WALL), Some(1000.0));
+            assert_eq!(found.mirrored, sign < 0.0);
+            assert_eq!(found.common_range_mm, Some([0.0, 4.0]));
+            assert_eq!(found.rms_difference_kN, Some(0.0));
+            // 5 + 52.5 + 47.5 + 37.5
+            assert_relative_eq!(found.run.energy_J.unwrap(), 142.5, max_relative = 1e-14);
+            // 40 kN at 3 + 1/3 mm
+            assert_relative_eq!(
+                found.run.drift_at_80_percent.unwrap(),
+                1.0 / 3.0,
+                max_relative = 1e-14
+            );
+            // 35 kN at 1.25 mm
+            assert_relative_eq!(
+                found.run.secant_stiffness_kN_per_mm.unwrap(),
+                28.0,
+                max_relative = 1e-14
+            );
+            assert_eq!(found.ratio.peak_force_kN, Some(1.0));
+            assert_eq!(found.ratio.drift_at_80_percent, Some(1.0));
+        }
+    }
+
+    #[test]
+    fn an_offset_is_the_root_mean_square_over_what_both_cover() {
+        let curve = Curve::of_points(&WALL);
+        let higher: Vec<Point> = WALL[..4].iter().map(|p| (p.0, p.1 + 5.0)).collect();
+        let found = compare(&curve, &experiment(&higher), None);
+        assert_eq!(found.common_range_mm, Some([0.0, 3.0]));
+        assert_relative_eq!(found.rms_difference_kN.unwrap(), 5.0, max_relative = 1e-14);
+        assert_relative_eq!(
+            found.rms_over_peak.unwrap(),
+            5.0 / 55.0,
+            max_relative = 1e-14
+        );
+        assert_eq!(found.experiment.displacement_at_80_percent_mm, None);
+        assert_eq!(found.ratio.displacement_at_80_percent_mm, None);
+        // A ramp of 0 to 3 kN against nothing: 3/√3.
+        let ramp = Curve::of_points(&[(0.0, 0.0), (1.0, 3.0)]);
+        let flat = experiment(&[(0.0, 0.0), (2.0, 0.0)]);
+        let rms = compare(&ramp, &flat, None).rms_difference_kN;
+        assert_relative_eq!(rms.unwrap(), 3.0_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    #[test]
+    fn curves_that_never_meet_are_told_apart_by_none() {
+        let curve = Curve::of_points(&WALL);
+        let found = compare(&curve, &experiment(&[(5.0, 1.0), (6.0, 2.0)]), None);
+        assert_eq!(
+            (found.common_range_mm, found.rms_difference_kN),
+            (None, None)
+        );
+        let nothing = compare(&Curve::default(), &experiment(&WALL), None);
+        assert_eq!(nothing.run.peak_force_kN, None);
+    }
+}

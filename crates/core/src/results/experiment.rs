@@ -1,0 +1,300 @@
+//! Measured load-displacement curves from CSV files.
+//!
+//! ```text
+//! # Wall SW1001, monotonic                         comment
+//! top_displacement_mm,horizontal_force_kN,drift    a header names the columns
+//! 0.23,3.2,0.023                                   a row a point, in the order of the test
+//! ```
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use miette::Diagnostic;
+
+/// A point of a curve: displacement [mm], force [kN].
+pub type Point = (f64, f64);
+
+/// A file that is no measured curve.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum ExperimentError {
+    /// It cannot be read.
+    #[error("{}: cannot be read: {why}", path.display())]
+    #[diagnostic(help(
+        "check the path, relative to the current folder; the file is text in UTF-8"
+    ))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        why: io::Error,
+    },
+    /// It says something else than a curve.
+    #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
+    #[diagnostic(help("{help}"))]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1, where one is to blame.
+        line: Option<u64>,
+        /// What is wrong.
+        why: String,
+        /// How to mend it.
+        help: String,
+    },
+}
+
+/// A measured curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Experiment {
+    /// Name of the file, without its ending.
+    pub name: String,
+    /// Points in the order of the test.
+    pub points: Vec<Point>,
+}
+
+/// What a column of displacements or forces looks like.
+struct Wanted {
+    what: &'static str,
+    words: [&'static str; 2],
+    /// Ours, which comes before any other.
+    own: &'static str,
+    units: [(&'static str, f64); 3],
+}
+
+const DISPLACEMENT: Wanted = Wanted {
+    what: "displacement",
+    words: ["displacement", "deflection"],
+    own: "displacement_mm",
+    units: [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)],
+};
+
+const FORCE: Wanted = Wanted {
+    what: "force",
+    words: ["force", "load"],
+    own: "force_kn",
+    units: [("kN", 1.0), ("N", 1e-3), ("MN", 1e3)],
+};
+
+const HEADER: &str =
+    "begin with a line of names such as displacement_mm,force_kN; # begins a comment";
+
+impl Experiment {
+    /// Reads a CSV file, separated by commas, semicolons (with decimal commas, too) or tabs.
+    ///
+    /// The header tells which column is which: the one whose name holds `displacement` (or
+    /// `deflection`), and the one whose name holds `force` (or `load`); a history of wythe has both.
+    /// A unit ends the name (`_kN`, `[kN]`): mm, cm, m and kN, N, MN, else mm and kN are meant.
+    ///
+    /// # Errors
+    /// [`ExperimentError`], with file and line.
+    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+        let text = std::fs::read_to_string(path).map_err(|why| ExperimentError::Read {
+            path: path.to_owned(),
+            why,
+        })?;
+        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let points = parse(&text).map_err(|(line, why, help)| ExperimentError::Content {
+            path: path.to_owned(),
+            line,
+            why,
+            help,
+        })?;
+        Ok(Self {
+            name: stem.to_string_lossy().into_owned(),
+            points,
+        })
+    }
+}
+
+/// Line, what is wrong, how to mend it.
+type Wrong = (Option<u64>, String, String);
+
+fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
+    let text = text.trim_start_matches('\u{feff}');
+    let first = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
+    let header = text.lines().find(first).unwrap_or_default();
+    let separator = [b';', b'\t']
+        .into_iter()
+        .find(|s| header.as_bytes().contains(s));
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(separator.unwrap_or(b','))
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let of_csv = |error: &csv::Error| {
+        let line = error.position().map(csv::Position::line);
+        (line, error.to_string(), HEADER.to_owned())
+    };
+    let names = reader.headers().map_err(|e| of_csv(&e))?.clone();
+    let line = names.position().map_or(1, csv::Position::line);
+    let columns = [&DISPLACEMENT, &FORCE].map(|wanted| column(&names, wanted));
+    let [displacement, force] = columns;
+    let of_header = |(why, help): (String, String)| (Some(line), why, help);
+    let columns = [displacement.map_err(of_header)?, force.map_err(of_header)?];
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| of_csv(&e))?;
+        let line = record.position().map(csv::Position::line);
+        let mut point = [0.0; 2];
+        for (value, (column, unit)) in point.iter_mut().zip(columns) {
+            let field = record.get(column).unwrap_or_default();
+            // Where semicolons separate, commas are decimal.
+            let number = field
+                .replace(',', ".")
+                .parse()
+                .ok()
+                .filter(|v: &f64| v.is_finite());
+            let Some(number) = number else {
+                let why = format!("`{field}` in the column `{}` is no number", &names[column]);
+                let help = "a row has a number in both columns; put # before lines that are none";
+                return Err((line, why, help.to_owned()));
+            };
+            *value = unit * number;
+        }
+        points.push((point[0], point[1]));
+    }
+    if points.len() < 2 {
+        let why = "a curve takes two rows or more".to_owned();
+        return Err((None, why, HEADER.to_owned()));
+    }
+    if points.iter().all(|p| p.0 == points[0].0) {
+        let why = format!("the displacement is {} mm in every row", points[0].0);
+        return Err((None, why, "name the column that moves".to_owned()));
+    }
+    Ok(points)
+}
+
+/// Place of a column and what 1 in it means, in mm or kN.
+fn column(names: &csv::StringRecord, wanted: &Wanted) -> Result<(usize, f64), (String, String)> {
+    let lower: Vec<String> = names.iter().map(str::to_lowercase).collect();
+    let holds = |name: &String| wanted.words.iter().any(|word| name.contains(word));
+    let factor = |name: &String| name.contains("factor");
+    let places: Vec<usize> = match lower.iter().position(|name| name == wanted.own) {
+        Some(own) => vec![own],
+        None => (0..lower.len())
+            .filter(|&i| holds(&lower[i]) && !factor(&lower[i]))
+            .collect(),
+    };
+    let listed = |of: &mut dyn Iterator<Item = &str>| of.collect::<Vec<_>>().join(", ");
+    let what = wanted.what;
+    match places[..] {
+        [place] => unit(&names[place], wanted).map(|unit| (place, unit)),
+        [] => Err((
+            format!(
+                "no column of {what}: there are {}",
+                listed(&mut names.iter())
+            ),
+            HEADER.to_owned(),
+        )),
+        _ => Err((
+            format!(
+                "several columns of {what}: {}",
+                listed(&mut places.iter().map(|&i| &names[i]))
+            ),
+            format!(
+                "call the one that is meant {}",
+                wanted.own.replace("kn", "kN")
+            ),
+        )),
+    }
+}
+
+/// What ends a name: `force_kN`, `force [kN]`, `force (kN)`.
+fn unit(name: &str, wanted: &Wanted) -> Result<f64, (String, String)> {
+    let bracketed = name.ends_with([']', ')']);
+    let word = |c: char| c == '_' || c.is_whitespace() || "[]()".contains(c);
+    let last = name.split(word).rfind(|part| !part.is_empty());
+    let last = last.unwrap_or_default();
+    let known = |exact: bool| {
+        wanted.units.iter().find(|(unit, _)| {
+            if exact {
+                *unit == last
+            } else {
+                unit.eq_ignore_ascii_case(last)
+            }
+        })
+    };
+    match known(true).or_else(|| known(false)) {
+        Some((_, factor)) => Ok(*factor),
+        None if bracketed => {
+            let units = wanted.units.map(|(unit, _)| unit).join(", ");
+            Err((
+                format!("the unit of `{name}` is not known"),
+                format!("convert the column to one of {units}"),
+            ))
+        }
+        None => Ok(1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_found_by_their_names_and_units() {
+        let points = |text| parse(text).unwrap();
+        let rows = [(0.0, 0.0), (0.5, 12.0)];
+        for text in [
+            "# from a test\ntop_displacement_mm,horizontal_force_kN,drift_pct\n0,0,0\n0.5,12,1\n",
+            "\u{feff}Force [N];Displacement [cm]\n0;0\n12000;0,05\n",
+            "time,displacement_mm,load_factor,force_kN\n0,0,0,0\n1,0.5,1,12\n",
+            "displacement\tload\n0\t0\n# a pause\n0.5\t12\n",
+        ] {
+            assert_eq!(points(text), rows, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_line() {
+        for (text, line, said) in [
+            ("a,b\n0,0\n1,1\n", Some(1), "no column of displacement"),
+            ("displacement,b\n0,0\n1,1\n", Some(1), "no column of force"),
+            (
+                "#\ndisplacement,force_a,force_b\n0,0,0\n",
+                Some(2),
+                "several columns of force",
+            ),
+            (
+                "displacement_mm,force_kN\n0,0\n\n1,x\n",
+                Some(4),
+                "`x` in the column",
+            ),
+            (
+                "displacement_mm,force_kN\n0,0\n1\n",
+                Some(3),
+                "`` in the column",
+            ),
+            ("displacement_mm,force_kN\n0,0\n1,NaN\n", Some(3), "`NaN`"),
+            (
+                "displacement [in],force [lbf]\n0,0\n1,2\n",
+                Some(1),
+                "unit of `displacement [in]`",
+            ),
+            ("displacement_mm,force_kN\n0,0\n", None, "two rows"),
+            (
+                "displacement_mm,force_kN\n1,0\n1,2\n",
+                None,
+                "is 1 mm in every row",
+            ),
+            ("", Some(1), "no column"),
+        ] {
+            let (at, why, help) = parse(text).unwrap_err();
+            assert!(why.contains(said), "{text}: {why}");
+            assert_eq!(at, line, "{text}: {why}");
+            assert!(!help.is_empty());
+        }
+    }
+
+    #[test]
+    fn the_file_is_named() {
+        let missing = Experiment::read(Path::new("no/such.csv")).unwrap_err();
+        assert!(
+            missing
+                .to_string()
+                .starts_with("no/such.csv: cannot be read"),
+            "{missing}"
+        );
+    }
+}

@@ -1,0 +1,266 @@
+//! `model.inp`: the model for Abaqus: nodes, elements, sets and materials. Steps, beams and interfaces
+//! are not translated; what is left to say stands in comments.
+
+use std::fmt::Write as _;
+
+use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
+use crate::model::Model;
+
+/// Numbers a line, as Abaqus allows.
+const A_LINE: usize = 16;
+
+/// The model as an input file in N, mm, MPa, tonne, s. Nodes and elements count from 1.
+pub fn inp(model: &Model) -> String {
+    let mut text = String::new();
+    let written = write(&mut text, model);
+    debug_assert!(written.is_ok(), "writing to a string does not fail");
+    text
+}
+
+fn write(text: &mut String, model: &Model) -> std::fmt::Result {
+    let mesh = &model.mesh;
+    writeln!(text, "*HEADING\n{}", one_line(&model.title))?;
+    writeln!(
+        text,
+        "** Written by wythe {}. Units: N, mm, MPa, tonne, s.",
+        env!("CARGO_PKG_VERSION")
+    )?;
+    writeln!(
+        text,
+        "** Not translated: interfaces, steps, the tie of each beam. Sets: UNIT_, MATERIAL_, SUPPORT_, BEAM_."
+    )?;
+    writeln!(text, "*NODE, NSET=ALL_NODES")?;
+    for (n, [x, y, z]) in mesh.nodes.iter().enumerate() {
+        writeln!(text, "{}, {x:?}, {y:?}, {z:?}", n + 1)?;
+    }
+    writeln!(
+        text,
+        "** C3D8I has incompatible modes, as wythe's elements have by default."
+    )?;
+    writeln!(text, "*ELEMENT, TYPE=C3D8, ELSET=ALL_ELEMENTS")?;
+    for (e, nodes) in mesh.elements.iter().enumerate() {
+        let nodes: Vec<String> = nodes.iter().map(|n| (n + 1).to_string()).collect();
+        writeln!(text, "{}, {}", e + 1, nodes.join(", "))?;
+    }
+    let units = mesh.unit.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut of_unit = vec![Vec::new(); units];
+    for (e, unit) in mesh.unit.iter().enumerate() {
+        of_unit[*unit as usize].push(e);
+    }
+    for (unit, elements) in of_unit.iter().enumerate() {
+        set(
+            text,
+            "ELSET",
+            &format!("UNIT_{unit}"),
+            elements.iter().copied(),
+        )?;
+    }
+    let names = labels(model.materials.iter().map(|m| m.name.as_str()));
+    for (m, name) in names.iter().enumerate() {
+        let of = (0..mesh.elements.len()).filter(|&e| usize::from(mesh.material[e]) == m);
+        set(text, "ELSET", &format!("MATERIAL_{name}"), of)?;
+    }
+    let node = |&n: &u32| n as usize;
+    let supports = labels(model.supports.iter().map(|s| s.name.as_str()));
+    for (support, name) in model.supports.iter().zip(&supports) {
+        set(
+            text,
+            "NSET",
+            &format!("SUPPORT_{name}"),
+            support.nodes.iter().map(node),
+        )?;
+    }
+    let beams = labels(model.beams.iter().map(|b| b.name.as_str()));
+    for (beam, name) in model.beams.iter().zip(&beams) {
+        set(
+            text,
+            "NSET",
+            &format!("BEAM_{name}"),
+            beam.nodes.iter().map(node),
+        )?;
+    }
+    for (m, (material, name)) in model.materials.iter().zip(&names).enumerate() {
+        if mesh.material.iter().any(|&of| usize::from(of) == m) {
+            writeln!(
+                text,
+                "*SOLID SECTION, ELSET=MATERIAL_{name}, MATERIAL={name}"
+            )?;
+        }
+        write_material(text, name, &material.parameters)?;
+    }
+    if supports.is_empty() {
+        return Ok(());
+    }
+    writeln!(text, "*BOUNDARY")?;
+    for (support, name) in model.supports.iter().zip(&supports) {
+        for (i, _) in support.fixed.iter().enumerate().filter(|(_, held)| **held) {
+            writeln!(text, "SUPPORT_{name}, {0}, {0}", i + 1)?;
+        }
+    }
+    Ok(())
+}
+
+/// A set of nodes or elements, counted from 1; empty ones are none.
+fn set(
+    text: &mut String,
+    kind: &str,
+    name: &str,
+    members: impl Iterator<Item = usize>,
+) -> std::fmt::Result {
+    let members: Vec<String> = members.map(|m| (m + 1).to_string()).collect();
+    if members.is_empty() {
+        return Ok(());
+    }
+    writeln!(text, "*{kind}, {kind}={name}")?;
+    for line in members.chunks(A_LINE) {
+        writeln!(text, "{}", line.join(", "))?;
+    }
+    Ok(())
+}
+
+fn write_material(text: &mut String, name: &str, of: &MaterialParameters) -> std::fmt::Result {
+    let elastic = of.elastic();
+    writeln!(text, "*MATERIAL, NAME={name}")?;
+    if elastic.density > 0.0 {
+        writeln!(text, "*DENSITY\n{:?}", elastic.density)?;
+    }
+    writeln!(text, "*ELASTIC\n{:?}, {:?}", elastic.E, elastic.nu)?;
+    match of {
+        MaterialParameters::Elastic(_) => Ok(()),
+        MaterialParameters::DamagePlasticity(p) => damage_plasticity(text, p),
+    }
+}
+
+fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::fmt::Result {
+    if let Some(length) = p.reference_length {
+        writeln!(
+            text,
+            "** Tables for elements {length:?} mm long; wythe scales the strains beyond the peak to each \
+             element, Abaqus does not."
+        )?;
+    }
+    writeln!(text, "*CONCRETE DAMAGED PLASTICITY")?;
+    writeln!(
+        text,
+        "{:?}, {:?}, {:?}, {:?}, {:?}",
+        p.dilation_angle.to_degrees(),
+        p.eccentricity,
+        p.fb0_fc0,
+        p.k_c,
+        p.viscosity
+    )?;
+    rows(
+        text,
+        "*CONCRETE COMPRESSION HARDENING",
+        &p.compression,
+        |r| r.stress,
+    )?;
+    rows(text, "*CONCRETE TENSION STIFFENING", &p.tension, |r| {
+        r.stress
+    })?;
+    // Abaqus names the recovery of the other side beside each table.
+    let compression = format!(
+        "*CONCRETE COMPRESSION DAMAGE, TENSION RECOVERY={:?}",
+        p.tension_recovery
+    );
+    rows(text, &compression, &p.compression, |r| r.damage)?;
+    let tension = format!(
+        "*CONCRETE TENSION DAMAGE, COMPRESSION RECOVERY={:?}",
+        p.compression_recovery
+    );
+    rows(text, &tension, &p.tension, |r| r.damage)
+}
+
+fn rows(
+    text: &mut String,
+    keyword: &str,
+    table: &[TableRow],
+    value: impl Fn(&TableRow) -> f64,
+) -> std::fmt::Result {
+    writeln!(text, "{keyword}")?;
+    for row in table {
+        writeln!(text, "{:?}, {:?}", value(row), row.inelastic_strain)?;
+    }
+    Ok(())
+}
+
+/// Labels that Abaqus takes: letters, digits, underscores, at most 60 of them, capitals, each once.
+fn labels<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut labels: Vec<String> = Vec::new();
+    for name in names {
+        let allowed = |c: char| {
+            if c.is_ascii_alphanumeric() {
+                c.to_ascii_uppercase()
+            } else {
+                '_'
+            }
+        };
+        let label: String = name.chars().take(60).map(allowed).collect();
+        let taken = |label: &String| labels.contains(label);
+        let label = if taken(&label) || label.is_empty() {
+            format!("{label}_{}", labels.len())
+        } else {
+            label
+        };
+        labels.push(label);
+    }
+    labels
+}
+
+fn one_line(title: &str) -> String {
+    // A heading is no comment and no keyword.
+    title
+        .replace(['\n', '\r'], " ")
+        .trim_start_matches('*')
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Deck;
+
+    const WALL: &str = include_str!("../../../../../examples/03_shear_wall_j7d.toml");
+
+    #[test]
+    fn a_wall_has_its_nodes_sets_and_tables() {
+        let short = [("wall.courses".to_owned(), "4".to_owned())];
+        let deck = Deck::from_str_with(WALL, "wall.toml", &short).unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let text = inp(&model);
+        let after = |keyword: &str| {
+            let at = text.find(keyword).unwrap_or_else(|| panic!("{keyword}"));
+            text[at..]
+                .lines()
+                .skip(1)
+                .take_while(|l| !l.starts_with('*'))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(after("*NODE").len(), model.mesh.nodes.len());
+        let elements = after("*ELEMENT, TYPE=C3D8");
+        assert_eq!(elements.len(), model.mesh.elements.len());
+        assert_eq!(elements[0].split(", ").count(), 9);
+        let in_units: usize = text
+            .lines()
+            .filter(|l| l.starts_with("*ELSET, ELSET=UNIT_"))
+            .count();
+        assert_eq!(
+            in_units,
+            model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1)
+        );
+        assert_eq!(after("*ELASTIC")[0], "16700.0, 0.15");
+        let tension = after("*CONCRETE TENSION STIFFENING");
+        assert_eq!(tension.len(), deck.materials["brick"].tension.len());
+        assert!(text.contains("*SOLID SECTION, ELSET=MATERIAL_BRICK, MATERIAL=BRICK"));
+        assert!(text.contains("*NSET, NSET=BEAM_TOP"));
+        let held = after("*BOUNDARY");
+        assert!(held.len() >= 3 && held[0].ends_with(", 1, 1"), "{held:?}");
+    }
+
+    #[test]
+    fn labels_are_plain_and_each_is_there_once() {
+        let found = labels(["brick (red)", "BRICK_RED_", "a/b"].into_iter());
+        assert_eq!(found, ["BRICK__RED_", "BRICK_RED_", "A_B"]);
+        assert_eq!(labels(["a b", "a-b"].into_iter()), ["A_B", "A_B_1"]);
+    }
+}

@@ -1,0 +1,227 @@
+//! `frame_0007.vtu`: VTK's XML for unstructured grids, for readers older than VTKHDF.
+//!
+//! Numbers are little-endian, in base64 within the XML, not compressed: before the bytes of each array
+//! their count as UInt64. Fields and their names are those of `results.vtkhdf`; positions are at rest,
+//! and the field `displacement` warps them.
+
+use std::fmt::Write as _;
+
+use crate::results::Snapshot;
+
+/// VTK's kinds of cells.
+const HEXAHEDRON: u8 = 12;
+const QUAD: u8 = 9;
+
+/// The solids at a frame.
+pub fn solids(snapshot: &Snapshot) -> String {
+    let (mesh, frame) = (&snapshot.mesh, &snapshot.frame);
+    let mut xml = Xml::begin(mesh.nodes.len(), mesh.elements.len(), frame.time);
+    xml.open("PointData");
+    xml.reals("displacement", 3, frame.displacement.as_flattened());
+    if !frame.velocity.is_empty() {
+        xml.reals("velocity", 3, frame.velocity.as_flattened());
+    }
+    xml.close("PointData");
+    xml.open("CellData");
+    xml.reals("stress", 6, frame.stress.as_flattened());
+    xml.reals(
+        "principal_stress",
+        3,
+        frame.principal_stresses().as_flattened(),
+    );
+    xml.reals("plastic_strain", 6, frame.plastic_strain.as_flattened());
+    xml.reals("tensile_damage", 1, &frame.tensile_damage);
+    xml.reals("compressive_damage", 1, &frame.compressive_damage);
+    xml.reals("crack_width", 1, &frame.crack_width);
+    xml.small("yielded", frame.yielded.iter().map(|&y| u8::from(y)));
+    xml.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
+    xml.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));
+    xml.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
+    xml.close("CellData");
+    xml.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
+    xml.end()
+}
+
+/// The interfaces at a frame: a quad around each contact point.
+pub fn interfaces(snapshot: &Snapshot) -> String {
+    let (surface, of) = (&snapshot.surface, &snapshot.frame.interfaces);
+    let mut xml = Xml::begin(
+        surface.points.len(),
+        surface.quads.len(),
+        snapshot.frame.time,
+    );
+    xml.open("PointData");
+    xml.reals(
+        "displacement",
+        3,
+        snapshot.surface_displacement.as_flattened(),
+    );
+    xml.close("PointData");
+    xml.open("CellData");
+    xml.reals("opening", 1, &of.opening);
+    xml.reals("slip", 2, of.slip.as_flattened());
+    xml.reals("traction", 3, of.traction.as_flattened());
+    xml.reals("damage", 1, &of.damage);
+    xml.small("state", of.state.iter().map(|&s| s as u8));
+    xml.close("CellData");
+    xml.cells(&surface.points, surface.quads.as_flattened(), 4, QUAD);
+    xml.end()
+}
+
+/// `NAME.pvd`: the files of several frames as one series in time, for ParaView. Files beside it, at
+/// their times [s].
+pub fn collection(files: &[(f64, String)]) -> String {
+    let mut text = String::from("<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    for (time, file) in files {
+        text += &format!("<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>\n");
+    }
+    text + "</Collection>\n</VTKFile>\n"
+}
+
+/// The text as it grows.
+struct Xml(String);
+
+impl Xml {
+    fn begin(points: usize, cells: usize, time: f64) -> Self {
+        let mut xml = Self(String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n",
+        ));
+        xml.field(
+            "Float64",
+            "TimeValue",
+            "NumberOfTuples=\"1\"",
+            &time.to_le_bytes(),
+        );
+        xml.0 += "</FieldData>\n";
+        xml.0 += &format!("<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n");
+        xml
+    }
+
+    fn open(&mut self, tag: &str) {
+        self.0 += &format!("<{tag}>\n");
+    }
+
+    fn close(&mut self, tag: &str) {
+        self.0 += &format!("</{tag}>\n");
+    }
+
+    /// An array of bytes; `shape` is one attribute more.
+    fn field(&mut self, kind: &str, name: &str, shape: &str, bytes: &[u8]) {
+        let written = writeln!(
+            self.0,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" {shape} format=\"binary\">"
+        );
+        debug_assert!(written.is_ok(), "writing to a string does not fail");
+        let count = (bytes.len() as u64).to_le_bytes();
+        base64(count.iter().chain(bytes).copied(), &mut self.0);
+        self.0 += "\n</DataArray>\n";
+    }
+
+    fn reals(&mut self, name: &str, components: usize, values: &[f64]) {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.field("Float64", name, &of(components), &bytes);
+    }
+
+    fn whole(&mut self, name: &str, values: impl Iterator<Item = i64>) {
+        let bytes: Vec<u8> = values.flat_map(i64::to_le_bytes).collect();
+        self.field("Int64", name, &of(1), &bytes);
+    }
+
+    fn small(&mut self, name: &str, values: impl Iterator<Item = u8>) {
+        self.field("UInt8", name, &of(1), &values.collect::<Vec<u8>>());
+    }
+
+    fn cells(&mut self, points: &[[f64; 3]], nodes: &[u32], corners: usize, kind: u8) {
+        let count = nodes.len() / corners;
+        self.open("Points");
+        self.reals("Points", 3, points.as_flattened());
+        self.close("Points");
+        self.open("Cells");
+        self.whole("connectivity", nodes.iter().map(|&n| i64::from(n)));
+        self.whole("offsets", (1..=count).map(|i| (corners * i) as i64));
+        self.small("types", std::iter::repeat_n(kind, count));
+        self.close("Cells");
+    }
+
+    fn end(mut self) -> String {
+        self.0 += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+        self.0
+    }
+}
+
+fn of(components: usize) -> String {
+    format!("NumberOfComponents=\"{components}\"")
+}
+
+const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/// RFC 4648, section 4.
+fn base64(bytes: impl Iterator<Item = u8>, text: &mut String) {
+    let mut push = |group: [u8; 3], count: usize| {
+        let bits = u32::from_be_bytes([0, group[0], group[1], group[2]]);
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i)) as usize & 63];
+            text.push(if i <= count { digit.into() } else { '=' });
+        }
+    };
+    let (mut group, mut count) = ([0; 3], 0);
+    for byte in bytes {
+        group[count] = byte;
+        count += 1;
+        if count == 3 {
+            push(group, count);
+            (group, count) = ([0; 3], 0);
+        }
+    }
+    if count > 0 {
+        push(group, count);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_that_of_rfc_4648() {
+        for (plain, coded) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            let mut text = String::new();
+            base64(plain.bytes(), &mut text);
+            assert_eq!(text, coded);
+        }
+    }
+
+    #[test]
+    fn every_field_is_there_with_its_length() {
+        let model = crate::results::fake::model();
+        let snapshot = Snapshot {
+            mesh: model.mesh.clone(),
+            frame: crate::results::fake::frame(&model, 1.0),
+            ..Snapshot::default()
+        };
+        let text = solids(&snapshot);
+        assert!(text.contains("NumberOfPoints=\"16\" NumberOfCells=\"2\""));
+        for name in [
+            "TimeValue",
+            "displacement",
+            "principal_stress",
+            "crack_width",
+            "unit",
+        ] {
+            assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
+        }
+        assert!(!text.contains("velocity"));
+        // 8 bytes of count and 2 numbers: 24 bytes, 32 digits.
+        let at = text.find("Name=\"crack_width\"").unwrap();
+        assert_eq!(text[at..].lines().nth(1).map(str::len), Some(32));
+        assert!(collection(&[(0.5, "a.vtu".to_owned())]).contains("timestep=\"0.5\""));
+    }
+}

@@ -1,0 +1,10 @@
+//! Pictures of runs, made from their folders: curves beside experiments, cracks at a frame, deflections;
+//! as SVG and as PNG.
+
+pub mod chart;
+pub mod deflection;
+pub mod raster;
+
+pub use chart::{Line, load_displacements};
+pub use deflection::{Along, Deflection, deflections};
+pub use raster::png;

@@ -1,0 +1,86 @@
+//! SVG → PNG, the same on every machine: no font of the system is asked for.
+
+use std::sync::{Arc, OnceLock};
+
+use resvg::{tiny_skia, usvg};
+use usvg::fontdb::{Database, Source};
+
+/// DejaVu Sans: Latin, Greek and the signs of mathematics (`fonts/LICENSE`).
+static FONT: &[u8] = include_bytes!("../../../fonts/DejaVuSans-subset.ttf");
+const FAMILY: &str = "DejaVu Sans";
+
+fn fonts() -> Arc<Database> {
+    static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
+    let make = || {
+        let mut fonts = Database::new();
+        fonts.load_font_source(Source::Binary(Arc::new(FONT)));
+        fonts.set_sans_serif_family(FAMILY);
+        Arc::new(fonts)
+    };
+    FONTS.get_or_init(make).clone()
+}
+
+/// Longest side of a picture [px]: 16 kpx squared are a gigabyte.
+const LONGEST: f32 = 16_000.0;
+
+/// The picture as PNG, with `zoom` pixels to a pixel of the SVG.
+///
+/// # Errors
+/// This is no SVG, or it is too large to be drawn.
+pub fn png(svg: &str, zoom: f32) -> Result<Vec<u8>, String> {
+    let options = usvg::Options {
+        font_family: FAMILY.to_owned(),
+        fontdb: fonts(),
+        ..usvg::Options::default()
+    };
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+    let (width, height) = (zoom * tree.size().width(), zoom * tree.size().height());
+    let drawable = width.max(height) <= LONGEST;
+    if !drawable {
+        return Err(format!("{width:.0} by {height:.0} pixels are too many"));
+    }
+    let mut pixels = tiny_skia::Pixmap::new(width.ceil() as u32, height.ceil() as u32)
+        .ok_or("the picture has no size")?;
+    let scale = tiny_skia::Transform::from_scale(zoom, zoom);
+    resvg::render(&tree, scale, &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixels(svg: &str, zoom: f32) -> tiny_skia::Pixmap {
+        tiny_skia::Pixmap::decode_png(&png(svg, zoom).unwrap()).unwrap()
+    }
+
+    const HEAD: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20">"#;
+
+    #[test]
+    fn shapes_and_letters_are_drawn() {
+        let square = format!(r##"{HEAD}<rect width="20" height="20" fill="#ff0000"/></svg>"##);
+        let picture = pixels(&square, 2.0);
+        assert_eq!((picture.width(), picture.height()), (80, 40));
+        let red = picture.pixel(10, 10).map(|p| (p.red(), p.alpha()));
+        assert_eq!(red, Some((255, 255)));
+        // Letters beyond ASCII, too: the pictures say × and −.
+        for text in ["kN", "×", "−", "Δ"] {
+            let said =
+                format!(r#"{HEAD}<text x="2" y="16" font-family="sans-serif">{text}</text></svg>"#);
+            let inked = pixels(&said, 1.0)
+                .pixels()
+                .iter()
+                .filter(|p| p.alpha() > 128)
+                .count();
+            assert!(inked > 3, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_said() {
+        assert!(png("no picture", 1.0).is_err());
+        let square = format!("{HEAD}</svg>");
+        assert!(png(&square, 1e4).unwrap_err().contains("too many"));
+        assert!(png(&square, f32::NAN).is_err());
+    }
+}

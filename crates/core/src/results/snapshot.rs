@@ -1,0 +1,327 @@
+//! A run at one frame, checked so that whoever draws or exports it need not ask.
+
+use std::str::FromStr;
+
+use super::vtkhdf::read::{FieldsFile, RestMesh, RestSurface};
+use super::{Frame, HistoryRow, ReadError, ReadHistory, RunFolder};
+use crate::model::Mesh;
+
+/// Which frame of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrameChoice {
+    /// This one, from 0.
+    Number(usize),
+    /// The one nearest to the largest force.
+    Peak,
+    /// The last.
+    #[default]
+    Last,
+}
+
+impl FromStr for FrameChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "peak" => Ok(Self::Peak),
+            "last" => Ok(Self::Last),
+            _ => text
+                .parse()
+                .map(Self::Number)
+                .map_err(|_| "expected a number from 0, `peak` or `last`".to_owned()),
+        }
+    }
+}
+
+/// The mesh at rest and the fields of one frame; every index is in range and every field as long as
+/// its mesh.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Title of the model.
+    pub title: String,
+    /// Names of the materials.
+    pub materials: Vec<String>,
+    /// The solids at rest.
+    pub mesh: Mesh,
+    /// Fields; without reactions and probes.
+    pub frame: Frame,
+    /// Number of the frame, from 0.
+    pub number: usize,
+    /// The interfaces at rest.
+    pub surface: RestSurface,
+    /// Displacement of the corners of their quads [mm]. `[corner][xyz]`
+    pub surface_displacement: Vec<[f64; 3]>,
+    /// The row of the history at this time, if there is one.
+    pub row: Option<HistoryRow>,
+}
+
+impl From<RestMesh> for Mesh {
+    fn from(rest: RestMesh) -> Self {
+        Self {
+            nodes: rest.nodes,
+            elements: rest.elements,
+            material: rest.material,
+            unit: rest.unit,
+            course: rest.course,
+        }
+    }
+}
+
+/// A run's fields, open for several frames.
+#[derive(Debug)]
+pub struct Snapshots {
+    file: FieldsFile,
+    history: ReadHistory,
+    rest: Snapshot,
+}
+
+impl Snapshots {
+    /// Opens the fields of a run.
+    ///
+    /// # Errors
+    /// They or the history cannot be read, or do not fit together.
+    pub fn open(folder: &RunFolder) -> Result<Self, ReadError> {
+        let file = folder.fields()?;
+        let read = |why| ReadError::Read {
+            path: file.path().to_owned(),
+            why,
+        };
+        let rest = Snapshot {
+            title: file.title_and_version().map_err(read)?.0,
+            materials: file.materials().map_err(read)?,
+            mesh: file.mesh().map_err(read)?.into(),
+            surface: file.surface().map_err(read)?,
+            ..Snapshot::default()
+        };
+        rest.check_rest().map_err(|why| content(&file, why))?;
+        Ok(Self {
+            history: folder.history()?,
+            file,
+            rest,
+        })
+    }
+
+    /// How many frames there are.
+    pub fn count(&self) -> usize {
+        self.file.times().len()
+    }
+
+    /// The history beside the fields.
+    pub fn history(&self) -> &ReadHistory {
+        &self.history
+    }
+
+    /// Number of the frame that is meant.
+    ///
+    /// # Errors
+    /// [`ReadError::NoFrame`].
+    pub fn number(&self, choice: FrameChoice) -> Result<usize, ReadError> {
+        let count = self.count();
+        let none = |asked: String| ReadError::NoFrame {
+            path: self.file.path().to_owned(),
+            asked,
+            count,
+        };
+        match choice {
+            FrameChoice::Number(n) if n < count => Ok(n),
+            FrameChoice::Number(n) => Err(none(n.to_string())),
+            FrameChoice::Last => count
+                .checked_sub(1)
+                .ok_or_else(|| none("`last`".to_owned())),
+            FrameChoice::Peak => self.peak().ok_or_else(|| none("`peak`".to_owned())),
+        }
+    }
+
+    /// The frame whose time is nearest to that of the peak; the last where nothing was driven.
+    fn peak(&self) -> Option<usize> {
+        let peak = self.history.curve().peak();
+        let at_peak = |p: super::curve::Peak| {
+            let here =
+                |r: &&HistoryRow| r.displacement_mm == p.displacement && r.force_kN == p.force;
+            self.history.rows.iter().find(here).map(|r| r.time)
+        };
+        let times = self.file.times();
+        let Some(time) = peak.and_then(at_peak) else {
+            return times.len().checked_sub(1);
+        };
+        let away = |i: &usize| (times[*i] - time).abs();
+        (0..times.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
+    /// Reads a frame.
+    ///
+    /// # Errors
+    /// There is no such frame, it cannot be read, or does not fit the mesh.
+    pub fn at(&self, choice: FrameChoice) -> Result<Snapshot, ReadError> {
+        let number = self.number(choice)?;
+        let read = |why| ReadError::Read {
+            path: self.file.path().to_owned(),
+            why,
+        };
+        let frame = self.file.frame(number).map_err(read)?;
+        let time = frame.time;
+        let snapshot = Snapshot {
+            surface_displacement: self.file.surface_displacement(number).map_err(read)?,
+            row: self.history.rows.iter().find(|r| r.time == time).cloned(),
+            frame,
+            number,
+            ..self.rest.clone()
+        };
+        snapshot
+            .check_fields()
+            .map_err(|why| content(&self.file, format!("frame {number}: {why}")))?;
+        Ok(snapshot)
+    }
+}
+
+fn content(file: &FieldsFile, why: String) -> ReadError {
+    ReadError::Content {
+        path: file.path().to_owned(),
+        line: None,
+        why,
+    }
+}
+
+impl Snapshot {
+    /// Whether indices are in range and labels are there.
+    fn check_rest(&self) -> Result<(), String> {
+        let (mesh, surface) = (&self.mesh, &self.surface);
+        let within = |nodes: &[u32], count: usize| nodes.iter().all(|&n| (n as usize) < count);
+        if !within(mesh.elements.as_flattened(), mesh.nodes.len())
+            || !within(surface.quads.as_flattened(), surface.points.len())
+        {
+            return Err("elements name nodes that are not there".to_owned());
+        }
+        let elements = mesh.elements.len();
+        for (name, length) in [
+            ("material", mesh.material.len()),
+            ("unit", mesh.unit.len()),
+            ("course", mesh.course.len()),
+        ] {
+            expect(name, length, elements)?;
+        }
+        let materials = self.materials.len();
+        if mesh.material.iter().any(|&m| usize::from(m) >= materials) {
+            return Err("elements name materials that are not there".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Whether every field has its length.
+    fn check_fields(&self) -> Result<(), String> {
+        let (frame, mesh, of) = (&self.frame, &self.mesh, &self.frame.interfaces);
+        let (nodes, elements, points) = (
+            mesh.nodes.len(),
+            mesh.elements.len(),
+            self.surface.quads.len(),
+        );
+        for (name, length, wanted) in [
+            ("displacement", frame.displacement.len(), nodes),
+            ("stress", frame.stress.len(), elements),
+            ("plastic_strain", frame.plastic_strain.len(), elements),
+            ("tensile_damage", frame.tensile_damage.len(), elements),
+            (
+                "compressive_damage",
+                frame.compressive_damage.len(),
+                elements,
+            ),
+            ("crack_width", frame.crack_width.len(), elements),
+            ("yielded", frame.yielded.len(), elements),
+            ("opening", of.opening.len(), points),
+            ("slip", of.slip.len(), points),
+            ("traction", of.traction.len(), points),
+            ("damage", of.damage.len(), points),
+            ("state", of.state.len(), points),
+            (
+                "displacement of the interfaces",
+                self.surface_displacement.len(),
+                self.surface.points.len(),
+            ),
+        ] {
+            expect(name, length, wanted)?;
+        }
+        if !frame.velocity.is_empty() {
+            expect("velocity", frame.velocity.len(), nodes)?;
+        }
+        Ok(())
+    }
+
+    /// What the frame shows, in a few words.
+    pub fn caption(&self) -> String {
+        let (number, time) = (self.number, self.frame.time);
+        match &self.row {
+            Some(row) => format!(
+                "frame {number}: {:.3} mm, {:.2} kN",
+                row.displacement_mm, row.force_kN
+            ),
+            None => format!("frame {number}: t = {time:.3} s"),
+        }
+    }
+}
+
+fn expect(name: &str, length: usize, wanted: usize) -> Result<(), String> {
+    if length == wanted {
+        Ok(())
+    } else {
+        Err(format!("{name} has {length} rows where {wanted} belong"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{Recorder, RunDirectory, fake};
+
+    /// A run of the two cubes with its peak at the second of three frames.
+    fn folder() -> (tempfile::TempDir, RunFolder) {
+        let folder = tempfile::tempdir().unwrap();
+        let model = fake::model();
+        let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+        for (i, (d, f)) in [(1.0, 10.0), (2.0, 20.0), (3.0, 5.0)]
+            .into_iter()
+            .enumerate()
+        {
+            let mut row = fake::row(i + 1, 1, d, f);
+            row.time = d;
+            run.take(&model, &row, Some(&fake::frame(&model, d)))
+                .unwrap();
+        }
+        drop(run);
+        let open = RunFolder::open(folder.path()).unwrap();
+        (folder, open)
+    }
+
+    #[test]
+    fn frames_are_chosen_by_number_peak_and_last() {
+        let (_keep, folder) = folder();
+        let snapshots = Snapshots::open(&folder).unwrap();
+        let number = |text: &str| snapshots.number(text.parse().unwrap()).unwrap();
+        assert_eq!(["0", "peak", "last"].map(number), [0, 1, 2]);
+        let peak = snapshots.at(FrameChoice::Peak).unwrap();
+        assert_eq!(peak.caption(), "frame 1: 2.000 mm, 20.00 kN");
+        assert_eq!(peak.title, "Two cubes & a <gap>");
+        let error = snapshots
+            .at(FrameChoice::Number(3))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("no frame 3: the file has 0 to 2"), "{error}");
+        assert!("-1".parse::<FrameChoice>().is_err());
+    }
+
+    #[test]
+    fn fields_that_do_not_fit_are_refused() {
+        let (_keep, folder) = folder();
+        let mut snapshot = Snapshots::open(&folder)
+            .unwrap()
+            .at(FrameChoice::Last)
+            .unwrap();
+        snapshot.frame.tensile_damage.pop();
+        let error = snapshot.check_fields().unwrap_err();
+        assert_eq!(error, "tensile_damage has 1 rows where 2 belong");
+        snapshot.mesh.elements[1][7] = 16;
+        assert!(snapshot.check_rest().is_err());
+        snapshot.mesh.elements[1][7] = 15;
+        snapshot.materials.pop();
+        assert!(snapshot.check_rest().is_err());
+    }
+}
