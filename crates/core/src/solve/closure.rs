@@ -20,16 +20,31 @@ use crate::system::{System, Trial};
 /// Part of the energy taken so far that is much to be left open: a quarter of what an energy balance is
 /// asked to close to.
 const LEAK: f64 = 2.5e-3;
+/// Twice that: beyond it an increment in balance must not add to what is open.
+const LEAKING: f64 = 5e-3;
+/// How often such an increment takes over its tractions again, without a solve, to close its energy.
+pub(super) const PURSUIT: usize = 12;
 /// Part of the last change of tractions that the next increment starts with, where too much is left open:
 /// patterns that no node feels die out.
 const DAMPED: f64 = 0.5;
 
+/// What an increment takes [N mm].
+#[derive(Default)]
+struct Taken {
+    /// What it leaves open, w.
+    leak: f64,
+    /// ΔE + D.
+    net: f64,
+    /// |ΔE| + |D|.
+    gross: f64,
+}
+
 impl Newton<'_> {
-    /// w of the increment that `trial` ends [N mm]; none where inertia or extrapolated solids leave other
-    /// errors.
-    fn leak(&self, system: &System, state: &State, trial: &Trial) -> f64 {
+    /// The energies of the increment that `trial` ends; none where inertia or extrapolated solids leave
+    /// other errors.
+    fn taken(&self, system: &System, state: &State, trial: &Trial) -> Taken {
         if self.method().has_inertia() || self.method() == Method::Implex {
-            return 0.0;
+            return Taken::default();
         }
         let springs = system.spring_forces(trial);
         let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
@@ -51,7 +66,21 @@ impl Newton<'_> {
             let slot = slot as usize;
             work -= 0.5 * (r + left) * (self.q[slot] - state.q[slot]);
         }
-        stored + dissipated - work
+        Taken {
+            leak: stored + dissipated - work,
+            net: stored + dissipated,
+            gross: stored.abs() + dissipated.abs(),
+        }
+    }
+
+    /// Whether the energies close well enough with the increment that `trial` ends.
+    pub(super) fn closes(&self, system: &System, state: &State, trial: &Trial) -> bool {
+        let taken = self.taken(system, state, trial);
+        let before = &state.energies;
+        let after = (before.leaked + taken.leak).abs();
+        after <= LEAKING * (before.taken() + taken.net)
+            || after <= before.leaked.abs()
+            || taken.leak.abs() <= LEAKING * taken.gross
     }
 
     /// Part of the last change of tractions that the next increment starts with.
@@ -66,7 +95,7 @@ impl Newton<'_> {
 
     /// Notes what the increment that `trial` ends leaves, before it becomes the state.
     pub(super) fn note_leak(&mut self, system: &System, state: &mut State, trial: &Trial) {
-        state.energies.leaked += self.leak(system, state, trial);
+        state.energies.leaked += self.taken(system, state, trial).leak;
         self.left.copy_from_slice(&self.residual);
     }
 }

@@ -218,7 +218,9 @@ impl Ladder {
         let wanted = match refusal {
             Refusal::Linear { dof: Some(_), .. } => self.inertia(),
             // Where secant tangents stalled before, they do along the path.
-            Refusal::Snap => self.place(Method::Dissipation).map(|path| path + usize::from(self.at > 0)),
+            Refusal::Snap => self
+                .place(Method::Dissipation)
+                .map(|path| path + usize::from(self.at > 0)),
             _ => None,
         };
         if self.method() == Method::Dissipation {

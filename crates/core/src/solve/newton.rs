@@ -10,6 +10,7 @@
 
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
+use super::closure::PURSUIT;
 use super::dynamics::Motion;
 use super::hidden::Pause;
 use super::ladder::Rung;
@@ -255,7 +256,7 @@ impl<'m> Newton<'m> {
         iterations: Range<usize>,
     ) -> Result<Report, Refusal> {
         let (solids, tolerance) = (setting.solids, self.step.tolerance);
-        let mut iteration = iterations.start;
+        let (mut iteration, mut pursued) = (iterations.start, 0);
         // A start in balance is no progress where the path says how far to go.
         let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
@@ -289,7 +290,8 @@ impl<'m> Newton<'m> {
                 balanced =
                     work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
             }
-            if settled && balanced && on_path {
+            let ends = settled && balanced && on_path;
+            if ends && (pursued == PURSUIT || self.closes(system, state, trial)) {
                 return Ok(Report {
                     iterations: solves.count,
                     residual: balance.largest,
@@ -298,7 +300,8 @@ impl<'m> Newton<'m> {
                     load_factor: self.load_factor,
                 });
             }
-            if iteration >= iterations.end {
+            pursued += usize::from(ends);
+            if iteration >= iterations.end + pursued {
                 let (node, _) = system
                     .dofs
                     .node_of(self.equations.slot_of[balance.worst] as usize);
