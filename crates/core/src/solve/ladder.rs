@@ -80,7 +80,7 @@ pub struct Ladder {
     passed_over: usize,
     /// Whether statics was left for a snap.
     snaps: bool,
-    /// How many rungs are statics, and refusals in a row on the first.
+    /// How many rungs stand before the first that is for trouble, and refusals in a row on the first.
     statics: usize,
     stalls: usize,
 }
@@ -136,7 +136,7 @@ impl Ladder {
         }
         let statics = rungs.iter().take_while(|r| r.method == Method::Static);
         Self {
-            statics: statics.count(),
+            statics: statics.count().max(1),
             stalls: 0,
             rungs,
             at: 0,
