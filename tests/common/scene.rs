@@ -112,7 +112,10 @@ pub fn empty() -> Model {
         springs: Vec::new(),
         probes: Vec::new(),
         steps: Vec::new(),
-        output: Output { every: 1 },
+        output: Output {
+            every: 1,
+            ..Output::default()
+        },
     }
 }
 

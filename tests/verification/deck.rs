@@ -169,19 +169,19 @@ fn an_experiment_is_read_beside_the_deck() {
         let deck = Deck::load(&deck, &[]).unwrap();
         Model::from_deck(&deck).map(|(model, _)| model.output)
     };
-    let csv = "# couplet\nu_mm,F_kN\n0,0\n0.01,4.5\n";
+    let csv = "# couplet\nu_displacement_mm,force_kN\n0,0\n0.01,4.5\n";
     let output = build(Some(csv)).unwrap();
     assert!(!output.mcap && output.scene_every == 3);
     let experiment = output.experiment.unwrap();
     assert_eq!((&*experiment.file, &*experiment.text), ("test.csv", csv));
-    assert_eq!(experiment.points, [[0.0, 0.0], [0.01, 4.5]]);
+    assert_eq!(experiment.curve.points, [(0.0, 0.0), (0.01, 4.5)]);
     for (csv, part) in [
         (None, "test.csv: "),
         (
-            Some("0,0\n0.01;4.5\n"),
-            "test.csv line 2: `0.01;4.5` is not",
+            Some("displacement_mm,force_kN\n0,0\n0.01;4.5\n"),
+            "test.csv:3: `0.01;4.5` in the column",
         ),
-        (Some("u,F\n0,0\n"), "fewer than two rows"),
+        (Some("displacement_mm,force_kN\n0,0\n"), "two rows"),
     ] {
         let error = build(csv).unwrap_err();
         assert_eq!(error.key(), "output.experiment");

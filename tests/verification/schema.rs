@@ -90,17 +90,15 @@ fn decks_of_a_wrong_form_are_refused() {
         ("/contact", "{ \"points\": \"edge\" }"),
     ] {
         let mut bad = good.clone();
-        let at = bad.pointer_mut(path);
-        match at {
-            Some(at) => *at = serde_json::from_str(value).unwrap(),
-            None => {
-                let (above, key) = path.rsplit_once('/').unwrap();
-                let above = bad.pointer_mut(above).and_then(|v| v.as_object_mut());
-                let value = serde_json::from_str(value).unwrap();
-                above
-                    .unwrap_or_else(|| panic!("{path}"))
-                    .insert(key.to_owned(), value);
-            }
+        if let Some(at) = bad.pointer_mut(path) {
+            *at = serde_json::from_str(value).unwrap();
+        } else {
+            let (above, key) = path.rsplit_once('/').unwrap();
+            let above = bad.pointer_mut(above).and_then(|v| v.as_object_mut());
+            let value = serde_json::from_str(value).unwrap();
+            above
+                .unwrap_or_else(|| panic!("{path}"))
+                .insert(key.to_owned(), value);
         }
         assert!(!validator.is_valid(&bad), "{path} = {value}");
     }
@@ -137,7 +135,9 @@ fn every_key_is_described() {
     fn walk(value: &serde_json::Value, path: &str, bare: &mut Vec<String>) {
         let serde_json::Value::Object(object) = value else {
             if let serde_json::Value::Array(items) = value {
-                items.iter().for_each(|item| walk(item, path, bare));
+                for item in items {
+                    walk(item, path, bare);
+                }
             }
             return;
         };

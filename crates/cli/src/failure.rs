@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
-use wythe_core::results::{ExperimentError, OutputError, ReadError, ReportError};
+use wythe_core::results::{ExperimentError, OutputError, ReadError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
@@ -110,15 +110,6 @@ impl From<ReadError> for Failure {
         match error {
             ReadError::NoFrame { .. } => Self::model(error),
             error => Self::input_output(error),
-        }
-    }
-}
-
-impl From<ReportError> for Failure {
-    fn from(error: ReportError) -> Self {
-        match error {
-            ReportError::Unreadable { .. } => Self::input_output(error),
-            ReportError::Experiment { .. } => Self::model(error),
         }
     }
 }

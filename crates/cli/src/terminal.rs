@@ -15,7 +15,8 @@ use wythe_core::solve::Method;
 
 use crate::arguments::Progress;
 use crate::unicode;
-use pace::{Pace, seconds};
+use pace::Pace;
+pub use pace::seconds;
 
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
@@ -269,16 +270,6 @@ fn fit(line: &str, width: usize, unicode: bool) -> String {
 pub fn count(n: usize, what: &str) -> String {
     let plural = if n == 1 { "" } else { "s" };
     format!("{n} {what}{plural}")
-}
-
-/// 7.3 s, 2 min 05 s, 1 h 02 min.
-pub fn seconds(value: f64) -> String {
-    let whole = value.round() as u64;
-    match whole {
-        0..60 => format!("{value:.1} s"),
-        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
-        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 
 pub mod element;
 pub mod error;
+pub mod experiment;
 pub mod material;
 pub mod model;
 pub mod results;

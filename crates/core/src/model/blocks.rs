@@ -45,7 +45,9 @@ impl<'a> Blocks<'a> {
         let mut errors = Errors::default();
         if let Some((roll, twice)) = Roll::call(deck) {
             blocks.roll = roll;
-            twice.into_iter().for_each(|error| errors.push(error));
+            for error in twice {
+                errors.push(error);
+            }
         }
         for (i, block) in deck.blocks.iter().enumerate() {
             errors.keep(blocks.lay(i, block));

@@ -34,7 +34,9 @@ pub(super) fn judged(
     mut errors: Errors,
 ) -> Result<(Model, Vec<Warning>), ModelError> {
     let (warnings, wrong) = findings(deck, &model);
-    wrong.into_iter().for_each(|error| errors.push(error));
+    for error in wrong {
+        errors.push(error);
+    }
     match errors.end(model) {
         Ok(model) => Ok((model, warnings)),
         Err(error) => Err(error.with_warnings(warnings)),

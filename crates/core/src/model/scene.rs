@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::probes::Probe;
+use crate::experiment::Experiment;
 use wythe_contact::{InterfaceLaw, Surface};
 
 /// Everything that a run reads and nothing that it changes.
@@ -424,7 +425,7 @@ pub struct Output {
     /// A scene in `run.mcap` every so many frames of fields.
     pub scene_every: usize,
     /// What the run is compared with.
-    pub experiment: Option<Experiment>,
+    pub experiment: Option<MeasuredCurve>,
 }
 
 impl Default for Output {
@@ -438,13 +439,13 @@ impl Default for Output {
     }
 }
 
-/// A measured load-displacement curve.
+/// A measured load-displacement curve and the file that holds it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Experiment {
+pub struct MeasuredCurve {
     /// Name of the file, without its folder.
     pub file: String,
     /// The file as it is.
     pub text: String,
-    /// Displacement [mm] and force [kN]. `[point][2]`
-    pub points: Vec<[f64; 2]>,
+    /// What it says.
+    pub curve: Experiment,
 }

@@ -23,7 +23,7 @@ pub fn text() -> String {
 
 /// TOML has no null: a key that may be left out is left out. Nor has it widths of integers.
 fn plain(value: &mut Value) {
-    let null = |v: &Value| *v == Value::from("null") || v["type"] == "null";
+    let null = |v: &Value| v == "null" || v["type"] == "null";
     match value {
         Value::Array(items) => items.iter_mut().for_each(plain),
         Value::Object(object) => {

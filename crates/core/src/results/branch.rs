@@ -7,7 +7,7 @@
 //!       └─╯──╱─╱───╱──╱────╱──▶ displacement
 //! ```
 
-use super::experiment::Point;
+use crate::experiment::Point;
 
 /// A curve as a function of the displacement: displacements never fall. Both are counted along the
 /// side that was asked for, so that pulling and pushing read the same.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Curve;
 use super::branch::{self, Branch};
-use super::experiment::{Experiment, Point};
+use crate::experiment::{Experiment, Point};
 use crate::model::Model;
 use crate::model::scene::BeamMotion;
 

@@ -16,7 +16,6 @@ pub mod comparison;
 pub mod curve;
 pub mod directory;
 pub mod elevation;
-pub mod experiment;
 pub mod export;
 pub mod frame;
 pub mod history;
@@ -33,17 +32,17 @@ pub mod vtkhdf;
 #[cfg(test)]
 pub(crate) mod fake;
 
+pub use crate::experiment::{Experiment, ExperimentError};
 pub use comparison::{Comparison, compare};
 pub use curve::Curve;
 pub use directory::{OutputError, RunDirectory};
-pub use experiment::{Experiment, ExperimentError};
 pub use frame::{
     Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
 };
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
-pub use report::{Experiment, Report, ReportError};
+pub use report::Report;
 pub use snapshot::{FrameChoice, Snapshot};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;

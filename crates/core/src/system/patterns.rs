@@ -16,7 +16,7 @@
 //! nodes do not feel (BᵀA m = 0) changes by all of m, what they feel by no more than in an iterate.
 
 use nalgebra::{Matrix3, Vector3};
-use wythe_contact::{InterfaceLaw, PointStatus, Shift};
+use wythe_contact::{PointStatus, Shift};
 
 use super::contact::{Contact, total_gap};
 use super::{System, Trial};
@@ -205,11 +205,6 @@ impl Contact {
             }
         }
         found
-    }
-
-    /// The law of a point.
-    fn law<'m>(&self, model: &'m Model, point: usize) -> &'m InterfaceLaw {
-        &model.contact.laws[self.law_of[point / 4] as usize]
     }
 
     /// Change of the shifted law's traction at a point when that of the last iterate is `settled` and not

@@ -200,7 +200,9 @@ impl Deck {
         }
         let nothing = || ModelError::new(file, text, None, "", "the deck cannot be read", "");
         let mut all = Errors::default();
-        errors.into_iter().for_each(|error| all.push(error));
+        for error in errors {
+            all.push(error);
+        }
         Err(all.end(()).err().unwrap_or_else(nothing))
     }
 

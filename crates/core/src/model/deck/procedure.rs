@@ -39,7 +39,7 @@ pub struct DeckControl {
 }
 
 /// `stop` of a driven step: what ends it before its displacement is whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckStop {
     /// The force falls to this part of the largest of the step [-].

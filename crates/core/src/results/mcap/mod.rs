@@ -243,7 +243,7 @@ impl McapWriter {
         if model.contact.slave_facets.is_empty() {
             return Ok(());
         }
-        let interfaces = self.scene.interfaces(model, frame, now)?;
+        let interfaces = Scene::interfaces(model, frame, now)?;
         self.send("/interfaces", now, &interfaces)
     }
 

@@ -98,7 +98,7 @@ impl Scene {
     ///
     /// # Errors
     /// The frame is not of this model.
-    pub fn interfaces(&self, model: &Model, frame: &Frame, stamp: u64) -> io::Result<String> {
+    pub fn interfaces(model: &Model, frame: &Frame, stamp: u64) -> io::Result<String> {
         let facets = &model.contact.slave_facets;
         let (states, rest) = frame.interfaces.state.as_chunks::<4>();
         if states.len() != facets.len() || !rest.is_empty() {
@@ -379,9 +379,8 @@ mod tests {
         // The +x face of the first cube.
         model.contact.slave_facets = vec![[1, 2, 6, 5]];
         let mut frame = fake::frame(&model, 1.0);
-        let scene = Scene::of(&model);
         let lists = |frame: &Frame| {
-            let text = scene.interfaces(&model, frame, 0).unwrap();
+            let text = Scene::interfaces(&model, frame, 0).unwrap();
             let value: Value = serde_json::from_str(&text).unwrap();
             value["entities"][0]["triangles"].clone()
         };
@@ -393,6 +392,6 @@ mod tests {
         assert_eq!(split[0]["indices"].as_array().unwrap().len(), 18);
         assert_eq!(split[1]["indices"].as_array().unwrap().len(), 6);
         frame.interfaces.state.pop();
-        assert!(scene.interfaces(&model, &frame, 0).is_err());
+        assert!(Scene::interfaces(&model, &frame, 0).is_err());
     }
 }

@@ -53,32 +53,32 @@ pub fn scene_update() -> Schema {
         ("id", string()),
         ("lifetime", time()),
         ("frame_locked", boolean()),
-        ("metadata", array(object(&pair))),
-        ("arrows", array(arrow())),
-        ("cubes", array(solid(&[]))),
-        ("spheres", array(solid(&[]))),
+        ("metadata", array(&object(&pair))),
+        ("arrows", array(&arrow())),
+        ("cubes", array(&solid(&[]))),
+        ("spheres", array(&solid(&[]))),
         (
             "cylinders",
-            array(solid(&[
+            array(&solid(&[
                 ("bottom_scale", number()),
                 ("top_scale", number()),
             ])),
         ),
         (
             "lines",
-            array(pointwise(&[
+            array(&pointwise(&[
                 ("type", integer()),
                 ("thickness", number()),
                 ("scale_invariant", boolean()),
             ])),
         ),
-        ("triangles", array(pointwise(&[]))),
-        ("texts", array(text())),
-        ("models", array(model())),
+        ("triangles", array(&pointwise(&[]))),
+        ("texts", array(&text())),
+        ("models", array(&model())),
     ];
     let fields = [
-        ("deletions", array(object(&deletion))),
-        ("entities", array(object(&entity))),
+        ("deletions", array(&object(&deletion))),
+        ("entities", array(&object(&entity))),
     ];
     schema("foxglove.SceneUpdate", "Entities of a 3D scene", &fields)
 }
@@ -101,7 +101,7 @@ fn object(fields: &[(&str, Value)]) -> Value {
     json!({ "type": "object", "properties": properties })
 }
 
-fn array(items: Value) -> Value {
+fn array(items: &Value) -> Value {
     json!({ "type": "array", "items": items })
 }
 
@@ -166,10 +166,10 @@ fn solid(more: &[(&'static str, Value)]) -> Value {
 fn pointwise(more: &[(&'static str, Value)]) -> Value {
     let mut fields = vec![
         ("pose", pose()),
-        ("points", array(xyz())),
+        ("points", array(&xyz())),
         ("color", color()),
-        ("colors", array(color())),
-        ("indices", array(integer())),
+        ("colors", array(&color())),
+        ("indices", array(&integer())),
     ];
     fields.extend_from_slice(more);
     object(&fields)

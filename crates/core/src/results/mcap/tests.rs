@@ -1,7 +1,8 @@
 //! Round trips with MCAP's own reader; files cut and damaged at every kind of place.
 
 use super::*;
-use crate::model::scene::Experiment;
+use crate::experiment::Experiment;
+use crate::model::scene::MeasuredCurve;
 use crate::results::fake;
 use salvage::{SalvageError, Salvaged, salvage};
 use serde_json::Value;
@@ -14,10 +15,13 @@ const INCREMENTS: usize = 4;
 fn model() -> Model {
     let mut model = fake::model();
     model.contact.slave_facets = vec![[1, 2, 6, 5]];
-    model.output.experiment = Some(Experiment {
+    model.output.experiment = Some(MeasuredCurve {
         file: "wall.csv".to_owned(),
         text: "displacement_mm,force_kN\n1,2\n2,3\n".to_owned(),
-        points: vec![[1.0, 2.0], [2.0, 3.0]],
+        curve: Experiment {
+            name: "wall".to_owned(),
+            points: vec![(1.0, 2.0), (2.0, 3.0)],
+        },
     });
     model
 }

@@ -7,8 +7,8 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use crate::experiment::{Experiment, Point};
 use crate::results::branch::{self, Branch};
-use crate::results::experiment::{Experiment, Point};
 
 /// Width and height of the picture [px].
 const SIZE: (u32, u32) = (900, 600);

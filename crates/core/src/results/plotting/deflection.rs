@@ -11,8 +11,8 @@
 //! opened or slid are steps.
 
 use super::chart::{self, Line, run_pen};
+use crate::experiment::Point;
 use crate::model::Mesh;
-use crate::results::experiment::Point;
 use crate::results::{Frame, elevation};
 
 /// Along which line of the face.

@@ -12,7 +12,6 @@
 //! lacks parts (no summary, no fields, nothing driven) gives a page of what is there.
 
 mod base64;
-mod experiment;
 mod figures;
 mod page;
 mod series;
@@ -20,14 +19,12 @@ mod skin;
 mod view;
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use miette::Diagnostic;
 use serde::Serialize;
 
 use super::summary::write_whole;
-use super::{HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
-pub use experiment::Experiment;
+use super::{Experiment, HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
 use page::{escape, escape_json, fill};
 use series::Series;
 use view::{Scene, View};
@@ -42,34 +39,6 @@ const SCRIPTS: [&str; 3] = [
     include_str!("assets/charts.js"),
     include_str!("assets/page.js"),
 ];
-
-/// What a report was to show and could not.
-#[derive(Debug, thiserror::Error, Diagnostic)]
-pub enum ReportError {
-    /// The file of the experiment cannot be read.
-    #[error("{}: the experiment cannot be read: {why}", path.display())]
-    #[diagnostic(help("check the path; it is relative to the current folder"))]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        why: io::Error,
-    },
-    /// The file of the experiment holds no curve.
-    #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
-    #[diagnostic(help(
-        "an experiment is a CSV file with the line displacement_mm,force_kN and a row of two numbers \
-         [mm, kN] a point; # begins a comment"
-    ))]
-    Experiment {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1, where one is to blame.
-        line: Option<u64>,
-        /// What is wrong.
-        why: String,
-    },
-}
 
 /// A run on one page.
 #[derive(Clone, Debug)]

@@ -12,8 +12,8 @@ impl Checks<'_> {
         self.names_of_probes();
         let names = ["name", "copies"];
         let unknown = |i: usize| {
-            let name = |key: &&str| self.broken.holds(&format!("blocks.{i}.{key}"));
-            names.iter().any(|key| name(&key))
+            let name = |key: &str| self.broken.holds(&format!("blocks.{i}.{key}"));
+            names.into_iter().any(name)
         };
         let deck = self.deck;
         if !deck.has_blocks()

@@ -92,8 +92,16 @@ impl Experiment {
             path: path.to_owned(),
             why,
         })?;
+        Self::of_text(path, &text)
+    }
+
+    /// The same from a text that `path` holds.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Content`].
+    pub fn of_text(path: &Path, text: &str) -> Result<Self, ExperimentError> {
         let stem = path.file_stem().unwrap_or(path.as_os_str());
-        let points = parse(&text).map_err(|(line, why, help)| ExperimentError::Content {
+        let points = parse(text).map_err(|(line, why, help)| ExperimentError::Content {
             path: path.to_owned(),
             line,
             why,
