@@ -18,7 +18,7 @@ pub use results::{Compare, Export, Format, Frames, Info, Plot};
 /// Bricks and mortar are solids that crack and crush, joined by interfaces that open and slide. A
 /// model is one TOML file (docs/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(name = "wythe", version, after_help = EXIT_CODES)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]

@@ -169,7 +169,9 @@ fn progress_for_machines_is_an_object_a_line() {
         .iter()
         .map(|o| o["done"].as_f64().unwrap())
         .collect();
-    assert!(done.is_sorted() && *done.last().unwrap() == 1.0, "{done:?}");
+    // Rounding of a hundred increments that add up.
+    let whole = (done.last().unwrap() - 1.0).abs() < 1e-12;
+    assert!(done.is_sorted() && whole, "{done:?}");
     for key in [
         "step",
         "force_kN",

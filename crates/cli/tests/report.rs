@@ -79,7 +79,11 @@ fn what_cannot_be_read_or_written_is_named_and_exits_as_other_commands_do() {
     );
     told(&[&out, "--experiment", &measured], 4, "check the path");
     std::fs::write(&measured, "displacement_mm,force_kN\n0,zero\n").unwrap();
-    told(&[&out, "--experiment", &measured], 2, "`zero` is no number");
+    told(
+        &[&out, "--experiment", &measured],
+        2,
+        "`zero` in the column",
+    );
     told(&[&out, "--experiment", &measured], 2, "# begins a comment");
     let nowhere = folder.path().join("not/there.html").display().to_string();
     told(&[&out, "--out", &nowhere], 4, "there.html");

@@ -121,6 +121,7 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
     let text = text.trim_start_matches('\u{feff}');
     let first = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
     let header = text.lines().find(first).unwrap_or_default();
+    let line = text.lines().position(|l| first(&l)).unwrap_or(0) as u64 + 1;
     let separator = [b';', b'\t']
         .into_iter()
         .find(|s| header.as_bytes().contains(s));
@@ -135,7 +136,6 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
         (line, error.to_string(), HEADER.to_owned())
     };
     let names = reader.headers().map_err(|e| of_csv(&e))?.clone();
-    let line = names.position().map_or(1, csv::Position::line);
     let columns = [&DISPLACEMENT, &FORCE].map(|wanted| column(&names, wanted));
     let [displacement, force] = columns;
     let of_header = |(why, help): (String, String)| (Some(line), why, help);
@@ -143,7 +143,10 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
     let mut points = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| of_csv(&e))?;
-        let line = record.position().map(csv::Position::line);
+        // A position is that before the blank lines and comments that were passed over.
+        let from = record.position().map_or(1, csv::Position::line) - 1;
+        let skipped = text.lines().skip(from as usize).position(|l| first(&l));
+        let line = Some(from + skipped.unwrap_or(0) as u64 + 1);
         let mut point = [0.0; 2];
         for (value, (column, unit)) in point.iter_mut().zip(columns) {
             let field = record.get(column).unwrap_or_default();

@@ -186,6 +186,9 @@ fn take(opcode: u8, body: &[u8], writer: &mut Out, found: &mut Salvaged) -> io::
     }
 }
 
+/// Bytes of a footer before the checksum of the summary, which it counts.
+const FOOTER_SUMMED: usize = 16;
+
 /// Two times, two lengths of texts, the length of the data, the checksum.
 const LEAST_ATTACHMENT: usize = 8 + 8 + 4 + 4 + 8 + 4;
 
@@ -279,16 +282,26 @@ impl Source {
         Ok(self.bytes(length)?.map(|body| (opcode, body)))
     }
 
-    /// Whether footer and magic close the file, from the end of the data on.
+    /// Whether a summary with the right checksum, footer and magic close the file, from the end of the
+    /// data on.
     fn ends_well(&mut self) -> io::Result<bool> {
+        let mut sum = crc32fast::Hasher::new();
         loop {
-            match self.record()? {
-                Some((op::FOOTER, _)) => {
-                    let magic = self.bytes(MAGIC.len() as u64)?;
-                    return Ok(magic.as_deref() == Some(MAGIC) && self.read == self.length);
-                }
-                Some(_) => {}
-                None => return Ok(false),
+            let Some((opcode, body)) = self.record()? else {
+                return Ok(false);
+            };
+            sum.update(&[opcode]);
+            sum.update(&(body.len() as u64).to_le_bytes());
+            let (summed, stored) = if opcode == op::FOOTER {
+                body.split_at(body.len().min(FOOTER_SUMMED))
+            } else {
+                (&body[..], &[][..])
+            };
+            sum.update(summed);
+            if opcode == op::FOOTER {
+                let magic = self.bytes(MAGIC.len() as u64)?;
+                let closed = magic.as_deref() == Some(MAGIC) && self.read == self.length;
+                return Ok(closed && stored == sum.finalize().to_le_bytes());
             }
         }
     }
