@@ -84,7 +84,7 @@ fn what_cannot_be_read_or_written_is_named_and_exits_as_other_commands_do() {
         2,
         "`zero` in the column",
     );
-    told(&[&out, "--experiment", &measured], 2, "# begins a comment");
+    told(&[&out, "--experiment", &measured], 2, "put # before lines");
     let nowhere = folder.path().join("not/there.html").display().to_string();
     told(&[&out, "--out", &nowhere], 4, "there.html");
     told(&[], 2, "DIR");
