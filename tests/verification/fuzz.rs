@@ -177,8 +177,8 @@ fn changed(text: &str, change: &Change) -> String {
         }
         Change::Insert(at, character) => {
             let line = at.index(lines.len());
-            let ends = lines[line].char_indices().map(|(i, _)| i);
-            let place = ends.last().unwrap_or(0);
+            let mut ends = lines[line].char_indices().map(|(i, _)| i);
+            let place = ends.next_back().unwrap_or(0);
             lines[line].insert(place, *character);
         }
         Change::Cut(at) => lines.truncate(at.index(lines.len())),
