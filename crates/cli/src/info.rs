@@ -6,7 +6,7 @@ use std::path::Path;
 use wythe_core::error::IoError;
 use wythe_core::model::{Deck, Model, check};
 use wythe_core::results::directory::{
-    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, SUMMARY,
+    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
@@ -251,9 +251,11 @@ fn files(text: &mut String, path: &Path) -> Told {
     let names = [
         HISTORY,
         FIELDS,
+        MESSAGES,
         DECK,
         LOAD_DISPLACEMENT,
         CRACK_PATTERN,
+        REPORT,
         CHECKPOINT,
         SUMMARY,
     ];
