@@ -29,7 +29,7 @@ pub use wall::{Bond, Clamped, Subdivision, Wall};
 
 use super::overrides;
 use super::quantity::Length;
-use super::scene::{ContactPoints, Formulation};
+use super::scene::{ContactPoints, Formulation, Output};
 use super::source::Source;
 use crate::error::{DeckError, Errors, IoError, ModelError};
 use crate::material::MaterialParameters;
@@ -129,10 +129,11 @@ pub struct DeckOutput {
 
 impl Default for DeckOutput {
     fn default() -> Self {
+        let own = Output::default();
         Self {
-            every: 5,
-            mcap: true,
-            scene_every: 1,
+            every: own.every,
+            mcap: own.mcap,
+            scene_every: own.scene_every,
             experiment: None,
         }
     }

@@ -4,6 +4,8 @@
 //! their count as UInt64. Fields and their names are those of `results.vtkhdf`; positions are at rest,
 //! and the field `displacement` warps them.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
 use crate::results::Snapshot;
@@ -114,7 +116,8 @@ impl Xml {
         );
         debug_assert!(written.is_ok(), "writing to a string does not fail");
         let count = (bytes.len() as u64).to_le_bytes();
-        base64(count.iter().chain(bytes).copied(), &mut self.0);
+        let all: Vec<u8> = count.iter().chain(bytes).copied().collect();
+        STANDARD.encode_string(all, &mut self.0);
         self.0 += "\n</DataArray>\n";
     }
 
@@ -154,50 +157,9 @@ fn of(components: usize) -> String {
     format!("NumberOfComponents=\"{components}\"")
 }
 
-const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-/// RFC 4648, section 4.
-fn base64(bytes: impl Iterator<Item = u8>, text: &mut String) {
-    let mut push = |group: [u8; 3], count: usize| {
-        let bits = u32::from_be_bytes([0, group[0], group[1], group[2]]);
-        for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i)) as usize & 63];
-            text.push(if i <= count { digit.into() } else { '=' });
-        }
-    };
-    let (mut group, mut count) = ([0; 3], 0);
-    for byte in bytes {
-        group[count] = byte;
-        count += 1;
-        if count == 3 {
-            push(group, count);
-            (group, count) = ([0; 3], 0);
-        }
-    }
-    if count > 0 {
-        push(group, count);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_rfc_4648() {
-        for (plain, coded) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foob", "Zm9vYg=="),
-            ("foobar", "Zm9vYmFy"),
-        ] {
-            let mut text = String::new();
-            base64(plain.bytes(), &mut text);
-            assert_eq!(text, coded);
-        }
-    }
 
     #[test]
     fn every_field_is_there_with_its_length() {

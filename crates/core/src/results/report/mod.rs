@@ -11,8 +11,8 @@
 //! are left out where the page would become larger than [`LIMIT`], and the page says so. A folder that
 //! lacks parts (no summary, no fields, nothing driven) gives a page of what is there.
 
-mod base64;
 mod figures;
+mod packed;
 mod page;
 mod series;
 mod skin;

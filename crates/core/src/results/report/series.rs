@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::base64;
+use super::packed;
 use crate::results::{HistoryRow, ReadHistory};
 
 /// Rows on the page at most: more than a screen has columns.
@@ -90,7 +90,7 @@ impl Series {
         chosen: &[usize],
     ) -> Self {
         let rows = || chosen.iter().filter_map(|&r| history.rows.get(r));
-        let column = |(name, of): Column| (name, base64::floats(rows().map(of)));
+        let column = |(name, of): Column| (name, packed::floats(rows().map(of)));
         let mut methods = Vec::new();
         let method: Vec<u8> = rows()
             .map(|row| {
@@ -108,14 +108,14 @@ impl Series {
             .collect();
         let probe = |(i, name): (usize, &String)| {
             let values = rows().map(|r| r.probes.get(i).copied().unwrap_or(f64::NAN));
-            (name.clone(), base64::floats(values))
+            (name.clone(), packed::floats(values))
         };
         Self {
             rows: chosen.len(),
             columns: COLUMNS.into_iter().map(column).collect(),
-            method: base64::encode(&method),
+            method: packed::encode(&method),
             methods,
-            driven: base64::encode(&driven),
+            driven: packed::encode(&driven),
             peak: peak.and_then(|peak| chosen.binary_search(&peak).ok()),
             start: history.curve().start(),
             probes: history
@@ -160,7 +160,7 @@ mod tests {
         let peak = peak_row(&history, &driven);
         assert_eq!(peak, Some(1));
         let series = Series::of(&history, &driven, peak, &[0, 1, 2]);
-        let bytes = base64::decode(&series.columns["force_kN"]);
+        let bytes = packed::decode(&series.columns["force_kN"]);
         let forces: Vec<f32> = bytes
             .as_chunks::<4>()
             .0
@@ -173,8 +173,8 @@ mod tests {
             (Some(1), (0.0, 5.0), 3)
         );
         assert_eq!(series.methods, ["static"]);
-        assert_eq!(base64::decode(&series.driven), [0, 1, 1]);
+        assert_eq!(packed::decode(&series.driven), [0, 1, 1]);
         // A probe that a row lacks is none, not a panic.
-        assert_eq!(base64::decode(&series.probes[0].1).len(), 12);
+        assert_eq!(packed::decode(&series.probes[0].1).len(), 12);
     }
 }

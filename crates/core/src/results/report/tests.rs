@@ -65,11 +65,11 @@ fn a_whole_run_is_on_the_page_and_nothing_from_outside() {
     assert_eq!(rows[2]["row"], 2);
     // 16 nodes, all on the skin: 0.001 · 2 · (x + 1) at the largest x of 202
     assert_eq!(rows[2]["most"], 0.406);
-    let moved = base64::decode(rows[2]["displacement"].as_str().unwrap());
+    let moved = packed::decode(rows[2]["displacement"].as_str().unwrap());
     assert_eq!(moved.len(), 16 * 3 * 2);
     // 0.3 t + 0.1 e at t = 2, of 255
     assert_eq!(
-        base64::decode(rows[2]["tensile"].as_str().unwrap()),
+        packed::decode(rows[2]["tensile"].as_str().unwrap()),
         [153, 179]
     );
 }
@@ -184,7 +184,7 @@ fn an_undriven_run_and_numbers_that_are_none_are_no_trouble() {
     let report = report(folder.path());
     assert_eq!(report.frames, 1);
     assert!(!report.html.contains("Peak force"));
-    assert_eq!(data(&report.html)["series"]["driven"], base64::encode(&[0]));
+    assert_eq!(data(&report.html)["series"]["driven"], packed::encode(&[0]));
 }
 
 #[test]

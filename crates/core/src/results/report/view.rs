@@ -4,7 +4,7 @@ use std::io;
 
 use serde::Serialize;
 
-use super::base64;
+use super::packed;
 use super::skin::Skin;
 use crate::results::vtkhdf::read::FieldsFile;
 use crate::results::{Frame, elevation};
@@ -110,9 +110,9 @@ impl<'a> Scene<'a> {
         let wide = skin.nodes.len() > usize::from(u16::MAX);
         let numbers = |flat: &[u32]| {
             if wide {
-                base64::longs(flat.iter().copied())
+                packed::longs(flat.iter().copied())
             } else {
-                base64::words(flat.iter().map(|&n| n as u16))
+                packed::words(flat.iter().map(|&n| n as u16))
             }
         };
         let of = |values: &dyn Fn(usize) -> u32| -> Vec<u32> {
@@ -124,12 +124,12 @@ impl<'a> Scene<'a> {
         let view = View {
             low,
             size,
-            rest: base64::words(rest.flat_map(|x| [0, 1, 2].map(|i| fraction(x[i], i)))),
+            rest: packed::words(rest.flat_map(|x| [0, 1, 2].map(|i| fraction(x[i], i)))),
             wide,
             corners: numbers(skin.corners.as_flattened()),
-            faces: base64::encode(&skin.faces),
-            unit: base64::words(unit.into_iter().map(|u| u as u16)),
-            material: base64::encode(&material.iter().map(|&m| m as u8).collect::<Vec<_>>()),
+            faces: packed::encode(&skin.faces),
+            unit: packed::words(unit.into_iter().map(|u| u as u16)),
+            material: packed::encode(&material.iter().map(|&m| m as u8).collect::<Vec<_>>()),
             materials: file.materials()?,
             edges: numbers(skin.edges.as_flattened()),
             facets: numbers(facets.as_flattened()),
@@ -160,10 +160,10 @@ impl<'a> Scene<'a> {
             &view.facets,
         ];
         let fixed = still.iter().map(|text| text.len()).sum();
-        let cells = base64::length(self.skin.elements.len());
-        let frame = base64::length(6 * self.skin.nodes.len())
+        let cells = packed::length(self.skin.elements.len());
+        let frame = packed::length(6 * self.skin.nodes.len())
             + 3 * cells
-            + base64::length(self.facets)
+            + packed::length(self.facets)
             + FRAME_KEYS;
         (fixed, frame)
     }
@@ -218,7 +218,7 @@ impl<'a> Scene<'a> {
         let (most, displacement) = words(&moved);
         let cells = |field: &[f64], scale: &dyn Fn(f64) -> f64| {
             let byte = |&e: &u32| (255.0 * scale(field[e as usize]).clamp(0.0, 1.0)).round() as u8;
-            base64::encode(&self.skin.elements.iter().map(byte).collect::<Vec<_>>())
+            packed::encode(&self.skin.elements.iter().map(byte).collect::<Vec<_>>())
         };
         let widest = self.view.widest.max(f64::MIN_POSITIVE);
         let four = |states: &[crate::results::InterfaceState]| {
@@ -230,11 +230,11 @@ impl<'a> Scene<'a> {
             row,
             time: frame.time,
             most,
-            displacement: base64::words(displacement.into_iter().map(i16::cast_unsigned)),
+            displacement: packed::words(displacement.into_iter().map(i16::cast_unsigned)),
             tensile: cells(&frame.tensile_damage, &|d| d),
             compressive: cells(&frame.compressive_damage, &|d| d),
             crack: cells(&frame.crack_width, &|w| (w / widest).sqrt()),
-            state: base64::encode(&facets.chunks(4).map(four).collect::<Vec<_>>()),
+            state: packed::encode(&facets.chunks(4).map(four).collect::<Vec<_>>()),
         }
     }
 }
