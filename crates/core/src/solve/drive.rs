@@ -132,12 +132,14 @@ impl<'m> Run<'m> {
                     self.cut_back(&mut course);
                     true
                 }
-                Outcome::Converged(report) if self.is_snap(&course, leg) => {
-                    course.solves += report.iterations;
-                    self.cut_back(&mut course);
-                    self.refuse(&mut course, leg, &Refusal::Snap, recorder)
-                }
-                Outcome::Converged(report) => self.accept(&mut course, leg, report, recorder)?,
+                Outcome::Converged(report) => match self.jump(&course, leg) {
+                    None => self.accept(&mut course, leg, report, recorder)?,
+                    Some(refusal) => {
+                        course.solves += report.iterations;
+                        self.cut_back(&mut course);
+                        self.refuse(&mut course, leg, &refusal, recorder)
+                    }
+                },
                 Outcome::Refused(refusal, spent) => {
                     course.solves += spent;
                     self.cut_back(&mut course);
@@ -302,7 +304,7 @@ impl<'m> Run<'m> {
             false
         };
         let size = leg.increment.size;
-        if *refusal == Refusal::Snap && !on_path {
+        if *refusal == Refusal::Snap {
             course.beyond = Some(leg.increment.end());
         }
         if course.ladder.is_last() && course.beyond.take().is_some() {
@@ -445,20 +447,31 @@ impl<'m> Run<'m> {
         motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }
 
+    /// What is wrong with an equilibrium far from the last one that the trial ends in, if it is.
+    fn jump(&self, course: &Course, leg: Leg) -> Option<Refusal> {
+        match leg.method {
+            Method::Static if self.is_snap(course) => Some(Refusal::Snap),
+            Method::Dissipation if self.is_leap(course) => Some(Refusal::Leap),
+            _ => None,
+        }
+    }
+
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
     /// and the path there can be followed instead: much of the elastic energy is gone.
-    fn is_snap(&self, course: &Course, leg: Leg) -> bool {
-        if leg.method == Method::Dissipation {
-            let (q, last) = (course.newton.q(), &self.state.q);
-            let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
-            return course.trail.is_left_by(&dq);
-        }
-        if leg.method != Method::Static || !course.ladder.prefers_paths() {
+    fn is_snap(&self, course: &Course) -> bool {
+        if !course.ladder.prefers_paths() {
             return false;
         }
         let (system, trial) = (&self.system, &self.trial);
         let stored = system.elastic_energy(trial, &system.spring_forces(trial));
         stored < (1.0 - RELEASE) * self.state.energies.elastic
+    }
+
+    /// Whether the increment that the trial ends has left the path that it should follow.
+    fn is_leap(&self, course: &Course) -> bool {
+        let (q, last) = (course.newton.q(), &self.state.q);
+        let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
+        course.trail.is_left_by(&dq)
     }
 
     /// Statics brings to rest what moved.

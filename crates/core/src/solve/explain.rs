@@ -60,6 +60,7 @@ pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
         ),
         Refusal::Linear { why, dof: None } => why.to_string(),
         Refusal::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
+        Refusal::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
         Refusal::NoSuchLoad => {
             "no load leads as far along the path as the increment should go".to_owned()
         }

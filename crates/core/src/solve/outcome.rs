@@ -38,6 +38,8 @@ pub enum Refusal {
     NotFinite,
     /// The increment has snapped through to an equilibrium far away.
     Snap,
+    /// The increment has left the path for an equilibrium far away.
+    Leap,
     /// No load leads as far along the path as the increment should go.
     NoSuchLoad,
 }
