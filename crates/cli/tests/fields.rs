@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use wythe_core::results::{FieldsFile, Frame};
 
@@ -39,7 +39,6 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn a_run_killed_at_any_moment_leaves_whole_frames() {
     let folder = tempfile::tempdir().unwrap();
-    let mut most = 0;
     for attempt in 0..12 {
         let out = folder.path().join(format!("{attempt}.out"));
         let mut child = Command::new(env!("CARGO_BIN_EXE_wythe"))
@@ -58,7 +57,16 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
             assert!(child.try_wait().unwrap().is_none(), "ended before it began");
             std::thread::sleep(Duration::from_millis(1));
         }
-        std::thread::sleep(Duration::from_micros(500 + 37_300 * attempt));
+        if attempt == 11 {
+            // Long enough for frames after the first to be shown, too.
+            let begun = Instant::now();
+            while frames(&out).len() < 2 {
+                assert!(begun.elapsed() < Duration::from_secs(60), "none is shown");
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        } else {
+            std::thread::sleep(Duration::from_micros(500 + 37_300 * attempt));
+        }
         child.kill().unwrap();
         assert_eq!(child.wait().unwrap().code(), None, "ended before the kill");
         let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
@@ -68,7 +76,6 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
         for frame in &frames {
             assert_eq!(times[frame.increment - 1], frame.time);
         }
-        most = most.max(frames.len());
         // The next run clears up what was left.
         if attempt % 4 == 0 {
             let again = wythe(&["run", &couplet(), "--out", &out.display().to_string()]);
@@ -76,7 +83,6 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
             assert!(!names(&out).iter().any(|n| n.contains(".vtkhdf.")));
         }
     }
-    assert!(most > 3, "no run got anywhere: {most}");
 }
 
 /// Runs the couplet in a shell that first says what is not allowed.
@@ -94,7 +100,7 @@ fn limited(limit: &str, out: &Path) -> std::process::Output {
         .unwrap()
 }
 
-/// No file may become longer than 256 kB, as where a quota is used up.
+/// No file may become longer than two thirds of what the fields need, as where a quota is used up.
 #[test]
 fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +112,11 @@ fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let all = frames(&whole);
     // Without the signal that would kill; blocks have 512 bytes.
-    let output = limited("trap '' XFSZ && ulimit -f 512", &cut);
+    let length = std::fs::metadata(whole.join("results.vtkhdf"))
+        .unwrap()
+        .len();
+    let limit = format!("trap '' XFSZ && ulimit -f {}", length * 2 / 3 / 512);
+    let output = limited(&limit, &cut);
     assert_eq!(code(&output), 4, "{}", stderr(&output));
     let said = stderr(&output).replace(' ', "");
     for part in [
@@ -117,7 +127,7 @@ fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
         assert!(said.contains(part), "{part}: {}", stderr(&output));
     }
     let kept = frames(&cut);
-    assert!(!kept.is_empty() && kept.len() < all.len(), "{}", kept.len());
+    assert!((1..all.len()).contains(&kept.len()), "{}", kept.len());
     for (kept, all) in kept.iter().zip(&all) {
         assert_eq!(kept.time, all.time);
         assert_eq!(kept.displacement, all.displacement);

@@ -105,7 +105,15 @@ impl RunDirectory {
         })?;
         // The summary goes first: it says that the rest is whole.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
-        let names = [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK, REPORT];
+        let names = [
+            SUMMARY,
+            LOAD_DISPLACEMENT,
+            CRACK_PATTERN,
+            DECK,
+            REPORT,
+            FIELDS,
+            INTERFACES,
+        ];
         for name in names.into_iter().chain(unwanted) {
             let old = path.join(name);
             match std::fs::remove_file(&old) {

@@ -68,11 +68,6 @@ impl VtkHdfWriter {
     /// # Errors
     /// The files cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
-        // What an earlier run has left is not of this one, whatever happens.
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
         let publication = Publication::new(path);
         let begun = WorkFile::create(&publication.work(), model);
         let mut writer = Self::begin(publication, begun)?;

@@ -8,8 +8,9 @@ use super::grid::Column;
 
 /// Deflate level: higher ones gain a few percent for several times the work.
 const DEFLATE: u8 = 4;
-/// Values a chunk of the short series, one value a step, holds.
-pub const SERIES_CHUNK: usize = 256;
+/// Values a chunk of the short series, one value a step or an increment, holds: there are ninety of them, and a
+/// small run has a few dozen steps.
+pub const SERIES_CHUNK: usize = 64;
 
 /// One growing field and the offsets of its steps.
 #[derive(Debug)]
