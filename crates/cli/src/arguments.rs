@@ -39,6 +39,7 @@ const RUN_HELP: &str = "\
 The folder then holds:
   history.csv            a row an increment [mm, kN, J], written as the run goes
   results.vtkhdf         displacements, stresses, damage: ParaView 5.12, VTK 9.3 or later
+  results.interfaces.vtkhdf  shows the joints beside them
   run.mcap               the same in time, with the deformed wall, for Foxglove
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole

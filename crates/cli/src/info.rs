@@ -6,7 +6,7 @@ use std::path::Path;
 use wythe_core::error::IoError;
 use wythe_core::model::{Deck, Model, check};
 use wythe_core::results::directory::{
-    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
+    CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
@@ -251,6 +251,7 @@ fn files(text: &mut String, path: &Path) -> Told {
     let names = [
         HISTORY,
         FIELDS,
+        INTERFACES,
         MESSAGES,
         DECK,
         LOAD_DISPLACEMENT,
@@ -262,7 +263,7 @@ fn files(text: &mut String, path: &Path) -> Told {
     let mut head = "files";
     for name in names {
         if let Ok(there) = std::fs::metadata(path.join(name)) {
-            writeln!(text, "  {head:10}  {name:24}{:>10}", bytes(there.len()))?;
+            writeln!(text, "  {head:10}  {name:26}{:>10}", bytes(there.len()))?;
             head = "";
         }
     }

@@ -20,6 +20,8 @@ pub const HISTORY: &str = "history.csv";
 pub const DECK: &str = "model.toml";
 /// Name of the fields in the folder.
 pub const FIELDS: &str = "results.vtkhdf";
+/// Name of what shows the interfaces of the fields in the folder.
+pub const INTERFACES: &str = "results.interfaces.vtkhdf";
 /// Name of the messages in the folder.
 pub const MESSAGES: &str = "run.mcap";
 /// Name of the summary in the folder.
@@ -103,7 +105,15 @@ impl RunDirectory {
         })?;
         // The summary goes first: it says that the rest is whole.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
-        let names = [SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, DECK, REPORT];
+        let names = [
+            SUMMARY,
+            LOAD_DISPLACEMENT,
+            CRACK_PATTERN,
+            DECK,
+            REPORT,
+            FIELDS,
+            INTERFACES,
+        ];
         for name in names.into_iter().chain(unwanted) {
             let old = path.join(name);
             match std::fs::remove_file(&old) {
@@ -130,7 +140,7 @@ impl RunDirectory {
         })
     }
 
-    /// Keeps a copy of the deck, overrides taken in, beside the results and in [`MESSAGES`].
+    /// Keeps a copy of the deck, overrides taken in, beside the results and in [`FIELDS`] and [`MESSAGES`].
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -139,6 +149,7 @@ impl RunDirectory {
             let text = deck.to_toml().map_err(io::Error::other)?;
             write_whole(file, text.as_bytes()).map(|()| text)
         })?;
+        writing(&self.path, FIELDS, |_| self.fields.keep_deck(&text))?;
         let Some(messages) = &mut self.messages else {
             return Ok(());
         };
@@ -169,6 +180,7 @@ impl RunDirectory {
     ) -> Result<SummaryFile, OutputError> {
         let Self {
             path,
+            fields,
             messages,
             curve,
             energy,
@@ -178,6 +190,7 @@ impl RunDirectory {
             cpu_at_start,
             ..
         } = self;
+        writing(&path, FIELDS, |_| fields.finish())?;
         writing(&path, LOAD_DISPLACEMENT, |file| {
             let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
             write_whole(file, svg.as_bytes())
@@ -259,6 +272,7 @@ impl Recorder for RunDirectory {
         for (range, value) in self.probes.iter_mut().zip(&row.probes) {
             range.push(*value);
         }
+        fields.row(row);
         if let Some(frame) = frame {
             writing(path, FIELDS, |_| fields.append(frame))?;
             self.last_frame = Some(frame.clone());
@@ -287,6 +301,8 @@ mod tests {
     use super::*;
     use crate::results::{Status, fake};
 
+    const WORK: &str = "results.vtkhdf.part";
+
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> = std::fs::read_dir(folder)
             .unwrap()
@@ -314,7 +330,7 @@ mod tests {
             );
             assert_eq!(
                 names(&path),
-                [HISTORY, FIELDS, MESSAGES],
+                [HISTORY, FIELDS, WORK, MESSAGES],
                 "nothing that says whole while it runs"
             );
         }
@@ -341,7 +357,7 @@ mod tests {
         // The next run into the same folder begins by removing what says "whole".
         std::fs::write(path.join("notes.txt"), "mine").unwrap();
         let _next = RunDirectory::create(&path, &model).unwrap();
-        assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS, MESSAGES]);
+        assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS, WORK, MESSAGES]);
         let header_only = std::fs::read_to_string(path.join(HISTORY)).unwrap();
         assert_eq!(header_only.lines().count(), 1);
     }
@@ -391,6 +407,6 @@ mod tests {
         let mut run = RunDirectory::create(folder.path(), &model).unwrap();
         run.note("nobody hears");
         run.progress(0, 0.0, 1);
-        assert_eq!(names(folder.path()), [HISTORY, FIELDS]);
+        assert_eq!(names(folder.path()), [HISTORY, FIELDS, WORK]);
     }
 }

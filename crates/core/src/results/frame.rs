@@ -68,6 +68,10 @@ pub struct HistoryRow {
     /// Values of the model's probes, columns of their own after these [mm, mm/s]. `[probe]`
     #[serde(skip)]
     pub probes: Vec<f64>,
+    /// Forces from outside: on each beam, then on each support [N]; in `results.vtkhdf` only.
+    /// `[beam, support][xyz]`
+    #[serde(skip)]
+    pub reactions: Vec<[f64; 3]>,
 }
 
 impl HistoryRow {

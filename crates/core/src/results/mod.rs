@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
-//!                                               ├─▶ results.vtkhdf       a step an output increment
+//!                                               ├─▶ results.vtkhdf       a step an output increment; beside it
+//!                                               │                        results.interfaces.vtkhdf, a link
 //!                                               ├─▶ run.mcap             messages an increment
 //!                                               ├─▶ model.toml           the deck, overrides taken in
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg

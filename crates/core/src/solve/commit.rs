@@ -106,6 +106,7 @@ impl Run<'_> {
             load_factor: report.load_factor,
             procedure: method,
             probes: probes(self.model, dofs, state),
+            reactions: self.reactions(step, report.load_factor),
         }
     }
 

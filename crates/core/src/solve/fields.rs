@@ -29,7 +29,7 @@ impl Run<'_> {
                 Vec::new()
             },
             interfaces: self.interface_frame(),
-            reactions: self.reactions(row),
+            reactions: row.reactions.clone(),
             probes: probes(model, dofs, state),
             ..Frame::default()
         };
@@ -70,11 +70,11 @@ impl Run<'_> {
 
     /// Forces from outside on the beams, then on the supports, with what gravity and the ground do to
     /// their own nodes [N].
-    fn reactions(&self, row: &HistoryRow) -> Vec<[f64; 3]> {
+    pub(super) fn reactions(&self, step: usize, load_factor: f64) -> Vec<[f64; 3]> {
         let (model, state, dofs) = (self.model, &self.state, &self.system.dofs);
-        let step = &model.steps[row.step];
-        let gravity = step.gravity.at(row.load_factor);
-        let ground = step.ground.at(row.load_factor * step.duration);
+        let step = &model.steps[step];
+        let gravity = step.gravity.at(load_factor);
+        let ground = step.ground.at(load_factor * step.duration);
         let held = |n: usize, i: usize| {
             self.trial.node_force[n][i] - self.system.mass.node[n] * (gravity[i] - ground[i])
         };

@@ -8,10 +8,9 @@ use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedAscii;
 use ndarray::ArrayView2;
 
-/// Deflate level: higher ones gain a few percent for several times the work.
-const DEFLATE: u8 = 4;
-/// Values a chunk of the short series, one value a step, holds.
-const SERIES_CHUNK: usize = 256;
+use super::series::{
+    Field, SERIES_CHUNK, compressed, count, count_column, counts, cut, push, reals,
+};
 
 /// Geometry of a grid whose cells are all of one kind.
 #[derive(Debug)]
@@ -27,7 +26,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    fn cells(&self) -> usize {
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
         self.connectivity.len() / self.corners.max(1)
     }
 }
@@ -50,6 +50,19 @@ pub struct Column {
     pub on: On,
     /// Components; 0 for a field of small whole numbers, which has one.
     pub components: usize,
+    /// Unit of its values.
+    pub unit: &'static str,
+}
+
+impl Column {
+    /// Tuples and components of a step.
+    fn shape(&self, geometry: &Geometry) -> (usize, usize) {
+        let tuples = match self.on {
+            On::Points => geometry.points.len(),
+            On::Cells => geometry.cells(),
+        };
+        (tuples, self.components.max(1))
+    }
 }
 
 /// Values of one field at one step.
@@ -60,6 +73,19 @@ pub enum Values<'a> {
     /// `[tuple]`
     Small(&'a [u8]),
 }
+
+impl Values<'_> {
+    fn len(self) -> usize {
+        match self {
+            Self::Real(values) => values.len(),
+            Self::Small(values) => values.len(),
+        }
+    }
+}
+
+/// Series that are 0 in every step; then those of two dimensions.
+const ZEROS: [&str; 2] = ["PartOffsets", "PointOffsets"];
+const ZERO_COLUMNS: [&str; 2] = ["CellOffsets", "ConnectivityIdOffsets"];
 
 /// Writes a grid step by step.
 #[derive(Debug)]
@@ -78,17 +104,6 @@ pub struct Grid {
     series: Vec<Field>,
     /// Components and tuples of the series, 1 and 1 in every step. `[series][step][2]`
     series_sizes: Vec<hdf5::Dataset>,
-}
-
-/// One growing field and the offsets of its steps.
-#[derive(Debug)]
-struct Field {
-    /// `[step·tuple][component]`, without the second dimension for scalars.
-    data: hdf5::Dataset,
-    /// First row of each step. `[step]`
-    offsets: hdf5::Dataset,
-    tuples: usize,
-    components: usize,
 }
 
 impl Grid {
@@ -117,9 +132,8 @@ impl Grid {
         let steps = root.create_group("Steps")?;
         let step_count = steps.new_attr::<i64>().shape(()).create("NSteps")?;
         step_count.write_scalar(&0_i64)?;
-        let zeros = ["PartOffsets", "PointOffsets"].map(|name| counts(&steps, name));
-        let zero_columns =
-            ["CellOffsets", "ConnectivityIdOffsets"].map(|name| count_column(&steps, name));
+        let zeros = ZEROS.map(|name| counts(&steps, name));
+        let zero_columns = ZERO_COLUMNS.map(|name| count_column(&steps, name));
         let (points, cells) = (
             root.create_group("PointData")?,
             root.create_group("CellData")?,
@@ -138,10 +152,11 @@ impl Grid {
             series_sizes: Vec::new(),
         };
         for column in columns {
-            let (data, offsets, tuples) = match column.on {
-                On::Points => (&points, &point_offsets, geometry.points.len()),
-                On::Cells => (&cells, &cell_offsets, geometry.cells()),
+            let (data, offsets) = match column.on {
+                On::Points => (&points, &point_offsets),
+                On::Cells => (&cells, &cell_offsets),
             };
+            let (tuples, _) = column.shape(geometry);
             grid.fields
                 .push(Field::create(data, offsets, column, tuples)?);
         }
@@ -171,16 +186,103 @@ impl Grid {
         Ok(grid)
     }
 
+    /// Opens a grid that [`Grid::create`] wrote, and drops all after its first `steps` steps.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or holds another grid.
+    pub fn open(
+        root: &hdf5::Group,
+        geometry: &Geometry,
+        columns: &[Column],
+        labels: &[(&str, Vec<i64>)],
+        series: &[&str],
+        steps: usize,
+    ) -> hdf5::Result<Self> {
+        let ids = root.dataset("Connectivity")?.read_raw::<i64>()?;
+        let points = root.dataset("Points")?.shape();
+        if ids != geometry.connectivity || points != [geometry.points.len(), 3] {
+            return Err(format!("{} is the mesh of another model", root.name()).into());
+        }
+        let group = root.group("Steps")?;
+        let step_count = group.attr("NSteps")?;
+        let written: i64 = step_count.read_scalar()?;
+        if written < count(steps) {
+            return Err(format!("{} has {written} steps, not {steps}", root.name()).into());
+        }
+        // Fewer first: whoever reads counts on them.
+        step_count.write_scalar(&count(steps))?;
+        let field = |kind: &str, name: &str, shape| {
+            let offsets = group.group(&format!("{kind}Offsets"))?;
+            Field::open(&root.group(kind)?, &offsets, name, shape, steps)
+        };
+        let series_of = |name: &str| {
+            let series = group.dataset(name)?;
+            cut(&series, steps).map(|()| series)
+        };
+        let of_labels = labels.iter().map(|(l, _)| format!("CellDataOffsets/{l}"));
+        let zeros = ZEROS.into_iter().map(str::to_owned).chain(of_labels);
+        let sizes = series.iter().map(|name| format!("FieldDataSizes/{name}"));
+        let of_column = |column: &Column| {
+            let kind = match column.on {
+                On::Points => "PointData",
+                On::Cells => "CellData",
+            };
+            field(kind, column.name, column.shape(geometry))
+        };
+        Ok(Self {
+            steps,
+            values: series_of("Values")?,
+            zeros: zeros
+                .map(|name| series_of(&name))
+                .collect::<hdf5::Result<_>>()?,
+            zero_columns: ZERO_COLUMNS
+                .into_iter()
+                .map(series_of)
+                .collect::<hdf5::Result<_>>()?,
+            parts: series_of("NumberOfParts")?,
+            fields: columns.iter().map(of_column).collect::<hdf5::Result<_>>()?,
+            series: series
+                .iter()
+                .map(|name| field("FieldData", name, (1, 1)))
+                .collect::<hdf5::Result<_>>()?,
+            series_sizes: sizes
+                .map(|name| series_of(&name))
+                .collect::<hdf5::Result<_>>()?,
+            step_count,
+        })
+    }
+
+    /// Whether these are the values of a step of this grid; nothing is written.
+    ///
+    /// # Errors
+    /// A field has not as many rows as the grid has points or cells.
+    pub fn check(&self, columns: &[Values], series: &[f64]) -> Result<(), String> {
+        if series.len() != self.series.len() {
+            let (found, wanted) = (series.len(), self.series.len());
+            return Err(format!("{found} probes where {wanted} belong"));
+        }
+        for (field, values) in self.fields.iter().zip(columns) {
+            let (tuples, components) = (field.tuples, field.components);
+            if values.len() != tuples * components {
+                let (name, found) = (field.data.name(), values.len());
+                return Err(format!(
+                    "{name}: {found} values where {tuples} rows of {components} belong"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Steps written so far.
     pub fn steps(&self) -> usize {
         self.steps
     }
 
     /// Writes step `step`, at most one past the last: values of the columns and of the series, in
-    /// their order.
+    /// their order, that have passed [`Grid::check`].
     ///
     /// # Errors
-    /// A field has not as many rows as the grid has points or cells, or the file cannot be written.
+    /// The file cannot be written.
     pub fn append(
         &mut self,
         step: usize,
@@ -188,10 +290,6 @@ impl Grid {
         columns: &[Values],
         series: &[f64],
     ) -> hdf5::Result<()> {
-        if series.len() != self.series.len() {
-            let (found, wanted) = (series.len(), self.series.len());
-            return Err(format!("{found} probes where {wanted} belong").into());
-        }
         for (field, values) in self.fields.iter().zip(columns) {
             match values {
                 Values::Real(values) => field.append(step, values)?,
@@ -223,58 +321,6 @@ impl Grid {
     }
 }
 
-impl Field {
-    fn create(
-        data: &hdf5::Group,
-        offsets: &hdf5::Group,
-        column: &Column,
-        tuples: usize,
-    ) -> hdf5::Result<Self> {
-        let name = column.name;
-        let dataset = match column.components {
-            0 => compressed::<u8>(data, tuples, 1).shape(0..).create(name)?,
-            1 => compressed::<f64>(data, tuples, 1).shape(0..).create(name)?,
-            n => compressed::<f64>(data, tuples, n)
-                .shape((0.., n))
-                .create(name)?,
-        };
-        Ok(Self {
-            data: dataset,
-            offsets: counts(offsets, name)?,
-            tuples,
-            components: column.components.max(1),
-        })
-    }
-
-    /// Appends the rows of one step. A step that failed half-way is overwritten by the next.
-    fn append<T: hdf5::H5Type>(&self, step: usize, values: &[T]) -> hdf5::Result<()> {
-        let Self {
-            data,
-            tuples,
-            components,
-            ..
-        } = self;
-        if values.len() != tuples * components {
-            let message = format!(
-                "{}: {} values where {tuples} rows of {components} belong",
-                data.name(),
-                values.len()
-            );
-            return Err(message.into());
-        }
-        let rows = step * tuples..(step + 1) * tuples;
-        if *components == 1 {
-            data.resize(rows.end)?;
-            data.write_slice(values, rows)
-        } else {
-            data.resize((rows.end, *components))?;
-            let view = ArrayView2::from_shape((*tuples, *components), values)
-                .map_err(|error| error.to_string())?;
-            data.write_slice(view, (rows, ..))
-        }
-    }
-}
-
 fn write_geometry(root: &hdf5::Group, geometry: &Geometry) -> hdf5::Result<()> {
     let (points, cells) = (geometry.points.len(), geometry.cells());
     let one = |name, value: usize| -> hdf5::Result<()> {
@@ -302,53 +348,4 @@ fn write_geometry(root: &hdf5::Group, geometry: &Geometry) -> hdf5::Result<()> {
         .write_raw(&offsets)?;
     let types = root.new_dataset::<u8>().shape(cells).create("Types")?;
     types.write_raw(&vec![geometry.kind; cells])
-}
-
-/// A count as VTK stores it; no mesh comes near the limit.
-pub fn count(count: usize) -> i64 {
-    i64::try_from(count).unwrap_or(i64::MAX)
-}
-
-/// A dataset with one chunk a step. Shuffle before deflate: the other way round it has no use.
-fn compressed<T: hdf5::H5Type>(
-    group: &hdf5::Group,
-    tuples: usize,
-    components: usize,
-) -> hdf5::DatasetBuilderEmpty {
-    let builder = group.new_dataset_builder().shuffle().deflate(DEFLATE);
-    let builder = if components == 1 {
-        builder.chunk(tuples.max(1))
-    } else {
-        builder.chunk((tuples.max(1), components))
-    };
-    builder.empty::<T>()
-}
-
-fn counts(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
-    group
-        .new_dataset::<i64>()
-        .chunk(SERIES_CHUNK)
-        .shape(0..)
-        .create(name)
-}
-
-fn reals(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
-    group
-        .new_dataset::<f64>()
-        .chunk(SERIES_CHUNK)
-        .shape(0..)
-        .create(name)
-}
-
-fn count_column(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
-    group
-        .new_dataset::<i64>()
-        .chunk((SERIES_CHUNK, 1))
-        .shape((0.., 1))
-        .create(name)
-}
-
-fn push<T: hdf5::H5Type>(series: &hdf5::Dataset, step: usize, value: T) -> hdf5::Result<()> {
-    series.resize(step + 1)?;
-    series.write_slice(&[value], step..step + 1)
 }

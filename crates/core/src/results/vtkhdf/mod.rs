@@ -1,7 +1,8 @@
 //! `results.vtkhdf`: the solids, the interfaces and their fields in time, for VTK ≥ 9.3 and
 //! ParaView ≥ 5.12.
 //!
-//! VTKHDF 2.0, two temporal `UnstructuredGrid`s ([`grid`]), of which VTK reads the first:
+//! VTKHDF 2.0, two temporal `UnstructuredGrid`s ([`grid`]), of which VTK reads the first, and the second by way
+//! of [`sidecar`]:
 //!
 //! ```text
 //! /VTKHDF        the solids, hexahedra
@@ -16,26 +17,34 @@
 //!   CellData/opening, damage, state         [step·point]
 //!   CellData/slip [step·point][2]   CellData/traction [step·point][normal, two shears]
 //!   CellData/facet, law                     [point], the same in every step
-//! /wythe         version, title, materials: names in the order of CellData/material
+//! /history       a series for each column of history.csv              [increment]
+//!   beams/…, supports/…  forces from outside [increment][xyz]   frame_increment [step]
+//! /model         version, title, materials: names in the order of CellData/material; deck and its hash
 //! ```
 //!
-//! Data, offsets, `NSteps`, then a flush: whatever a run is stopped by between two flushes, the file
-//! holds the steps that `NSteps` counts.
+//! Nobody sees the file while it is written ([`publication`]): it is whole at any moment.
 
+mod about;
 pub mod grid;
+mod history;
+mod publication;
 pub(super) mod quarters;
 pub mod read;
+mod series;
+mod sidecar;
+mod work;
 
 use std::io;
 use std::path::Path;
 
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 
-use super::Frame;
-use crate::model::{Mesh, Model};
-use grid::{Column, Geometry, Grid, On, Values};
-use quarters::Quarters;
+use super::{Frame, HistoryRow};
+use crate::model::Model;
+use publication::Publication;
+use work::WorkFile;
+
+pub use sidecar::path_of as sidecar_of;
 
 /// VTK's kinds of cells.
 const HEXAHEDRON: u8 = 12;
@@ -44,196 +53,145 @@ const QUAD: u8 = 9;
 /// Group of the interfaces in the file.
 pub const INTERFACES: &str = "interfaces";
 
-const fn column(name: &'static str, on: On, components: usize) -> Column {
-    Column {
-        name,
-        on,
-        components,
-    }
-}
-
-/// Fields of the solids; the last only where inertia may act.
-const SOLIDS: [Column; 9] = [
-    column("displacement", On::Points, 3),
-    column("stress", On::Cells, 6),
-    column("principal_stress", On::Cells, 3),
-    column("plastic_strain", On::Cells, 6),
-    column("tensile_damage", On::Cells, 1),
-    column("compressive_damage", On::Cells, 1),
-    column("crack_width", On::Cells, 1),
-    column("yielded", On::Cells, 0),
-    column("velocity", On::Points, 3),
-];
-
-/// Fields of the interfaces.
-const SURFACES: [Column; 6] = [
-    column("displacement", On::Points, 3),
-    column("opening", On::Cells, 1),
-    column("slip", On::Cells, 2),
-    column("traction", On::Cells, 3),
-    column("damage", On::Cells, 1),
-    column("state", On::Cells, 0),
-];
-
-/// Writes `results.vtkhdf` step by step.
+/// Writes `results.vtkhdf` step by step, into a work file that becomes it ([`publication`]).
 #[derive(Debug)]
 pub struct VtkHdfWriter {
-    file: hdf5::File,
-    solids: Grid,
-    interfaces: Option<(Quarters, Grid)>,
-    moves: bool,
+    publication: Publication,
+    /// None once it is closed, or could not be written.
+    open: Option<WorkFile>,
 }
 
 impl VtkHdfWriter {
-    /// Creates (or replaces) the file with the model's meshes and no steps.
+    /// Creates (or replaces) the file with the model's meshes and no steps, and the sidecar.
     ///
     /// # Errors
-    /// The file cannot be created or written.
+    /// The files cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
-        Self::create_hdf(path, model).map_err(|error| into_io(&error))
+        let publication = Publication::new(path);
+        let begun = WorkFile::create(&publication.work(), model);
+        let mut writer = Self::begin(publication, begun)?;
+        writer.publish()?;
+        // The first frame is shown at once, however long the empty file has taken.
+        writer.publication = Publication::new(path);
+        Ok(writer)
     }
 
-    /// Appends one step, on disk on return.
+    /// Goes on with the file of a run of this model after the frames and rows up to increment
+    /// `keep_increments`; later ones are dropped. Readers see the file as it was until the first frame is
+    /// written.
     ///
     /// # Errors
-    /// A field has not as many rows as the mesh has nodes or elements, or the file cannot be
-    /// written.
+    /// There is no such file, it is damaged or of another model, or it cannot be written.
+    pub fn reopen(path: &Path, model: &Model, keep_increments: usize) -> io::Result<Self> {
+        let publication = Publication::new(path);
+        std::fs::copy(path, publication.work())?;
+        let begun = WorkFile::open(&publication.work(), model, keep_increments);
+        Self::begin(publication, begun)
+    }
+
+    fn begin(publication: Publication, begun: hdf5::Result<WorkFile>) -> io::Result<Self> {
+        let sidecar = |open: &WorkFile| sidecar::write(publication.path(), open.has_interfaces());
+        let begun = begun.map_err(|error| into_io(&error));
+        match begun.and_then(|open| sidecar(&open).map(|()| open)) {
+            Ok(open) => Ok(Self {
+                publication,
+                open: Some(open),
+            }),
+            Err(error) => {
+                publication.abandon();
+                Err(error)
+            }
+        }
+    }
+
+    /// Keeps the deck's text and its hash, to be read beside the fields.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn keep_deck(&mut self, text: &str) -> io::Result<()> {
+        self.write(|open| open.keep_deck(text))
+    }
+
+    /// Takes the row of an increment, which is written with the next frame.
+    pub fn row(&mut self, row: &HistoryRow) {
+        if let Some(open) = &mut self.open {
+            open.row(row);
+        }
+    }
+
+    /// Appends one step. Readers see it at once if the last copy was long enough ago ([`publication`]), else
+    /// with a later one.
+    ///
+    /// # Errors
+    /// A field has not as many rows as the mesh has nodes or elements, which leaves the file as it was; or the
+    /// file cannot be written, and keeps the steps that readers have seen.
     pub fn append(&mut self, frame: &Frame) -> io::Result<()> {
-        self.append_hdf(frame).map_err(|error| into_io(&error))
+        let fields = self.opened()?.fields(frame);
+        let fields = fields.map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
+        self.write(|open| open.append(frame, &fields))?;
+        if self.publication.is_due() {
+            self.publication.publish()?;
+        }
+        Ok(())
+    }
+
+    /// Shows readers all steps and rows, however short ago the last copy was: for whoever needs them to
+    /// survive a kill.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn publish(&mut self) -> io::Result<()> {
+        self.write(WorkFile::flush)?;
+        self.publication.publish()
+    }
+
+    /// Closes the file with all steps and rows in it.
+    ///
+    /// # Errors
+    /// It cannot be written; readers keep what they have seen.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.close()
     }
 
     /// Steps written so far.
     pub fn steps(&self) -> usize {
-        self.solids.steps()
+        self.open.as_ref().map_or(0, WorkFile::steps)
     }
 
-    fn create_hdf(path: &Path, model: &Model) -> hdf5::Result<Self> {
-        let file = hdf5::File::create(path)?;
-        describe(&file, model)?;
-        let mesh = &model.mesh;
-        let solids = Geometry {
-            points: mesh.nodes.clone(),
-            connectivity: mesh
-                .elements
-                .as_flattened()
-                .iter()
-                .map(|&n| n.into())
-                .collect(),
-            corners: 8,
-            kind: HEXAHEDRON,
-        };
-        let moves = model.may_move();
-        let columns = if moves { &SOLIDS[..] } else { &SOLIDS[..8] };
-        let series: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
-        let root = file.create_group("VTKHDF")?;
-        let solids = Grid::create(&root, &solids, columns, &labels(mesh), &series)?;
-        let quarters = Quarters::of(model);
-        let interfaces = match quarters {
-            Some(quarters) => {
-                let root = file.create_group(INTERFACES)?;
-                let grid = Grid::create(
-                    &root,
-                    &quarters.geometry(),
-                    &SURFACES,
-                    &quarters.labels(),
-                    &[],
-                )?;
-                Some((quarters, grid))
-            }
-            None => None,
-        };
-        file.flush()?;
-        Ok(Self {
-            file,
-            solids,
-            interfaces,
-            moves,
-        })
+    fn opened(&mut self) -> io::Result<&mut WorkFile> {
+        let gone = || io::Error::other("it could not be written before");
+        self.open.as_mut().ok_or_else(gone)
     }
 
-    fn append_hdf(&mut self, frame: &Frame) -> hdf5::Result<()> {
-        // Both grids or neither: the second is written first, and the count of the first is what counts.
-        if let Some((quarters, grid)) = &mut self.interfaces {
-            let displacement = quarters.spread(&frame.displacement)?;
-            let of = &frame.interfaces;
-            let state: Vec<u8> = of.state.iter().map(|&s| s as u8).collect();
-            let columns = [
-                Values::Real(displacement.as_flattened()),
-                Values::Real(&of.opening),
-                Values::Real(of.slip.as_flattened()),
-                Values::Real(of.traction.as_flattened()),
-                Values::Real(&of.damage),
-                Values::Small(&state),
-            ];
-            grid.append(self.solids.steps(), frame.time, &columns, &[])?;
+    /// Writes to the work file. After a failure HDF5 cannot go on with it.
+    fn write(&mut self, write: impl FnOnce(&mut WorkFile) -> hdf5::Result<()>) -> io::Result<()> {
+        let written = write(self.opened()?).map_err(|error| into_io(&error));
+        if written.is_err() {
+            self.open = None;
+            self.publication.abandon();
         }
-        let principal = frame.principal_stresses();
-        let yielded: Vec<u8> = frame.yielded.iter().map(|&y| y.into()).collect();
-        let columns = [
-            Values::Real(frame.displacement.as_flattened()),
-            Values::Real(frame.stress.as_flattened()),
-            Values::Real(principal.as_flattened()),
-            Values::Real(frame.plastic_strain.as_flattened()),
-            Values::Real(&frame.tensile_damage),
-            Values::Real(&frame.compressive_damage),
-            Values::Real(&frame.crack_width),
-            Values::Small(&yielded),
-            Values::Real(frame.velocity.as_flattened()),
-        ];
-        let columns = if self.moves {
-            &columns[..]
-        } else {
-            &columns[..8]
+        written
+    }
+
+    fn close(&mut self) -> io::Result<()> {
+        let Some(open) = self.open.take() else {
+            return Ok(());
         };
-        let step = self.solids.steps();
-        self.solids
-            .append(step, frame.time, columns, &frame.probes)?;
-        self.file.flush()
+        match open.close() {
+            Ok(()) => self.publication.finish(),
+            Err(error) => {
+                self.publication.abandon();
+                Err(into_io(&error))
+            }
+        }
     }
 }
 
-/// Title, version and names of the materials, for whoever reads the file without VTK.
-fn describe(file: &hdf5::File, model: &Model) -> hdf5::Result<()> {
-    let group = file.create_group("wythe")?;
-    let unicode = |text: &str| -> hdf5::Result<VarLenUnicode> {
-        text.replace('\0', " ")
-            .parse()
-            .map_err(|_| format!("cannot store {text:?}").into())
-    };
-    let attribute = |name, text: &str| -> hdf5::Result<()> {
-        group
-            .new_attr::<VarLenUnicode>()
-            .shape(())
-            .create(name)?
-            .write_scalar(&unicode(text)?)
-    };
-    attribute("version", env!("CARGO_PKG_VERSION"))?;
-    attribute("title", &model.title)?;
-    let names: Vec<_> = model
-        .materials
-        .iter()
-        .map(|m| unicode(&m.name))
-        .collect::<hdf5::Result<_>>()?;
-    group
-        .new_attr::<VarLenUnicode>()
-        .shape(names.len())
-        .create("materials")?
-        .write(&names)
-}
-
-/// What an element belongs to, under the names of [`Mesh`].
-fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
-    [
-        (
-            "material",
-            mesh.material.iter().map(|&m| i64::from(m)).collect(),
-        ),
-        ("unit", mesh.unit.iter().map(|&u| i64::from(u)).collect()),
-        (
-            "course",
-            mesh.course.iter().map(|&c| i64::from(c)).collect(),
-        ),
-    ]
+impl Drop for VtkHdfWriter {
+    fn drop(&mut self) {
+        // Whoever wants to know calls `finish`.
+        let _ = self.close();
+    }
 }
 
 /// The system's error where HDF5 names one ("…, errno = 28, …"), else what HDF5 says.
@@ -248,122 +206,4 @@ fn into_io(error: &hdf5::Error) -> io::Error {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::results::fake;
-
-    #[test]
-    fn every_step_reads_back_from_its_own_offset() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("results.vtkhdf");
-        let model = fake::model();
-        let (nodes, elements) = (model.mesh.nodes.len(), model.mesh.elements.len());
-        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
-        let frames: Vec<_> = [0.5, 1.0, 1.5].map(|t| fake::frame(&model, t)).into();
-        for frame in &frames {
-            writer.append(frame).unwrap();
-        }
-        assert_eq!(writer.steps(), 3);
-        drop(writer);
-
-        let file = hdf5::File::open(&path).unwrap();
-        let root = file.group("VTKHDF").unwrap();
-        let steps = root.group("Steps").unwrap();
-        assert_eq!(
-            steps.attr("NSteps").unwrap().read_scalar::<i64>().unwrap(),
-            3
-        );
-        assert_eq!(
-            steps.dataset("Values").unwrap().read_raw::<f64>().unwrap(),
-            [0.5, 1.0, 1.5]
-        );
-        let offsets = steps.dataset("PointDataOffsets/displacement").unwrap();
-        let offsets = offsets.read_raw::<i64>().unwrap();
-        assert_eq!(offsets, [0, nodes as i64, 2 * nodes as i64]);
-        let stored = root
-            .dataset("PointData/displacement")
-            .unwrap()
-            .read_raw::<f64>()
-            .unwrap();
-        let stress = root
-            .dataset("CellData/stress")
-            .unwrap()
-            .read_raw::<f64>()
-            .unwrap();
-        for (i, frame) in frames.iter().enumerate() {
-            assert_eq!(
-                &stored[3 * nodes * i..][..3 * nodes],
-                frame.displacement.as_flattened()
-            );
-            assert_eq!(
-                &stress[6 * elements * i..][..6 * elements],
-                frame.stress.as_flattened()
-            );
-        }
-        let unit = root
-            .dataset("CellData/unit")
-            .unwrap()
-            .read_raw::<i64>()
-            .unwrap();
-        assert_eq!(unit.len(), elements);
-    }
-
-    #[test]
-    fn a_frame_of_another_mesh_is_refused_and_leaves_the_steps_as_they_were() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("results.vtkhdf");
-        let model = fake::model();
-        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
-        writer.append(&fake::frame(&model, 1.0)).unwrap();
-        let mut wrong = fake::frame(&model, 2.0);
-        wrong.stress.pop();
-        let error = writer.append(&wrong).unwrap_err().to_string();
-        assert!(error.contains("stress"), "{error}");
-        // The next whole frame takes its place.
-        writer.append(&fake::frame(&model, 3.0)).unwrap();
-        drop(writer);
-        let file = hdf5::File::open(&path).unwrap();
-        let values = file
-            .dataset("VTKHDF/Steps/Values")
-            .unwrap()
-            .read_raw::<f64>()
-            .unwrap();
-        assert_eq!(values, [1.0, 3.0]);
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn the_error_of_the_system_comes_through() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("missing/results.vtkhdf");
-        let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::NotFound, "{error}");
-        let path = folder.path().join("results.vtkhdf");
-        std::os::unix::fs::symlink("/dev/full", &path).unwrap();
-        let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{error}");
-    }
-
-    #[test]
-    fn a_copy_taken_without_closing_is_readable() {
-        // What a killed run leaves is the file as of the last flush.
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("results.vtkhdf");
-        let model = fake::model();
-        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
-        writer.append(&fake::frame(&model, 1.0)).unwrap();
-        let killed = folder.path().join("killed.vtkhdf");
-        std::fs::copy(&path, &killed).unwrap();
-        let file = hdf5::File::open(&killed).unwrap();
-        let count = file.group("VTKHDF/Steps").unwrap().attr("NSteps").unwrap();
-        assert_eq!(count.read_scalar::<i64>().unwrap(), 1);
-        let read = file
-            .dataset("VTKHDF/PointData/displacement")
-            .unwrap()
-            .read_raw::<f64>();
-        assert_eq!(
-            read.unwrap(),
-            fake::frame(&model, 1.0).displacement.as_flattened()
-        );
-    }
-}
+mod tests;

@@ -1,8 +1,7 @@
 //! The surface of the interfaces as quads: each slave facet in four, one around each contact point.
 
-use hdf5_metno as hdf5;
-
-use super::{Geometry, QUAD};
+use super::QUAD;
+use super::grid::Geometry;
 use crate::model::Model;
 
 /// Weights of a facet's corners at the nine points of its quarters: corners, middles of the edges from
@@ -68,14 +67,17 @@ impl Quarters {
     }
 
     /// A nodal field at the points of the quads. `[facet][9]`
-    pub fn spread(&self, field: &[[f64; 3]]) -> hdf5::Result<Vec<[f64; 3]>> {
+    ///
+    /// # Errors
+    /// It has no row for a node.
+    pub fn spread(&self, field: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, String> {
         let mut points = Vec::with_capacity(9 * self.facets.len());
         for facet in &self.facets {
             let mut corners = [[0.0; 3]; 4];
             for (corner, &n) in corners.iter_mut().zip(facet) {
                 let Some(value) = field.get(n as usize) else {
                     let message = format!("displacement: {} rows, node {n} has none", field.len());
-                    return Err(message.into());
+                    return Err(message);
                 };
                 *corner = *value;
             }

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
 
+use super::about::{self, MODEL};
+use super::history::{FRAME_INCREMENT, HISTORY};
 use super::{INTERFACES, into_io};
 use crate::results::{Frame, InterfaceFrame, InterfaceState};
 
@@ -39,42 +41,31 @@ pub struct FieldsFile {
     path: PathBuf,
     file: hdf5::File,
     times: Vec<f64>,
-    /// What is read in place of a file that a run holds; removed with this.
-    _copy: Option<tempfile::TempPath>,
+    /// Increment of each frame. `[frame]`
+    increments: Vec<usize>,
 }
 
 impl FieldsFile {
-    /// Opens a file, that of a run that goes on or was killed too. A run that goes on holds its file: a copy
-    /// of it is read then, which has the frames that were whole.
+    /// Opens a file. That of a run that goes on or was killed is whole, too, and has the frames that the run
+    /// had shown by then.
     ///
     /// # Errors
     /// There is no such file, or it holds no fields of wythe.
     pub fn open(path: &Path) -> io::Result<Self> {
         // HDF5 says it in many lines.
         std::fs::metadata(path)?;
-        match Self::open_at(path, None) {
-            Err(held) if held.kind() == io::ErrorKind::WouldBlock => {
-                let copy = tempfile::NamedTempFile::new()?.into_temp_path();
-                std::fs::copy(path, &copy)?;
-                Self::open_at(path, Some(copy))
-            }
-            opened => opened,
-        }
-    }
-
-    /// Opens the file, by reading the copy if there is one.
-    fn open_at(path: &Path, copy: Option<tempfile::TempPath>) -> io::Result<Self> {
         let open = || -> hdf5::Result<Self> {
-            let file = hdf5::File::open(copy.as_deref().unwrap_or(path))?;
+            let file = hdf5::File::open(path)?;
             let steps = file.group("VTKHDF/Steps")?;
             let count: i64 = steps.attr("NSteps")?.read_scalar()?;
             let mut times: Vec<f64> = steps.dataset("Values")?.read_raw()?;
             times.truncate(usize::try_from(count).unwrap_or(0));
+            let increments = file.group(HISTORY)?.dataset(FRAME_INCREMENT)?;
             Ok(Self {
                 path: path.to_owned(),
+                increments: whole(&increments.read_raw::<i64>()?)?,
                 file,
                 times,
-                _copy: copy,
             })
         };
         open().map_err(|error| into_io(&error))
@@ -90,17 +81,42 @@ impl FieldsFile {
         &self.times
     }
 
+    /// Increment of each frame.
+    pub fn increments(&self) -> &[usize] {
+        &self.increments
+    }
+
     /// Title of the model and version of the program.
     ///
     /// # Errors
     /// They cannot be read.
     pub fn title_and_version(&self) -> io::Result<(String, String)> {
         let read = |name: &str| -> hdf5::Result<String> {
-            let text: VarLenUnicode = self.file.group("wythe")?.attr(name)?.read_scalar()?;
+            let text: VarLenUnicode = self.file.group(MODEL)?.attr(name)?.read_scalar()?;
             Ok(text.to_string())
         };
         let both = || Ok((read("title")?, read("version")?));
         both().map_err(|error: hdf5::Error| into_io(&error))
+    }
+
+    /// Text of the deck and its hash; none of a run without a deck.
+    ///
+    /// # Errors
+    /// They cannot be read, or do not belong together.
+    pub fn deck(&self) -> io::Result<Option<(String, String)>> {
+        let read = || -> hdf5::Result<Option<(String, String)>> {
+            let group = self.file.group(MODEL)?;
+            if !group.link_exists(about::DECK) {
+                return Ok(None);
+            }
+            let text: VarLenUnicode = group.dataset(about::DECK)?.read_scalar()?;
+            let hash: VarLenUnicode = group.attr("hash")?.read_scalar()?;
+            if about::hash(&text) != hash.as_str() {
+                return Err("the deck has been changed: its hash is another".into());
+            }
+            Ok(Some((text.to_string(), hash.to_string())))
+        };
+        read().map_err(|error| into_io(&error))
     }
 
     /// Names of the materials.
@@ -109,7 +125,7 @@ impl FieldsFile {
     /// They cannot be read.
     pub fn materials(&self) -> io::Result<Vec<String>> {
         let read = || -> hdf5::Result<Vec<String>> {
-            let names = self.file.group("wythe")?.attr("materials")?;
+            let names = self.file.group(MODEL)?.attr("materials")?;
             let names = names.read_raw::<VarLenUnicode>()?;
             Ok(names.iter().map(ToString::to_string).collect())
         };
@@ -182,6 +198,7 @@ impl FieldsFile {
         let velocity = "VTKHDF/PointData/velocity";
         Ok(Frame {
             time,
+            increment: self.increments.get(frame).copied().unwrap_or(0),
             displacement: self.step(frame, "VTKHDF/PointData/displacement")?,
             velocity: match self.file.dataset(velocity) {
                 Ok(_) => self.step(frame, velocity)?,
@@ -300,26 +317,6 @@ mod tests {
         }
         let error = file.frame(3).unwrap_err().to_string();
         assert!(error.contains("no frame 3"), "{error}");
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn a_file_that_a_run_holds_is_read_as_far_as_it_is_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("results.vtkhdf");
-        let model = fake::model();
-        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
-        writer.append(&fake::frame(&model, 1.0)).unwrap();
-        drop(writer);
-        // As HDF5 does for a writer.
-        let held = std::fs::File::open(&path).unwrap();
-        held.lock().unwrap();
-        let file = FieldsFile::open(&path).unwrap();
-        assert_eq!((file.path(), file.times()), (path.as_path(), &[1.0][..]));
-        assert_eq!(
-            file.frame(0).unwrap().displacement,
-            fake::frame(&model, 1.0).displacement
-        );
     }
 
     #[test]

@@ -1,0 +1,305 @@
+//! `/history`: what `history.csv` has, and the reactions, a row an increment.
+//!
+//! Rows wait in memory until a frame is written: a series grows by all of them at once, since some thirty
+//! writes an increment would cost more than the increments of a small model.
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::FixedAscii;
+use ndarray::ArrayView2;
+use serde_json::{Map, Value};
+
+use super::series::{SERIES_CHUNK, count, counts, cut, mark_unit, push, reals};
+use crate::model::Model;
+use crate::results::HistoryRow;
+
+/// Group of the history in the file.
+pub const HISTORY: &str = "history";
+/// Increment of each frame, in the history. `[frame]`
+pub const FRAME_INCREMENT: &str = "frame_increment";
+
+/// Long enough for the name of a procedure.
+type Word = FixedAscii<32>;
+
+/// Writes the rows of the increments.
+#[derive(Debug)]
+pub struct History {
+    columns: Vec<(String, Kind, hdf5::Dataset)>,
+    /// `[probe]`, each `[increment]`
+    probes: Vec<hdf5::Dataset>,
+    /// `[beam, support]`, each `[increment][xyz]`
+    reactions: Vec<hdf5::Dataset>,
+    /// `[frame]`
+    frame_increment: hdf5::Dataset,
+    /// Rows written.
+    rows: usize,
+    waiting: Vec<HistoryRow>,
+}
+
+/// What the values of a column are.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Whole,
+    Real,
+    Word,
+}
+
+/// The columns that every history has, in the order of [`HistoryRow`]'s names.
+fn columns() -> impl Iterator<Item = (String, Kind)> {
+    let kind = |value: &Value| match value {
+        Value::Number(number) if !number.is_f64() => Kind::Whole,
+        Value::String(_) => Kind::Word,
+        _ => Kind::Real,
+    };
+    as_map(&HistoryRow::default())
+        .into_iter()
+        .map(move |(name, value)| (name, kind(&value)))
+}
+
+/// A plain structure of numbers: it is a map.
+fn as_map(row: &HistoryRow) -> Map<String, Value> {
+    match serde_json::to_value(row) {
+        Ok(Value::Object(map)) => map,
+        _ => Map::new(),
+    }
+}
+
+/// Unit of a column, as its name ends.
+fn unit_of(column: &str) -> &'static str {
+    const ENDS: [(&str, &str); 5] = [
+        ("_mm_per_s", "mm/s"),
+        ("_mm2", "mm2"),
+        ("_mm", "mm"),
+        ("_kN", "kN"),
+        ("_J", "J"),
+    ];
+    match ENDS.iter().find(|(end, _)| column.ends_with(end)) {
+        Some((_, unit)) => unit,
+        None if column == "time" => "s",
+        None => "1",
+    }
+}
+
+/// Paths of the reactions in the group: names without what HDF5 reads in them, and each once.
+fn reaction_names(model: &Model) -> Vec<String> {
+    let beams = model.beams.iter().map(|b| ("beams", &b.name));
+    let supports = model.supports.iter().map(|s| ("supports", &s.name));
+    let mut names: Vec<String> = Vec::new();
+    for (group, name) in beams.chain(supports) {
+        let plain = name.replace(['/', '\0'], "_");
+        let plain = if plain.trim_matches('.').is_empty() {
+            "_"
+        } else {
+            &plain
+        };
+        let mut path = format!("{group}/{plain}");
+        let mut number = 2;
+        while names.contains(&path) {
+            path = format!("{group}/{plain} ({number})");
+            number += 1;
+        }
+        names.push(path);
+    }
+    names
+}
+
+impl History {
+    /// Begins the series in a new group of the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn create(file: &hdf5::File, model: &Model) -> hdf5::Result<Self> {
+        let group = file.create_group(HISTORY)?;
+        for name in ["beams", "supports"] {
+            group.create_group(name)?;
+        }
+        let mut history = Self {
+            columns: Vec::new(),
+            probes: Vec::new(),
+            reactions: Vec::new(),
+            frame_increment: counts(&group, FRAME_INCREMENT)?,
+            rows: 0,
+            waiting: Vec::new(),
+        };
+        mark_unit(&history.frame_increment, "1")?;
+        for (name, kind) in columns() {
+            let series = match kind {
+                Kind::Whole => counts(&group, &name)?,
+                Kind::Real => reals(&group, &name)?,
+                Kind::Word => group
+                    .new_dataset::<Word>()
+                    .chunk(SERIES_CHUNK)
+                    .shape(0..)
+                    .create(name.as_str())?,
+            };
+            mark_unit(&series, unit_of(&name))?;
+            history.columns.push((name, kind, series));
+        }
+        for probe in &model.probes {
+            let series = reals(&group, &probe.column)?;
+            mark_unit(&series, unit_of(&probe.column))?;
+            history.probes.push(series);
+        }
+        for name in reaction_names(model) {
+            let series = group
+                .new_dataset::<f64>()
+                .chunk((SERIES_CHUNK, 3))
+                .shape((0.., 3))
+                .create(name.as_str())?;
+            mark_unit(&series, "N")?;
+            history.reactions.push(series);
+        }
+        Ok(history)
+    }
+
+    /// Opens the series of a run of this model and drops what came after an increment.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or holds another history.
+    pub fn open(file: &hdf5::File, model: &Model, increment: usize) -> hdf5::Result<Self> {
+        let group = file.group(HISTORY)?;
+        let rows = until(&group.dataset("increment")?, increment)?;
+        let frames = frames_until(file, increment)?;
+        let series = |name: &str, length: usize| {
+            let series = group.dataset(name)?;
+            cut(&series, length).map(|()| series)
+        };
+        Ok(Self {
+            columns: columns()
+                .map(|(name, kind)| series(&name, rows).map(|s| (name, kind, s)))
+                .collect::<hdf5::Result<_>>()?,
+            probes: model
+                .probes
+                .iter()
+                .map(|probe| series(&probe.column, rows))
+                .collect::<hdf5::Result<_>>()?,
+            reactions: reaction_names(model)
+                .iter()
+                .map(|name| series(name, rows))
+                .collect::<hdf5::Result<_>>()?,
+            frame_increment: series(FRAME_INCREMENT, frames)?,
+            rows,
+            waiting: Vec::new(),
+        })
+    }
+
+    /// Takes a row, which is written with the next frame.
+    pub fn push(&mut self, row: &HistoryRow) {
+        self.waiting.push(row.clone());
+    }
+
+    /// Says to which increment a frame belongs.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn frame(&self, frame: usize, increment: usize) -> hdf5::Result<()> {
+        push(&self.frame_increment, frame, count(increment))
+    }
+
+    /// Writes the rows that wait. Values that were not given are NaN.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self) -> hdf5::Result<()> {
+        let (from, to) = (self.rows, self.rows + self.waiting.len());
+        if from == to {
+            return Ok(());
+        }
+        let maps: Vec<_> = self.waiting.iter().map(as_map).collect();
+        for (name, kind, series) in &self.columns {
+            series.resize(to)?;
+            let values = maps.iter().map(|map| map.get(name));
+            match kind {
+                Kind::Whole => {
+                    let whole = values.map(|v| v.and_then(Value::as_i64).unwrap_or(i64::MAX));
+                    series.write_slice(&whole.collect::<Vec<_>>(), from..to)?;
+                }
+                Kind::Real => {
+                    let real = values.map(|v| v.and_then(Value::as_f64).unwrap_or(f64::NAN));
+                    series.write_slice(&real.collect::<Vec<_>>(), from..to)?;
+                }
+                Kind::Word => {
+                    let word = |v: Option<&Value>| {
+                        let text = v.and_then(Value::as_str).unwrap_or_default();
+                        Word::from_ascii(text.as_bytes())
+                            .map_err(|error| format!("cannot store {text:?}: {error}").into())
+                    };
+                    let words = values.map(word).collect::<hdf5::Result<Vec<_>>>()?;
+                    series.write_slice(&words, from..to)?;
+                }
+            }
+        }
+        for (p, series) in self.probes.iter().enumerate() {
+            let of = |row: &HistoryRow| row.probes.get(p).copied().unwrap_or(f64::NAN);
+            series.resize(to)?;
+            series.write_slice(&self.waiting.iter().map(of).collect::<Vec<_>>(), from..to)?;
+        }
+        for (r, series) in self.reactions.iter().enumerate() {
+            let of = |row: &HistoryRow| row.reactions.get(r).copied().unwrap_or([f64::NAN; 3]);
+            let forces: Vec<[f64; 3]> = self.waiting.iter().map(of).collect();
+            series.resize((to, 3))?;
+            series.write_slice(ArrayView2::from(forces.as_slice()), (from..to, ..))?;
+        }
+        self.rows = to;
+        self.waiting.clear();
+        Ok(())
+    }
+}
+
+/// How many frames there are up to an increment.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn frames_until(file: &hdf5::File, increment: usize) -> hdf5::Result<usize> {
+    until(&file.group(HISTORY)?.dataset(FRAME_INCREMENT)?, increment)
+}
+
+/// How many of the increments, which grow, are not beyond one.
+fn until(increments: &hdf5::Dataset, last: usize) -> hdf5::Result<usize> {
+    let last = count(last);
+    Ok(increments
+        .read_raw::<i64>()?
+        .partition_point(|&increment| increment <= last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scene::{Beam, Support};
+    use crate::results::fake;
+
+    #[test]
+    fn every_column_has_a_unit_and_names_are_plain() {
+        let unit = |name| unit_of(name);
+        assert_eq!(unit("force_kN"), "kN");
+        assert_eq!(unit("external_work_J"), "J");
+        assert_eq!(unit("contact_area_mm2"), "mm2");
+        assert_eq!(unit("top_mm_per_s"), "mm/s");
+        assert_eq!(
+            (unit("time"), unit("increment"), unit("load_factor")),
+            ("s", "1", "1")
+        );
+        let mut model = fake::model();
+        let held = |name: &str| Support {
+            name: name.to_owned(),
+            nodes: vec![0],
+            fixed: [true; 3],
+        };
+        model.supports = ["a/b", "a_b", "..", "base"].map(held).into();
+        model.beams = vec![Beam {
+            name: "base".to_owned(),
+            nodes: vec![1],
+            area: 1.0,
+            normal: [0.0, 0.0, 1.0],
+        }];
+        assert_eq!(
+            reaction_names(&model),
+            [
+                "beams/base",
+                "supports/a_b",
+                "supports/a_b (2)",
+                "supports/_",
+                "supports/base"
+            ]
+        );
+    }
+}

@@ -1,0 +1,277 @@
+//! The file as HDF5 holds it open: two grids, the history, the model.
+
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+
+use super::grid::{Column, Geometry, Grid, On, Values};
+use super::history::{self, History};
+use super::quarters::Quarters;
+use super::{HEXAHEDRON, INTERFACES, about};
+use crate::model::{Mesh, Model};
+use crate::results::{Frame, HistoryRow};
+
+const fn column(name: &'static str, on: On, components: usize, unit: &'static str) -> Column {
+    Column {
+        name,
+        on,
+        components,
+        unit,
+    }
+}
+
+/// Fields of the solids; the last only where inertia may act.
+const SOLIDS: [Column; 9] = [
+    column("displacement", On::Points, 3, "mm"),
+    column("stress", On::Cells, 6, "MPa"),
+    column("principal_stress", On::Cells, 3, "MPa"),
+    column("plastic_strain", On::Cells, 6, "1"),
+    column("tensile_damage", On::Cells, 1, "1"),
+    column("compressive_damage", On::Cells, 1, "1"),
+    column("crack_width", On::Cells, 1, "mm"),
+    column("yielded", On::Cells, 0, "1"),
+    column("velocity", On::Points, 3, "mm/s"),
+];
+
+/// Fields of the interfaces.
+const SURFACES: [Column; 6] = [
+    column("displacement", On::Points, 3, "mm"),
+    column("opening", On::Cells, 1, "mm"),
+    column("slip", On::Cells, 2, "mm"),
+    column("traction", On::Cells, 3, "MPa"),
+    column("damage", On::Cells, 1, "1"),
+    column("state", On::Cells, 0, "1"),
+];
+
+/// The work file. Its parts drop before the file, which closes when nothing of it is held any more.
+#[derive(Debug)]
+pub struct WorkFile {
+    solids: Grid,
+    interfaces: Option<(Quarters, Grid)>,
+    history: History,
+    moves: bool,
+    file: hdf5::File,
+}
+
+/// What a grid is made of.
+struct Meshed<'a> {
+    geometry: &'a Geometry,
+    columns: &'a [Column],
+    labels: &'a [(&'static str, Vec<i64>)],
+    series: &'a [&'a str],
+}
+
+/// Fields of a frame that the file has in another form.
+pub struct Fields {
+    principal_stress: Vec<[f64; 3]>,
+    yielded: Vec<u8>,
+    /// Of the interfaces' corners. `[corner][xyz]`
+    displacement: Vec<[f64; 3]>,
+    state: Vec<u8>,
+}
+
+impl WorkFile {
+    /// Begins a file with the model's meshes and no steps, on disk on return.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn create(path: &Path, model: &Model) -> hdf5::Result<Self> {
+        let file = hdf5::File::create(path)?;
+        about::write(&file, model)?;
+        let history = History::create(&file, model)?;
+        Self::with(file, history, model, |file, name, of| {
+            let root = file.create_group(name)?;
+            Grid::create(&root, of.geometry, of.columns, of.labels, of.series)
+        })
+    }
+
+    /// Opens the file of a run of this model, to go on after an increment; what came later is dropped.
+    ///
+    /// # Errors
+    /// It cannot be read or written, or is of another model.
+    pub fn open(path: &Path, model: &Model, increment: usize) -> hdf5::Result<Self> {
+        let file = hdf5::File::open_rw(path)?;
+        let frames = history::frames_until(&file, increment)?;
+        let history = History::open(&file, model, increment)?;
+        Self::with(file, history, model, |file, name, of| {
+            let root = file.group(name)?;
+            Grid::open(&root, of.geometry, of.columns, of.labels, of.series, frames)
+        })
+    }
+
+    /// With the grids of a model, each as `grid` makes it in the group of that name.
+    fn with(
+        file: hdf5::File,
+        history: History,
+        model: &Model,
+        grid: impl Fn(&hdf5::File, &str, &Meshed) -> hdf5::Result<Grid>,
+    ) -> hdf5::Result<Self> {
+        let mesh = &model.mesh;
+        let ids = mesh.elements.as_flattened();
+        let moves = model.may_move();
+        let series: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
+        let solids = Meshed {
+            geometry: &Geometry {
+                points: mesh.nodes.clone(),
+                connectivity: ids.iter().map(|&n| n.into()).collect(),
+                corners: 8,
+                kind: HEXAHEDRON,
+            },
+            columns: present(&SOLIDS, moves),
+            labels: &labels(mesh),
+            series: &series,
+        };
+        let solids = grid(&file, "VTKHDF", &solids)?;
+        let interfaces = match Quarters::of(model) {
+            Some(quarters) => {
+                let surfaces = Meshed {
+                    geometry: &quarters.geometry(),
+                    columns: &SURFACES,
+                    labels: &quarters.labels(),
+                    series: &[],
+                };
+                let grid = grid(&file, INTERFACES, &surfaces)?;
+                Some((quarters, grid))
+            }
+            None => None,
+        };
+        file.flush()?;
+        Ok(Self {
+            solids,
+            interfaces,
+            history,
+            moves,
+            file,
+        })
+    }
+
+    /// Steps written so far.
+    pub fn steps(&self) -> usize {
+        self.solids.steps()
+    }
+
+    /// Whether the model has interfaces.
+    pub fn has_interfaces(&self) -> bool {
+        self.interfaces.is_some()
+    }
+
+    /// Keeps the deck's text.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn keep_deck(&self, text: &str) -> hdf5::Result<()> {
+        about::write_deck(&self.file, text)
+    }
+
+    /// Takes the row of an increment.
+    pub fn row(&mut self, row: &HistoryRow) {
+        self.history.push(row);
+    }
+
+    /// Prepares a frame; nothing is written.
+    ///
+    /// # Errors
+    /// It is not of these meshes.
+    pub fn fields(&self, frame: &Frame) -> Result<Fields, String> {
+        let mut fields = Fields {
+            principal_stress: frame.principal_stresses(),
+            yielded: frame.yielded.iter().map(|&y| y.into()).collect(),
+            displacement: Vec::new(),
+            state: frame.interfaces.state.iter().map(|&s| s as u8).collect(),
+        };
+        if let Some((quarters, grid)) = &self.interfaces {
+            fields.displacement = quarters.spread(&frame.displacement)?;
+            grid.check(&fields.of_surfaces(frame), &[])?;
+        }
+        let solids = fields.of_solids(frame);
+        self.solids
+            .check(present(&solids, self.moves), &frame.probes)?;
+        Ok(fields)
+    }
+
+    /// Appends a step, on disk on return.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn append(&mut self, frame: &Frame, fields: &Fields) -> hdf5::Result<()> {
+        let (step, time) = (self.solids.steps(), frame.time);
+        if let Some((_, grid)) = &mut self.interfaces {
+            grid.append(step, time, &fields.of_surfaces(frame), &[])?;
+        }
+        let solids = fields.of_solids(frame);
+        let solids = present(&solids, self.moves);
+        self.solids.append(step, time, solids, &frame.probes)?;
+        self.history.frame(step, frame.increment)?;
+        self.flush()
+    }
+
+    /// Writes the rows that wait and leaves nothing in memory.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn flush(&mut self) -> hdf5::Result<()> {
+        self.history.write()?;
+        self.file.flush()
+    }
+
+    /// Closes the file with everything in it.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn close(mut self) -> hdf5::Result<()> {
+        self.flush()?;
+        let file = self.file;
+        drop((self.solids, self.interfaces, self.history));
+        file.close()
+    }
+}
+
+impl Fields {
+    /// In the order of [`SOLIDS`].
+    fn of_solids<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SOLIDS.len()] {
+        [
+            Values::Real(frame.displacement.as_flattened()),
+            Values::Real(frame.stress.as_flattened()),
+            Values::Real(self.principal_stress.as_flattened()),
+            Values::Real(frame.plastic_strain.as_flattened()),
+            Values::Real(&frame.tensile_damage),
+            Values::Real(&frame.compressive_damage),
+            Values::Real(&frame.crack_width),
+            Values::Small(&self.yielded),
+            Values::Real(frame.velocity.as_flattened()),
+        ]
+    }
+
+    /// In the order of [`SURFACES`].
+    fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SURFACES.len()] {
+        let of = &frame.interfaces;
+        [
+            Values::Real(self.displacement.as_flattened()),
+            Values::Real(&of.opening),
+            Values::Real(of.slip.as_flattened()),
+            Values::Real(of.traction.as_flattened()),
+            Values::Real(&of.damage),
+            Values::Small(&self.state),
+        ]
+    }
+}
+
+/// All fields of the solids, or all but the last where nothing moves.
+fn present<T>(solids: &[T; SOLIDS.len()], moves: bool) -> &[T] {
+    &solids[..SOLIDS.len() - usize::from(!moves)]
+}
+
+/// What an element belongs to, under the names of [`Mesh`].
+fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
+    [
+        (
+            "material",
+            mesh.material.iter().map(|&m| i64::from(m)).collect(),
+        ),
+        ("unit", mesh.unit.iter().map(|&u| i64::from(u)).collect()),
+        (
+            "course",
+            mesh.course.iter().map(|&c| i64::from(c)).collect(),
+        ),
+    ]
+}
