@@ -30,6 +30,7 @@ const RUN_HELP: &str = "\
 The folder then holds:
   history.csv            a row an increment [mm, kN, J], written as the run goes
   results.vtkhdf         displacements, stresses, damage: ParaView 5.12, VTK 9.3 or later
+  model.toml, checkpoint.bin   for `wythe resume`, should the run be stopped
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
@@ -38,6 +39,18 @@ a second Ctrl-C stops at once.
 Examples:
   wythe run examples/03_shear_wall_j7d.toml
   wythe run wall.toml --out fine.out --set wall.mesh=fine --set steps.1.displacement='6 mm'";
+
+const RESUME_HELP: &str = "\
+A run writes checkpoint.bin as it goes. Whatever stopped it (Ctrl-C, a kill, the power), it goes on from \
+there, and history.csv becomes what it would have been, to the last bit. Rows and frames after the \
+checkpoint are computed again. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
+that the run began with. Only the last step may become longer: its displacement, angle or duration. It \
+keeps its speed and its increments in mm, deg or s.
+
+Examples:
+  wythe resume wall.out
+  wythe resume wall.out --threads 4 --set output.every=1
+  wythe resume wall.out --set steps.1.displacement='6 mm'";
 
 const CHECK_HELP: &str = "\
 Prints warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
@@ -89,6 +102,9 @@ pub enum Command {
     /// Run a model through all its steps.
     #[command(after_help = RUN_HELP)]
     Run(Run),
+    /// Go on with a run that stopped, from its last checkpoint.
+    #[command(after_help = RESUME_HELP)]
+    Resume(Resume),
     /// Check a model without running it: syntax, units, ranges, physics, sizes.
     #[command(after_help = CHECK_HELP)]
     Check(Check),
@@ -153,6 +169,19 @@ pub struct Run {
     /// Folder for the results [default: MODEL.out beside the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Threads; results do not depend on them [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub with: ModelArguments,
+}
+
+/// `wythe resume`
+#[derive(Debug, Args)]
+pub struct Resume {
+    /// Folder of the run.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
     /// Threads; results do not depend on them [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

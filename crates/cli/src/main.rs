@@ -6,6 +6,7 @@ mod check;
 mod drive;
 mod failure;
 mod interrupt;
+mod resume;
 mod run;
 mod study;
 mod terminal;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
 fn dispatch(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Resume(arguments) => resume::resume(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Study(arguments) => study::study(arguments),

@@ -1,13 +1,14 @@
 //! `wythe run`: from a TOML file to its folder of results.
 
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use wythe_core::model::{Deck, Model};
 use wythe_core::results::{
     Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
 };
-use wythe_core::solve::{self, RunError};
+use wythe_core::solve::{self, Checkpoint, RunError};
 
 use crate::arguments::Run;
 use crate::check::print;
@@ -20,12 +21,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
     let (model, warnings) = Model::from_deck(&deck)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    if let Some(threads) = arguments.threads {
-        // Only a second call could fail, and this is the only one.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
-        pool.build_global()
-            .map_err(|error| Failure::Model(miette::Report::msg(error)))?;
-    }
+    take_threads(arguments.threads)?;
     let out = arguments
         .out
         .clone()
@@ -34,25 +30,38 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     let interrupt = Interrupt::listen();
-    let directory = RunDirectory::create(&out, &model)?;
+    let mut directory = RunDirectory::create(&out, &model)?;
     directory.keep_deck(&deck)?;
-    record(&model, &warnings, directory, &interrupt, |recorder| {
+    let terminal = Terminal::new(&model);
+    let sinks = (directory, terminal);
+    record(&model, &warnings, sinks, &interrupt, |recorder| {
         solve::run(&model, recorder)
     })
 }
 
+/// So many threads; all cores if none are named.
+pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    // Only a second call could fail, and this is the only one.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+    pool.build_global()
+        .map_err(|error| Failure::Model(miette::Report::msg(error)))
+}
+
 /// Runs `solve` into the folder of a run, and says how it ended.
-fn record(
+pub fn record(
     model: &Model,
     warnings: &[String],
-    directory: RunDirectory,
+    (directory, terminal): (RunDirectory, Terminal),
     interrupt: &Interrupt,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
     let out = directory.path().to_owned();
     let mut watched = Watched {
         directory,
-        terminal: Terminal::new(model),
+        terminal,
         interrupt,
     };
     let ended = solve(&mut watched);
@@ -84,6 +93,10 @@ impl Recorder for Watched<'_> {
         let go_on = self.directory.take(model, row, frame)?;
         self.terminal.increment(row);
         Ok(go_on && !self.interrupt.requested())
+    }
+
+    fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> io::Result<()> {
+        self.directory.checkpoint(last, make)
     }
 
     fn note(&mut self, text: &str) {
@@ -119,6 +132,9 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         summary.energy_balance_error
     ));
     lines.push(format!("results in {}", out.display()));
+    if summary.status == Status::Interrupted {
+        lines.push(format!("to go on: wythe resume {}", out.display()));
+    }
     lines.join("\n") + "\n"
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use wythe_core::model::Model;
 use wythe_core::results::HistoryRow;
-use wythe_core::solve::Method;
+use wythe_core::solve::{Checkpoint, Method};
 
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
@@ -73,6 +73,20 @@ impl Terminal {
             last: String::new(),
             increment: 0,
             pace: Pace::default(),
+        }
+    }
+
+    /// For a run of this model that goes on from a checkpoint, from now.
+    pub fn resumed(model: &Model, checkpoint: &Checkpoint) -> Self {
+        let at = [0.0, checkpoint.time()];
+        Self {
+            increment: checkpoint.increments(),
+            pace: Pace {
+                step: checkpoint.step(),
+                start: at,
+                now: at,
+            },
+            ..Self::new(model)
         }
     }
 

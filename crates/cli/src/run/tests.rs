@@ -91,7 +91,8 @@ fn recorded(
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
     let directory = RunDirectory::create(out, model)?;
-    record(model, &warnings(), directory, &Interrupt::default(), solve)
+    let sinks = (directory, Terminal::new(model));
+    record(model, &warnings(), sinks, &Interrupt::default(), solve)
 }
 
 fn warnings() -> Vec<String> {
@@ -138,7 +139,8 @@ fn an_interrupt_ends_the_run_after_the_increment_with_everything_written() {
     let interrupt = Interrupt::default();
     interrupt.request();
     let directory = RunDirectory::create(&out, &model).unwrap();
-    let ended = record(&model, &warnings(), directory, &interrupt, |recorder| {
+    let sinks = (directory, Terminal::new(&model));
+    let ended = record(&model, &warnings(), sinks, &interrupt, |recorder| {
         solve(&model, recorder, 5, Status::Completed)
     });
     assert_eq!(ended.unwrap_err().exit_code(), 130);

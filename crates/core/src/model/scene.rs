@@ -288,7 +288,7 @@ pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
 }
 
 /// Sizes of increments, as fractions of the step's duration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Increments {
     /// First.
     pub initial: f64,

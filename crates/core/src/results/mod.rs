@@ -4,11 +4,13 @@
 //! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
 //!                                               ├─▶ results.vtkhdf       a step an output increment
 //!                                               ├─▶ model.toml           the deck, overrides taken in
+//!                                               ├─▶ checkpoint.bin       to go on from, replaced as the run goes
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
-//! RunFolder reads them back.
+//! RunFolder reads them back; StoppedRun goes on with them.
 //! ```
 
+pub mod checkpoint;
 pub mod curve;
 pub mod directory;
 pub mod elevation;
@@ -16,6 +18,7 @@ pub mod frame;
 pub mod history;
 pub mod plot;
 pub mod reading;
+pub mod resuming;
 pub mod summary;
 pub mod usage;
 pub mod vtkhdf;
@@ -30,6 +33,7 @@ pub use frame::{
 };
 pub use history::HistoryWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
+pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

@@ -13,6 +13,8 @@
 //! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
 //! inertia at once. Every other procedure is a ladder of one rung.
 
+use serde::{Deserialize, Serialize};
+
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
@@ -46,7 +48,7 @@ pub enum Answer {
 }
 
 /// The methods of a step, the one that is used now, and what it must show before it is left.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Ladder {
     rungs: Vec<Method>,
     at: usize,
@@ -102,6 +104,19 @@ impl Ladder {
             passed_over: 0,
             snaps: false,
         }
+    }
+
+    /// Where this ladder was, as that of a step; none if the step has other methods.
+    pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
+        let Self { rungs, floor, .. } = Self::new(model, step, all_has_mass);
+        let fits = self.rungs == rungs && self.at < rungs.len();
+        fits.then_some(Self { floor, ..self })
+    }
+
+    /// The whole step becomes `part` of a longer one.
+    pub fn lengthen(&mut self, part: f64) {
+        self.floor *= part;
+        self.left_at *= part;
     }
 
     /// Begins with inertia, if it may.

@@ -1,11 +1,13 @@
 //! From a frozen model to its converged frames.
 
+pub mod checkpoint;
 mod commit;
 mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
 mod fields;
+mod fingerprint;
 mod follow;
 mod ladder;
 mod line_search;
@@ -19,6 +21,7 @@ mod schedule;
 pub mod state;
 mod tally;
 
+pub use checkpoint::{Checkpoint, CheckpointError, resume};
 pub use drive::{RunError, run};
 pub use method::Method;
 pub use outcome::Clock;

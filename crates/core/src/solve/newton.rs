@@ -8,6 +8,8 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
+use serde::{Deserialize, Serialize};
+
 use super::dynamics::Motion;
 use super::line_search::{LineSearch, Probe};
 use super::loads::Loads;
@@ -50,6 +52,17 @@ pub struct Newton<'m> {
     pub clock: Clock,
 }
 
+/// What a step counts its loads and drives from.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Starts {
+    /// Displacements when the step began [mm]. `[slot]`
+    q: Vec<f64>,
+    /// Ends of the springs then [mm]. `[spring][xyz]`
+    spring_ends: Vec<[f64; 3]>,
+    /// Forces on the beams then [N]. `[slot]`
+    applied: Vec<f64>,
+}
+
 pub(super) fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
@@ -81,6 +94,36 @@ impl<'m> Newton<'m> {
             loads,
             motion: None,
             clock: Clock::default(),
+        }
+    }
+
+    /// What the step counts from.
+    pub fn starts(&self) -> Starts {
+        Starts {
+            q: self.q_start.clone(),
+            spring_ends: self.ends_start.clone(),
+            applied: self.loads.applied_start.clone(),
+        }
+    }
+
+    /// Counts from where the step once began; false if that was in another model.
+    pub fn begin_from(&mut self, starts: Starts) -> bool {
+        let sizes = [starts.q.len(), starts.applied.len()];
+        if sizes != [self.q.len(); 2] || starts.spring_ends.len() != self.ends_start.len() {
+            return false;
+        }
+        (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
+        self.loads.applied_start.clone_from(&starts.applied);
+        self.loads_start.applied_start = starts.applied;
+        true
+    }
+
+    /// Goes on by the method that led to `state`.
+    pub fn rejoin(&mut self, method: Method, system: &System, state: &State) {
+        self.method = method;
+        self.motion = Motion::new(self.step, method, system, &self.equations);
+        if let Some(motion) = &mut self.motion {
+            motion.rejoin(state);
         }
     }
 
