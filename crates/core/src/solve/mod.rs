@@ -2,12 +2,14 @@
 
 mod balance;
 mod closure;
+pub mod checkpoint;
 mod commit;
 mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
 mod fields;
+mod fingerprint;
 mod follow;
 mod hidden;
 mod ladder;
@@ -23,6 +25,7 @@ pub mod state;
 mod stop;
 mod tally;
 
+pub use checkpoint::{Checkpoint, CheckpointError, resume};
 pub use drive::{RunError, run};
 pub use method::Method;
 pub use outcome::Clock;

@@ -171,6 +171,71 @@ impl Grid {
         Ok(grid)
     }
 
+    /// Opens a grid that [`Grid::create`] wrote, to go on after its first `steps` steps.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or is another grid's.
+    pub fn open(
+        root: &hdf5::Group,
+        geometry: &Geometry,
+        columns: &[Column],
+        labels: &[(&str, Vec<i64>)],
+        series: &[&str],
+        steps: usize,
+    ) -> hdf5::Result<Self> {
+        let group = root.group("Steps")?;
+        let step_count = group.attr("NSteps")?;
+        let written: i64 = step_count.read_scalar()?;
+        if written < count(steps) {
+            return Err(format!("{} has {written} steps, not {steps}", root.name()).into());
+        }
+        let zeros = ["PartOffsets", "PointOffsets"]
+            .into_iter()
+            .map(String::from);
+        let of_labels = labels.iter().map(|(l, _)| format!("CellDataOffsets/{l}"));
+        let zero_columns = ["CellOffsets", "ConnectivityIdOffsets"];
+        let field = |kind: &str, name: &str, tuples, components| -> hdf5::Result<Field> {
+            Ok(Field {
+                data: root.dataset(&format!("{kind}/{name}"))?,
+                offsets: group.dataset(&format!("{kind}Offsets/{name}"))?,
+                tuples,
+                components,
+            })
+        };
+        let of_column = |column: &Column| {
+            let (kind, tuples) = match column.on {
+                On::Points => ("PointData", geometry.points.len()),
+                On::Cells => ("CellData", geometry.cells()),
+            };
+            field(kind, column.name, tuples, column.components.max(1))
+        };
+        let grid = Self {
+            steps,
+            values: group.dataset("Values")?,
+            zeros: zeros
+                .chain(of_labels)
+                .map(|name| group.dataset(&name))
+                .collect::<hdf5::Result<_>>()?,
+            zero_columns: zero_columns
+                .iter()
+                .map(|name| group.dataset(name))
+                .collect::<hdf5::Result<_>>()?,
+            parts: group.dataset("NumberOfParts")?,
+            fields: columns.iter().map(of_column).collect::<hdf5::Result<_>>()?,
+            series: series
+                .iter()
+                .map(|name| field("FieldData", name, 1, 1))
+                .collect::<hdf5::Result<_>>()?,
+            series_sizes: series
+                .iter()
+                .map(|name| group.dataset(&format!("FieldDataSizes/{name}")))
+                .collect::<hdf5::Result<_>>()?,
+            step_count,
+        };
+        grid.step_count.write_scalar(&count(steps))?;
+        Ok(grid)
+    }
+
     /// Steps written so far.
     pub fn steps(&self) -> usize {
         self.steps

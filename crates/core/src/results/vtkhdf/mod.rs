@@ -25,6 +25,7 @@
 pub mod grid;
 pub(super) mod quarters;
 pub mod read;
+mod whole;
 
 use std::io;
 use std::path::Path;
@@ -93,6 +94,19 @@ impl VtkHdfWriter {
         Self::create_hdf(path, model).map_err(|error| into_io(&error))
     }
 
+    /// Opens the file of a run of this model, to go on after its first `steps` steps; those after them
+    /// are overwritten.
+    ///
+    /// # Errors
+    /// The file is damaged or another model's, has fewer steps, or cannot be written.
+    pub fn resume(path: &Path, model: &Model, steps: usize) -> io::Result<Self> {
+        if !whole::is_whole(path)? {
+            let why = "it was stopped while a frame was being written";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+        }
+        Self::resume_hdf(path, model, steps).map_err(|error| into_io(&error))
+    }
+
     /// Appends one step, on disk on return.
     ///
     /// # Errors
@@ -110,6 +124,41 @@ impl VtkHdfWriter {
     fn create_hdf(path: &Path, model: &Model) -> hdf5::Result<Self> {
         let file = hdf5::File::create(path)?;
         describe(&file, model)?;
+        Self::of_grids(
+            file,
+            model,
+            |file, name, geometry, columns, labels, series| {
+                let root = file.create_group(name)?;
+                Grid::create(&root, geometry, columns, labels, series)
+            },
+        )
+    }
+
+    fn resume_hdf(path: &Path, model: &Model, steps: usize) -> hdf5::Result<Self> {
+        let file = hdf5::File::open_rw(path)?;
+        Self::of_grids(
+            file,
+            model,
+            |file, name, geometry, columns, labels, series| {
+                let root = file.group(name)?;
+                Grid::open(&root, geometry, columns, labels, series, steps)
+            },
+        )
+    }
+
+    /// The grids of a model, each as `grid` makes it in the group of that name.
+    fn of_grids(
+        file: hdf5::File,
+        model: &Model,
+        grid: impl Fn(
+            &hdf5::File,
+            &str,
+            &Geometry,
+            &[Column],
+            &[(&str, Vec<i64>)],
+            &[&str],
+        ) -> hdf5::Result<Grid>,
+    ) -> hdf5::Result<Self> {
         let mesh = &model.mesh;
         let solids = Geometry {
             points: mesh.nodes.clone(),
@@ -125,19 +174,11 @@ impl VtkHdfWriter {
         let moves = model.may_move();
         let columns = if moves { &SOLIDS[..] } else { &SOLIDS[..8] };
         let series: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
-        let root = file.create_group("VTKHDF")?;
-        let solids = Grid::create(&root, &solids, columns, &labels(mesh), &series)?;
-        let quarters = Quarters::of(model);
-        let interfaces = match quarters {
+        let solids = grid(&file, "VTKHDF", &solids, columns, &labels(mesh), &series)?;
+        let interfaces = match Quarters::of(model) {
             Some(quarters) => {
-                let root = file.create_group(INTERFACES)?;
-                let grid = Grid::create(
-                    &root,
-                    &quarters.geometry(),
-                    &SURFACES,
-                    &quarters.labels(),
-                    &[],
-                )?;
+                let (geometry, labels) = (quarters.geometry(), quarters.labels());
+                let grid = grid(&file, INTERFACES, &geometry, &SURFACES, &labels, &[])?;
                 Some((quarters, grid))
             }
             None => None,
@@ -306,6 +347,35 @@ mod tests {
             .read_raw::<i64>()
             .unwrap();
         assert_eq!(unit.len(), elements);
+    }
+
+    #[test]
+    fn a_file_goes_on_after_the_steps_that_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.vtkhdf");
+        let model = fake::model();
+        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
+        for time in [0.5, 1.0, 7.0, 8.0] {
+            writer.append(&fake::frame(&model, time)).unwrap();
+        }
+        drop(writer);
+        let mut writer = VtkHdfWriter::resume(&path, &model, 2).unwrap();
+        let times = || read::FieldsFile::open(&path).unwrap().times().to_vec();
+        assert_eq!(times(), [0.5, 1.0]);
+        writer.append(&fake::frame(&model, 1.5)).unwrap();
+        drop(writer);
+        assert_eq!(times(), [0.5, 1.0, 1.5]);
+        let file = read::FieldsFile::open(&path).unwrap();
+        for (i, time) in [0.5, 1.0, 1.5].into_iter().enumerate() {
+            let (read, frame) = (file.frame(i).unwrap(), fake::frame(&model, time));
+            assert_eq!(read.displacement, frame.displacement);
+            assert_eq!(read.interfaces, frame.interfaces);
+        }
+        drop(file);
+        let error = VtkHdfWriter::resume(&path, &model, 4).unwrap_err();
+        assert!(error.to_string().contains("3 steps, not 4"), "{error}");
+        std::fs::write(&path, "no HDF5").unwrap();
+        assert!(VtkHdfWriter::resume(&path, &model, 1).is_err());
     }
 
     #[test]
