@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use common::*;
 use wythe_core::results::RunFolder;
 use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
+use wythe_core::results::mcap::salvage::salvage;
 
 /// A small wall with a frame an increment, some seconds long: its joints open, its bricks crack.
 const WALL: [&str; 6] = [
@@ -67,7 +68,8 @@ fn killed_after(arguments: &[&str], wait: Duration) -> bool {
     }
 }
 
-/// Whatever a kill has left can be read: whole rows, a whole checkpoint that they reach, fields.
+/// Whatever a kill has left can be read: whole rows, messages of all of them but the last, a whole checkpoint
+/// that they reach, fields.
 /// Returns whether the fields could be read, too.
 fn opens(out: &Path) -> bool {
     let folder = RunFolder::open(out).unwrap();
@@ -75,6 +77,12 @@ fn opens(out: &Path) -> bool {
     if out.join(CHECKPOINT).exists() {
         let file = CheckpointFile::read(&out.join(CHECKPOINT)).unwrap();
         assert!(file.solver.increments() <= rows);
+    }
+    if rows > 1 {
+        let salvaged = out.join("salvaged.mcap");
+        let found = salvage(&out.join("run.mcap"), Some(&salvaged)).unwrap();
+        assert!(found.messages >= rows as u64 - 1, "{found:?}, {rows} rows");
+        std::fs::remove_file(&salvaged).unwrap();
     }
     folder.fields().is_ok_and(|fields| {
         let frames = fields.times().len();
@@ -132,6 +140,11 @@ fn survives(kills: usize, seed: u64) {
             format!("{:?}", fields.frame(fields.times().len() - 1).unwrap())
         };
         assert_eq!(last(&one), last(&other));
+        let bytes = |out: &Path| std::fs::read(out.join("run.mcap")).unwrap();
+        assert!(
+            bytes(&out) == bytes(&whole),
+            "run.mcap, round {rounds}, seed {seed}"
+        );
         // Fields that no one could go on with begin anew.
         assert!(one.times().ends_with(other.times()));
         anew += usize::from(one.times() != other.times());

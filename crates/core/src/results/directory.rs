@@ -336,7 +336,10 @@ impl RunDirectory {
 }
 
 /// Begins [`MESSAGES`], with the experiment that the deck names; none if it wants none.
-pub(super) fn begin_messages(folder: &Path, model: &Model) -> Result<Option<McapWriter>, OutputError> {
+pub(super) fn begin_messages(
+    folder: &Path,
+    model: &Model,
+) -> Result<Option<McapWriter>, OutputError> {
     if !model.output.mcap {
         return Ok(None);
     }
@@ -404,7 +407,9 @@ impl Recorder for RunDirectory {
             self.kept.frame = true;
         }
         if let Some(messages) = &mut self.messages {
-            writing(&self.path, MESSAGES, |_| messages.increment(model, row, frame))?;
+            writing(&self.path, MESSAGES, |_| {
+                messages.increment(model, row, frame)
+            })?;
         }
         Ok(true)
     }
@@ -427,21 +432,22 @@ impl Recorder for RunDirectory {
         }
         let start = Instant::now();
         let (wall_s, cpu_s) = self.times();
+        // Rows and messages are on the disk before the checkpoint that counts on them.
+        writing(&self.path, HISTORY, |_| self.history.sync())?;
+        let messages = match &mut self.messages {
+            Some(messages) => Some(writing(&self.path, MESSAGES, |_| messages.mark())?),
+            None => None,
+        };
         let file = CheckpointFile {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             deck: self.deck.clone(),
             deck_folder: self.deck_folder.clone(),
             frames: self.fields.steps(),
-            messages: self.messages.as_ref().map(McapWriter::mark),
+            messages,
             wall_s,
             cpu_s,
             solver: make(),
         };
-        // Its rows and messages are on the disk before it is.
-        writing(&self.path, HISTORY, |_| self.history.sync())?;
-        if let Some(messages) = &self.messages {
-            writing(&self.path, MESSAGES, |_| messages.sync())?;
-        }
         writing(&self.path, CHECKPOINT, |path| file.write(path))?;
         self.kept = Kept {
             at: Some(Instant::now()),

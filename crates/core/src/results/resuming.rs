@@ -207,14 +207,8 @@ impl StoppedRun {
             fields,
             messages,
         };
-        let directory = RunDirectory::resumed(
-            path,
-            self.lock,
-            model,
-            files,
-            (&kept, last_frame),
-            file,
-        );
+        let directory =
+            RunDirectory::resumed(path, self.lock, model, files, (&kept, last_frame), file);
         Ok(Resumed {
             directory,
             checkpoint: self.file.solver,
@@ -261,7 +255,9 @@ impl StoppedRun {
         let mark = self.file.messages.as_ref();
         if !model.output.mcap {
             if mark.is_some() {
-                warnings.push(format!("{MESSAGES} ends here: the deck wants none any more"));
+                warnings.push(format!(
+                    "{MESSAGES} ends here: the deck wants none any more"
+                ));
             }
             return Ok(None);
         }

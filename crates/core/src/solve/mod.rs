@@ -1,8 +1,8 @@
 //! From a frozen model to its converged frames.
 
 mod balance;
-mod closure;
 pub mod checkpoint;
+mod closure;
 mod commit;
 mod course;
 pub mod drive;

@@ -183,15 +183,17 @@ impl McapWriter {
         self.keep(sent);
     }
 
-    /// Tells of a change of the procedure, on disk on return: it may be the last thing before a checkpoint.
+    /// Tells of a change of the procedure. What is told of the increment before goes to the file at once: a
+    /// checkpoint may follow, and chunks are to be the same with it and without.
     pub fn note(&mut self, reason: &str) {
         let increment = self.increments + 1;
+        let of_last = self.between == 0;
         let text = json!({ "increment": increment, "reason": reason });
         let stamp = self.soon();
         let sent = self
             .send("/ladder", stamp, &text.to_string())
             .and_then(|()| self.log(Level::Info, reason, stamp))
-            .and_then(|()| self.flush());
+            .and_then(|()| if of_last { self.flush() } else { Ok(()) });
         self.keep(sent);
     }
 

@@ -72,10 +72,18 @@ impl Until<'_> {
 }
 
 impl McapWriter {
-    /// How far the file goes now; everything before it is flushed.
-    pub fn mark(&self) -> Mark {
+    /// How far the file goes now; all of it is on the disk on return.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn mark(&mut self) -> io::Result<Mark> {
+        if let Some(error) = self.pending.take() {
+            return Err(error);
+        }
+        flush(&mut self.writer)?;
+        self.file.sync_data()?;
         let messages = self.topics.iter();
-        Mark {
+        Ok(Mark {
             increments: self.increments,
             between: self.between,
             frames: self.frames,
@@ -84,15 +92,7 @@ impl McapWriter {
             messages: messages
                 .map(|(topic, of)| ((*topic).to_owned(), of.sequence))
                 .collect(),
-        }
-    }
-
-    /// Waits until what is flushed is on the disk.
-    ///
-    /// # Errors
-    /// The system's.
-    pub fn sync(&self) -> io::Result<()> {
-        self.file.sync_data()
+        })
     }
 
     /// Opens the file of a run of this model, whole or cut short, to go on where `mark` was taken; what
@@ -106,7 +106,7 @@ impl McapWriter {
         let temporary = PathBuf::from(temporary);
         let opened = File::create(&temporary).and_then(|new| {
             let run = reopen(path, new, model, mark)?;
-            run.sync()?;
+            run.file.sync_data()?;
             std::fs::rename(&temporary, path)?;
             Ok(run)
         });
