@@ -7,7 +7,7 @@ use wythe_core::error::IoError;
 use wythe_core::model::{Deck, Model, check};
 use wythe_core::results::checkpoint::CHECKPOINT;
 use wythe_core::results::directory::{
-    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, SUMMARY,
+    CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, MESSAGES, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
@@ -249,6 +249,7 @@ fn files(text: &mut String, path: &Path) -> Told {
     let names = [
         HISTORY,
         FIELDS,
+        MESSAGES,
         DECK,
         LOAD_DISPLACEMENT,
         CRACK_PATTERN,
