@@ -261,7 +261,7 @@ fn a_full_disk_is_met_before_the_run() {
 fn go_on(run: &mut McapWriter, model: &Model, i: usize) {
     run.progress(1, i as f64, 1);
     let frame = fake::frame(model, 0.2 * i as f64);
-    let frame = (i % 2 == 0).then_some(&frame);
+    let frame = i.is_multiple_of(2).then_some(&frame);
     run.increment(model, &fake::row(i, 1, i as f64, 0.1 * i as f64), frame)
         .unwrap();
     if i == 2 {
@@ -308,7 +308,7 @@ fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
             } else {
                 drop(run);
                 let bytes = std::fs::read(&path).unwrap();
-                let cut = (least as usize + bytes.len()) / 2;
+                let cut = usize::midpoint(least as usize, bytes.len());
                 std::fs::write(&path, &bytes[..cut]).unwrap();
             }
             let mut run = McapWriter::resume(&path, &model, &mark).unwrap();
