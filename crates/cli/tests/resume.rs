@@ -279,6 +279,61 @@ fn what_cannot_go_on_says_why() {
     assert!(stderr(&lost).contains("fewer rows"), "{}", stderr(&lost));
 }
 
+/// The checkpoint has all that the solver needs: other files that are lost are no reason to stop.
+#[test]
+fn fields_and_messages_that_cannot_be_read_begin_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = done(folder.path());
+    let at = |name: &str| Path::new(&out).join(name);
+    let history = text(&at("history.csv"));
+    for name in ["run.mcap", "results.vtkhdf"] {
+        std::fs::write(at(name), "no such file").unwrap();
+    }
+    std::fs::remove_file(at("summary.json")).unwrap();
+    let resumed = wythe(&["resume", &out]);
+    assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+    for name in ["run.mcap cannot be read", "results.vtkhdf cannot be read"] {
+        assert!(stderr(&resumed).contains(name), "{}", stderr(&resumed));
+    }
+    assert_eq!(text(&at("history.csv")), history);
+    assert!(RunFolder::open(Path::new(&out)).unwrap().fields().is_ok());
+    let said = |topic: &str| {
+        let messages = messages(&at("run.mcap"));
+        messages.iter().filter(|(of, ..)| of == topic).count()
+    };
+    // Nothing of what was done, but that it is.
+    assert_eq!((said("/step"), said("/log")), (0, 2));
+
+    // Messages may be wanted no more, and wanted late.
+    std::fs::remove_file(at("summary.json")).unwrap();
+    let resumed = wythe(&["resume", &out, "--set", "output.mcap=false"]);
+    assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+    assert!(
+        stderr(&resumed).contains("run.mcap ends here"),
+        "{}",
+        stderr(&resumed)
+    );
+    let out = folder.path().join("silent.out").display().to_string();
+    let silent = wythe(&[
+        "run",
+        &couplet(),
+        "--out",
+        &out,
+        "--set",
+        "output.mcap=false",
+    ]);
+    assert_eq!(code(&silent), 0, "{}", stderr(&silent));
+    std::fs::remove_file(Path::new(&out).join("summary.json")).unwrap();
+    let resumed = wythe(&["resume", &out, "--set", "output.mcap=true"]);
+    assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+    assert!(
+        stderr(&resumed).contains("run.mcap was not wanted before"),
+        "{}",
+        stderr(&resumed)
+    );
+    messages(&Path::new(&out).join("run.mcap"));
+}
+
 #[test]
 fn a_second_run_into_the_same_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();

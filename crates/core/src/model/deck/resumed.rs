@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn a_shorter_a_backward_or_a_faster_step_is_refused() {
         let before = deck(&[("steps.1.displacement", "4")]);
-        for (displacement, duration) in [("3", "1"), ("-8", "1"), ("0", "1"), ("8", "1.5")] {
+        for (displacement, duration) in [("3", "1"), ("-8", "1"), ("8", "1.5")] {
             let now = deck(&[
                 ("steps.1.displacement", displacement),
                 ("steps.1.duration", duration),
