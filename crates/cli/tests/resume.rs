@@ -11,7 +11,7 @@ use wythe_core::results::RunFolder;
 use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
 use wythe_core::results::mcap::salvage::salvage;
 
-/// A small wall with a frame an increment, some seconds long: its joints open, its bricks crack.
+/// A small wall with a frame an increment, a second long: its joints open, its bricks crack.
 const WALL: [&str; 6] = [
     "--set",
     "output.every=1",
@@ -20,6 +20,18 @@ const WALL: [&str; 6] = [
     "--threads",
     "1",
 ];
+
+/// Runs to be killed, a name, a deck and arguments each.
+fn runs() -> [(&'static str, String, Vec<&'static str>); 3] {
+    let implex = [&WALL[..], &["--set", "steps.1.procedure=implex"]].concat();
+    let block = repository("tests/stability/cases/07-rocking-block/deck.toml");
+    let dynamic = vec!["--set", "output.every=5", "--threads", "1"];
+    [
+        ("static", wall(), WALL.to_vec()),
+        ("implex", wall(), implex),
+        ("dynamic", block.display().to_string(), dynamic),
+    ]
+}
 
 fn wall() -> String {
     repository("tests/stability/small_wall.toml")
@@ -116,12 +128,12 @@ fn messages(path: &Path) -> Vec<(String, u32, u64, Vec<u8>)> {
 
 /// Kills a run `kills` times, with seeds from `seed`, and compares what comes of it with a run that
 /// nothing has stopped.
-fn survives(kills: usize, seed: u64) {
+fn survives((name, deck, arguments): &(&str, String, Vec<&str>), kills: usize, seed: u64) {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole.out");
-    let (wall, out) = (wall(), whole.display().to_string());
+    let out = whole.display().to_string();
     let start = Instant::now();
-    let output = wythe(&[&["run", &wall, "--out", &out], &WALL[..]].concat());
+    let output = wythe(&[&["run", deck, "--out", &out], &arguments[..]].concat());
     let alone = start.elapsed();
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let wanted = text(&whole.join("history.csv"));
@@ -131,9 +143,9 @@ fn survives(kills: usize, seed: u64) {
     while done < kills {
         rounds += 1;
         let out = folder.path().join(format!("{rounds}.out"));
-        let name = out.display().to_string();
-        let first = [&["run", &wall, "--out", &name], &WALL[..]].concat();
-        let again = ["resume", &name, "--threads", "1"];
+        let folder_of_it = out.display().to_string();
+        let first = [&["run", deck, "--out", &folder_of_it], &arguments[..]].concat();
+        let again = ["resume", &folder_of_it, "--threads", "1"];
         let mut started = false;
         loop {
             let can_resume = started && out.join(CHECKPOINT).exists();
@@ -172,14 +184,16 @@ fn survives(kills: usize, seed: u64) {
         std::fs::remove_dir_all(&out).unwrap();
     }
     println!(
-        "{done} kills in {rounds} rounds; fields unreadable after {unreadable} kills, begun anew in {anew} \
+        "{name}: {done} kills in {rounds} rounds; fields unreadable after {unreadable} kills, begun anew in {anew} \
          rounds"
     );
 }
 
 #[test]
 fn killed_runs_go_on_to_the_same_bytes() {
-    survives(6, 1);
+    for run in runs() {
+        survives(&run, 4, 1);
+    }
 }
 
 /// The long form: `tests/run-kills`.
@@ -188,7 +202,13 @@ fn killed_runs_go_on_to_the_same_bytes() {
 fn runs_killed_often_go_on_to_the_same_bytes() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     let kills = number("WYTHE_KILLS").unwrap_or(100);
-    survives(kills as usize, number("WYTHE_KILLS_SEED").unwrap_or(2));
+    for run in runs() {
+        survives(
+            &run,
+            kills as usize,
+            number("WYTHE_KILLS_SEED").unwrap_or(2),
+        );
+    }
 }
 
 /// A couplet to its end.
