@@ -7,6 +7,10 @@ default:
 test:
     bash tests/run
 
+# Kill runs at a hundred random moments and resume them
+kills:
+    tests/run-kills
+
 # Everything that a change must pass
 ci:
     .ci/run

@@ -207,8 +207,8 @@ fn scaled(value: &str, power: i8) -> String {
         return format!("{head}-{number}{tail}");
     }
     match number.parse::<u64>() {
-        // Counts stay counts.
-        Ok(count) if power > 0 && power < 6 => {
+        // Counts stay counts, of models that are built in no time.
+        Ok(count) if power > 0 && power < 3 => {
             format!(
                 "{head}{}{tail}",
                 count.saturating_mul(10_u64.pow(power as u32))

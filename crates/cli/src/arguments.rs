@@ -41,6 +41,7 @@ The folder then holds:
   results.vtkhdf         displacements, stresses, damage: ParaView 5.12, VTK 9.3 or later
   results.interfaces.vtkhdf  shows the joints beside them
   run.mcap               the same in time, with the deformed wall, for Foxglove
+  model.toml, checkpoint.bin   for `wythe resume`, should the run be stopped
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
@@ -55,6 +56,18 @@ Examples:
   wythe run wall.toml
   wythe run wall.toml --progress json | jq .force_kN
   wythe run wall.toml --out fine.out --set wall.mesh=fine --set steps.1.displacement='6 mm'";
+
+const RESUME_HELP: &str = "\
+A run writes checkpoint.bin as it goes. Whatever stopped it (Ctrl-C, a kill, the power), it goes on from \
+there, and history.csv becomes what it would have been, to the last bit. Rows and frames after the \
+checkpoint are computed again. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
+that the run began with. Only the last step may become longer (its displacement, angle or duration; it \
+keeps its speed and its increments in mm, deg or s) or end elsewhere (its `stop`).
+
+Examples:
+  wythe resume wall.out
+  wythe resume wall.out --threads 4 --set output.every=1
+  wythe resume wall.out --set steps.1.displacement='6 mm'";
 
 const CHECK_HELP: &str = "\
 Two layers. The form: keys, types, units, ranges, names; and where that is right the physics: tables, \
@@ -175,6 +188,9 @@ pub enum Command {
     /// Run a model through all its steps.
     #[command(after_help = RUN_HELP)]
     Run(Run),
+    /// Go on with a run that stopped, from its last checkpoint.
+    #[command(after_help = RESUME_HELP)]
+    Resume(Resume),
     /// Check a model without running it: syntax, units, ranges, physics, sizes.
     #[command(after_help = CHECK_HELP)]
     Check(Check),
@@ -321,6 +337,25 @@ pub struct Man {
     /// Folder for the pages of all sub-commands: wythe.1, wythe-run.1, ...
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `wythe resume`
+#[derive(Debug, Args)]
+pub struct Resume {
+    /// Folder of the run.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Threads; results do not depend on them [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// How progress is told.
+    #[arg(long, value_enum, value_name = "HOW", default_value = "auto")]
+    pub progress: Progress,
+    /// Say nothing but errors.
+    #[arg(long, short, conflicts_with = "progress")]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub with: ModelArguments,
 }
 
 /// `wythe check`

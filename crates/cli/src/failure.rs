@@ -2,7 +2,7 @@
 
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
-use wythe_core::results::{ExperimentError, OutputError, ReadError};
+use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
@@ -137,10 +137,25 @@ impl From<RunError> for Failure {
                 help = "see the sizes in [wall], wall.mesh and the tables of the material",
                 "{error}"
             )),
+            RunError::Checkpoint(error) => Self::Model(miette::miette!(
+                help = "begin anew with `wythe run`",
+                "{error}"
+            )),
             RunError::NoMass { .. } => Self::Model(miette::miette!(
                 help = "write it like this: density = \"1900 kg/m^3\"",
                 "{error}"
             )),
+        }
+    }
+}
+
+impl From<ResumeError> for Failure {
+    fn from(error: ResumeError) -> Self {
+        match error {
+            ResumeError::Output(error) => error.into(),
+            ResumeError::Deck(error) => error.into(),
+            ResumeError::Changed { .. } | ResumeError::OtherModel { .. } => Self::model(error),
+            error => Self::input_output(error),
         }
     }
 }

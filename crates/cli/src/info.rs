@@ -5,6 +5,7 @@ use std::path::Path;
 
 use wythe_core::error::IoError;
 use wythe_core::model::{Deck, Model, check};
+use wythe_core::results::checkpoint::CHECKPOINT;
 use wythe_core::results::directory::{
     CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
@@ -15,9 +16,6 @@ use crate::arguments::Info;
 use crate::check::print;
 use crate::failure::Failure;
 use crate::terminal::{count, seconds};
-
-/// From which a run can go on.
-const CHECKPOINT: &str = "checkpoint.bin";
 
 /// Tells of a folder, of fields or of a model.
 pub fn info(arguments: &Info) -> Result<(), Failure> {

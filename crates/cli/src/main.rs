@@ -13,6 +13,7 @@ mod interrupt;
 mod new;
 mod plot;
 mod report;
+mod resume;
 mod run;
 mod salvage;
 mod schema;
@@ -53,6 +54,7 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Resume(arguments) => resume::resume(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Schema => schema::schema(),
         Command::Drive(arguments) => drive::drive(arguments),

@@ -1,6 +1,7 @@
 //! `wythe run`: from a TOML file to its folder of results.
 
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -8,7 +9,7 @@ use wythe_core::model::Model;
 use wythe_core::results::{
     Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
 };
-use wythe_core::solve::{self, RunError};
+use wythe_core::solve::{self, Checkpoint, RunError};
 
 use crate::arguments::Run;
 use crate::check::print;
@@ -26,12 +27,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         warnings,
     } = read.map_err(|unsound| unsound.tell(&arguments.model))?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    if let Some(threads) = arguments.threads {
-        // Only a second call could fail, and this is the only one.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
-        pool.build_global()
-            .map_err(|error| Failure::Model(miette::Report::msg(error)))?;
-    }
+    take_threads(arguments.threads)?;
     let out = arguments
         .out
         .clone()
@@ -41,14 +37,25 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupt = Interrupt::listen();
     let mut directory = RunDirectory::create(&out, &model)?;
     directory.keep_deck(&deck)?;
-    let watched = (directory, terminal);
-    record(&model, &warnings, watched, &interrupt, |recorder| {
+    let sinks = (directory, terminal);
+    record(&model, &warnings, sinks, &interrupt, |recorder| {
         solve::run(&model, recorder)
     })
 }
 
+/// So many threads; all cores if none are named.
+pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    // Only a second call could fail, and this is the only one.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+    pool.build_global()
+        .map_err(|error| Failure::Model(miette::Report::msg(error)))
+}
+
 /// Runs `solve` into the folder of a run, and says how it ended.
-fn record(
+pub fn record(
     model: &Model,
     warnings: &[String],
     (directory, terminal): (RunDirectory, Terminal),
@@ -93,6 +100,10 @@ impl Recorder for Watched<'_> {
         let go_on = self.directory.take(model, row, frame)?;
         self.terminal.increment(row);
         Ok(go_on && !self.interrupt.requested())
+    }
+
+    fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> io::Result<()> {
+        self.directory.checkpoint(last, make)
     }
 
     fn note(&mut self, text: &str) {
@@ -148,6 +159,9 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         summary.energy_balance_error
     ));
     lines.push(format!("results in {}", out.display()));
+    if summary.status == Status::Interrupted {
+        lines.push(format!("to go on: wythe resume {}", out.display()));
+    }
     lines.join("\n") + "\n"
 }
 

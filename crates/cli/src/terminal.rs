@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wythe_core::model::Model;
 use wythe_core::results::HistoryRow;
-use wythe_core::solve::Method;
+use wythe_core::solve::{Checkpoint, Method};
 
 use crate::arguments::Progress;
 use crate::unicode;
@@ -123,6 +123,25 @@ impl Terminal {
                 "duration_s": self.duration,
                 "warnings": warnings,
                 "out": out.display().to_string(),
+            })),
+            Voice::None => {}
+        }
+    }
+
+    /// The run goes on from a checkpoint.
+    pub fn go_on(&mut self, from: &Checkpoint) {
+        self.increment = from.increments();
+        self.pace = Pace::from(from.step(), from.time());
+        let (step, increment) = (from.step(), self.increment);
+        match &self.voice {
+            Voice::Bar(_) | Voice::Lines => {
+                eprintln!("going on after increment {increment} (step {step})");
+            }
+            Voice::Json => emit(&json!({
+                "event": "resume",
+                "step": step,
+                "increment": increment,
+                "time_s": from.time(),
             })),
             Voice::None => {}
         }

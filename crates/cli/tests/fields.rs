@@ -136,6 +136,8 @@ fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     assert_eq!(
         names(&cut),
         [
+            ".lock",
+            "checkpoint.bin",
             "history.csv",
             "model.toml",
             "results.interfaces.vtkhdf",
@@ -154,7 +156,7 @@ fn a_quota_that_is_used_up_is_met_before_the_run() {
     assert_eq!(code(&output), 4, "{}", stderr(&output));
     let said = stderr(&output).replace(' ', "");
     assert!(said.contains("results.vtkhdf:cannotbewritten"), "{said}");
-    assert_eq!(names(&out), ["history.csv"]);
+    assert_eq!(names(&out), [".lock", "history.csv"]);
 }
 
 /// A folder of results that may be read only. Root may write everywhere: it tries as somebody else.
@@ -171,7 +173,7 @@ fn a_folder_that_may_only_be_read_is_an_error() {
     std::fs::copy(couplet(), &deck).unwrap();
     std::fs::copy(env!("CARGO_BIN_EXE_wythe"), &command).unwrap();
     std::fs::create_dir(&out).unwrap();
-    for file in ["history.csv", "results.vtkhdf"] {
+    for file in [".lock", "history.csv", "results.vtkhdf"] {
         std::fs::write(out.join(file), "of an earlier run").unwrap();
         mode(&out.join(file), 0o666);
     }

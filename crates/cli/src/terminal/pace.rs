@@ -11,6 +11,16 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// Of a run that goes on within `step` at step time `time` [s].
+    pub fn from(step: usize, time: f64) -> Self {
+        let at = [0.0, time];
+        Self {
+            step,
+            start: at,
+            now: at,
+        }
+    }
+
     /// An increment of `step` ends at `time` [s], `elapsed` seconds after the run began.
     pub fn mark(&mut self, step: usize, elapsed: f64, time: f64) {
         if step != self.step {
@@ -67,5 +77,10 @@ mod tests {
         pace.mark(1, 7.0, 1.1);
         let left = pace.left(2.0).unwrap();
         assert!((left - 27.0).abs() < 1e-9, "{left}"); // rounding of 1.1 − 1
+        // What was done before the run went on took none of its time.
+        let mut resumed = Pace::from(1, 1.5);
+        assert_eq!(resumed.left(2.0), None);
+        resumed.mark(1, 2.0, 1.75);
+        assert_eq!(resumed.left(2.0), Some(2.0));
     }
 }

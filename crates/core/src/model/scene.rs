@@ -311,7 +311,7 @@ pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
 }
 
 /// Sizes of increments, as fractions of the step's duration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Increments {
     /// First.
     pub initial: f64,
@@ -398,7 +398,7 @@ pub struct Control {
 }
 
 /// What ends a driven step early; the increment that reaches it is its last.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Stop {
     /// Part of the largest force of this step, both along the drive, to which it falls [-].
     pub below_peak: Option<f64>,

@@ -4,6 +4,7 @@ use super::keys;
 use crate::error::{self as errors, ModelError, Warning};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -23,6 +24,8 @@ pub struct Source {
     pub(super) overrides: Vec<(Range<usize>, String)>,
     /// Bytes of the key and of its value, by dotted path.
     places: BTreeMap<String, Place>,
+    /// Folder that files named by the deck are relative to; that of the file if none.
+    pub(super) folder: Option<PathBuf>,
     /// Advice for the key at a path; that of decks if none.
     advice: Option<fn(&str) -> String>,
 }
@@ -51,6 +54,7 @@ impl Source {
             file_length,
             overrides: Vec::new(),
             places: BTreeMap::new(),
+            folder: None,
             advice: None,
         }
     }

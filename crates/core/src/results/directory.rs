@@ -1,11 +1,13 @@
 //! The folder of a run.
 
+use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use miette::Diagnostic;
 
+use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::summary::{EnergyBalance, Measured, ProbeRange, write_whole};
 use super::{
     Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, Summary, SummaryFile,
@@ -13,6 +15,7 @@ use super::{
 };
 use crate::model::scene::{BeamMotion, Step};
 use crate::model::{Deck, Model};
+use crate::solve::Checkpoint;
 
 /// Name of the history in the folder.
 pub const HISTORY: &str = "history.csv";
@@ -32,6 +35,14 @@ pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
 pub const CRACK_PATTERN: &str = "crack_pattern.svg";
 /// Name of the report in the folder, unless it is written elsewhere.
 pub const REPORT: &str = "report.html";
+/// Name of the empty file that a run in progress has locked. It stays: whoever comes next locks it.
+pub const LOCK: &str = ".lock";
+
+/// A checkpoint waits until the run has gone on for this many times what the last one took: writing them
+/// takes no more than a fiftieth of it.
+const PATIENCE: u32 = 50;
+/// A checkpoint waits for the next frame, but no longer than this.
+const LONGEST: Duration = Duration::from_secs(3);
 
 /// Results that could not be written.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -49,6 +60,10 @@ pub enum OutputError {
         /// What the system says.
         why: io::Error,
     },
+    /// Another run writes here.
+    #[error("{}: another run is writing its results into this folder", .0.display())]
+    #[diagnostic(help("wait until it has ended, or name another folder with --out"))]
+    Busy(PathBuf),
     /// A file could not be written.
     #[error("{}: cannot be written: {why}", path.display())]
     #[diagnostic(help(
@@ -78,6 +93,8 @@ impl From<OutputError> for io::Error {
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
+    /// Held until the run ends, however it does.
+    _lock: File,
     history: HistoryWriter,
     fields: VtkHdfWriter,
     messages: Option<McapWriter>,
@@ -85,8 +102,50 @@ pub struct RunDirectory {
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
     last_frame: Option<Frame>,
+    /// The deck as TOML and the folder of its files, for the checkpoints.
+    deck: Option<String>,
+    deck_folder: Option<String>,
     started: Instant,
     cpu_at_start: Option<f64>,
+    /// Wall and CPU time before this start [s].
+    wall_before: f64,
+    cpu_before: Option<f64>,
+    kept: Kept,
+}
+
+/// The files that grow.
+#[derive(Debug)]
+pub(super) struct Files {
+    pub history: HistoryWriter,
+    pub fields: VtkHdfWriter,
+    pub messages: Option<McapWriter>,
+}
+
+/// When the last checkpoint was written.
+#[derive(Debug)]
+struct Kept {
+    at: Option<Instant>,
+    /// How long that took.
+    took: Duration,
+    /// A frame was written since.
+    frame: bool,
+}
+
+impl Kept {
+    fn nothing() -> Self {
+        Self {
+            at: None,
+            took: Duration::ZERO,
+            frame: false,
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        self.at.is_none_or(|at| {
+            let since = at.elapsed();
+            since >= PATIENCE * self.took && (self.frame || since >= LONGEST)
+        })
+    }
 }
 
 impl RunDirectory {
@@ -103,31 +162,41 @@ impl RunDirectory {
             path: path.to_owned(),
             why,
         })?;
+        let lock = lock(path)?;
         // The summary goes first: it says that the rest is whole.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
+        let half = format!("{MESSAGES}.tmp");
         let names = [
             SUMMARY,
             LOAD_DISPLACEMENT,
             CRACK_PATTERN,
+            CHECKPOINT,
             DECK,
             REPORT,
             FIELDS,
             INTERFACES,
+            &half,
         ];
-        for name in names.into_iter().chain(unwanted) {
-            let old = path.join(name);
-            match std::fs::remove_file(&old) {
-                Err(why) if why.kind() != io::ErrorKind::NotFound => {
-                    return Err(OutputError::Write { path: old, why });
-                }
-                _ => {}
-            }
-        }
-        let history = writing(path, HISTORY, |file| HistoryWriter::create(file, model))?;
-        let fields = writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?;
-        let messages = begin_messages(path, model)?;
-        Ok(Self {
+        let names: Vec<&str> = names.into_iter().chain(unwanted).collect();
+        remove(path, &names)?;
+        let files = Files {
+            history: writing(path, HISTORY, |file| HistoryWriter::create(file, model))?,
+            fields: writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?,
+            messages: begin_messages(path, model)?,
+        };
+        Ok(Self::begun(path, lock, model, files))
+    }
+
+    /// Of files that are open.
+    fn begun(path: &Path, lock: File, model: &Model, files: Files) -> Self {
+        let Files {
+            history,
+            fields,
+            messages,
+        } = files;
+        Self {
             path: path.to_owned(),
+            _lock: lock,
             history,
             fields,
             messages,
@@ -135,9 +204,34 @@ impl RunDirectory {
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.probes.len()],
             last_frame: None,
+            deck: None,
+            deck_folder: None,
             started: Instant::now(),
             cpu_at_start: usage::cpu_seconds(),
-        })
+            wall_before: 0.0,
+            cpu_before: Some(0.0),
+            kept: Kept::nothing(),
+        }
+    }
+
+    /// Goes on in a locked folder whose files go as far as the checkpoint at least: with these rows, and
+    /// with the last of its frames.
+    pub(super) fn resumed(
+        path: &Path,
+        lock: File,
+        model: &Model,
+        files: Files,
+        (rows, last_frame): (&[HistoryRow], Option<Frame>),
+        file: &CheckpointFile,
+    ) -> Self {
+        let mut run = Self::begun(path, lock, model, files);
+        for row in rows {
+            run.count(model, row);
+        }
+        run.last_frame = last_frame;
+        (run.wall_before, run.cpu_before) = (file.wall_s, file.cpu_s);
+        (run.deck, run.deck_folder) = (file.deck.clone(), file.deck_folder.clone());
+        run
     }
 
     /// Keeps a copy of the deck, overrides taken in, beside the results and in [`FIELDS`] and [`MESSAGES`].
@@ -150,12 +244,17 @@ impl RunDirectory {
             write_whole(file, text.as_bytes()).map(|()| text)
         })?;
         writing(&self.path, FIELDS, |_| self.fields.keep_deck(&text))?;
-        let Some(messages) = &mut self.messages else {
-            return Ok(());
-        };
-        writing(&self.path, MESSAGES, |_| {
-            messages.attach(DECK, "application/toml", &text)
-        })
+        let folder = std::path::absolute(Path::new(".").join(deck.folder())).ok();
+        self.deck_folder = folder.and_then(|folder| folder.to_str().map(str::to_owned));
+        // A run that goes on with the same deck has attached it.
+        let new = self.deck.as_ref() != Some(&text);
+        if let (Some(messages), true) = (&mut self.messages, new) {
+            writing(&self.path, MESSAGES, |_| {
+                messages.attach(DECK, "application/toml", &text)
+            })?;
+        }
+        self.deck = Some(text);
+        Ok(())
     }
 
     /// The folder.
@@ -168,6 +267,24 @@ impl RunDirectory {
         &self.curve
     }
 
+    /// Takes a row into what the summary tells.
+    fn count(&mut self, model: &Model, row: &HistoryRow) {
+        self.curve
+            .push(row, model.steps.get(row.step).is_some_and(drives));
+        self.energy.push(row);
+        for (range, value) in self.probes.iter_mut().zip(&row.probes) {
+            range.push(*value);
+        }
+    }
+
+    /// Wall and CPU time of the run [s], those before this start among them.
+    fn times(&self) -> (f64, Option<f64>) {
+        let wall = self.wall_before + self.started.elapsed().as_secs_f64();
+        let cpu = usage::cpu_seconds().zip(self.cpu_at_start);
+        let cpu = cpu.zip(self.cpu_before);
+        (wall, cpu.map(|((now, then), before)| before + now - then))
+    }
+
     /// Writes the pictures and then the summary, whichever way the run ended.
     ///
     /// # Errors
@@ -178,6 +295,7 @@ impl RunDirectory {
         run: &Summary,
         model_warnings: &[String],
     ) -> Result<SummaryFile, OutputError> {
+        let (wall_s, cpu_s) = self.times();
         let Self {
             path,
             fields,
@@ -186,8 +304,8 @@ impl RunDirectory {
             energy,
             probes,
             last_frame,
-            started,
-            cpu_at_start,
+            // Until all is written.
+            _lock,
             ..
         } = self;
         writing(&path, FIELDS, |_| fields.finish())?;
@@ -207,15 +325,14 @@ impl RunDirectory {
             })?;
         }
         let columns = model.probes.iter().map(|p| p.column.clone());
-        let cpu_now = usage::cpu_seconds();
         let summary = SummaryFile::new(
             run,
             &Measured {
                 curve: &curve,
                 energy: &energy,
-                probes: &columns.zip(probes).collect(),
-                wall_s: started.elapsed().as_secs_f64(),
-                cpu_s: cpu_now.zip(cpu_at_start).map(|(now, then)| now - then),
+                probes: &columns.zip(probes.iter().copied()).collect(),
+                wall_s,
+                cpu_s,
                 peak_rss_megabytes: usage::peak_memory_megabytes(),
                 model_warnings,
             },
@@ -226,7 +343,10 @@ impl RunDirectory {
 }
 
 /// Begins [`MESSAGES`], with the experiment that the deck names; none if it wants none.
-fn begin_messages(folder: &Path, model: &Model) -> Result<Option<McapWriter>, OutputError> {
+pub(super) fn begin_messages(
+    folder: &Path,
+    model: &Model,
+) -> Result<Option<McapWriter>, OutputError> {
     if !model.output.mcap {
         return Ok(None);
     }
@@ -239,8 +359,36 @@ fn begin_messages(folder: &Path, model: &Model) -> Result<Option<McapWriter>, Ou
     })
 }
 
+/// Locks a folder for one run.
+///
+/// # Errors
+/// [`OutputError::Busy`], or the file cannot be made.
+pub(super) fn lock(folder: &Path) -> Result<File, OutputError> {
+    let file = writing(folder, LOCK, |path| File::create(path))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(OutputError::Busy(folder.to_owned())),
+        // A file system that knows no locks keeps nobody out.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// Removes files of the folder, and what a kill has left of them half-written.
+pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
+    for name in names {
+        for old in [folder.join(name), folder.join(format!("{name}.tmp"))] {
+            match std::fs::remove_file(&old) {
+                Err(why) if why.kind() != io::ErrorKind::NotFound => {
+                    return Err(OutputError::Write { path: old, why });
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Does something to a file of the folder and names the file if it fails.
-fn writing<T>(
+pub(super) fn writing<T>(
     folder: &Path,
     name: &str,
     write: impl FnOnce(&Path) -> io::Result<T>,
@@ -258,27 +406,18 @@ fn drives(step: &Step) -> bool {
 
 impl Recorder for RunDirectory {
     fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
-        let Self {
-            path,
-            history,
-            fields,
-            messages,
-            ..
-        } = self;
-        writing(path, HISTORY, |_| history.append(row))?;
-        self.curve
-            .push(row, model.steps.get(row.step).is_some_and(drives));
-        self.energy.push(row);
-        for (range, value) in self.probes.iter_mut().zip(&row.probes) {
-            range.push(*value);
-        }
-        fields.row(row);
+        writing(&self.path, HISTORY, |_| self.history.append(row))?;
+        self.count(model, row);
+        self.fields.row(row);
         if let Some(frame) = frame {
-            writing(path, FIELDS, |_| fields.append(frame))?;
+            writing(&self.path, FIELDS, |_| self.fields.append(frame))?;
             self.last_frame = Some(frame.clone());
+            self.kept.frame = true;
         }
-        if let Some(messages) = messages {
-            writing(path, MESSAGES, |_| messages.increment(model, row, frame))?;
+        if let Some(messages) = &mut self.messages {
+            writing(&self.path, MESSAGES, |_| {
+                messages.increment(model, row, frame)
+            })?;
         }
         Ok(true)
     }
@@ -294,6 +433,38 @@ impl Recorder for RunDirectory {
             messages.progress(step, time, iterations);
         }
     }
+
+    fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> io::Result<()> {
+        if !last && !self.kept.is_due() {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let (wall_s, cpu_s) = self.times();
+        // Rows, frames and messages are on the disk before the checkpoint that counts on them.
+        writing(&self.path, HISTORY, |_| self.history.sync())?;
+        writing(&self.path, FIELDS, |_| self.fields.publish())?;
+        let messages = match &mut self.messages {
+            Some(messages) => Some(writing(&self.path, MESSAGES, |_| messages.mark())?),
+            None => None,
+        };
+        let file = CheckpointFile {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            deck: self.deck.clone(),
+            deck_folder: self.deck_folder.clone(),
+            frames: self.fields.steps(),
+            messages,
+            wall_s,
+            cpu_s,
+            solver: make(),
+        };
+        writing(&self.path, CHECKPOINT, |path| file.write(path))?;
+        self.kept = Kept {
+            at: Some(Instant::now()),
+            took: start.elapsed(),
+            frame: false,
+        };
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -307,6 +478,7 @@ mod tests {
         let mut names: Vec<_> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| name != LOCK)
             .collect();
         names.sort();
         names
@@ -360,6 +532,37 @@ mod tests {
         assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS, WORK, MESSAGES]);
         let header_only = std::fs::read_to_string(path.join(HISTORY)).unwrap();
         assert_eq!(header_only.lines().count(), 1);
+    }
+
+    #[test]
+    fn a_second_run_into_the_folder_of_one_that_goes_on_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = fake::model();
+        let mut first = RunDirectory::create(folder.path(), &model).unwrap();
+        first
+            .take(&model, &fake::row(1, 0, 0.0, 0.0), None)
+            .unwrap();
+        let before = std::fs::read(folder.path().join(HISTORY)).unwrap();
+        let second = RunDirectory::create(folder.path(), &model).unwrap_err();
+        assert!(matches!(&second, OutputError::Busy(path) if path == folder.path()));
+        let after = std::fs::read(folder.path().join(HISTORY)).unwrap();
+        assert_eq!(before, after);
+        drop(first);
+        assert!(RunDirectory::create(folder.path(), &model).is_ok());
+    }
+
+    #[test]
+    fn checkpoints_wait_for_frames_and_take_their_part_at_most() {
+        let kept = |since: f64, took: f64, frame| Kept {
+            at: Instant::now().checked_sub(Duration::from_secs_f64(since)),
+            took: Duration::from_secs_f64(took),
+            frame,
+        };
+        assert!(Kept::nothing().is_due());
+        assert!(kept(1.0, 0.01, true).is_due());
+        assert!(!kept(1.0, 0.01, false).is_due());
+        assert!(!kept(1.0, 0.1, true).is_due());
+        assert!(kept(4.0, 0.01, false).is_due());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use nalgebra::Vector6;
 use wythe_contact::{InterfaceHistory, InterfaceLaw};
 
 use crate::model::Model;
-use crate::solve::{Method, State};
+use crate::solve::{Checkpoint, Method, State};
 use crate::sym6;
 
 /// One row of `history.csv`. Field names are the column names.
@@ -217,7 +217,7 @@ pub enum Status {
 }
 
 /// What `solve` returns when it ends: everything of `summary.json` that the solver knows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// How it ended.
     pub status: Status,
@@ -282,6 +282,16 @@ pub trait Recorder: Send {
     /// Called once an increment is committed, before [`Recorder::take`], with all that the run knows:
     /// histories of every point, pairs of contact, energies. Default: nothing.
     fn observe(&mut self, _state: &State) {}
+
+    /// Called after [`Recorder::take`], once everything is ready for the next increment: `make` gives
+    /// what [`crate::solve::resume`] goes on from. `last` if no increment follows: the steps are done,
+    /// or the recorder asked to stop. Default: nothing.
+    ///
+    /// # Errors
+    /// Input/output failures, which end the run.
+    fn checkpoint(&mut self, _last: bool, _make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
+        Ok(())
+    }
 
     /// Called where the procedure changes, with the reason. Default: nothing.
     fn note(&mut self, _text: &str) {}

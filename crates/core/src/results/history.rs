@@ -1,7 +1,7 @@
 //! `history.csv`: a row an increment, on disk before the next increment starts.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use super::HistoryRow;
@@ -33,10 +33,47 @@ impl HistoryWriter {
             whole: 0,
             probes: model.probes.len(),
         };
-        let probes = model.probes.iter().map(|p| p.column.clone());
-        let columns: Vec<String> = fixed_columns().into_iter().chain(probes).collect();
-        history.write(format!("{}\n", columns.join(",")).as_bytes())?;
+        history.write(header(model).as_bytes())?;
         Ok(history)
+    }
+
+    /// Opens the file at `path` and cuts off what comes after its first `rows` rows.
+    ///
+    /// # Errors
+    /// The file cannot be read or cut, has other columns than the model, or fewer rows.
+    pub fn resume(path: &Path, model: &Model, rows: usize) -> io::Result<Self> {
+        let wrong = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
+        let mut file = File::options().read(true).write(true).open(path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let header = header(model);
+        if !bytes.starts_with(header.as_bytes()) {
+            return Err(wrong("its columns are not those of the model".to_owned()));
+        }
+        let ends = (header.len()..bytes.len()).filter(|&i| bytes[i] == b'\n');
+        let whole = std::iter::once(header.len())
+            .chain(ends.map(|i| i + 1))
+            .nth(rows);
+        let Some(whole) = whole.map(|whole| whole as u64) else {
+            return Err(wrong(format!(
+                "it has fewer rows than the {rows} of the checkpoint"
+            )));
+        };
+        file.set_len(whole)?;
+        file.seek(SeekFrom::Start(whole))?;
+        Ok(Self {
+            file,
+            whole,
+            probes: model.probes.len(),
+        })
+    }
+
+    /// Waits until the rows are on the disk.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn sync(&self) -> io::Result<()> {
+        self.file.sync_data()
     }
 
     /// Appends one row.
@@ -72,6 +109,13 @@ impl HistoryWriter {
         self.whole += lines.len() as u64;
         Ok(())
     }
+}
+
+/// The first line of the history of a model.
+fn header(model: &Model) -> String {
+    let probes = model.probes.iter().map(|p| p.column.clone());
+    let columns: Vec<String> = fixed_columns().into_iter().chain(probes).collect();
+    format!("{}\n", columns.join(","))
 }
 
 /// Names of the columns that every history has, in order.
@@ -132,6 +176,33 @@ mod tests {
             assert_eq!(last[0], (i + 1).to_string());
             assert_eq!(last[4].parse::<f64>().unwrap().to_bits(), force.to_bits());
         }
+    }
+
+    #[test]
+    fn a_history_goes_on_after_the_rows_that_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        let model = fake::model();
+        let mut history = HistoryWriter::create(&path, &model).unwrap();
+        for i in 1..=4 {
+            history.append(&fake::row(i, 1, 0.1, 1.0)).unwrap();
+        }
+        drop(history);
+        let whole = std::fs::read(&path).unwrap();
+        // A kill in the middle of a row, two rows after the last that counts.
+        std::fs::write(&path, &whole[..whole.len() - 3]).unwrap();
+        let mut history = HistoryWriter::resume(&path, &model, 2).unwrap();
+        for i in 3..=4 {
+            history.append(&fake::row(i, 1, 0.1, 1.0)).unwrap();
+        }
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        let refused = |rows| HistoryWriter::resume(&path, &model, rows).unwrap_err();
+        assert!(refused(5).to_string().contains("fewer rows than the 5"));
+        HistoryWriter::resume(&path, &model, 0).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), header(&model));
+        std::fs::write(&path, "increment,step\n1,0\n").unwrap();
+        assert!(refused(1).to_string().contains("columns"));
+        assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 2);
     }
 
     #[test]

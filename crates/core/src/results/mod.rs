@@ -6,13 +6,15 @@
 //!                                               │                        results.interfaces.vtkhdf, a link
 //!                                               ├─▶ run.mcap             messages an increment
 //!                                               ├─▶ model.toml           the deck, overrides taken in
+//!                                               ├─▶ checkpoint.bin       to go on from, replaced as the run goes
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         last: its presence says "whole"
 //! RunFolder reads them back: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
-//! CSV, INP).
+//! CSV, INP). StoppedRun goes on with them.
 //! ```
 
 pub mod branch;
+pub mod checkpoint;
 pub mod comparison;
 pub mod curve;
 pub mod directory;
@@ -25,6 +27,7 @@ pub mod plot;
 pub mod plotting;
 pub mod reading;
 pub mod report;
+pub mod resuming;
 pub mod snapshot;
 pub mod summary;
 pub mod usage;
@@ -44,6 +47,7 @@ pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use report::Report;
+pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use snapshot::{FrameChoice, Snapshot};
 pub use summary::SummaryFile;
 pub use vtkhdf::VtkHdfWriter;

@@ -1,9 +1,13 @@
 //! The run: steps, increments, commits.
 
+use std::cell::OnceCell;
+
 use wythe_contact::InterfaceHistory;
 
+use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::explain;
+use super::fingerprint::Fingerprint;
 use super::ladder::{Answer, Ladder, QUIET};
 use super::method::Method;
 use super::newton::{IMBALANCE, Newton};
@@ -26,6 +30,9 @@ pub enum RunError {
     /// Results could not be written.
     #[error("results could not be written: {0}")]
     Output(#[from] std::io::Error),
+    /// A checkpoint that the model cannot go on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// Inertia without mass.
     #[error(
         "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
@@ -54,17 +61,7 @@ const MANY: usize = 10;
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
     // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
     // iteration would put this thread to sleep and wake it again.
-    rayon::scope(|_| {
-        let mut run = Run::new(model)?;
-        for step in 0..model.steps.len() {
-            if !run.step(step, recorder)? {
-                break;
-            }
-        }
-        run.summary.warnings.extend(run.snaps.warning());
-        run.summary.warnings.extend(run.swings.warning());
-        Ok(run.summary)
-    })
+    rayon::scope(|_| Run::new(model)?.finish(None, recorder))
 }
 
 /// A run in progress.
@@ -73,15 +70,17 @@ pub(super) struct Run<'m> {
     pub(super) system: System,
     pub(super) state: State,
     pub(super) trial: Trial,
-    summary: Summary,
-    clock: Clock,
+    pub(super) summary: Summary,
+    pub(super) clock: Clock,
     pub(super) output_seconds: f64,
-    snaps: Snaps,
-    swings: Swings,
+    pub(super) snaps: Snaps,
+    pub(super) swings: Swings,
+    /// Of the model, when the first checkpoint wants it.
+    pub(super) fingerprint: OnceCell<Fingerprint>,
 }
 
 impl<'m> Run<'m> {
-    fn new(model: &'m Model) -> Result<Self, RunError> {
+    pub(super) fn new(model: &'m Model) -> Result<Self, RunError> {
         let mut system = System::new(model)?;
         let state = system.initial_state(model);
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
@@ -105,14 +104,40 @@ impl<'m> Run<'m> {
             output_seconds: 0.0,
             snaps: Snaps::default(),
             swings: Swings::default(),
+            fingerprint: OnceCell::new(),
         })
     }
 
-    /// One step; false if the run ends here.
-    fn step(&mut self, index: usize, recorder: &mut dyn Recorder) -> Result<bool, RunError> {
-        let mut course = self.begin(index)?;
+    /// All steps, or the rest of one in progress and those after it.
+    pub(super) fn finish(
+        mut self,
+        course: Option<Course<'m>>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Summary, RunError> {
+        let (mut next, mut go_on) = (0, true);
+        if let Some(course) = course {
+            next = course.index + 1;
+            go_on = self.walk(course, recorder)?;
+        }
+        while go_on && next < self.model.steps.len() {
+            let course = self.begin(next)?;
+            next += 1;
+            go_on = self.walk(course, recorder)?;
+        }
+        self.summary.warnings.extend(self.snaps.warning());
+        self.summary.warnings.extend(self.swings.warning());
+        Ok(self.summary)
+    }
+
+    /// A step to its end; false if the run ends here.
+    fn walk(
+        &mut self,
+        mut course: Course<'m>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
         while let Some(leg) = course.next() {
             let (before, time) = (course.solves, self.state.time);
+            let index = course.index;
             let mut tell = |count| recorder.progress(index, time, before + count);
             let outcome = course.newton.converge(
                 &mut self.system,
@@ -199,7 +224,7 @@ impl<'m> Run<'m> {
     /// Commits an increment and chooses the next; false if the run should stop.
     fn accept(
         &mut self,
-        course: &mut Course,
+        course: &mut Course<'m>,
         leg: Leg,
         report: Report,
         recorder: &mut dyn Recorder,
@@ -254,12 +279,6 @@ impl<'m> Run<'m> {
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        self.tally(&course.newton);
-        if !keep {
-            self.summary.status = Status::Interrupted;
-            "stopped by the user".clone_into(&mut self.summary.message);
-            return Ok(false);
-        }
         (course.cutbacks, course.solves) = (0, 0);
         (course.repeat, course.end_refused) = (true, false);
         if leg.method == Method::Static || course.beyond.is_some_and(|load| load <= course.load) {
@@ -280,7 +299,15 @@ impl<'m> Run<'m> {
             let why = format!("{} has passed the trouble", leg.method.name());
             self.note(course, &why, recorder);
         }
-        Ok(true)
+        self.tally(&course.newton);
+        let all_done = end && course.index + 1 == self.model.steps.len();
+        self.offer(course, all_done || !keep, recorder)?;
+        self.tally(&course.newton);
+        if !keep {
+            self.summary.status = Status::Interrupted;
+            "stopped by the user".clone_into(&mut self.summary.message);
+        }
+        Ok(keep)
     }
 
     /// Chooses what to try after a refusal; false if nothing is left.
@@ -488,7 +515,7 @@ impl<'m> Run<'m> {
     }
 
     /// What moves in a step and has no mass.
-    fn massless(&self, step: &Step) -> Option<String> {
+    pub(super) fn massless(&self, step: &Step) -> Option<String> {
         let (model, system) = (self.model, &self.system);
         let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
             let free = |i: &usize| matches!(motion[*i], BeamMotion::Force(_));

@@ -171,6 +171,13 @@ impl Motion {
         state.damping.copy_from_slice(&self.damping_force);
     }
 
+    /// Goes on from a commit of this motion.
+    pub fn rejoin(&mut self, state: &State) {
+        self.velocity.copy_from_slice(&state.velocity);
+        self.acceleration.copy_from_slice(&state.acceleration);
+        self.damping_force.copy_from_slice(&state.damping);
+    }
+
     /// Begins an increment of `dt` [s] under the loads at its start [N]. `[slot]`
     pub fn start(&mut self, state: &State, dt: f64, loads: &[f64]) {
         self.dt = dt;

@@ -1,5 +1,7 @@
 //! Settles what nodes do not feel of the tractions (see `system::patterns`) at the end of an increment.
 
+use serde::{Deserialize, Serialize};
+
 use super::newton::{Newton, timed};
 use super::outcome::{Attempt, Refusal, Report, Solves};
 use super::state::State;
@@ -13,7 +15,7 @@ const PATTERNS: f64 = 5e-3;
 const PATIENCE: usize = 10;
 
 /// Increments in which patterns are left alone: the next 1, 2, 4 … where no balance was found with them.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Pause {
     left: usize,
     next: usize,

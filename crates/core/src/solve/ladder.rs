@@ -17,6 +17,8 @@
 //! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
 //! inertia at once. Every other procedure is a ladder of one rung.
 
+use serde::{Deserialize, Serialize};
+
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
@@ -54,7 +56,7 @@ pub enum Answer {
 }
 
 /// A method and its tangents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rung {
     /// What solves the increments.
     pub method: Method,
@@ -63,7 +65,7 @@ pub struct Rung {
 }
 
 /// The methods of a step, the one that is used now, and what it must show before it is left.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Ladder {
     rungs: Vec<Rung>,
     at: usize,
@@ -149,6 +151,21 @@ impl Ladder {
             passed_over: 0,
             snaps: false,
         }
+    }
+
+    /// Where this ladder was, as that of a step; none if the step has other methods.
+    pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
+        let Self { rungs, floor, .. } = Self::new(model, step, all_has_mass);
+        let fits = self.rungs == rungs
+            && self.at < rungs.len()
+            && (1..=rungs.len()).contains(&self.statics);
+        fits.then_some(Self { floor, ..self })
+    }
+
+    /// The whole step becomes `part` of a longer one.
+    pub fn lengthen(&mut self, part: f64) {
+        self.floor *= part;
+        self.left_at *= part;
     }
 
     /// Begins with inertia, if it may.

@@ -14,7 +14,7 @@ pub struct Loads {
     /// Mean magnitude of these over the elements' nodes [N].
     pub mean: f64,
     /// Forces on the beams when the step began [N]. `[slot]`
-    applied_start: Vec<f64>,
+    pub(super) applied_start: Vec<f64>,
 }
 
 impl Loads {

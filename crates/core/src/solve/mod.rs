@@ -1,6 +1,7 @@
 //! From a frozen model to its converged frames.
 
 mod balance;
+pub mod checkpoint;
 mod closure;
 mod commit;
 mod course;
@@ -8,6 +9,7 @@ pub mod drive;
 mod dynamics;
 mod explain;
 mod fields;
+mod fingerprint;
 mod follow;
 mod hidden;
 mod ladder;
@@ -23,6 +25,7 @@ pub mod state;
 mod stop;
 mod tally;
 
+pub use checkpoint::{Checkpoint, CheckpointError, resume};
 pub use drive::{RunError, run};
 pub use method::Method;
 pub use outcome::Clock;

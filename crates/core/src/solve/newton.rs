@@ -8,6 +8,8 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
+use serde::{Deserialize, Serialize};
+
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
 use super::closure::PURSUIT;
@@ -61,6 +63,26 @@ pub struct Newton<'m> {
     pub clock: Clock,
 }
 
+/// What a step counts its loads and drives from.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Starts {
+    /// Displacements when the step began [mm]. `[slot]`
+    q: Vec<f64>,
+    /// Ends of the springs then [mm]. `[spring][xyz]`
+    spring_ends: Vec<[f64; 3]>,
+    /// Forces on the beams then [N]. `[slot]`
+    applied: Vec<f64>,
+}
+
+/// What the last commit left to the next increments.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Carried {
+    /// Out of balance [N]. `[equation]`
+    left: Vec<f64>,
+    /// When patterns of tractions are settled.
+    pause: Pause,
+}
+
 pub(super) fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
@@ -95,6 +117,53 @@ impl<'m> Newton<'m> {
             motion: None,
             pause: Pause::default(),
             clock: Clock::default(),
+        }
+    }
+
+    /// What the step counts from.
+    pub fn starts(&self) -> Starts {
+        Starts {
+            q: self.q_start.clone(),
+            spring_ends: self.ends_start.clone(),
+            applied: self.loads.applied_start.clone(),
+        }
+    }
+
+    /// Counts from where the step once began; false if that was in another model.
+    pub fn begin_from(&mut self, starts: Starts) -> bool {
+        let sizes = [starts.q.len(), starts.applied.len()];
+        if sizes != [self.q.len(); 2] || starts.spring_ends.len() != self.ends_start.len() {
+            return false;
+        }
+        (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
+        self.loads.applied_start.clone_from(&starts.applied);
+        self.loads_start.applied_start = starts.applied;
+        true
+    }
+
+    /// What the last commit leaves to the next increments.
+    pub fn carried(&self) -> Carried {
+        Carried {
+            left: self.left.clone(),
+            pause: self.pause,
+        }
+    }
+
+    /// Takes over what the last commit left; false if that was in another model.
+    pub fn carry_on(&mut self, carried: Carried) -> bool {
+        if carried.left.len() != self.left.len() {
+            return false;
+        }
+        (self.left, self.pause) = (carried.left, carried.pause);
+        true
+    }
+
+    /// Goes on by the method and the tangents that led to `state`.
+    pub fn rejoin(&mut self, rung: Rung, system: &System, state: &State) {
+        (self.method, self.tangent) = (rung.method, rung.tangent);
+        self.motion = Motion::new(self.step, self.method, system, &self.equations);
+        if let Some(motion) = &mut self.motion {
+            motion.rejoin(state);
         }
     }
 

@@ -102,7 +102,7 @@ impl<'a> Solves<'a> {
 }
 
 /// Wall time spent in each phase [s], and how often the dear ones were done.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
     /// Solids.
     pub elements: f64,

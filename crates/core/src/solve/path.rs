@@ -29,6 +29,8 @@
 //!
 //! linear in the displacements, free of rigid motion, and zero where nothing softens.
 
+use serde::{Deserialize, Serialize};
+
 use super::method::Method;
 use crate::system::{System, Trial};
 
@@ -76,7 +78,7 @@ impl Advance<'_> {
 }
 
 /// The increment behind, by which the next one along the path is measured.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trail {
     method: Method,
     /// c, or the way behind [mm]. `[slot]`
@@ -169,6 +171,28 @@ impl Trail {
     /// one, over what lies between.
     pub fn is_left_by(&self, dq: &[f64]) -> bool {
         self.method == Method::Dissipation && dq.iter().any(|u| u.abs() > LEAP * self.most)
+    }
+
+    /// This trail in a step that began with the trail `first`; none if it does not measure `slots` of
+    /// displacements.
+    pub fn of_step(self, first: &Self, slots: usize) -> Option<Self> {
+        let fits = self.gradient.is_empty() || self.gradient.len() == slots;
+        let most = if first.most.is_finite() {
+            first.most
+        } else {
+            self.most
+        };
+        fits.then_some(Self {
+            most,
+            largest: first.largest,
+            ..self
+        })
+    }
+
+    /// The whole step becomes `part` of a longer one.
+    pub fn lengthen(&mut self, part: f64) {
+        self.size *= part;
+        self.load *= part;
     }
 
     /// Whether the next increment of `method` can be measured.

@@ -1,5 +1,7 @@
 //! Sizes of increments within one step.
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::scene::Increments;
 
 /// One increment: from `start` to `start + size`, as fractions of the step.
@@ -19,7 +21,7 @@ impl Increment {
 }
 
 /// Chooses the increments of one step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Schedule {
     limits: Increments,
     done: f64,
@@ -83,6 +85,17 @@ impl Schedule {
     /// Next increment of about this size.
     pub fn resume(&mut self, size: f64) {
         self.size = size.clamp(self.limits.min, self.limits.max);
+    }
+
+    /// What it has come to, within the limits of its step.
+    pub fn within(self, limits: Increments) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// The whole step becomes `part` of a longer one.
+    pub fn lengthen(&mut self, part: f64) {
+        self.done *= part;
+        self.size *= part;
     }
 
     /// The increment was refused: try `factor` of it.

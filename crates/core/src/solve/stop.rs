@@ -1,10 +1,12 @@
 //! Ends a step before its loads are whole: where the deck says `stop`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::scene::{BeamMotion, Step, Stop};
 use crate::results::HistoryRow;
 
 /// Watches the history of a step for what ends it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Watch {
     stop: Stop,
     /// Of the drive.
@@ -19,9 +21,10 @@ pub(super) struct Watch {
 const ROUNDING: f64 = 1e-9;
 
 impl Watch {
-    /// Of a step whose driven displacement begins at `start` [mm]; none if nothing stops it.
+    /// Of a step whose driven displacement begins at `start` [mm]; none if it drives nothing. What nothing
+    /// stops is watched, too: who resumes may stop it.
     pub(super) fn new(step: &Step, start: f64) -> Option<Self> {
-        let stop = step.stop?;
+        let stop = step.stop.unwrap_or_default();
         let of_beam = step
             .driven
             .and_then(|(beam, i)| match step.motion[beam][i] {
@@ -36,6 +39,16 @@ impl Watch {
             start,
             most: 0.0,
         })
+    }
+
+    /// What this watch of an earlier run has seen, for what stops the step now.
+    pub(super) fn go_on(&mut self, earlier: &Self) {
+        (self.start, self.most) = (earlier.start, earlier.most);
+    }
+
+    /// Whether two watches end a step at the same place.
+    pub(super) fn stops_as(&self, step: &Step) -> bool {
+        self.stop == step.stop.unwrap_or_default()
     }
 
     /// Takes a row of the step; why the step ends with it, if it does.
@@ -120,10 +133,13 @@ mod tests {
     }
 
     #[test]
-    fn steps_that_drive_nothing_or_stop_for_nothing_are_not_watched() {
+    fn what_drives_nothing_is_not_watched_and_what_stops_for_nothing_goes_on() {
         let mut steps = fake::model().steps;
-        assert!(Watch::new(&steps[1], 0.0).is_none());
         steps[0].stop = Some(Stop::default());
         assert!(Watch::new(&steps[0], 0.0).is_none());
+        let mut watch = watch(Stop::default(), 3.0, 0.0);
+        for force in [1.0, 9.0, 0.1] {
+            assert_eq!(watch.take(&fake::row(1, 1, 5.0, force)), None);
+        }
     }
 }

@@ -1,9 +1,11 @@
 //! What a run must tell of its increments when it ends.
 
+use serde::{Deserialize, Serialize};
+
 use crate::results::HistoryRow;
 
 /// The increments in which a unit snapped.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Snaps {
     count: usize,
     step: usize,
@@ -37,7 +39,7 @@ impl Snaps {
 const QUASI_STATIC: f64 = 0.05;
 
 /// Where a quasi-static step was not.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Swings {
     count: usize,
     step: usize,

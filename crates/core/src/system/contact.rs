@@ -175,6 +175,36 @@ impl Contact {
         })
     }
 
+    /// Where candidates were searched last [mm]. `[node]`
+    pub fn searched_at(&self) -> &[[f64; 3]] {
+        &self.searched_at
+    }
+
+    /// Searches the candidates at positions `x` [mm] `[node]`.
+    pub fn search_from(&mut self, x: &[[f64; 3]]) {
+        let boxes: Vec<Aabb> = (0..self.slave.facets.len())
+            .map(|f| Aabb::of(&self.positions(f, x)))
+            .collect();
+        let reach = self.radius + self.skin;
+        let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
+        self.searched_at.clear();
+        self.searched_at.extend_from_slice(x);
+        if found != self.candidates {
+            self.candidates = found;
+            self.version += 1;
+            self.cells.clear();
+            for (f, slave) in self.slave.facets.iter().enumerate() {
+                for &m in self.candidates.of(f) {
+                    let master = self.master.facets[m as usize];
+                    let mut cell = [0; 8];
+                    cell[..4].copy_from_slice(slave);
+                    cell[4..].copy_from_slice(&master);
+                    self.cells.push(cell);
+                }
+            }
+        }
+    }
+
     /// Renews the candidates if surfaces moved beyond the skin, then pairs every point.
     pub fn search(&mut self, trial: &mut Trial) {
         let x = &trial.x;
@@ -185,26 +215,7 @@ impl Contact {
                 d > 0.25 * self.skin * self.skin
             });
         if moved {
-            let boxes: Vec<Aabb> = (0..self.slave.facets.len())
-                .map(|f| Aabb::of(&self.positions(f, x)))
-                .collect();
-            let reach = self.radius + self.skin;
-            let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
-            self.searched_at.clone_from(x);
-            if found != self.candidates {
-                self.candidates = found;
-                self.version += 1;
-                self.cells.clear();
-                for (f, slave) in self.slave.facets.iter().enumerate() {
-                    for &m in self.candidates.of(f) {
-                        let master = self.master.facets[m as usize];
-                        let mut cell = [0; 8];
-                        cell[..4].copy_from_slice(slave);
-                        cell[4..].copy_from_slice(&master);
-                        self.cells.push(cell);
-                    }
-                }
-            }
+            self.search_from(x);
         }
         let anchors = trial.anchors.par_chunks_mut(4);
         let (free, x_start) = (&trial.free, &trial.x_start);

@@ -117,6 +117,11 @@ impl Trial {
         self.stiffening = 1.0;
         self.inertia = 0.0;
         self.before.clear();
+        // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
+        // something of the increment before.
+        self.cell_force.clear();
+        self.element_energy.clear();
+        self.point_energy.clear();
     }
 
     /// The normal tractions of the last iterate bound the shear of the next one.

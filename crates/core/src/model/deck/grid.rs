@@ -3,8 +3,6 @@
 //! A CSV file: `#` comments, perhaps a line of names, then x, y, z [mm] of a node a line; along x first,
 //! then along y, then along z. Its name is relative to the deck's folder.
 
-use std::path::Path;
-
 use super::Deck;
 use super::rows::{Row, rows};
 use crate::error::ModelError;
@@ -22,8 +20,7 @@ impl Deck {
             return Ok(None);
         };
         let key = format!("blocks.{index}.nodes");
-        let folder = Path::new(&self.source.file).parent();
-        let path = folder.unwrap_or(Path::new("")).join(file);
+        let path = self.folder().join(file);
         let text = std::fs::read_to_string(&path).map_err(|why| {
             let message = format!("{}: {why}", path.display());
             let help = "name a CSV file, relative to the deck's folder";

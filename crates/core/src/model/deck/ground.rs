@@ -4,8 +4,6 @@
 //! a line, times ascending. What 1 in it means is the step's `ground_unit`. Its name is relative to the
 //! deck's folder.
 
-use std::path::Path;
-
 use super::Deck;
 use super::rows::rows;
 use crate::error::ModelError;
@@ -27,8 +25,7 @@ impl Deck {
         for (i, file) in ground.files().into_iter().enumerate() {
             let Some(file) = file else { continue };
             let key = format!("steps.{step}.ground.{}", ["x", "y", "z"][i]);
-            let folder = Path::new(&self.source.file).parent();
-            let path = folder.unwrap_or(Path::new("")).join(file);
+            let path = self.folder().join(file);
             let text = std::fs::read_to_string(&path).map_err(|why| {
                 let message = format!("{}: {why}", path.display());
                 self.error(

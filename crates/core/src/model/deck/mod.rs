@@ -12,6 +12,7 @@ mod materials;
 mod output;
 mod probes;
 mod procedure;
+mod resumed;
 mod rows;
 mod stand_in;
 mod steps;
@@ -24,6 +25,7 @@ pub use interfaces::Interface;
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
 pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
+pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{Bond, Clamped, Subdivision, Wall};
 
@@ -36,7 +38,7 @@ use crate::material::MaterialParameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use wythe_contact::InterfaceLaw;
 
@@ -222,6 +224,20 @@ impl Deck {
             &path.display().to_string(),
             overrides,
         )?)
+    }
+
+    /// Files that the deck names are relative to this folder, wherever the deck itself lies.
+    #[must_use]
+    pub fn in_folder(mut self, folder: PathBuf) -> Self {
+        self.source.folder = Some(folder);
+        self
+    }
+
+    /// The folder that files named by the deck are relative to.
+    pub fn folder(&self) -> &Path {
+        let beside = || Path::new(&self.source.file).parent();
+        let folder = self.source.folder.as_deref().or_else(beside);
+        folder.unwrap_or(Path::new(""))
     }
 
     /// The deck as TOML, in base units and with every default said.

@@ -17,6 +17,7 @@
 //! Chunks are made in memory, appended whole, and flushed at each increment: a file that was cut short
 //! has every whole increment before the cut, and [`salvage`] gives it back its index.
 
+mod resuming;
 pub mod salvage;
 mod scene;
 mod schemas;
@@ -33,6 +34,8 @@ use serde_json::json;
 
 use super::{Frame, HistoryRow, Status, Summary};
 use crate::model::Model;
+pub use resuming::Mark;
+use resuming::Topics;
 use scene::Scene;
 use schemas::{MESSAGE_ENCODING, SCHEMA_ENCODING, Schema};
 
@@ -50,8 +53,10 @@ enum Level {
 /// Writes `run.mcap` increment by increment.
 pub struct McapWriter {
     writer: Writer<BufWriter<File>>,
+    /// The same file, to wait for the disk.
+    file: File,
     scene: Scene,
-    topics: BTreeMap<&'static str, Topic>,
+    topics: Topics,
     /// Increments written.
     increments: u64,
     /// Messages since the last increment.
@@ -60,6 +65,7 @@ pub struct McapWriter {
     frames: usize,
     /// Whether the last frame is in the file.
     shown: bool,
+    attachments: u64,
     /// What could not be written between increments, where nobody can be told.
     pending: Option<io::Error>,
 }
@@ -97,28 +103,22 @@ impl McapWriter {
     /// The file cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         let library = format!("wythe {}", env!("CARGO_PKG_VERSION"));
+        let created = File::create(path)?;
+        let file = created.try_clone()?;
         let mut writer = options("", &library)
-            .create(BufWriter::new(File::create(path)?))
+            .create(BufWriter::new(created))
             .map_err(into_io)?;
-        let mut topics = BTreeMap::new();
-        for (topic, schema) in channels(model)? {
-            let id = writer
-                .add_schema(schema.name, SCHEMA_ENCODING, schema.text.as_bytes())
-                .map_err(into_io)?;
-            let channel = writer
-                .add_channel(id, topic, MESSAGE_ENCODING, &BTreeMap::new())
-                .map_err(into_io)?;
-            let sequence = 0;
-            topics.insert(topic, Topic { channel, sequence });
-        }
+        let topics = open_topics(&mut writer, model)?;
         let mut run = Self {
             writer,
+            file,
             scene: Scene::of(model),
             topics,
             increments: 0,
             between: 0,
             frames: 0,
             shown: true,
+            attachments: 0,
             pending: None,
         };
         let (elements, nodes) = (model.mesh.elements.len(), model.mesh.nodes.len());
@@ -142,6 +142,7 @@ impl McapWriter {
             data: text.as_bytes().into(),
         };
         self.writer.attach(&attachment).map_err(into_io)?;
+        self.attachments += 1;
         self.flush()
     }
 
@@ -182,14 +183,17 @@ impl McapWriter {
         self.keep(sent);
     }
 
-    /// Tells of a change of the procedure.
+    /// Tells of a change of the procedure. What is told of the increment before goes to the file at once: a
+    /// checkpoint may follow, and chunks are to be the same with it and without.
     pub fn note(&mut self, reason: &str) {
         let increment = self.increments + 1;
+        let of_last = self.between == 0;
         let text = json!({ "increment": increment, "reason": reason });
         let stamp = self.soon();
         let sent = self
             .send("/ladder", stamp, &text.to_string())
-            .and_then(|()| self.log(Level::Info, reason, stamp));
+            .and_then(|()| self.log(Level::Info, reason, stamp))
+            .and_then(|()| if of_last { self.flush() } else { Ok(()) });
         self.keep(sent);
     }
 
@@ -289,6 +293,25 @@ impl std::fmt::Debug for McapWriter {
             .field("frames", &self.frames)
             .finish_non_exhaustive()
     }
+}
+
+/// The channels of a run in its file; those that are there already stay as they are.
+fn open_topics<W: io::Write + io::Seek>(
+    writer: &mut Writer<W>,
+    model: &Model,
+) -> io::Result<Topics> {
+    let mut topics = Topics::new();
+    for (topic, schema) in channels(model)? {
+        let id = writer
+            .add_schema(schema.name, SCHEMA_ENCODING, schema.text.as_bytes())
+            .map_err(into_io)?;
+        let channel = writer
+            .add_channel(id, topic, MESSAGE_ENCODING, &BTreeMap::new())
+            .map_err(into_io)?;
+        let sequence = 0;
+        topics.insert(topic, Topic { channel, sequence });
+    }
+    Ok(topics)
 }
 
 /// Topics and their schemas.

@@ -12,6 +12,7 @@ use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReader
 use ::mcap::{Attachment, MAGIC, McapError, McapResult, Writer, parse_record};
 use miette::Diagnostic;
 
+use super::resuming::Until;
 use super::{into_io, options};
 use crate::error::IoError;
 
@@ -83,17 +84,39 @@ fn rewrite(mut source: Source, header: &Header, new: File) -> io::Result<Salvage
     let mut writer = options(&header.profile, &header.library)
         .create(BufWriter::new(new))
         .map_err(into_io)?;
-    let found = copy(&mut source, &mut writer)?;
+    let found = copy(&mut source, &mut writer, None)?;
     writer.finish().map_err(into_io)?;
     let file = writer.into_inner().into_inner();
     file.map_err(io::IntoInnerError::into_error)?.sync_all()?;
     Ok(found)
 }
 
-type Out = Writer<BufWriter<File>>;
+/// A file that is written.
+pub(super) type Out = Writer<BufWriter<File>>;
 
-/// Copies whole records until there are no more.
-fn copy(source: &mut Source, writer: &mut Out) -> io::Result<Salvaged> {
+/// Copies the whole records of a file that may pass, and leaves the new one open; none of what is no MCAP file.
+pub(super) fn copy_until(
+    file: &Path,
+    new: BufWriter<File>,
+    until: &mut Until,
+) -> io::Result<Option<(Out, Salvaged)>> {
+    let mut source = Source::open(file)?;
+    let Some(header) = source.begin()? else {
+        return Ok(None);
+    };
+    let mut writer = options(&header.profile, &header.library)
+        .create(new)
+        .map_err(into_io)?;
+    let found = copy(&mut source, &mut writer, Some(until))?;
+    Ok(Some((writer, found)))
+}
+
+/// Copies whole records until there are no more, of those that may pass.
+fn copy(
+    source: &mut Source,
+    writer: &mut Out,
+    mut until: Option<&mut Until>,
+) -> io::Result<Salvaged> {
     let mut found = Salvaged::default();
     loop {
         let kept = source.read;
@@ -105,14 +128,14 @@ fn copy(source: &mut Source, writer: &mut Out) -> io::Result<Salvaged> {
             }
             Some((op::CHUNK, body)) => match records_of_chunk(body) {
                 Ok(records) => {
-                    let taken = take_all(&records, writer, &mut found)?;
+                    let taken = take_all(&records, writer, until.as_deref_mut(), &mut found)?;
                     // A chunk each, as it was.
                     writer.flush().map_err(into_io)?;
                     taken
                 }
                 Err(_) => false,
             },
-            Some((opcode, body)) => take(*opcode, body, writer, &mut found)?,
+            Some((opcode, body)) => take(*opcode, body, writer, until.as_deref_mut(), &mut found)?,
             None => false,
         };
         if !taken {
@@ -122,9 +145,14 @@ fn copy(source: &mut Source, writer: &mut Out) -> io::Result<Salvaged> {
     }
 }
 
-fn take_all(records: &[(u8, Vec<u8>)], out: &mut Out, found: &mut Salvaged) -> io::Result<bool> {
+fn take_all(
+    records: &[(u8, Vec<u8>)],
+    out: &mut Out,
+    mut until: Option<&mut Until>,
+    found: &mut Salvaged,
+) -> io::Result<bool> {
     for (opcode, body) in records {
-        if !take(*opcode, body, out, found)? {
+        if !take(*opcode, body, out, until.as_deref_mut(), found)? {
             return Ok(false);
         }
     }
@@ -132,7 +160,13 @@ fn take_all(records: &[(u8, Vec<u8>)], out: &mut Out, found: &mut Salvaged) -> i
 }
 
 /// Writes a record; false if it is none. Indices are made anew.
-fn take(opcode: u8, body: &[u8], writer: &mut Out, found: &mut Salvaged) -> io::Result<bool> {
+fn take(
+    opcode: u8,
+    body: &[u8],
+    writer: &mut Out,
+    until: Option<&mut Until>,
+    found: &mut Salvaged,
+) -> io::Result<bool> {
     // The parser takes it for granted that a record holds its checksum.
     if opcode == 0 || (opcode == op::ATTACHMENT && body.len() < LEAST_ATTACHMENT) {
         return Ok(false);
@@ -140,6 +174,9 @@ fn take(opcode: u8, body: &[u8], writer: &mut Out, found: &mut Salvaged) -> io::
     let Ok(record) = parse_record(opcode, body) else {
         return Ok(false);
     };
+    if until.is_some_and(|until| !until.keeps(&record)) {
+        return Ok(true);
+    }
     let written = match record {
         Record::Schema { header, data } => writer
             .add_schema_with_id(header.id, &header.name, &header.encoding, &data)

@@ -256,3 +256,89 @@ fn a_full_disk_is_met_before_the_run() {
     let error = McapWriter::create(full, &model()).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::StorageFull);
 }
+
+/// Increment `i` of the small run, and what is told after it.
+fn go_on(run: &mut McapWriter, model: &Model, i: usize) {
+    run.progress(1, i as f64, 1);
+    let frame = fake::frame(model, 0.2 * i as f64);
+    let frame = i.is_multiple_of(2).then_some(&frame);
+    run.increment(model, &fake::row(i, 1, i as f64, 0.1 * i as f64), frame)
+        .unwrap();
+    if i == 2 {
+        run.note("direct has passed the trouble");
+    }
+}
+
+fn end(run: McapWriter, model: &Model) {
+    run.finish(model, None, &fake::summary(Status::Completed), &[])
+        .unwrap();
+}
+
+#[test]
+fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, path] = ["whole.mcap", "run.mcap"].map(|name| folder.path().join(name));
+    let model = model();
+    let begin = |path: &Path| {
+        let mut run = McapWriter::create(path, &model).unwrap();
+        run.attach("model.toml", "application/toml", "format = 1\n")
+            .unwrap();
+        run
+    };
+    let mut run = begin(&whole);
+    for i in 1..=INCREMENTS {
+        go_on(&mut run, &model, i);
+    }
+    end(run, &model);
+    let wanted = std::fs::read(&whole).unwrap();
+    for at in 0..=INCREMENTS {
+        for ended in [true, false] {
+            let mut run = begin(&path);
+            (1..=at).for_each(|i| go_on(&mut run, &model, i));
+            let mark = run.mark().unwrap();
+            let least = std::fs::metadata(&path).unwrap().len();
+            // What comes after the mark comes again, whether the file was closed, left or cut.
+            run.progress(1, 9.0, 1);
+            run.note("never mind");
+            (at + 1..=INCREMENTS).for_each(|i| go_on(&mut run, &model, i));
+            run.attach("model.toml", "application/toml", "format = 2\n")
+                .unwrap();
+            if ended {
+                end(run, &model);
+            } else {
+                drop(run);
+                let bytes = std::fs::read(&path).unwrap();
+                let cut = usize::midpoint(least as usize, bytes.len());
+                std::fs::write(&path, &bytes[..cut]).unwrap();
+            }
+            let mut run = McapWriter::resume(&path, &model, &mark).unwrap();
+            assert_eq!(run.mark().unwrap(), mark);
+            (at + 1..=INCREMENTS).for_each(|i| go_on(&mut run, &model, i));
+            end(run, &model);
+            let bytes = std::fs::read(&path).unwrap();
+            assert!(bytes == wanted, "from {at}, ended: {ended}");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let model = model();
+    let (mut run, ends) = record(&path, &model);
+    let mark = run.mark().unwrap();
+    drop(run);
+    let bytes = std::fs::read(&path).unwrap();
+    for end in [0, 5, ends[0], ends[INCREMENTS - 1]] {
+        let cut = &bytes[..end as usize];
+        std::fs::write(&path, cut).unwrap();
+        let error = McapWriter::resume(&path, &model, &mark).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::InvalidData, "{end}: {error}");
+        assert_eq!(std::fs::read(&path).unwrap(), cut);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+    std::fs::remove_file(&path).unwrap();
+    let error = McapWriter::resume(&path, &model, &mark).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::NotFound);
+}

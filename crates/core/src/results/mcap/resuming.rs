@@ -1,0 +1,167 @@
+//! Goes on with the `run.mcap` of a run that stopped.
+//!
+//! What counts is copied to a file beside it, record by record, which then takes its place and grows: an
+//! interruption leaves the old one or the new one. Messages have numbers, topic by topic, so that a
+//! [`Mark`] says exactly which of them came before a checkpoint.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use ::mcap::records::Record;
+use serde::{Deserialize, Serialize};
+
+use super::salvage::{self, Out};
+use super::{McapWriter, Scene, Topic, into_io, open_topics};
+use crate::model::Model;
+
+/// How far the file goes at a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mark {
+    increments: u64,
+    between: u64,
+    frames: usize,
+    shown: bool,
+    attachments: u64,
+    /// Messages by topic.
+    messages: BTreeMap<String, u32>,
+}
+
+impl Mark {
+    /// Of a file that begins after this many increments and frames.
+    pub fn late(increments: usize, frames: usize) -> Self {
+        Self {
+            increments: increments as u64,
+            frames,
+            shown: true,
+            ..Self::default()
+        }
+    }
+}
+
+/// Lets records pass up to a mark.
+#[derive(Debug)]
+pub(super) struct Until<'m> {
+    mark: &'m Mark,
+    /// Numbers of the messages of each channel that are kept.
+    kept: BTreeMap<u16, u32>,
+    attachments: u64,
+}
+
+impl Until<'_> {
+    /// Whether the record is kept.
+    pub fn keeps(&mut self, record: &Record) -> bool {
+        match record {
+            Record::Channel(channel) => {
+                let kept = self.mark.messages.get(&channel.topic).copied();
+                self.kept.insert(channel.id, kept.unwrap_or(0));
+                true
+            }
+            Record::Message { header, .. } => {
+                let kept = self.kept.get(&header.channel_id);
+                kept.is_some_and(|kept| header.sequence < *kept)
+            }
+            Record::Attachment { .. } => {
+                self.attachments += 1;
+                self.attachments <= self.mark.attachments
+            }
+            _ => true,
+        }
+    }
+}
+
+impl McapWriter {
+    /// How far the file goes now; all of it is on the disk on return.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn mark(&mut self) -> io::Result<Mark> {
+        if let Some(error) = self.pending.take() {
+            return Err(error);
+        }
+        flush(&mut self.writer)?;
+        self.file.sync_data()?;
+        let messages = self.topics.iter();
+        Ok(Mark {
+            increments: self.increments,
+            between: self.between,
+            frames: self.frames,
+            shown: self.shown,
+            attachments: self.attachments,
+            messages: messages
+                .map(|(topic, of)| ((*topic).to_owned(), of.sequence))
+                .collect(),
+        })
+    }
+
+    /// Opens the file of a run of this model, whole or cut short, to go on where `mark` was taken; what
+    /// comes after it is dropped.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or something before the mark is missing; it is as it was then.
+    pub fn resume(path: &Path, model: &Model, mark: &Mark) -> io::Result<Self> {
+        let mut temporary = path.as_os_str().to_owned();
+        temporary.push(".tmp");
+        let temporary = PathBuf::from(temporary);
+        let opened = File::create(&temporary).and_then(|new| {
+            let run = reopen(path, new, model, mark)?;
+            run.file.sync_data()?;
+            std::fs::rename(&temporary, path)?;
+            Ok(run)
+        });
+        if opened.is_err() {
+            // Best effort: the error that matters is the first.
+            let _ = std::fs::remove_file(&temporary);
+        }
+        opened
+    }
+
+    /// Takes the place in the run of a mark, in a file that has nothing of what came before.
+    pub fn begin_at(&mut self, mark: &Mark) {
+        (self.increments, self.between) = (mark.increments, mark.between);
+        self.frames = mark.frames;
+    }
+}
+
+fn reopen(path: &Path, new: File, model: &Model, mark: &Mark) -> io::Result<McapWriter> {
+    let wrong = |why: &str| io::Error::new(io::ErrorKind::InvalidData, why.to_owned());
+    let file = new.try_clone()?;
+    let mut until = Until {
+        mark,
+        kept: BTreeMap::new(),
+        attachments: 0,
+    };
+    let copied = salvage::copy_until(path, BufWriter::new(new), &mut until)?;
+    let Some((mut writer, found)) = copied else {
+        return Err(wrong("it does not begin like an MCAP file"));
+    };
+    let messages: u64 = mark.messages.values().map(|n| u64::from(*n)).sum();
+    if found.messages < messages || found.attachments < mark.attachments {
+        return Err(wrong("it ends before the checkpoint, or is damaged there"));
+    }
+    let mut topics = open_topics(&mut writer, model)?;
+    for (topic, of) in &mut topics {
+        of.sequence = mark.messages.get(*topic).copied().unwrap_or(0);
+    }
+    flush(&mut writer)?;
+    Ok(McapWriter {
+        writer,
+        file,
+        scene: Scene::of(model),
+        topics,
+        increments: mark.increments,
+        between: mark.between,
+        frames: mark.frames,
+        shown: mark.shown,
+        attachments: mark.attachments,
+        pending: None,
+    })
+}
+
+fn flush(writer: &mut Out) -> io::Result<()> {
+    writer.flush().map_err(into_io)
+}
+
+/// The topics of a run by name.
+pub(super) type Topics = BTreeMap<&'static str, Topic>;
