@@ -85,6 +85,10 @@ fn killed_after(arguments: &[&str], wait: Duration) -> bool {
 fn opens(out: &Path) {
     let folder = RunFolder::open(out).unwrap();
     let rows = folder.history().unwrap().rows.len();
+    if rows == 0 && !out.join("results.vtkhdf").exists() {
+        // Killed while the folder was made.
+        return;
+    }
     let fields = folder.fields().unwrap();
     let frames = fields.times().len();
     assert!(frames == 0 || fields.frame(frames - 1).is_ok());
