@@ -8,8 +8,6 @@
 //! With secant stiffness the same holds of the solids: each iterate is linear about the last update
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
-use serde::{Deserialize, Serialize};
-
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
 use super::closure::PURSUIT;
@@ -34,8 +32,8 @@ use std::time::Instant;
 pub struct Newton<'m> {
     pub(super) model: &'m Model,
     pub(super) step: &'m Step,
-    method: Method,
-    tangent: Tangent,
+    pub(super) method: Method,
+    pub(super) tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
     values: Vec<f64>,
@@ -48,39 +46,19 @@ pub struct Newton<'m> {
     /// λ: part of the step's loads at the last iterate.
     pub(super) load_factor: f64,
     pub(super) q: Vec<f64>,
-    q_start: Vec<f64>,
+    pub(super) q_start: Vec<f64>,
     /// Ends of the springs when the step began [mm]. `[spring][xyz]`
-    ends_start: Vec<[f64; 3]>,
+    pub(super) ends_start: Vec<[f64; 3]>,
     /// Loads at the end of the increment.
     pub(super) loads: Loads,
     /// Loads at its start.
-    loads_start: Loads,
+    pub(super) loads_start: Loads,
     /// Inertia, if it acts.
     pub(super) motion: Option<Motion>,
     /// When patterns of tractions are settled.
     pub(super) pause: Pause,
     /// Wall time by phase.
     pub clock: Clock,
-}
-
-/// What a step counts its loads and drives from.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Starts {
-    /// Displacements when the step began [mm]. `[slot]`
-    q: Vec<f64>,
-    /// Ends of the springs then [mm]. `[spring][xyz]`
-    spring_ends: Vec<[f64; 3]>,
-    /// Forces on the beams then [N]. `[slot]`
-    applied: Vec<f64>,
-}
-
-/// What the last commit left to the next increments.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Carried {
-    /// Out of balance [N]. `[equation]`
-    left: Vec<f64>,
-    /// When patterns of tractions are settled.
-    pause: Pause,
 }
 
 pub(super) fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
@@ -117,53 +95,6 @@ impl<'m> Newton<'m> {
             motion: None,
             pause: Pause::default(),
             clock: Clock::default(),
-        }
-    }
-
-    /// What the step counts from.
-    pub fn starts(&self) -> Starts {
-        Starts {
-            q: self.q_start.clone(),
-            spring_ends: self.ends_start.clone(),
-            applied: self.loads.applied_start.clone(),
-        }
-    }
-
-    /// Counts from where the step once began; false if that was in another model.
-    pub fn begin_from(&mut self, starts: Starts) -> bool {
-        let sizes = [starts.q.len(), starts.applied.len()];
-        if sizes != [self.q.len(); 2] || starts.spring_ends.len() != self.ends_start.len() {
-            return false;
-        }
-        (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
-        self.loads.applied_start.clone_from(&starts.applied);
-        self.loads_start.applied_start = starts.applied;
-        true
-    }
-
-    /// What the last commit leaves to the next increments.
-    pub fn carried(&self) -> Carried {
-        Carried {
-            left: self.left.clone(),
-            pause: self.pause,
-        }
-    }
-
-    /// Takes over what the last commit left; false if that was in another model.
-    pub fn carry_on(&mut self, carried: Carried) -> bool {
-        if carried.left.len() != self.left.len() {
-            return false;
-        }
-        (self.left, self.pause) = (carried.left, carried.pause);
-        true
-    }
-
-    /// Goes on by the method and the tangents that led to `state`.
-    pub fn rejoin(&mut self, rung: Rung, system: &System, state: &State) {
-        (self.method, self.tangent) = (rung.method, rung.tangent);
-        self.motion = Motion::new(self.step, self.method, system, &self.equations);
-        if let Some(motion) = &mut self.motion {
-            motion.rejoin(state);
         }
     }
 
@@ -399,84 +330,6 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Start of the iterations: the last increment again, or the tangent with the prescribed
-    /// displacements on the right-hand side.
-    fn predict(
-        &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        attempt: Attempt,
-        setting: Evaluation,
-        solves: &mut Solves,
-    ) -> Result<(), Refusal> {
-        system.start(trial, state);
-        self.q.copy_from_slice(&state.q);
-        let last = state.last.as_ref().filter(|_| attempt.repeat);
-        let start = attempt.load;
-        let end = match (attempt.advance, last) {
-            (Advance::Load, _) => attempt.increment.end(),
-            (_, Some(last)) => start + setting.dt / last.dt * last.load,
-            (_, None) => start,
-        };
-        self.loads_start.at(self.step, system, start);
-        self.load_to(end, system, trial);
-        if let Some(motion) = &mut self.motion {
-            motion.start(state, setting.dt, &self.loads_start.total);
-            trial.inertia = OVER_INERTIA * motion.mass_factor();
-        }
-        if let (Some(last), true) = (last, setting.shifted) {
-            let ratio = self.momentum(&state.energies) * setting.dt / last.dt;
-            system.extrapolate_tractions(self.model, state, trial, ratio);
-        }
-        // What moves goes on: a tangent would see it stick where it was.
-        if let Some(motion) = &self.motion {
-            motion.predict(state, &mut self.q);
-            return Ok(());
-        }
-        if let Some(last) = last {
-            let ratio = setting.dt / last.dt;
-            for &slot in &self.equations.slot_of {
-                self.q[slot as usize] += ratio * last.dq[slot as usize];
-            }
-            return Ok(());
-        }
-        if attempt.advance != Advance::Load {
-            return Ok(());
-        }
-        let target = std::mem::replace(&mut self.q, state.q.clone());
-        timed(&mut self.clock.contact, || system.search(trial, &self.q));
-        // Where a step begins, nothing tells that what slid will go on: a drive may turn round.
-        trial.sticks = state.last.is_none();
-        let evaluated = self.evaluate(system, state, trial, setting);
-        trial.sticks = false;
-        evaluated?;
-        // K_fp Δp of the prescribed displacements joins the residual.
-        let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
-        let moved = system.multiply(trial, &change);
-        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
-            *r += moved[slot as usize];
-        }
-        self.solve(system, trial)?;
-        solves.one_more();
-        self.q = target;
-        for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
-            self.q[slot as usize] += d;
-        }
-        if self.loads.mean > 0.0 && setting.shifted {
-            // Weight presses joints that nothing pressed before: without the pressure of this start they
-            // would have no friction to hold them in the next iterate.
-            timed(&mut self.clock.contact, || system.search(trial, &self.q));
-            let start = Evaluation {
-                tangent: false,
-                ..setting
-            };
-            self.evaluate(system, state, trial, start)?;
-            trial.keep_tractions();
-        }
-        Ok(())
-    }
-
     /// Forces (and tangents) at `self.q`; the residual of the unknowns.
     pub(super) fn evaluate(
         &mut self,
@@ -503,7 +356,7 @@ impl<'m> Newton<'m> {
     }
 
     /// d = −K⁻¹ r.
-    fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
+    pub(super) fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
         let backend = self.backend();
         let linear = match &mut self.linear {
             Some(linear) if !system.pattern_changed() => linear,
@@ -647,10 +500,6 @@ impl<'m> Newton<'m> {
 /// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
 /// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.
 const SOFTENED: usize = 6;
-
-/// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
-/// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
-const OVER_INERTIA: f64 = 3.0;
 
 /// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
 pub(super) fn along(setting: Evaluation) -> Evaluation {

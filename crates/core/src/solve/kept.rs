@@ -1,0 +1,79 @@
+//! What of a step's equations a checkpoint keeps.
+
+use serde::{Deserialize, Serialize};
+
+use super::dynamics::Motion;
+use super::hidden::Pause;
+use super::ladder::Rung;
+use super::newton::Newton;
+use super::state::State;
+use crate::system::System;
+
+/// What a step counts its loads and drives from.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Starts {
+    /// Displacements when the step began [mm]. `[slot]`
+    q: Vec<f64>,
+    /// Ends of the springs then [mm]. `[spring][xyz]`
+    spring_ends: Vec<[f64; 3]>,
+    /// Forces on the beams then [N]. `[slot]`
+    applied: Vec<f64>,
+}
+
+/// What the last commit left to the next increments.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Carried {
+    /// Out of balance [N]. `[equation]`
+    left: Vec<f64>,
+    /// When patterns of tractions are settled.
+    pause: Pause,
+}
+
+impl Newton<'_> {
+    /// What the step counts from.
+    pub fn starts(&self) -> Starts {
+        Starts {
+            q: self.q_start.clone(),
+            spring_ends: self.ends_start.clone(),
+            applied: self.loads.applied_start.clone(),
+        }
+    }
+
+    /// Counts from where the step once began; false if that was in another model.
+    pub fn begin_from(&mut self, starts: Starts) -> bool {
+        let sizes = [starts.q.len(), starts.applied.len()];
+        if sizes != [self.q.len(); 2] || starts.spring_ends.len() != self.ends_start.len() {
+            return false;
+        }
+        (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
+        self.loads.applied_start.clone_from(&starts.applied);
+        self.loads_start.applied_start = starts.applied;
+        true
+    }
+
+    /// What the last commit leaves to the next increments.
+    pub fn carried(&self) -> Carried {
+        Carried {
+            left: self.left.clone(),
+            pause: self.pause,
+        }
+    }
+
+    /// Takes over what the last commit left; false if that was in another model.
+    pub fn carry_on(&mut self, carried: Carried) -> bool {
+        if carried.left.len() != self.left.len() {
+            return false;
+        }
+        (self.left, self.pause) = (carried.left, carried.pause);
+        true
+    }
+
+    /// Goes on by the method and the tangents that led to `state`.
+    pub fn rejoin(&mut self, rung: Rung, system: &System, state: &State) {
+        (self.method, self.tangent) = (rung.method, rung.tangent);
+        self.motion = Motion::new(self.step, self.method, system, &self.equations);
+        if let Some(motion) = &mut self.motion {
+            motion.rejoin(state);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Where the iterations of an increment start.
+
+use super::newton::{Newton, timed};
+use super::outcome::{Attempt, Refusal, Solves};
+use super::path::Advance;
+use super::state::State;
+use crate::system::{Evaluation, System, Trial};
+
+/// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
+/// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
+const OVER_INERTIA: f64 = 3.0;
+
+impl Newton<'_> {
+    /// Start of the iterations: the last increment again, or the tangent with the prescribed
+    /// displacements on the right-hand side.
+    pub(super) fn predict(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        setting: Evaluation,
+        solves: &mut Solves,
+    ) -> Result<(), Refusal> {
+        system.start(trial, state);
+        self.q.copy_from_slice(&state.q);
+        let last = state.last.as_ref().filter(|_| attempt.repeat);
+        let start = attempt.load;
+        let end = match (attempt.advance, last) {
+            (Advance::Load, _) => attempt.increment.end(),
+            (_, Some(last)) => start + setting.dt / last.dt * last.load,
+            (_, None) => start,
+        };
+        self.loads_start.at(self.step, system, start);
+        self.load_to(end, system, trial);
+        if let Some(motion) = &mut self.motion {
+            motion.start(state, setting.dt, &self.loads_start.total);
+            trial.inertia = OVER_INERTIA * motion.mass_factor();
+        }
+        if let (Some(last), true) = (last, setting.shifted) {
+            let ratio = self.momentum(&state.energies) * setting.dt / last.dt;
+            system.extrapolate_tractions(self.model, state, trial, ratio);
+        }
+        // What moves goes on: a tangent would see it stick where it was.
+        if let Some(motion) = &self.motion {
+            motion.predict(state, &mut self.q);
+            return Ok(());
+        }
+        if let Some(last) = last {
+            let ratio = setting.dt / last.dt;
+            for &slot in &self.equations.slot_of {
+                self.q[slot as usize] += ratio * last.dq[slot as usize];
+            }
+            return Ok(());
+        }
+        if attempt.advance != Advance::Load {
+            return Ok(());
+        }
+        let target = std::mem::replace(&mut self.q, state.q.clone());
+        timed(&mut self.clock.contact, || system.search(trial, &self.q));
+        // Where a step begins, nothing tells that what slid will go on: a drive may turn round.
+        trial.sticks = state.last.is_none();
+        let evaluated = self.evaluate(system, state, trial, setting);
+        trial.sticks = false;
+        evaluated?;
+        // K_fp Δp of the prescribed displacements joins the residual.
+        let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
+        let moved = system.multiply(trial, &change);
+        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            *r += moved[slot as usize];
+        }
+        self.solve(system, trial)?;
+        solves.one_more();
+        self.q = target;
+        for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
+            self.q[slot as usize] += d;
+        }
+        if self.loads.mean > 0.0 && setting.shifted {
+            // Weight presses joints that nothing pressed before: without the pressure of this start they
+            // would have no friction to hold them in the next iterate.
+            timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            let start = Evaluation {
+                tangent: false,
+                ..setting
+            };
+            self.evaluate(system, state, trial, start)?;
+            trial.keep_tractions();
+        }
+        Ok(())
+    }
+}
