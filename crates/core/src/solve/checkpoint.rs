@@ -4,12 +4,12 @@
 //! |---|---|
 //! | displacements, rates, histories, pairs, energies | [`State`] |
 //! | where candidates of contact were last searched: they are the pattern, and with it the order of elimination | `searched_at` |
-//! | how far the step has come, the size of the next increment | [`Schedule`] |
-//! | by which method, and what it must show before it is left | [`Ladder`] |
-//! | by what the path is measured | [`Trail`] |
-//! | what a step counts its loads and drives from | [`Starts`] |
-//! | what increments leave open for the next ones | [`Carried`], [`State`]'s energies |
-//! | where beyond a snap equilibrium was found, and what ends the step early | `beyond`, [`Watch`], `stopped` |
+//! | how far the step has come, the size of the next increment | `Schedule` |
+//! | by which method, and what it must show before it is left | `Ladder` |
+//! | by what the path is measured | `Trail` |
+//! | what a step counts its loads and drives from | `Starts` |
+//! | what increments leave open for the next ones | `Carried`, [`State`]'s energies |
+//! | where beyond a snap equilibrium was found, and what ends the step early | `beyond`, `Watch`, `stopped` |
 //! | what is told at the end | summary, clock, snaps, swings |
 //!
 //! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the

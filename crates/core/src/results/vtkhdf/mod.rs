@@ -2,7 +2,7 @@
 //! ParaView ≥ 5.12.
 //!
 //! VTKHDF 2.0, two temporal `UnstructuredGrid`s ([`grid`]), of which VTK reads the first, and the second by way
-//! of [`sidecar`]:
+//! of `sidecar`:
 //!
 //! ```text
 //! /VTKHDF        the solids, hexahedra
@@ -22,7 +22,7 @@
 //! /model         version, title, materials: names in the order of CellData/material; deck and its hash
 //! ```
 //!
-//! Nobody sees the file while it is written ([`publication`]): it is whole at any moment.
+//! Nobody sees the file while it is written (`publication`): it is whole at any moment.
 
 mod about;
 pub mod grid;
@@ -53,7 +53,7 @@ const QUAD: u8 = 9;
 /// Group of the interfaces in the file.
 pub const INTERFACES: &str = "interfaces";
 
-/// Writes `results.vtkhdf` step by step, into a work file that becomes it ([`publication`]).
+/// Writes `results.vtkhdf` step by step, into a work file that becomes it (`publication`).
 #[derive(Debug)]
 pub struct VtkHdfWriter {
     publication: Publication,
@@ -119,7 +119,7 @@ impl VtkHdfWriter {
         }
     }
 
-    /// Appends one step. Readers see it at once if the last copy was long enough ago ([`publication`]), else
+    /// Appends one step. Readers see it at once if the last copy was long enough ago (`publication`), else
     /// with a later one.
     ///
     /// # Errors
