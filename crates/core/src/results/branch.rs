@@ -57,8 +57,11 @@ impl Branch {
                 points: envelope(&turned),
             };
         }
+        // What happens before it moves is a preload, as in a history.
+        let resting = turned.iter().take_while(|p| p.0 == turned[0].0).count();
         let mut furthest = f64::NEG_INFINITY;
-        let onwards = turned.into_iter().map(|(d, f)| {
+        let moving = turned.into_iter().skip(resting.saturating_sub(1));
+        let onwards = moving.map(|(d, f)| {
             furthest = furthest.max(d);
             (furthest, f)
         });
@@ -171,6 +174,15 @@ mod tests {
         assert_eq!(branch.force(0.5, true), Some(5.0));
         assert_eq!(branch.force(2.0, true), Some(8.0));
         assert_eq!(branch.force(2.1, true), None);
+    }
+
+    #[test]
+    fn a_preload_is_no_part_of_the_curve() {
+        let history = [(0.0, -0.1), (0.0, -0.6), (1.0, 10.0), (1.0, 9.0)];
+        let branch = Branch::new(&history, 1.0);
+        assert_eq!(branch.points(), &history[1..]);
+        assert_eq!(Branch::new(&[], 1.0).points(), []);
+        assert_eq!(Branch::new(&[(0.0, 1.0)], 1.0).points(), [(0.0, 1.0)]);
     }
 
     #[test]
