@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod blocks;
+pub mod examples;
 pub mod scene;
 
 use std::collections::HashMap;

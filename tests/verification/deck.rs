@@ -1,11 +1,14 @@
 //! Reading decks: units, defaults, overrides, round trips, the laws of single points.
 
-use std::path::{Path, PathBuf};
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::examples::{load, path};
 use wythe::contact::Coupling;
 use wythe::material::{Interpolation, MaterialParameters};
 use wythe::model::deck::Subdivision;
 use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
-use wythe::model::{Deck, Model, check, keys};
+use wythe::model::{Deck, Model, keys};
 
 const EXAMPLES: [&str; 4] = [
     "01_couplet_tension",
@@ -13,21 +16,6 @@ const EXAMPLES: [&str; 4] = [
     "03_shear_wall_j7d",
     "04_shear_wall_j4d",
 ];
-
-fn path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name)
-        .with_extension("toml")
-}
-
-fn load(name: &str, overrides: &[(&str, &str)]) -> Deck {
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).into(), (*v).into()))
-        .collect();
-    Deck::load(path(name), &overrides).unwrap()
-}
 
 #[test]
 fn every_example_builds_and_is_short() {
@@ -411,140 +399,6 @@ fn energies_are_those_of_the_theory() {
 }
 
 #[test]
-fn the_checker_reports_sizes_energies_and_warnings() {
-    let deck = load("03_shear_wall_j7d", &[]);
-    let (model, warnings) = Model::from_deck(&deck).unwrap();
-    let report = check(&deck, &model);
-    assert_eq!(report.warnings, warnings);
-    assert_eq!((report.sizes.units, report.sizes.elements), (90, 1540));
-    assert_eq!(
-        report.sizes.contact_points,
-        4 * model.contact.slave_facets.len()
-    );
-    // Measured peak of a run: 126 MB; 558 MB with the fine mesh. Within half as much again.
-    let of_fine = |d: Deck| check(&d, &Model::from_deck(&d).unwrap().0).memory_mb;
-    let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine")]));
-    for (estimate, measured) in [(report.memory_mb, 126.0), (fine, 558.0)] {
-        let ratio = estimate / measured;
-        assert!(
-            ratio < 1.5 && ratio > 1.0 / 1.5,
-            "{estimate} MB for {measured} MB"
-        );
-    }
-    let text = report.to_string();
-    for part in [
-        "G_I = 15.53 N/m",
-        "G_II = 36.09 N/m",
-        "90 units, 1540 elements",
-        "pivots",
-        "lap 80.00 mm",
-    ] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
-    }
-
-    let key_of = |overrides: &[(&str, &str)]| -> Vec<String> {
-        let deck = load("02_couplet_shear", overrides);
-        let (_, warnings) = Model::from_deck(&deck).unwrap();
-        warnings.into_iter().map(|w| w.key).collect()
-    };
-    assert!(key_of(&[]).is_empty());
-    assert_eq!(
-        key_of(&[("interfaces.joint.mu", "1.1")]),
-        ["interfaces.joint.mu"]
-    );
-    assert_eq!(
-        key_of(&[("interfaces.joint.f_t", "0.9")]),
-        ["interfaces.joint.f_t"]
-    );
-    // theory C.5: Table 1 snaps back below k_n = .28 × 4.38/(.2 (1 − e^−4.38)) = 6.21, k_s = 3.59
-    let soft = |n: &str, s: &str| {
-        key_of(&[
-            ("interfaces.joint.normal_stiffness", n),
-            ("interfaces.joint.shear_stiffness", s),
-        ])
-    };
-    assert!(soft("6.22", "3.60").is_empty());
-    assert_eq!(
-        soft("6.20", "3.58"),
-        [
-            "interfaces.joint.normal_stiffness",
-            "interfaces.joint.shear_stiffness"
-        ]
-    );
-    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
-    let unscaled = text.replace("reference_length = \"50 mm\"\n", "");
-    let (_, warnings) =
-        Model::from_deck(&Deck::from_str(&unscaled, "unscaled.toml").unwrap()).unwrap();
-    assert!(
-        warnings[0].message.contains("scaling is off"),
-        "{}",
-        warnings[0]
-    );
-    assert_eq!(warnings[0].key, "materials.brick");
-    let line = unscaled
-        .lines()
-        .position(|l| l == "[materials.brick]")
-        .unwrap()
-        + 1;
-    assert_eq!(warnings[0].line, Some(line));
-}
-
-/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory A.5). In
-/// another element the strains beyond the peak are others, and so is the cap.
-#[test]
-fn capped_damage_names_its_row() {
-    let deck = load("03_shear_wall_j7d", &[]);
-    let (_, warnings) = Model::from_deck(&deck).unwrap();
-    let keys: Vec<&str> = warnings.iter().map(|w| w.key.as_str()).collect();
-    assert_eq!(keys, ["materials.mortar.tension.1.2"]);
-    let message = &warnings[0].message;
-    for part in [
-        "row 2: the damage 0.95 is inadmissible",
-        "in elements of 33.6 mm",
-    ] {
-        assert!(message.contains(part), "{part} is not in {message}");
-    }
-    // A point has no size: the table as given.
-    let (_, warnings) = deck.law("mortar", None).unwrap();
-    assert_eq!(warnings.len(), 1);
-    assert!(
-        warnings[0].message.contains("capped to 0.9387"),
-        "{}",
-        warnings[0]
-    );
-    // With the out-of-plane modulus the same table is admissible.
-    let stiff = load("03_shear_wall_j7d", &[("materials.mortar.E", "2300")]);
-    let (_, warnings) = Model::from_deck(&stiff).unwrap();
-    assert!(warnings.is_empty(), "{warnings:?}");
-}
-
-#[test]
-fn through_joints_and_slivers_are_noticed() {
-    let warned = |length: &str| -> Vec<String> {
-        let deck = load("03_shear_wall_j7d", &[("wall.length", length)]);
-        let (_, warnings) = Model::from_deck(&deck).unwrap();
-        warnings.into_iter().map(|w| w.message).collect()
-    };
-    assert!(
-        warned("990 mm")
-            .iter()
-            .all(|w| !w.contains("sliver") && !w.contains("bond"))
-    );
-    // 4 whole units and 20 mm: a sliver whose head joints nearly coincide, 32.5 mm apart
-    assert!(
-        warned("886 mm")
-            .iter()
-            .any(|w| w.contains("slivers of 20.00 mm"))
-    );
-    // 4 whole units and 200 mm
-    assert!(
-        warned("1066 mm")
-            .iter()
-            .any(|w| w.contains("4.00 mm apart"))
-    );
-}
-
-#[test]
 fn dry_joints_need_no_softening() {
     let text = std::fs::read_to_string(path("02_couplet_shear")).unwrap();
     let joint = text.find("[interfaces.joint]").unwrap()..text.find("[wall]").unwrap();
@@ -578,28 +432,5 @@ fn the_documentation_lists_every_key() {
             example.contains(key),
             "the example of {key} shows another key"
         );
-    }
-}
-
-#[test]
-fn absurd_sizes_are_refused_before_they_are_built() {
-    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
-    for (key, value, at) in [
-        ("wall.length", "1e300", "wall.length"),
-        ("wall.head_joint", "1e300", "wall.head_joint"),
-        ("wall.bed_joint", "\"12.5 um\"", "wall.bed_joint"),
-        ("wall.unit.1", "1e-300", "wall.unit.1"),
-        ("wall.courses", "4000000000", "wall.courses"),
-        (
-            "wall.mesh",
-            "[4000000000, 4000000000, 4000000000]",
-            "wall.mesh",
-        ),
-    ] {
-        let error = Deck::from_str_with(&text, "j7d.toml", &[(key.into(), value.into())])
-            .and_then(|deck| Model::from_deck(&deck))
-            .unwrap_err();
-        assert_eq!(error.key(), at, "{error}");
-        assert_eq!(error.file(), format!("--set {key}"));
     }
 }

@@ -186,25 +186,14 @@ fn survives((name, deck, arguments): &(&str, String, Vec<&str>), kills: usize, s
     println!("{name}: {done} kills in {rounds} rounds");
 }
 
+/// Four kills of each here; `tests/run-kills` says how many more, and from which seed.
 #[test]
 fn killed_runs_go_on_to_the_same_bytes() {
+    let number = |name: &str| -> Option<u64> { std::env::var(name).ok()?.parse().ok() };
+    let kills = number("WYTHE_KILLS").unwrap_or(4);
+    let seed = number("WYTHE_KILLS_SEED").unwrap_or(1);
     for run in runs() {
-        survives(&run, 4, 1);
-    }
-}
-
-/// The long form: `tests/run-kills`.
-#[test]
-#[ignore = "minutes"]
-fn runs_killed_often_go_on_to_the_same_bytes() {
-    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
-    let kills = number("WYTHE_KILLS").unwrap_or(100);
-    for run in runs() {
-        survives(
-            &run,
-            kills as usize,
-            number("WYTHE_KILLS_SEED").unwrap_or(2),
-        );
+        survives(&run, kills as usize, seed);
     }
 }
 

@@ -2,17 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::element::hex8::FACES;
 use crate::results::vtkhdf::read::{RestMesh, RestSurface};
-
-/// Local nodes of the faces of a hexahedron, counter-clockwise seen from outside: −x, +x, −y, +y, −z, +z.
-pub(super) const FACES: [[usize; 4]; 6] = [
-    [0, 4, 7, 3],
-    [1, 2, 6, 5],
-    [0, 1, 5, 4],
-    [3, 7, 6, 2],
-    [0, 3, 2, 1],
-    [4, 5, 6, 7],
-];
 
 /// Points that a facet of the interfaces has in the file: its corners first.
 const FACET_POINTS: usize = 9;
@@ -207,15 +198,23 @@ mod tests {
         let one = Skin::of(&row(1)).unwrap();
         assert_eq!((one.faces[0], one.edges.len()), (0b11_1111, 12));
         let three = Skin::of(&row(3)).unwrap();
-        assert_eq!(three.faces, [0b11_1101, 0b11_1100, 0b11_1110]);
+        // +x is bit 3, −x bit 5.
+        assert_eq!(three.faces, [0b11_0111, 0b01_0111, 0b01_1111]);
         // 4 long ones of 3 each, 4 at each end.
         assert_eq!(three.edges.len(), 12 + 8);
         assert_eq!(three.nodes.len(), 16);
-        for (face, bit) in FACES.iter().zip(0..) {
+        for (face, (axis, sign)) in FACES.iter().zip([
+            (2, -1.0),
+            (2, 1.0),
+            (1, -1.0),
+            (0, 1.0),
+            (1, 1.0),
+            (0, -1.0),
+        ]) {
             let mesh = row(1);
             let x = face.map(|i| mesh.nodes[mesh.elements[0][i] as usize]);
             let mut outward = [0.0; 3];
-            outward[bit / 2] = if bit % 2 == 0 { -1.0 } else { 1.0 };
+            outward[axis] = sign;
             assert_eq!(normal(x).map(|n| n + 0.0), outward);
         }
         let mut wrong = row(1);

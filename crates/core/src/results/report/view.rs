@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::packed;
 use super::skin::Skin;
+use crate::element::hex8::FACES;
 use crate::results::vtkhdf::read::FieldsFile;
 use crate::results::{Frame, elevation};
 
@@ -27,6 +28,8 @@ pub(super) struct View {
     pub corners: String,
     /// Outer faces of the elements, a bit each. `[element]` u8
     pub faces: String,
+    /// Corners of the face of each bit. `[face][4]`
+    pub hexahedron: [[usize; 4]; 6],
     /// Unit of each element, 0 to 65535. `[element]` u16
     pub unit: String,
     /// Material of each element, as in `materials`. `[element]` u8
@@ -128,6 +131,7 @@ impl<'a> Scene<'a> {
             wide,
             corners: numbers(skin.corners.as_flattened()),
             faces: packed::encode(&skin.faces),
+            hexahedron: FACES,
             unit: packed::words(unit.into_iter().map(|u| u as u16)),
             material: packed::encode(&material.iter().map(|&m| m as u8).collect::<Vec<_>>()),
             materials: file.materials()?,

@@ -2,8 +2,6 @@
 // The deformed wall in WebGL 2. Node positions and element values live in textures: a frame is an upload of
 // three small textures, a vertex is the number of a node.
 
-/** Corners of the faces of a hexahedron, in the order of their bits. */
-const FACES = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]];
 /** Colours from sound to gone; the sound colour is the material's. */
 const RAMPS = {
   tensile: ["#efa24c", "#c8321f", "#3b0512"],
@@ -214,7 +212,7 @@ function makeView(canvas, data) {
     let q = 0;
     for (let e = 0; e < elements; e++) for (let f = 0; f < 6; f++) {
       if (!((faceBits[e] >> f) & 1)) continue;
-      for (let i = 0; i < 4; i++) { node[4 * q + i] = corners[8 * e + FACES[f][i]]; element[4 * q + i] = e; }
+      for (let i = 0; i < 4; i++) { node[4 * q + i] = corners[8 * e + data.hexahedron[f][i]]; element[4 * q + i] = e; }
       index.set([4 * q, 4 * q + 1, 4 * q + 2, 4 * q, 4 * q + 2, 4 * q + 3], 6 * q);
       q++;
     }
