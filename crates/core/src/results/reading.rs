@@ -91,6 +91,14 @@ impl ReadHistory {
         }
         curve
     }
+
+    /// Step time of the largest force of the curve [s]; none where nothing was driven.
+    pub fn time_of_peak(&self) -> Option<f64> {
+        let peak = self.curve().peak()?;
+        let here =
+            |r: &&HistoryRow| r.displacement_mm == peak.displacement && r.force_kN == peak.force;
+        self.rows.iter().find(here).map(|r| r.time)
+    }
 }
 
 /// The folder of a run, finished, going on or killed.

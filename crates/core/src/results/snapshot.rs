@@ -134,14 +134,8 @@ impl Snapshots {
 
     /// The frame whose time is nearest to that of the peak; the last where nothing was driven.
     fn peak(&self) -> Option<usize> {
-        let peak = self.history.curve().peak();
-        let at_peak = |p: super::curve::Peak| {
-            let here =
-                |r: &&HistoryRow| r.displacement_mm == p.displacement && r.force_kN == p.force;
-            self.history.rows.iter().find(here).map(|r| r.time)
-        };
         let times = self.file.times();
-        let Some(time) = peak.and_then(at_peak) else {
+        let Some(time) = self.history.time_of_peak() else {
             return times.len().checked_sub(1);
         };
         let away = |i: &usize| (times[*i] - time).abs();

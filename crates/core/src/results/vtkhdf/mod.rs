@@ -25,6 +25,7 @@
 //! Nobody sees the file while it is written (`publication`): it is whole at any moment.
 
 mod about;
+pub mod field;
 pub mod grid;
 mod history;
 mod publication;

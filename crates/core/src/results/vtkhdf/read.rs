@@ -7,6 +7,7 @@ use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
 
 use super::about::{self, MODEL};
+use super::field::Values;
 use super::history::{FRAME_INCREMENT, HISTORY};
 use super::{INTERFACES, into_io};
 use crate::results::{Frame, InterfaceFrame, InterfaceState};
@@ -250,6 +251,43 @@ impl FieldsFile {
             return Err(format!("{} ends within frame {frame}", field.name()).into());
         }
         Ok(rows.start.min(all)..rows.end.min(all))
+    }
+
+    /// Whether there is such a group or dataset.
+    pub(super) fn has(&self, path: &str) -> bool {
+        // HDF5 complains where a link on the way is missing.
+        let mut at = String::new();
+        path.split('/').all(|part| {
+            at.push_str(part);
+            let there = self.file.link_exists(&at);
+            at.push('/');
+            there
+        })
+    }
+
+    pub(super) fn group(&self, path: &str) -> hdf5::Result<hdf5::Group> {
+        self.file.group(path)
+    }
+
+    /// Rows of a frame of the field at `path`, whatever they are.
+    pub(super) fn values(&self, path: &str, frame: usize) -> hdf5::Result<Values> {
+        let field = self.file.dataset(path)?;
+        if field.dtype()?.is::<u8>() {
+            return Ok(Values::Code(self.scalars(frame, path)?));
+        }
+        if field.ndim() == 1 {
+            return Ok(Values::Real {
+                values: self.scalars(frame, path)?,
+                width: 1,
+            });
+        }
+        let rows = Self::rows_of(&field, frame)?;
+        let values = field.read_slice_2d::<f64, _>((rows, ..))?;
+        let width = values.ncols();
+        Ok(Values::Real {
+            values: values.into_raw_vec_and_offset().0,
+            width,
+        })
     }
 
     fn scalars<T: hdf5::H5Type + Clone>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<T>> {

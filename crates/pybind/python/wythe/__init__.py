@@ -1,0 +1,78 @@
+"""wythe pushes walls of bricks to collapse: the detailed micro-model of masonry.
+
+>>> import wythe
+>>> wall = wythe.templates.couplet()
+>>> run = wall.run()
+>>> run.status
+'completed'
+
+Units are N, mm, MPa, tonne, s throughout; forces of histories are in kN. Tension is positive; a gap is
+positive when open.
+"""
+
+from __future__ import annotations
+
+import os
+
+from wythe import _wythe, build, templates
+from wythe._errors import (
+    ConvergenceError,
+    ModelError,
+    OutputError,
+    RunInterrupted,
+    WytheError,
+    as_path,
+)
+from wythe._model import Findings, Model, Problem
+from wythe._picture import Picture
+from wythe._results import Frame, History, Interfaces, Results
+from wythe._run import Increment
+
+__version__ = _wythe.__version__
+
+__all__ = [
+    "ConvergenceError",
+    "Findings",
+    "Frame",
+    "History",
+    "Increment",
+    "Interfaces",
+    "Model",
+    "ModelError",
+    "OutputError",
+    "Picture",
+    "Problem",
+    "Results",
+    "RunInterrupted",
+    "WytheError",
+    "__version__",
+    "build",
+    "salvage",
+    "schema",
+    "templates",
+]
+
+
+def schema() -> str:
+    """The JSON schema of decks, as ``wythe schema`` prints it."""
+    return _wythe.schema()
+
+
+def salvage(
+    path: str | os.PathLike[str], out: str | os.PathLike[str] | None = None
+) -> dict[str, int | bool]:
+    """Gives the messages (``run.mcap``) of an interrupted run an end and an index, in place or as ``out``.
+
+    Returns
+    -------
+    dict
+        ``messages``, ``attachments``, ``lost_bytes`` after the last whole record, and whether it ``was_whole``.
+    """
+    target = None if out is None else as_path("out", out)
+    messages, attachments, lost, whole = _wythe.salvage(as_path("path", path), target)
+    return {
+        "messages": messages,
+        "attachments": attachments,
+        "lost_bytes": lost,
+        "was_whole": whole,
+    }

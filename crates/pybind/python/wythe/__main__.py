@@ -1,0 +1,16 @@
+"""The ``wythe`` command, as the wheel installs it."""
+
+from __future__ import annotations
+
+import sys
+
+from wythe import _wythe
+
+
+def main() -> int:
+    """Runs the command with the arguments of the process and returns its exit code."""
+    return _wythe.command(["wythe", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

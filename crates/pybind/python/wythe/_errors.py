@@ -1,0 +1,189 @@
+"""The exceptions of wythe."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wythe._results import Results
+
+__all__ = ["ConvergenceError", "ModelError", "OutputError", "RunInterrupted", "WytheError"]
+
+
+class WytheError(Exception):
+    """What everything that wythe raises of its own is."""
+
+
+class ModelError(WytheError, ValueError):
+    """A model that cannot be: a deck that cannot be read or says something impossible.
+
+    Attributes
+    ----------
+    file : str or None
+        The file, where there is one.
+    line, column : int or None
+        Place in the text, from 1, where the model came from a text.
+    key : str
+        Dotted path of the key in the deck (``materials.brick.E``); empty for the deck as a whole.
+    message : str
+        What is wrong.
+    fix : str
+        How to mend it.
+    others : tuple of ModelError
+        Further errors of the same deck.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        key: str = "",
+        fix: str = "",
+        file: str | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        others: Sequence[ModelError] = (),
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.key = key
+        self.fix = fix
+        self.file = file
+        self.line = line
+        self.column = column
+        self.others = tuple(others)
+
+    def __str__(self) -> str:
+        lines = [self._told()]
+        lines += [other._told() for other in self.others]
+        return "\n".join(lines)
+
+    def _told(self) -> str:
+        place = self.file or ""
+        if self.line is not None:
+            place = f"{place or 'line '}{':' if place else ''}{self.line}"
+            if self.column is not None:
+                place += f":{self.column}"
+        parts = [part for part in (place, self.key, self.message) if part]
+        text = ": ".join(parts)
+        return f"{text}\n  fix: {self.fix}" if self.fix else text
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (
+            _rebuilt,
+            (self.message, self.key, self.fix, self.file, self.line, self.column, self.others),
+        )
+
+
+def _rebuilt(
+    message: str,
+    key: str,
+    fix: str,
+    file: str | None,
+    line: int | None,
+    column: int | None,
+    others: tuple[ModelError, ...],
+) -> ModelError:
+    return ModelError(
+        message, key=key, fix=fix, file=file, line=line, column=column, others=others
+    )
+
+
+class ConvergenceError(WytheError, RuntimeError):
+    """A run that found no equilibrium any more.
+
+    Attributes
+    ----------
+    results : Results
+        Everything up to there.
+    """
+
+    def __init__(self, message: str, results: Results) -> None:
+        super().__init__(message, results)
+        self.results = results
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class OutputError(WytheError, OSError):
+    """A file that could not be read or written; ``errno`` is the system's number, if it gave one.
+
+    Attributes
+    ----------
+    fix : str
+        What to do about it.
+    """
+
+    fix: str = ""
+
+    def __str__(self) -> str:
+        text = str(self.args[1] if len(self.args) > 1 else self.args[0])
+        return f"{text}\n  fix: {self.fix}" if self.fix else text
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a run. It is a KeyboardInterrupt, and has the results so far.
+
+    Attributes
+    ----------
+    results : Results
+        Everything up to the last whole increment. ``results.resume()`` goes on from there.
+    """
+
+    def __init__(self, message: str, results: Results) -> None:
+        super().__init__(message, results)
+        self.results = results
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+# What the Rust half raises with.
+
+_Told = tuple["str | None", "int | None", "int | None", str, str, str]
+
+
+def _model_error(told: list[_Told]) -> ModelError:
+    def one(error: _Told, others: Sequence[ModelError] = ()) -> ModelError:
+        file, line, column, key, message, fix = error
+        return ModelError(
+            message, key=key, fix=fix, file=file, line=line, column=column, others=others
+        )
+
+    return one(told[0], [one(error) for error in told[1:]])
+
+
+def _output_error(message: str, fix: str, number: int | None) -> OutputError:
+    error = OutputError(message) if number is None else OutputError(number, message)
+    error.fix = fix
+    return error
+
+
+def _no_frame(message: str, fix: str) -> IndexError:
+    return IndexError(f"{message}; {fix}" if fix else message)
+
+
+def expected(argument: str, what: str, got: object) -> TypeError:
+    """An argument of the wrong type."""
+    return TypeError(f"{argument}: expected {what}, got {_kind(got)}")
+
+
+def _kind(got: object) -> str:
+    shape = getattr(got, "shape", None)
+    if isinstance(shape, tuple):
+        return f"an array of shape {shape}"
+    if isinstance(got, (str, int, float, bool)) or got is None:
+        return repr(got)
+    return f"{type(got).__name__}"
+
+
+def as_path(argument: str, value: object) -> str:
+    """A path as text."""
+    if isinstance(value, (str, os.PathLike)):
+        path = os.fspath(value)
+        if isinstance(path, str):
+            return path
+    raise expected(argument, "a path (str or os.PathLike)", value)

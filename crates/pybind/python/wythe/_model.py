@@ -1,0 +1,512 @@
+"""Models: what is built, of what, and what is done to it."""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import json
+import numbers
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Union
+
+from wythe import _wythe
+from wythe._errors import ModelError, as_path, expected
+from wythe._picture import Picture
+from wythe._results import Results
+from wythe._run import Increment, run_deck
+
+__all__ = ["Findings", "Model", "Problem", "Value"]
+
+#: What a key of a deck may hold: a number in base units (N, mm, MPa, tonne, s), a text with a unit
+#: (``"2.12 MPa"``), a flag, a list, a table.
+Value = Union[float, int, str, bool, Sequence[Any], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An error or a warning of a model.
+
+    Attributes
+    ----------
+    key : str
+        Dotted path of the key.
+    message : str
+        What is wrong, or what it means.
+    line, column : int or None
+        Place in the text, from 1, where the model came from one.
+    fix : str
+        How to mend it; empty for warnings.
+    """
+
+    key: str
+    message: str
+    line: int | None = None
+    column: int | None = None
+    fix: str = ""
+
+    def __str__(self) -> str:
+        place = f" (line {self.line})" if self.line is not None else ""
+        fix = f"\n  fix: {self.fix}" if self.fix else ""
+        return f"{self.key}{place}: {self.message}{fix}"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What :meth:`Model.check` finds. True if the model can be run.
+
+    Attributes
+    ----------
+    ok : bool
+        Whether it can be run.
+    title : str
+        Title of the model.
+    errors, warnings : tuple of Problem
+        What is wrong, and what its author should know.
+    notes : tuple of str
+        What follows from the model: stiffnesses, fracture energies.
+    units, elements, nodes, dofs, contact_points : int
+        Sizes; 0 where the model cannot be built.
+    memory_MB : float
+        Estimated peak memory [MB].
+    """
+
+    ok: bool
+    title: str
+    errors: tuple[Problem, ...]
+    warnings: tuple[Problem, ...]
+    notes: tuple[str, ...]
+    units: int
+    elements: int
+    nodes: int
+    dofs: int
+    contact_points: int
+    memory_MB: float
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __str__(self) -> str:
+        lines = [f"{self.title}: {'can be run' if self.ok else 'cannot be run'}"]
+        lines += [f"error: {error}" for error in self.errors]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        lines += [f"note: {note}" for note in self.notes]
+        if self.ok:
+            lines.append(
+                f"{self.units} units, {self.elements} elements, {self.nodes} nodes, "
+                f"{self.dofs} unknowns, {self.contact_points} contact points, "
+                f"about {self.memory_MB:.0f} MB"
+            )
+        return "\n".join(lines)
+
+
+class Model:
+    """A model of masonry: geometry, materials, interfaces, and the steps that load it. Immutable.
+
+    Make one from a deck (:meth:`from_toml`, :meth:`from_dict`), by :mod:`wythe.templates` or by
+    :mod:`wythe.build`. Two models are equal if they say the same.
+    """
+
+    __slots__ = ("_deck", "_toml")
+
+    _deck: _wythe.Deck
+    _toml: str | None
+
+    def __init__(self, deck: Mapping[str, Any]) -> None:
+        """As :meth:`from_dict`."""
+        made = type(self).from_dict(deck)
+        self._deck = made._deck
+        self._toml = made._toml
+
+    @classmethod
+    def _of(cls, deck: _wythe.Deck) -> Model:
+        model = cls.__new__(cls)
+        model._deck = deck
+        model._toml = None
+        return model
+
+    @classmethod
+    def from_toml(
+        cls, source: str | os.PathLike[str], overrides: Mapping[str, Value] | None = None
+    ) -> Model:
+        """Reads a deck: a file by its path, or its text.
+
+        Parameters
+        ----------
+        source
+            Path of a file, or the text itself (anything with a line break or a ``=``).
+        overrides
+            Keys said anew, by dotted path, as ``wythe run --set`` does.
+
+        Raises
+        ------
+        ModelError
+            With line, key and fix of everything that is wrong.
+        OutputError
+            The file cannot be read.
+        """
+        said = _overrides("overrides", overrides or {})
+        if isinstance(source, str) and ("\n" in source or "=" in source):
+            # Files that the text names are relative to the current folder.
+            return cls._of(_wythe.Deck.read(source, True, None, said))
+        return cls._of(_wythe.Deck.load(as_path("source", source), said))
+
+    @classmethod
+    def from_dict(
+        cls, deck: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
+    ) -> Model:
+        """Takes a deck as nested dictionaries, with the keys of a file.
+
+        Parameters
+        ----------
+        deck
+            Tables as mappings, arrays as sequences or NumPy arrays; keys with None are left out.
+            ``format`` may be left out.
+        folder
+            Where the files lie that the deck names; the current folder if not given.
+
+        Raises
+        ------
+        ModelError
+            With key and fix of everything that is wrong.
+        """
+        if not isinstance(deck, Mapping):
+            raise expected("deck", "a mapping, as the tables of a deck", deck)
+        plain = _plain("deck", {"format": 1, **deck})
+        text = _wythe.Deck.toml_of_json(json.dumps(plain, allow_nan=False))
+        where = None if folder is None else as_path("folder", folder)
+        return cls._of(_wythe.Deck.read(text, False, where, []))
+
+    def with_(self, changes: Mapping[str, Value] | None = None, /, **keys: Value) -> Model:
+        """A copy with other values.
+
+        Parameters
+        ----------
+        changes
+            By dotted path, arrays counted from 0: ``{"interfaces.joint.f_t": "0.2 MPa"}``. None
+            takes a key away, so that its default holds.
+        keys
+            The same with ``__`` for each dot: ``wall__courses=10``.
+
+        Raises
+        ------
+        ModelError
+            A key that is not known, a value that it cannot have.
+        """
+        all_changes: dict[str, Any] = dict(changes or {})
+        all_changes.update({name.replace("__", "."): value for name, value in keys.items()})
+        if not all_changes:
+            return self
+        text = self.to_toml()
+        gone = [key for key, value in all_changes.items() if value is None]
+        if gone:
+            deck = self.to_dict()
+            for key in gone:
+                _remove(deck, key)
+            text = _wythe.Deck.toml_of_json(json.dumps(deck))
+        kept = {key: value for key, value in all_changes.items() if value is not None}
+        said = _overrides("with_", kept)
+        return type(self)._of(_wythe.Deck.read(text, False, str(self._deck.folder), said))
+
+    @property
+    def title(self) -> str:
+        """Title."""
+        return self._deck.title
+
+    @property
+    def folder(self) -> str:
+        """Where the files lie that the model names."""
+        return str(self._deck.folder)
+
+    def to_toml(self) -> str:
+        """The deck with every default said, in base units (N, mm, MPa, tonne, s)."""
+        if self._toml is None:
+            self._toml = self._deck.to_toml()
+        return self._toml
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as nested dictionaries."""
+        deck: dict[str, Any] = json.loads(self._deck.to_json())
+        return deck
+
+    def save(self, path: str | os.PathLike[str]) -> str:
+        """Writes the deck to a file and returns its path."""
+        name = as_path("path", path)
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(self.to_toml())
+        return name
+
+    def material(self, name: str) -> dict[str, Any]:
+        """The material of this name, as :func:`wythe.drive_material` takes it."""
+        return self._named("materials", "material", name)
+
+    def interface(self, name: str) -> dict[str, Any]:
+        """The interface of this name, as :func:`wythe.drive_interface` takes it."""
+        return self._named("interfaces", "interface", name)
+
+    def _named(self, table: str, kind: str, name: str) -> dict[str, Any]:
+        known: dict[str, dict[str, Any]] = self.to_dict()[table]
+        if name not in known:
+            names = ", ".join(known) or "none"
+            raise KeyError(f"there is no {kind} named {name!r}; the model has {names}")
+        return known[name]
+
+    def check(self) -> Findings:
+        """Judges form and physics without running: errors, warnings, what follows, sizes."""
+        found: dict[str, Any] = json.loads(self._deck.check())
+        sizes = found["sizes"] or dict.fromkeys(
+            ("units", "elements", "nodes", "dofs", "contact_points"), 0
+        )
+
+        def problem(said: dict[str, Any]) -> Problem:
+            written = self._deck.is_written
+            return Problem(
+                key=said["key"],
+                message=said["message"],
+                line=said["line"] if written else None,
+                column=said["column"] if written else None,
+                fix=said.get("fix", ""),
+            )
+
+        return Findings(
+            ok=found["ok"],
+            title=found["title"],
+            errors=tuple(map(problem, found["errors"])),
+            warnings=tuple(map(problem, found["warnings"])),
+            notes=tuple(found["notes"]),
+            memory_MB=found["memory_MB"] or 0.0,
+            **sizes,
+        )
+
+    def picture(self) -> Picture:
+        """The elevation at rest."""
+        return Picture(self._deck.picture())
+
+    def to_inp(self) -> str:
+        """The model at rest for Abaqus: nodes, elements, sets, materials."""
+        return self._deck.inp()
+
+    def run(
+        self,
+        out: str | os.PathLike[str] | None = None,
+        *,
+        threads: int | None = None,
+        progress: bool = False,
+        callback: Callable[[Increment], bool | None] | None = None,
+    ) -> Results:
+        """Runs the model.
+
+        Other Python threads go on meanwhile. Ctrl-C stops the run after the increment in hand.
+
+        Parameters
+        ----------
+        out
+            Folder of the results, as ``wythe run --out``; without one they lie in a temporary folder that
+            goes with the returned object.
+        threads
+            How many; all cores if not given. The results do not depend on it, to the last bit.
+        progress
+            Whether a line on standard error follows the run.
+        callback
+            Called with each increment once it is written. Returning False stops the run there.
+
+        Returns
+        -------
+        Results
+            Of a complete run, or of one that the callback has stopped.
+
+        Raises
+        ------
+        ModelError
+            The model cannot be run.
+        ConvergenceError
+            No equilibrium was found any more; ``error.results`` has everything up to there.
+        OutputError
+            Results could not be written.
+        RunInterrupted
+            Ctrl-C (a KeyboardInterrupt); ``error.results`` has everything up to there.
+        """
+        return run_deck(self._deck, out, threads, progress, callback)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Model):
+            return NotImplemented
+        return self._deck == other._deck and self._files() == other._files()
+
+    def __hash__(self) -> int:
+        return hash((self.to_toml(), self._files()))
+
+    def _files(self) -> str:
+        """The folder, if a file in it decides what the model is."""
+        deck = self.to_dict()
+        named = any("nodes" in block for block in deck.get("blocks", ()))
+        named = named or any("ground" in step for step in deck.get("steps", ()))
+        named = named or deck.get("output", {}).get("experiment") is not None
+        return os.path.abspath(self.folder or ".") if named else ""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of :meth:`to_toml`: the same for equal models, in every process."""
+        return hashlib.sha256(self.to_toml().encode()).hexdigest()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        folder = os.path.abspath(self.folder or ".")
+        return (_unpickled, (self.to_toml(), folder))
+
+    def __repr__(self) -> str:
+        lines = [f"<wythe.Model {self.title!r}"]
+        lines += [f"  {what:11}{said}" for what, said in self._told()]
+        return "\n".join(lines) + ">"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(what)}</th>"
+            f"<td style='text-align:left'>{html.escape(said)}</td></tr>"
+            for what, said in self._told()
+        )
+        try:
+            svg = self._deck.picture()
+        except ModelError as error:
+            svg = f"<pre>{html.escape(str(error))}</pre>"
+        return (
+            f"<div><b>{html.escape(self.title)}</b><table>{rows}</table>"
+            f"<div style='max-width:36em'>{svg}</div></div>"
+        )
+
+    def _told(self) -> list[tuple[str, str]]:
+        """What an engineer asks first: what, and how it is said."""
+        deck = self.to_dict()
+        told: list[tuple[str, str]] = []
+        wall = deck.get("wall")
+        if wall:
+            size = " x ".join(f"{side:g}" for side in wall["unit"])
+            told.append(
+                (
+                    "wall",
+                    f"{wall['length']:g} mm long, {wall['courses']} courses of {size} mm units, "
+                    f"joints {wall['bed_joint']:g} and {wall['head_joint']:g} mm, {wall['bond']} bond",
+                )
+            )
+        arch = deck.get("arch")
+        if arch:
+            size = (
+                f"radius {arch['radius']:g} mm" if "radius" in arch else f"span {arch['span']:g} mm"
+            )
+            told.append(
+                (
+                    "arch",
+                    f"{arch['voussoirs']} voussoirs, {size}, {arch['thickness']:g} mm thick",
+                )
+            )
+        blocks = deck.get("blocks")
+        if blocks:
+            names = ", ".join(block["name"] for block in blocks[:6])
+            told.append(("blocks", names + (", ..." if len(blocks) > 6 else "")))
+        for name, material in deck.get("materials", {}).items():
+            law = "damaged plasticity" if material.get("tension") else "elastic"
+            told.append((name, f"{law}, E = {material['E']:g} MPa, nu = {material['nu']:g}"))
+        for name, joint in deck.get("interfaces", {}).items():
+            told.append(
+                (
+                    name,
+                    f"f_t = {joint['f_t']:g} MPa, c = {joint['c']:g} MPa, mu = {joint['mu']:g}"
+                    if joint["f_t"] or joint["c"]
+                    else f"dry, mu = {joint['mu']:g}",
+                )
+            )
+        for number, step in enumerate(deck.get("steps", ())):
+            told.append((f"step {number}", _step(step)))
+        return told
+
+
+def _step(step: Mapping[str, Any]) -> str:
+    kind = step["kind"]
+    name = step.get("name", kind)
+    said = kind if name == kind else f"{name}: {kind}"
+    if "top_pressure" in step:
+        said += f" {step['top_pressure']:g} MPa on top"
+    if "pressure" in step:
+        said += f" {step['pressure']:g} MPa"
+    if kind == "drive":
+        said += f" {step['displacement']:g} mm in {step['direction']}"
+    if step.get("angle") is not None:
+        said += f" to {step['angle']:g} deg"
+    return said
+
+
+def _unpickled(text: str, folder: str) -> Model:
+    return Model._of(_wythe.Deck.read(text, False, folder, []))
+
+
+def _plain(where: str, value: Any) -> Any:
+    """Values as JSON has them; None in tables is left out."""
+    if hasattr(value, "tolist") and hasattr(value, "dtype"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        table: dict[str, Any] = {}
+        for key, item in value.items():
+            if not isinstance(key, str):
+                raise expected(where, "keys that are str", key)
+            if item is not None:
+                table[key] = _plain(f"{where}.{key}" if where != "deck" else key, item)
+        return table
+    if isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, numbers.Integral):
+        return int(value)
+    if isinstance(value, numbers.Real):
+        number = float(value)
+        if number != number or number in (float("inf"), float("-inf")):
+            raise ModelError(
+                f"{number} is no finite number", key=where, fix="give a finite number"
+            )
+        return number
+    if isinstance(value, os.PathLike):
+        return as_path(where, value)
+    if isinstance(value, Sequence) or hasattr(value, "__iter__"):
+        return [_plain(f"{where}.{i}", item) for i, item in enumerate(value)]
+    raise expected(where, "a number, a text, a flag, a sequence or a mapping", value)
+
+
+def _overrides(argument: str, changes: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Keys and their values as TOML."""
+    if not isinstance(changes, Mapping):
+        raise expected(argument, "a mapping from keys of the deck to values", changes)
+    said = []
+    for key, value in changes.items():
+        if not isinstance(key, str):
+            raise expected(argument, "keys that are dotted paths, e.g. 'wall.courses'", key)
+        said.append((key, _toml_value(_plain(key, value))))
+    return said
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, str):
+        # A JSON string is a TOML string, but for what lies beyond 16 bits.
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml_value, value)) + "]"
+    pairs = (f"{json.dumps(key)} = {_toml_value(item)}" for key, item in value.items())
+    return "{ " + ", ".join(pairs) + " }"
+
+
+def _remove(deck: dict[str, Any], key: str) -> None:
+    """Takes a key away, if it is there."""
+    *above, last = key.split(".")
+    at: Any = deck
+    for part in above:
+        if isinstance(at, list) and part.isdecimal() and int(part) < len(at):
+            at = at[int(part)]
+        elif isinstance(at, dict) and part in at:
+            at = at[part]
+        else:
+            return
+    if isinstance(at, dict):
+        at.pop(last, None)
+    elif isinstance(at, list) and last.isdecimal() and int(last) < len(at):
+        del at[int(last)]

@@ -1,0 +1,709 @@
+"""Results: what a run leaves behind, read when it is asked for."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from wythe import _wythe
+from wythe._errors import OutputError, as_path, expected
+from wythe._picture import Picture
+
+if TYPE_CHECKING:
+    import meshio
+    import pandas
+    import pyvista
+    from matplotlib.axes import Axes
+
+    from wythe._model import Model, Value
+    from wythe._run import Increment
+
+__all__ = ["Frame", "History", "Interfaces", "Results"]
+
+#: Numbers of a frame or a column.
+Floats = npt.NDArray[np.float64]
+#: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
+FrameNumber = Union[int, str]
+
+
+class History(Mapping[str, npt.NDArray[Any]]):
+    """The history of a run: a mapping from column names to arrays of shape (increments,).
+
+    Every column of ``history.csv`` is also an attribute: ``history.force_kN``. Units are in the names. The
+    arrays are read-only. ``driven`` says which rows belong to steps that drive the model, and ``procedure`` is
+    text; all other columns are numbers. Columns of probes have the probes' names.
+    """
+
+    def __init__(self, columns: Mapping[str, npt.NDArray[Any]], probes: tuple[str, ...]) -> None:
+        self._columns = dict(columns)
+        self._probes = probes
+
+    @property
+    def probes(self) -> tuple[str, ...]:
+        """Names of the columns of the probes."""
+        return self._probes
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(f"{name}: the history has {', '.join(self._columns)}") from None
+
+    def __getattr__(self, name: str) -> npt.NDArray[Any]:
+        try:
+            return self.__dict__["_columns"][name]  # type: ignore[no-any-return]
+        except KeyError:
+            raise AttributeError(f"the history has no column {name!r}") from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._columns]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of columns; ``history.increments`` counts the rows."""
+        return len(self._columns)
+
+    @property
+    def increments(self) -> int:
+        """Number of increments (rows)."""
+        return len(self._columns["increment"])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame with a row an increment."""
+        pandas = _extra("pandas", "pandas", "study")
+        frame: pandas.DataFrame = pandas.DataFrame(dict(self._columns)).set_index("increment")
+        return frame
+
+    def to_csv(self, path: str | os.PathLike[str]) -> str:
+        """Writes the columns as a CSV file with full precision, and returns its path."""
+        name = as_path("path", path)
+        with open(name, "w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(self._columns)
+            rows.writerows(zip(*(column.tolist() for column in self._columns.values())))
+        return name
+
+    def __repr__(self) -> str:
+        return f"<wythe.History: {self.increments} increments of {', '.join(self._columns)}>"
+
+    def _repr_html_(self) -> str:
+        names = ("increment", "step", "time", "displacement_mm", "force_kN", "reaction_kN")
+        head = "".join(f"<th>{name}</th>" for name in names)
+        count = self.increments
+        chosen = range(count) if count <= 10 else [*range(5), *range(count - 5, count)]
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{self._columns[name][i]:g}</td>" for name in names) + "</tr>"
+            for i in chosen
+        )
+        return f"<table><tr>{head}</tr>{rows}</table><p>{count} increments, {len(self)} columns</p>"
+
+
+class Interfaces:
+    """What the points of the interfaces do at a frame. Arrays are read-only, one row a contact point,
+    four points to a slave facet.
+    """
+
+    def __init__(self, fields: _wythe.Fields, frame: int) -> None:
+        self._fields = fields
+        self._frame = frame
+
+    def _field(self, name: str) -> Any:
+        return self._fields.field(f"interfaces.{name}", self._frame)
+
+    @cached_property
+    def opening(self) -> Floats:
+        """Opening u, closed negative [mm]. Shape (points,)."""
+        return self._field("opening")  # type: ignore[no-any-return]
+
+    @cached_property
+    def slip(self) -> Floats:
+        """Slip along the facet's two tangents [mm]. Shape (points, 2)."""
+        return self._field("slip")  # type: ignore[no-any-return]
+
+    @cached_property
+    def traction(self) -> Floats:
+        """Traction: normal, two shears, tension positive [MPa]. Shape (points, 3)."""
+        return self._field("traction")  # type: ignore[no-any-return]
+
+    @cached_property
+    def damage(self) -> Floats:
+        """Damage D [-]. Shape (points,)."""
+        return self._field("damage")  # type: ignore[no-any-return]
+
+    @cached_property
+    def state(self) -> npt.NDArray[np.uint8]:
+        """State of the bond: 0 intact, 1 softening, 2 failed and open, 3 failed and sliding. Shape (points,)."""
+        return self._field("state")  # type: ignore[no-any-return]
+
+    @cached_property
+    def displacement(self) -> Floats:
+        """Displacement of the corners of the points' quads [mm]. Shape (corners, 3)."""
+        return self._field("displacement")  # type: ignore[no-any-return]
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Corners of the points' quads at rest [mm]. Shape (corners, 3)."""
+        return self._fields.surface()[0]  # type: ignore[no-any-return]
+
+    @cached_property
+    def quads(self) -> npt.NDArray[np.uint32]:
+        """Corners of the quad around each point. Shape (points, 4)."""
+        return self._fields.surface()[1]  # type: ignore[no-any-return]
+
+    def __len__(self) -> int:
+        """Number of points."""
+        return len(self.quads)
+
+    def __repr__(self) -> str:
+        return f"<wythe.Interfaces of frame {self._frame}: {len(self)} points>"
+
+
+class Frame:
+    """Fields of one frame, each read when it is first asked for. Arrays are read-only; of elements they
+    are means (stress, plastic strain, crack width) or largest values (damage) over the element's points.
+    """
+
+    def __init__(self, fields: _wythe.Fields, frame: int, time: float, increment: int) -> None:
+        self._fields = fields
+        self.number = frame
+        self.time = time
+        self.increment = increment
+
+    number: int
+    """Number, from 0."""
+    time: float
+    """Step time, accumulated over all steps [s]."""
+    increment: int
+    """Increments done."""
+
+    def _field(self, name: str) -> Any:
+        return self._fields.field(name, self.number)
+
+    @cached_property
+    def displacement(self) -> Floats:
+        """Displacement [mm]. Shape (nodes, 3)."""
+        return self._field("displacement")  # type: ignore[no-any-return]
+
+    @cached_property
+    def velocity(self) -> Floats:
+        """Velocity [mm/s]; shape (nodes, 3), or (0, 3) where no step could have inertia."""
+        if "velocity" not in self._fields.names():
+            nothing = np.zeros((0, 3))
+            nothing.flags.writeable = False
+            return nothing
+        return self._field("velocity")  # type: ignore[no-any-return]
+
+    @cached_property
+    def stress(self) -> Floats:
+        """Nominal stress xx, yy, zz, xy, yz, zx [MPa]. Shape (elements, 6)."""
+        return self._field("stress")  # type: ignore[no-any-return]
+
+    @cached_property
+    def principal_stress(self) -> Floats:
+        """Principal nominal stresses, the largest first [MPa]. Shape (elements, 3)."""
+        return self._field("principal_stress")  # type: ignore[no-any-return]
+
+    @cached_property
+    def plastic_strain(self) -> Floats:
+        """Plastic strain, engineering shear [-]. Shape (elements, 6)."""
+        return self._field("plastic_strain")  # type: ignore[no-any-return]
+
+    @cached_property
+    def tensile_damage(self) -> Floats:
+        """Tensile damage [-]. Shape (elements,)."""
+        return self._field("tensile_damage")  # type: ignore[no-any-return]
+
+    @cached_property
+    def compressive_damage(self) -> Floats:
+        """Compressive damage [-]. Shape (elements,)."""
+        return self._field("compressive_damage")  # type: ignore[no-any-return]
+
+    @cached_property
+    def crack_width(self) -> Floats:
+        """Width of the cracks smeared in the elements [mm]. Shape (elements,)."""
+        return self._field("crack_width")  # type: ignore[no-any-return]
+
+    @cached_property
+    def yielded(self) -> npt.NDArray[np.bool_]:
+        """Whether any point of the element has plastic strain or damage. Shape (elements,)."""
+        return self._field("yielded").view(np.bool_)  # type: ignore[no-any-return]
+
+    @cached_property
+    def interfaces(self) -> Interfaces:
+        """The interfaces at this frame."""
+        return Interfaces(self._fields, self.number)
+
+    def __repr__(self) -> str:
+        return f"<wythe.Frame {self.number}: t = {self.time:g} s, increment {self.increment}>"
+
+
+class Results:
+    """A run's folder: finished, going on, or killed. Nothing large is read before it is asked for.
+
+    Parameters
+    ----------
+    path
+        The folder of a run, or its ``results.vtkhdf``.
+
+    Raises
+    ------
+    OutputError
+        There is no run.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        name = as_path("path", path)
+        if os.path.isfile(name):
+            name = os.path.dirname(name) or "."
+        self._path = name
+        self._temporary: tempfile.TemporaryDirectory[str] | None = None
+        # Says at once what is not there.
+        self._history()
+
+    @classmethod
+    def _of(cls, path: str, temporary: tempfile.TemporaryDirectory[str] | None) -> Results:
+        results = cls.__new__(cls)
+        results._path = path
+        results._temporary = temporary
+        return results
+
+    @property
+    def path(self) -> str:
+        """The folder. That of a run without ``out`` vanishes with this object."""
+        return self._path
+
+    @property
+    def is_temporary(self) -> bool:
+        """Whether the folder vanishes with this object."""
+        return self._temporary is not None
+
+    def _history(self) -> History:
+        columns, probes = _wythe.history(self._path)
+        columns["procedure"] = np.array(columns["procedure"], dtype=np.str_)
+        columns["procedure"].flags.writeable = False
+        return History(columns, tuple(probes))
+
+    @cached_property
+    def history(self) -> History:
+        """The history, as it was when it was first asked for."""
+        return self._history()
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """``summary.json``; empty of a run that goes on or was killed."""
+        text = _wythe.summary(self._path)
+        if text is None:
+            return {}
+        said: dict[str, Any] = json.loads(text)
+        return said
+
+    @property
+    def status(self) -> str:
+        """``"completed"``, ``"not_converged"``, ``"interrupted"``, or ``"unfinished"`` where there is no summary."""
+        return str(self.summary.get("status", "unfinished"))
+
+    @property
+    def message(self) -> str:
+        """Where, why and what to try, if the run did not complete."""
+        return str(self.summary.get("message", ""))
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of the model, then of the run."""
+        return list(self.summary.get("warnings", []))
+
+    @property
+    def log(self) -> list[str]:
+        """Where the procedure changed, and why."""
+        return list(self.summary.get("log", []))
+
+    def _number(self, key: str) -> float:
+        value = self.summary.get(key)
+        return math.nan if value is None else float(value)
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force along the motion [kN]; nan where nothing was driven."""
+        return self._number("peak_force_kN")
+
+    @property
+    def displacement_at_peak(self) -> float:
+        """Displacement there [mm]."""
+        return self._number("displacement_at_peak_mm")
+
+    @property
+    def displacement_at_80_percent(self) -> float:
+        """Displacement after the peak at which the force is down to 0.8 of it [mm]; nan if it is not."""
+        return self._number("displacement_at_80_percent_mm")
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Secant up to a tenth of the peak [kN/mm]."""
+        return self._number("initial_stiffness_kN_per_mm")
+
+    @property
+    def energy_balance_error(self) -> float:
+        """Largest gap of the energies over the largest work [-]."""
+        return self._number("energy_balance_error")
+
+    @property
+    def deck(self) -> str | None:
+        """The deck that was run, as TOML; None of folders that hold no copy."""
+        try:
+            with open(os.path.join(self._path, "model.toml"), encoding="utf-8") as file:
+                return file.read()
+        except FileNotFoundError:
+            return None
+
+    @property
+    def model(self) -> Model:
+        """The model that was run."""
+        from wythe._model import Model
+
+        return Model.from_toml(os.path.join(self._path, "model.toml"))
+
+    @cached_property
+    def _fields(self) -> _wythe.Fields:
+        return _wythe.Fields.open(os.path.join(self._path, "results.vtkhdf"))
+
+    @property
+    def title(self) -> str:
+        """Title of the model."""
+        return self._fields.title_and_version()[0]
+
+    @property
+    def version(self) -> str:
+        """Version of wythe that made the run."""
+        return self._fields.title_and_version()[1]
+
+    @cached_property
+    def times(self) -> Floats:
+        """Step time of each frame [s]. Shape (frames,)."""
+        return self._fields.times()  # type: ignore[no-any-return]
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self.times)
+
+    @cached_property
+    def materials(self) -> tuple[str, ...]:
+        """Names of the materials, in the order of :attr:`material`."""
+        return tuple(self._fields.materials())
+
+    @cached_property
+    def _mesh(self) -> tuple[npt.NDArray[Any], ...]:
+        return tuple(self._fields.mesh())
+
+    @property
+    def nodes(self) -> Floats:
+        """Positions at rest [mm]. Shape (nodes, 3)."""
+        return self._mesh[0]
+
+    @property
+    def elements(self) -> npt.NDArray[np.uint32]:
+        """Nodes of the hexahedra, in VTK's order. Shape (elements, 8)."""
+        return self._mesh[1]
+
+    @property
+    def material(self) -> npt.NDArray[np.uint16]:
+        """Index of each element's material. Shape (elements,)."""
+        return self._mesh[2]
+
+    @property
+    def unit(self) -> npt.NDArray[np.uint32]:
+        """Unit (body) of each element. Shape (elements,)."""
+        return self._mesh[3]
+
+    @property
+    def course(self) -> npt.NDArray[np.uint16]:
+        """Course of each element. Shape (elements,)."""
+        return self._mesh[4]
+
+    def _frame_number(self, frame: FrameNumber) -> int:
+        count = self.frames
+        if isinstance(frame, str):
+            if frame not in ("peak", "last"):
+                raise ValueError(f"frame: expected a number, 'peak' or 'last', got {frame!r}")
+            if count == 0:
+                raise IndexError(f"frame: there is no {frame} frame: the run has written none yet")
+            if frame == "last":
+                return count - 1
+            at = _wythe.time_of_peak(self._path)
+            return count - 1 if at is None else int(np.argmin(np.abs(self.times - at)))
+        if isinstance(frame, bool) or not isinstance(frame, (int, np.integer)):
+            raise expected("frame", "a number, 'peak' or 'last'", frame)
+        number = int(frame) + (count if frame < 0 else 0)
+        if not 0 <= number < count:
+            raise IndexError(f"frame: there is no frame {frame}: the run has {count}")
+        return number
+
+    def frame(self, frame: FrameNumber = "last") -> Frame:
+        """Fields of a frame: by number from 0, ``"peak"`` (the nearest to the largest force) or ``"last"``."""
+        number = self._frame_number(frame)
+        increment = int(self._fields.increments()[number])
+        return Frame(self._fields, number, float(self.times[number]), increment)
+
+    def interfaces(self, frame: FrameNumber = "last") -> Interfaces:
+        """The interfaces at a frame."""
+        return Interfaces(self._fields, self._frame_number(frame))
+
+    def mesh(self, frame: FrameNumber = "last", *, scale: float = 1.0) -> pyvista.UnstructuredGrid:
+        """The deformed solids at a frame with all their fields, for pyvista.
+
+        Parameters
+        ----------
+        frame
+            Which.
+        scale
+            Factor of the displacements that are drawn; the field itself is not scaled.
+        """
+        pyvista = _extra("pyvista", "pyvista", "plot")
+        shown = self.frame(frame)
+        cells = {np.uint8(12): self.elements.astype(np.int64)}
+        grid = pyvista.UnstructuredGrid(cells, self.nodes + scale * shown.displacement)
+        for name, values in self._of_points(shown).items():
+            grid.point_data[name] = values
+        for name, values in self._of_elements(shown).items():
+            grid.cell_data[name] = values
+        return grid
+
+    def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
+        """The solids at rest with all fields of a frame, for meshio (which writes many formats)."""
+        meshio = _extra("meshio", "meshio", "plot")
+        shown = self.frame(frame)
+        cell_data = {name: [values] for name, values in self._of_elements(shown).items()}
+        return meshio.Mesh(
+            self.nodes,
+            [("hexahedron", self.elements.astype(np.int64))],
+            point_data=self._of_points(shown),
+            cell_data=cell_data,
+        )
+
+    def _of_points(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
+        fields: dict[str, npt.NDArray[Any]] = {"displacement": frame.displacement}
+        if len(frame.velocity):
+            fields["velocity"] = frame.velocity
+        return fields
+
+    def _of_elements(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
+        return {
+            "stress": frame.stress,
+            "principal_stress": frame.principal_stress,
+            "plastic_strain": frame.plastic_strain,
+            "tensile_damage": frame.tensile_damage,
+            "compressive_damage": frame.compressive_damage,
+            "crack_width": frame.crack_width,
+            "yielded": frame.yielded.astype(np.uint8),
+            "material": self.material.astype(np.int64),
+            "unit": self.unit.astype(np.int64),
+            "course": self.course.astype(np.int64),
+        }
+
+    def plot(
+        self,
+        experiment: str | os.PathLike[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        label: str | None = None,
+    ) -> Axes:
+        """The load-displacement curve, over a measured one if given, by matplotlib.
+
+        Parameters
+        ----------
+        experiment
+            A CSV file with a column of displacements and one of forces (see docs/results.md).
+        ax
+            Axes to draw into; new ones if not given.
+        label
+            Of the legend; the title if not given.
+        """
+        pyplot = _extra("matplotlib.pyplot", "matplotlib", "plot")
+        if ax is None:
+            _, ax = pyplot.subplots()
+        assert ax is not None
+        driven = self.history["driven"]
+        x = self.history["displacement_mm"][driven]
+        y = self.history["force_kN"][driven]
+        ax.plot(x, y, label=label or self.title)
+        if not math.isnan(self.peak_force):
+            ax.plot([self.displacement_at_peak], [self.peak_force], "o", color="0.3", markersize=4)
+        if experiment is not None:
+            name, points = _wythe.experiment(as_path("experiment", experiment))
+            ax.plot(points[:, 0], points[:, 1], "--", color="0.4", label=name)
+        ax.set_xlabel("displacement [mm]")
+        ax.set_ylabel("force [kN]")
+        ax.grid(True, alpha=0.3)
+        ax.legend()
+        return ax
+
+    def picture(
+        self,
+        kind: str = "curves",
+        *,
+        frame: FrameNumber = "last",
+        experiment: str | os.PathLike[str] | None = None,
+        against: Mapping[str, Results] | None = None,
+    ) -> Picture:
+        """A picture that needs no other package.
+
+        Parameters
+        ----------
+        kind
+            ``"curves"`` (load-displacement), ``"cracks"`` (elevation with damage and failed joints),
+            ``"deflection_height"``, ``"deflection_length"``.
+        frame
+            Of the cracks and deflections.
+        experiment
+            A measured curve beside ``"curves"``.
+        against
+            Further runs by name.
+        """
+        kinds = ("curves", "cracks", "deflection_height", "deflection_length")
+        if kind not in kinds:
+            raise ValueError(f"kind: expected one of {', '.join(kinds)}, got {kind!r}")
+        others = against or {}
+        runs = [(self.title, self._path), *((name, run.path) for name, run in others.items())]
+        measured = [] if experiment is None else [as_path("experiment", experiment)]
+        # Curves need no frame; those that are not there must not hinder them.
+        number = "last" if kind == "curves" else str(self._frame_number(frame))
+        return Picture(_wythe.picture(kind, runs, measured, number))
+
+    def report(
+        self,
+        out: str | os.PathLike[str] | None = None,
+        *,
+        experiment: str | os.PathLike[str] | None = None,
+    ) -> str:
+        """Writes the run on one page (HTML that needs nothing else) and returns its path, in the folder if
+        not said otherwise.
+        """
+        name = os.path.join(self._path, "report.html") if out is None else as_path("out", out)
+        measured = None if experiment is None else as_path("experiment", experiment)
+        _wythe.report(self._path, name, measured)
+        return name
+
+    def compare(
+        self, experiment: str | os.PathLike[str], *, height: float | None = None
+    ) -> dict[str, Any]:
+        """The run against an experiment: peaks, stiffnesses, energies, drifts, their ratios, and the
+        difference of the curves. ``height`` [mm] is the clear height for drifts, if the model does not tell.
+        """
+        found: dict[str, Any] = json.loads(
+            _wythe.compare(self._path, as_path("experiment", experiment), height)
+        )
+        return found
+
+    def export(
+        self,
+        to: str,
+        out: str | os.PathLike[str] | None = None,
+        *,
+        frame: FrameNumber | None = "last",
+    ) -> list[str]:
+        """Writes a frame (all, if None) as ``"vtu"`` or ``"csv"``, or the model as ``"inp"``, into a folder
+        (``export`` in the run's) and returns the files.
+        """
+        if to not in ("vtu", "csv", "inp"):
+            raise ValueError(f"to: expected 'vtu', 'csv' or 'inp', got {to!r}")
+        folder = os.path.join(self._path, "export") if out is None else as_path("out", out)
+        if to == "inp":
+            os.makedirs(folder, exist_ok=True)
+            name = os.path.join(folder, "model.inp")
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(self.model.to_inp())
+            return [name]
+        numbers = range(self.frames) if frame is None else [self._frame_number(frame)]
+        written: list[str] = []
+        series: list[tuple[float, str]] = []
+        for number in numbers:
+            files, time = _wythe.export_frame(self._path, to, str(number), folder)
+            written += map(str, files)
+            series.append((time, os.path.basename(files[0])))
+        if to == "vtu" and frame is None:
+            name = os.path.join(folder, "series.pvd")
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(_wythe.collection(series))
+            written.append(name)
+        return written
+
+    def resume(
+        self,
+        changes: Mapping[str, Value] | None = None,
+        *,
+        threads: int | None = None,
+        progress: bool = False,
+        callback: Callable[[Increment], bool | None] | None = None,
+    ) -> Results:
+        """Goes on with a run that stopped, from its last checkpoint and in its folder, as ``wythe resume``.
+
+        Parameters
+        ----------
+        changes
+            Keys of the deck said anew, of those that may change: ``output``, the title, a longer last step.
+        threads, progress, callback
+            As in :meth:`wythe.Model.run`.
+
+        Returns
+        -------
+        Results
+            These results anew.
+        """
+        from wythe._model import _overrides
+        from wythe._run import resume_run
+
+        return resume_run(self, _overrides("changes", changes or {}), threads, progress, callback)
+
+    def _in_a_line(self) -> str:
+        counts = f"{self.summary.get('increments', self.history.increments)} increments"
+        seconds = self.summary.get("wall_s")
+        parts = [self.status.replace("_", " ")]
+        if not math.isnan(self.peak_force):
+            parts.append(f"peak {self.peak_force:.3f} kN at {self.displacement_at_peak:.4f} mm")
+        parts.append(counts if seconds is None else f"{counts} in {seconds:.1f} s")
+        return ", ".join(parts)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._temporary is not None:
+            raise TypeError(
+                "these results lie in a temporary folder, which goes with this process: run with "
+                "out=DIR to take them elsewhere"
+            )
+        return (Results, (os.path.abspath(self._path),))
+
+    def __repr__(self) -> str:
+        try:
+            title = self.title
+        except OutputError:
+            title = "a run"
+        return f"<wythe.Results {title!r}: {self._in_a_line()}; {self._path}>"
+
+    def _repr_html_(self) -> str:
+        line = html.escape(repr(self)[1:-1])
+        try:
+            svg = self.picture("curves").svg
+        except (OutputError, ValueError):
+            return f"<p>{line}</p>"
+        return f"<p>{line}</p><div style='max-width:36em'>{svg}</div>"
+
+
+def _extra(module: str, package: str, extra: str) -> Any:
+    """An optional package."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"this needs {package}: pip install 'wythe[{extra}]'") from error

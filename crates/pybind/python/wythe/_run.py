@@ -1,0 +1,210 @@
+"""Runs: progress, callbacks, and how they end."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, TextIO
+
+from wythe import _wythe
+from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected
+from wythe._results import Results
+
+__all__ = ["Increment"]
+
+
+@dataclass(frozen=True)
+class Increment:
+    """A converged increment, as the callback of a run sees it. Units are in the names.
+
+    The attributes are the columns of ``history.csv``; ``probes`` has those of the model's probes by name.
+    """
+
+    increment: int
+    step: int
+    time: float
+    displacement_mm: float
+    force_kN: float
+    reaction_kN: float
+    iterations: int
+    cutbacks: int
+    external_work_J: float
+    elastic_energy_J: float
+    plastic_damage_dissipation_J: float
+    interface_dissipation_J: float
+    viscous_dissipation_J: float
+    open_points: int
+    sliding_points: int
+    max_interface_damage: float
+    max_tensile_damage: float
+    max_compressive_damage: float
+    out_of_balance: float
+    residual: float
+    kinetic_energy_J: float
+    damping_dissipation_J: float
+    numerical_dissipation_J: float
+    contact_area_mm2: float
+    load_factor: float
+    procedure: str
+    probes: Mapping[str, float]
+
+
+Callback = Callable[[Increment], "bool | None"]
+
+
+class Follower:
+    """A line on standard error that follows a run."""
+
+    def __init__(self, title: str, steps: list[dict[str, Any]], out: TextIO) -> None:
+        self._title = title
+        self._out = out
+        self._in_place = out.isatty() or "ipykernel" in sys.modules
+        self._names = [str(step.get("name", step["kind"])) for step in steps]
+        self._total = sum(float(step.get("duration", 1.0)) for step in steps)
+        self._began = time.monotonic()
+        self._shown = 0.0
+        self._width = 0
+
+    def show(self, row: Increment) -> None:
+        """Shows an increment, if the last one was shown long enough."""
+        now = time.monotonic()
+        if now - self._shown < (0.1 if self._in_place else 5.0):
+            return
+        self._shown = now
+        done = row.time / self._total if self._total > 0.0 else 0.0
+        self._say(
+            f"{self._title}: {100 * min(done, 1.0):3.0f} %  {self._names[row.step]}  "
+            f"{row.displacement_mm:.3f} mm  {row.force_kN:.2f} kN  {now - self._began:.1f} s",
+            end="" if self._in_place else "\n",
+        )
+
+    def note(self, text: str) -> None:
+        """Says what the solver says."""
+        self._say(text, end="\n")
+
+    def finish(self, text: str) -> None:
+        """The last line."""
+        self._say(f"{self._title}: {text}", end="\n")
+
+    def _say(self, text: str, end: str) -> None:
+        start = "\r" if self._in_place else ""
+        padding = " " * max(0, self._width - len(text)) if self._in_place else ""
+        self._width = len(text) if end == "" else 0
+        self._out.write(start + text + padding + end)
+        self._out.flush()
+
+
+def _threads(threads: object) -> int | None:
+    if threads is None:
+        return None
+    if isinstance(threads, bool) or not isinstance(threads, int):
+        raise expected("threads", "a whole number from 1, or None", threads)
+    if threads < 1:
+        raise ValueError(f"threads: expected a whole number from 1, got {threads}")
+    return threads
+
+
+def _listeners(
+    callback: Callback | None, follower: Follower | None, probes: list[str]
+) -> tuple[Callable[[dict[str, Any], list[float]], bool] | None, Callable[[str], None] | None]:
+    if callback is not None and not callable(callback):
+        raise expected("callback", "a function of an Increment", callback)
+    if callback is None and follower is None:
+        return None, None
+
+    def on_row(row: dict[str, Any], values: list[float]) -> bool:
+        increment = Increment(**row, probes=dict(zip(probes, values)))
+        if follower is not None:
+            follower.show(increment)
+        return callback is None or callback(increment) is not False
+
+    return on_row, None if follower is None else follower.note
+
+
+def run_deck(
+    deck: _wythe.Deck,
+    out: str | os.PathLike[str] | None,
+    threads: int | None,
+    progress: bool,
+    callback: Callback | None,
+) -> Results:
+    """:meth:`wythe.Model.run`."""
+    count = _threads(threads)
+    follower = _follower(deck, progress)
+    watched = callback is not None or follower is not None
+    probes = deck.probe_columns() if watched else []
+    on_row, on_note = _listeners(callback, follower, probes)
+    temporary = None
+    if out is None:
+        temporary = tempfile.TemporaryDirectory(prefix="wythe-")
+        folder = os.path.join(temporary.name, "run")
+    else:
+        folder = as_path("out", out)
+    return _ended(
+        folder,
+        temporary,
+        follower,
+        lambda: _wythe.run(deck, folder, count, on_row, on_note),
+    )
+
+
+def resume_run(
+    results: Results,
+    overrides: list[tuple[str, str]],
+    threads: int | None,
+    progress: bool,
+    callback: Callback | None,
+) -> Results:
+    """:meth:`wythe.Results.resume`."""
+    count = _threads(threads)
+    text = results.deck
+    follower = None
+    if text is not None and progress:
+        follower = _follower(_wythe.Deck.read(text, False, None, []), progress)
+    probes = list(results.history.probes)
+    on_row, on_note = _listeners(callback, follower, probes)
+    return _ended(
+        results.path,
+        results._temporary,
+        follower,
+        lambda: _wythe.resume(results.path, overrides, count, on_row, on_note),
+    )
+
+
+def _follower(deck: _wythe.Deck, progress: bool) -> Follower | None:
+    if not isinstance(progress, bool):
+        raise expected("progress", "True or False", progress)
+    return Follower(deck.title, deck.steps(), sys.stderr) if progress else None
+
+
+def _ended(
+    folder: str,
+    temporary: tempfile.TemporaryDirectory[str] | None,
+    follower: Follower | None,
+    solve: Callable[[], object],
+) -> Results:
+    try:
+        solve()
+    except KeyboardInterrupt as interrupt:
+        if not os.path.isfile(os.path.join(folder, "history.csv")):
+            raise
+        results = Results._of(folder, temporary)
+        if follower is not None:
+            follower.finish("interrupted")
+        hint = "error.results.resume() goes on"
+        raise RunInterrupted(f"interrupted after a whole increment; {hint}", results) from interrupt
+    results = Results._of(folder, temporary)
+    if follower is not None:
+        follower.finish(results._in_a_line())
+    if results.status == "not_converged":
+        raise ConvergenceError(results.message, results)
+    return results
+
+
+def increment_fields() -> tuple[str, ...]:
+    """Columns of the history that an :class:`Increment` has as attributes."""
+    return tuple(field.name for field in fields(Increment) if field.name != "probes")

@@ -1,0 +1,467 @@
+"""Models from parts: materials, joints, walls, arches, blocks, steps.
+
+Each function gives a part of a deck with the deck's own keys (docs/deck.md); :func:`wall`, :func:`arch` and
+:func:`blocks` put them together. A quantity is a number in base units (N, mm, MPa, tonne, s; degrees) or a text
+with its unit. What is not given has the deck's default.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from wythe._model import Model
+
+__all__ = [
+    "arch",
+    "block",
+    "blocks",
+    "contact",
+    "damage_plasticity",
+    "dry_joint",
+    "elastic",
+    "free",
+    "gravity",
+    "joint",
+    "preload",
+    "probe",
+    "push",
+    "spring",
+    "support",
+    "tilt",
+    "wall",
+]
+
+#: A number in base units, or a text with a unit.
+Quantity = float | str
+#: Part of a deck.
+Part = dict[str, Any]
+
+
+def _part(**keys: Any) -> Part:
+    return {key: value for key, value in keys.items() if value is not None}
+
+
+def elastic(E: Quantity, nu: float, *, density: Quantity | None = None) -> Part:
+    """A linear elastic material: Young's modulus [MPa], Poisson's ratio, density [tonne/mm^3]."""
+    return _part(E=E, nu=nu, density=density)
+
+
+def damage_plasticity(
+    E: Quantity,
+    nu: float,
+    tension: Sequence[Sequence[float]],
+    compression: Sequence[Sequence[float]],
+    *,
+    reference_length: Quantity | None = None,
+    dilation_angle: Quantity | None = None,
+    eccentricity: float | None = None,
+    fb0_fc0: float | None = None,
+    K_c: float | None = None,
+    tension_recovery: float | None = None,
+    compression_recovery: float | None = None,
+    viscosity: Quantity | None = None,
+    interpolation: str | None = None,
+    density: Quantity | None = None,
+) -> Part:
+    """A material that cracks and crushes: concrete damaged plasticity.
+
+    Parameters
+    ----------
+    E, nu
+        Young's modulus [MPa], Poisson's ratio.
+    tension, compression
+        Rows of stress [MPa] (positive), inelastic strain, damage. Shape (rows, 3).
+    reference_length
+        Size of the elements for which the tables hold [mm].
+    """
+    return _part(
+        E=E,
+        nu=nu,
+        tension=tension,
+        compression=compression,
+        reference_length=reference_length,
+        dilation_angle=dilation_angle,
+        eccentricity=eccentricity,
+        fb0_fc0=fb0_fc0,
+        K_c=K_c,
+        tension_recovery=tension_recovery,
+        compression_recovery=compression_recovery,
+        viscosity=viscosity,
+        interpolation=interpolation,
+        density=density,
+    )
+
+
+def joint(
+    f_t: Quantity,
+    c: Quantity,
+    tan_phi: float,
+    mu: float,
+    *,
+    zeta: float,
+    xi: float,
+    u_k: Quantity | None = None,
+    G_I: Quantity | None = None,
+    delta_k: Quantity | None = None,
+    G_II: Quantity | None = None,
+    penalty_factor: float | None = None,
+    normal_stiffness: Quantity | None = None,
+    shear_stiffness: Quantity | None = None,
+    coupling: str | None = None,
+    scatter: Mapping[str, float] | None = None,
+) -> Part:
+    """A bonded joint: it opens under tension, slides under shear, softens, and rubs.
+
+    Parameters
+    ----------
+    f_t, c
+        Tensile strength, cohesion [MPa].
+    tan_phi, mu
+        Friction of the bond and of the broken joint.
+    zeta, xi
+        Brittleness in tension and shear.
+    u_k, G_I
+        Ultimate opening [mm], or the fracture energy [N/mm]: one of both.
+    delta_k, G_II
+        Ultimate slip [mm], or the fracture energy [N/mm]: one of both.
+    penalty_factor, normal_stiffness, shear_stiffness
+        Numerical stiffness: a factor of the elements', or both explicitly [N/mm^3].
+    scatter
+        ``{"cv": 0.3, "seed": 1}``: each unit's own bond strength, lognormal.
+    """
+    return _part(
+        f_t=f_t,
+        c=c,
+        tan_phi=tan_phi,
+        mu=mu,
+        zeta=zeta,
+        xi=xi,
+        u_k=u_k,
+        G_I=G_I,
+        delta_k=delta_k,
+        G_II=G_II,
+        penalty_factor=penalty_factor,
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=shear_stiffness,
+        coupling=coupling,
+        scatter=scatter,
+    )
+
+
+def dry_joint(
+    mu: float,
+    *,
+    penalty_factor: float | None = None,
+    normal_stiffness: Quantity | None = None,
+    shear_stiffness: Quantity | None = None,
+) -> Part:
+    """A joint without bond: friction only."""
+    return _part(
+        f_t=0,
+        c=0,
+        tan_phi=mu,
+        mu=mu,
+        penalty_factor=penalty_factor,
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=shear_stiffness,
+    )
+
+
+def preload(
+    pressure: Quantity, *, face: str | Sequence[str] | None = None, **options: Any
+) -> Part:
+    """A step that presses the top of a wall, or a face of blocks, by a pressure [MPa].
+
+    ``options`` are further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``,
+    ``tolerance``, ``viscosity``, ``free``.
+    """
+    key = "top_pressure" if face is None else "pressure"
+    return {"kind": "preload", key: pressure, **_part(face=face), **options}
+
+
+def push(
+    displacement: Quantity,
+    direction: str = "x",
+    *,
+    face: str | Sequence[str] | None = None,
+    spring: str | None = None,
+    vertical: str | None = None,
+    **options: Any,
+) -> Part:
+    """A step that drives the top of a wall, a face of blocks or the far end of a spring [mm].
+
+    Parameters
+    ----------
+    displacement
+        How far, in this step.
+    direction
+        ``"x"`` along the wall, ``"y"`` through it, ``"z"`` up, each with ``-`` the other way.
+    face, spring
+        What is driven in a scene of blocks.
+    vertical
+        Of a wall: ``"locked"`` or ``"free"``.
+    options
+        Further keys of the step: ``stop``, ``viscosity``, ``procedure``, ``increments``, ...
+    """
+    return {
+        "kind": "drive",
+        "direction": direction,
+        "displacement": displacement,
+        **_part(face=face, spring=spring, vertical=vertical),
+        **options,
+    }
+
+
+def gravity(gravity: Quantity | None = None, **options: Any) -> Part:
+    """A step in which the weight grows from nothing; 9810 mm/s^2 if not said."""
+    return {"kind": "gravity", **_part(gravity=gravity), **options}
+
+
+def tilt(angle: Quantity, axis: str | None = None, **options: Any) -> Part:
+    """A step that tilts the ground to an angle [degrees] about an axis (``"y"``: +x goes down)."""
+    return {"kind": "tilt", "angle": angle, **_part(axis=axis), **options}
+
+
+def free(duration: Quantity, procedure: str = "dynamic", **options: Any) -> Part:
+    """A step in which only time passes [s]: motion under inertia, and under ``ground`` accelerations."""
+    return {"kind": "free", "duration": duration, "procedure": procedure, **options}
+
+
+def block(
+    name: str,
+    material: str,
+    size: Sequence[Quantity] | None = None,
+    at: Sequence[Quantity] | None = None,
+    *,
+    corners: Sequence[Sequence[Quantity]] | None = None,
+    nodes: str | None = None,
+    rotate: Mapping[str, Any] | None = None,
+    mesh: Sequence[int] | None = None,
+    velocity: Sequence[Quantity] | None = None,
+    copies: Sequence[int] | None = None,
+    pitch: Sequence[Quantity] | None = None,
+) -> Part:
+    """A block: a box by its size and lowest corner, a hexahedron by its corners, or a grid of nodes from a file."""
+    return _part(
+        name=name,
+        material=material,
+        size=size,
+        at=at,
+        corners=corners,
+        nodes=nodes,
+        rotate=rotate,
+        mesh=mesh,
+        velocity=velocity,
+        copies=copies,
+        pitch=pitch,
+    )
+
+
+def contact(
+    interface: str,
+    slave: str | Sequence[str] | None = None,
+    master: str | Sequence[str] | None = None,
+) -> Part:
+    """Faces that may meet; without names all that touch at rest."""
+    return _part(interface=interface, slave=slave, master=master)
+
+
+def support(on: str | Sequence[str], fixed: Sequence[str] | None = None) -> Part:
+    """Blocks or faces that are held, in all directions if none are named."""
+    return _part(on=on, fixed=fixed)
+
+
+def spring(name: str, on: str | Sequence[str], stiffness: Sequence[Quantity]) -> Part:
+    """A spring to the ground: stiffness along x, y, z [N/mm]."""
+    return _part(name=name, on=on, stiffness=stiffness)
+
+
+def probe(
+    name: str,
+    direction: str,
+    on: str | Sequence[str] | None = None,
+    *,
+    near: Sequence[Quantity] | None = None,
+    minus: Any = None,
+    quantity: str | None = None,
+) -> Part:
+    """A place whose motion the history follows as a column of its own."""
+    return _part(
+        name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity
+    )
+
+
+def wall(
+    *,
+    unit: Sequence[Quantity],
+    length: Quantity,
+    courses: int,
+    brick: Mapping[str, Any],
+    mortar: Mapping[str, Any],
+    joint: Mapping[str, Any],
+    steps: Sequence[Mapping[str, Any]],
+    bed_joint: Quantity = 10.0,
+    head_joint: Quantity = 10.0,
+    bond: str | None = None,
+    mesh: str | Sequence[int] | None = None,
+    clamped: Mapping[str, int] | None = None,
+    title: str = "wall",
+    **tables: Any,
+) -> Model:
+    """A wall of units and mortar.
+
+    Parameters
+    ----------
+    unit
+        Length, thickness, height of a unit [mm].
+    length
+        Of the wall [mm].
+    courses
+        How many.
+    brick, mortar
+        Materials (:func:`damage_plasticity`, :func:`elastic`).
+    joint
+        The interface (:func:`joint`, :func:`dry_joint`).
+    steps
+        What happens (:func:`preload`, :func:`push`, ...), in order.
+    bed_joint, head_joint
+        Thicknesses [mm].
+    bond
+        ``"stretcher"``.
+    mesh
+        ``"coarse"``, ``"fine"``, or elements along a unit's length, height, thickness.
+    clamped
+        ``{"bottom_courses": 1, "top_courses": 1}``.
+    tables
+        Further tables of the deck: ``element``, ``contact``, ``output``, ``probes``.
+    """
+    return Model.from_dict(
+        {
+            "title": title,
+            "materials": {"brick": dict(brick), "mortar": dict(mortar)},
+            "interfaces": {"joint": dict(joint)},
+            "wall": _part(
+                unit=unit,
+                length=length,
+                courses=courses,
+                bed_joint=bed_joint,
+                head_joint=head_joint,
+                bond=bond,
+                unit_material="brick",
+                mortar_material="mortar",
+                interface="joint",
+                mesh=mesh,
+                clamped=clamped,
+            ),
+            "steps": list(steps),
+            **tables,
+        }
+    )
+
+
+def arch(
+    *,
+    thickness: Quantity,
+    width: Quantity,
+    voussoirs: int,
+    stone: Mapping[str, Any],
+    joint: Mapping[str, Any],
+    steps: Sequence[Mapping[str, Any]],
+    radius: Quantity | None = None,
+    span: Quantity | None = None,
+    angle: Quantity | None = None,
+    mesh: Sequence[int] | None = None,
+    title: str = "arch",
+    **tables: Any,
+) -> Model:
+    """A circular arch of voussoirs on springings.
+
+    Parameters
+    ----------
+    thickness, width
+        Radial and along y [mm].
+    voussoirs
+        How many.
+    stone
+        The material; it needs a density.
+    joint
+        The interface.
+    steps
+        What happens, in order.
+    radius, span
+        Of the centre line, or the clear span [mm]: one of both.
+    angle
+        Of embrace [degrees].
+    mesh
+        Elements of a voussoir along the arch, its width, its thickness.
+    tables
+        Further tables of the deck: ``contact``, ``probes``, ``blocks``, ``contacts``, ``supports``, ...
+    """
+    return Model.from_dict(
+        {
+            "title": title,
+            "materials": {"stone": dict(stone)},
+            "interfaces": {"joint": dict(joint)},
+            "contact": {"points": "corner"},
+            "arch": _part(
+                radius=radius,
+                span=span,
+                thickness=thickness,
+                width=width,
+                voussoirs=voussoirs,
+                angle=angle,
+                material="stone",
+                interface="joint",
+                mesh=mesh,
+            ),
+            "steps": list(steps),
+            **tables,
+        }
+    )
+
+
+def blocks(
+    blocks: Sequence[Mapping[str, Any]],
+    *,
+    materials: Mapping[str, Mapping[str, Any]],
+    interfaces: Mapping[str, Mapping[str, Any]],
+    contacts: Sequence[Mapping[str, Any]],
+    supports: Sequence[Mapping[str, Any]],
+    steps: Sequence[Mapping[str, Any]],
+    springs: Sequence[Mapping[str, Any]] = (),
+    probes: Sequence[Mapping[str, Any]] = (),
+    points: str = "corner",
+    title: str = "blocks",
+    **tables: Any,
+) -> Model:
+    """A scene of blocks.
+
+    Parameters
+    ----------
+    blocks
+        :func:`block`.
+    materials, interfaces
+        By the names that blocks and contacts use.
+    contacts, supports, springs, probes, steps
+        :func:`contact`, :func:`support`, :func:`spring`, :func:`probe`, and steps in order.
+    points
+        ``"corner"`` for blocks that rock and slide, ``"gauss"`` for bonded ones.
+    tables
+        Further tables of the deck: ``element``, ``output``.
+    """
+    return Model.from_dict(
+        {
+            "title": title,
+            "materials": dict(materials),
+            "interfaces": dict(interfaces),
+            "contact": {"points": points},
+            "blocks": list(blocks),
+            "contacts": list(contacts),
+            "supports": list(supports),
+            "springs": list(springs),
+            "probes": list(probes),
+            "steps": list(steps),
+            **tables,
+        }
+    )

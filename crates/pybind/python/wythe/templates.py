@@ -1,0 +1,222 @@
+"""Models to begin with: each runs as it is, and its parameters change what is asked most often.
+
+Every parameter is a quantity: a number in base units (mm, MPa, degrees) or a text with its unit
+(``"2.12 MPa"``). Whatever else a model has is changed by ``with_``.
+"""
+
+from __future__ import annotations
+
+from wythe import _wythe
+from wythe._model import Model, Value
+
+__all__ = ["arch", "column", "couplet", "dry_wall", "names", "out_of_plane", "shear_wall", "text"]
+
+#: A number in base units, or a text with a unit.
+Quantity = float | str
+
+
+def names() -> dict[str, str]:
+    """Names of the templates, as ``wythe new --template`` takes them, and what each is."""
+    return {name: about for name, about, _ in _wythe.templates()}
+
+
+def text(name: str) -> str:
+    """The commented deck of a template."""
+    for known, _, deck in _wythe.templates():
+        if known == name:
+            return deck
+    raise ValueError(f"name: expected one of {', '.join(names())}, got {name!r}")
+
+
+def _made(name: str, changes: dict[str, Value | None]) -> Model:
+    said = {key: value for key, value in changes.items() if value is not None}
+    return Model.from_toml(text(name)).with_({"title": name.replace("-", " "), **said})
+
+
+def shear_wall(
+    preload: Quantity | None = None,
+    drive: Quantity | None = None,
+    *,
+    length: Quantity | None = None,
+    courses: int | None = None,
+    mesh: str | list[int] | None = None,
+    vertical: str | None = None,
+) -> Model:
+    """A wall pressed and pushed in its plane until it has cracked and crushed.
+
+    Parameters
+    ----------
+    preload
+        Pressure on the top [MPa].
+    drive
+        How far the top is pushed [mm].
+    length
+        Of the wall [mm].
+    courses
+        How many.
+    mesh
+        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+    vertical
+        ``"locked"``: the top stays where the preload left it; ``"free"``: it moves under its load.
+    """
+    return _made(
+        "shear-wall",
+        {
+            "steps.0.top_pressure": preload,
+            "steps.1.displacement": drive,
+            "steps.1.vertical": vertical,
+            "wall.length": length,
+            "wall.courses": courses,
+            "wall.mesh": mesh,
+        },
+    )
+
+
+def couplet(
+    displacement: Quantity | None = None,
+    *,
+    f_t: Quantity | None = None,
+    mesh: str | list[int] | None = None,
+) -> Model:
+    """Two bricks and the joint between them, pulled apart.
+
+    Parameters
+    ----------
+    displacement
+        How far they are pulled after the peak [mm].
+    f_t
+        Tensile strength of the joint [MPa].
+    mesh
+        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+    """
+    return _made(
+        "couplet",
+        {
+            "steps.1.displacement": displacement,
+            "interfaces.joint.f_t": f_t,
+            "wall.mesh": mesh,
+        },
+    )
+
+
+def out_of_plane(
+    preload: Quantity | None = None,
+    drive: Quantity | None = None,
+    *,
+    length: Quantity | None = None,
+    courses: int | None = None,
+    mesh: str | list[int] | None = None,
+) -> Model:
+    """A strip of wall pushed out of its plane under its load.
+
+    Parameters
+    ----------
+    preload
+        Pressure on the top [MPa].
+    drive
+        How far the top is pushed through the wall [mm].
+    length
+        Of the strip [mm].
+    courses
+        How many.
+    mesh
+        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+    """
+    return _made(
+        "out-of-plane",
+        {
+            "steps.0.top_pressure": preload,
+            "steps.1.displacement": drive,
+            "wall.length": length,
+            "wall.courses": courses,
+            "wall.mesh": mesh,
+        },
+    )
+
+
+def arch(
+    tilt: Quantity | None = None,
+    *,
+    radius: Quantity | None = None,
+    thickness: Quantity | None = None,
+    voussoirs: int | None = None,
+    embrace: Quantity | None = None,
+    friction: float | None = None,
+) -> Model:
+    """A semicircle of dry voussoirs under its weight, tilted.
+
+    Parameters
+    ----------
+    tilt
+        Inclination of the ground at the end [degrees].
+    radius
+        Of the centre line [mm].
+    thickness
+        Radial [mm].
+    voussoirs
+        How many.
+    embrace
+        Angle of embrace [degrees]; 180 is a semicircle.
+    friction
+        Coefficient of the joints.
+    """
+    return _made(
+        "arch",
+        {
+            "steps.1.angle": tilt,
+            "arch.radius": radius,
+            "arch.thickness": thickness,
+            "arch.voussoirs": voussoirs,
+            "arch.angle": embrace,
+            "interfaces.dry.mu": friction,
+            "interfaces.dry.tan_phi": friction,
+        },
+    )
+
+
+def dry_wall(tilt: Quantity | None = None, *, friction: float | None = None) -> Model:
+    """Dry blocks in running bond on a tilting table.
+
+    Parameters
+    ----------
+    tilt
+        Inclination of the table at the end [degrees].
+    friction
+        Coefficient of the joints.
+    """
+    return _made(
+        "dry-wall",
+        {
+            "steps.1.angle": tilt,
+            "interfaces.dry.mu": friction,
+            "interfaces.dry.tan_phi": friction,
+        },
+    )
+
+
+def column(
+    duration: Quantity | None = None,
+    *,
+    friction: float | None = None,
+    velocity: list[Quantity] | None = None,
+) -> Model:
+    """A column of loose blocks, struck: sliding and rocking in time.
+
+    Parameters
+    ----------
+    duration
+        Of the motion [s].
+    friction
+        Coefficient of the joints.
+    velocity
+        Of the uppermost block at first: x, y, z [mm/s].
+    """
+    return _made(
+        "column",
+        {
+            "steps.1.duration": duration,
+            "interfaces.dry.mu": friction,
+            "interfaces.dry.tan_phi": friction,
+            "blocks.2.velocity": velocity,
+        },
+    )

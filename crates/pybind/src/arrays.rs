@@ -1,0 +1,35 @@
+//! Arrays that NumPy takes over without a copy, read-only.
+
+use numpy::{Element, PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// One-dimensional.
+pub fn flat<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyAny>> {
+    sealed(PyArray1::from_vec(py, values).into_any())
+}
+
+/// Rows of N: shape (n, N).
+pub fn rows<T: Element, const N: usize>(
+    py: Python<'_>,
+    values: Vec<[T; N]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    shaped(py, values.into_flattened(), vec![None, Some(N)])
+}
+
+/// Of any shape; one length may be left to follow from the others.
+pub fn shaped<T: Element>(
+    py: Python<'_>,
+    values: Vec<T>,
+    shape: Vec<Option<usize>>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let known: usize = shape.iter().flatten().product();
+    let rest = values.len().checked_div(known).unwrap_or(0);
+    let shape: Vec<usize> = shape.into_iter().map(|n| n.unwrap_or(rest)).collect();
+    let array = PyArray1::from_vec(py, values).reshape(shape)?;
+    sealed(array.into_any())
+}
+
+fn sealed(array: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
+    array.getattr("flags")?.setattr("writeable", false)?;
+    Ok(array)
+}

@@ -1,0 +1,24 @@
+//! The command itself, and what it knows by heart.
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+use wythe_core::model::templates::TEMPLATES;
+
+/// Runs the command with these arguments, the first of them the program's name, and returns its exit code.
+#[pyfunction]
+pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| wythe_cli::command(arguments))
+}
+
+/// Name, one line and text of every template.
+#[pyfunction]
+pub fn templates() -> Vec<(&'static str, &'static str, &'static str)> {
+    TEMPLATES.iter().map(|t| (t.name, t.about, t.text)).collect()
+}
+
+/// The JSON schema of decks.
+#[pyfunction]
+pub fn schema() -> String {
+    wythe_core::model::schema::text()
+}

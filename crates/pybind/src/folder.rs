@@ -1,0 +1,282 @@
+//! The folder of a run: history, summary, comparison, pictures, report, exports.
+
+use std::path::{Path, PathBuf};
+
+use numpy::Element;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use wythe_core::model::{Deck, Model};
+use wythe_core::results::comparison::{clear_height, points_of};
+use wythe_core::results::directory::DECK;
+use wythe_core::results::elevation::crack_pattern_of;
+use wythe_core::results::export::{frame_name, table, vtu};
+use wythe_core::results::mcap::salvage::salvage as rescue;
+use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
+use wythe_core::results::plotting::{self, Line, load_displacements};
+use wythe_core::results::snapshot::Snapshots;
+use wythe_core::results::summary::write_whole;
+use wythe_core::results::{
+    self, Experiment, FrameChoice, HistoryRow, ReadError, Report, RunFolder, Snapshot,
+};
+
+use crate::arrays::{flat, rows};
+use crate::errors;
+
+type Columns<'py> = Bound<'py, PyDict>;
+
+/// The history by columns, and the names of its probes.
+#[pyfunction]
+pub fn history<'py>(py: Python<'py>, folder: PathBuf) -> PyResult<(Columns<'py>, Vec<String>)> {
+    let read = py.detach(|| RunFolder::open(&folder)?.history());
+    let read = read.map_err(|error| errors::of_reading(py, &error))?;
+    let columns = PyDict::new(py);
+    let (all, driven) = (&read.rows, read.driven());
+    macro_rules! columns {
+        ($($name:ident: $kind:ty),* $(,)?) => {$(
+            columns.set_item(stringify!($name), column(py, all, |r| r.$name as $kind)?)?;
+        )*};
+    }
+    columns!(
+        increment: i64, step: i64, time: f64, displacement_mm: f64, force_kN: f64, reaction_kN: f64,
+        iterations: i64, cutbacks: i64, external_work_J: f64, elastic_energy_J: f64,
+        plastic_damage_dissipation_J: f64, interface_dissipation_J: f64, viscous_dissipation_J: f64,
+        open_points: i64, sliding_points: i64, max_interface_damage: f64, max_tensile_damage: f64,
+        max_compressive_damage: f64, out_of_balance: f64, residual: f64, kinetic_energy_J: f64,
+        damping_dissipation_J: f64, numerical_dissipation_J: f64, contact_area_mm2: f64,
+        load_factor: f64,
+    );
+    let procedures: Vec<String> = all.iter().map(|r| r.procedure.name().to_owned()).collect();
+    columns.set_item("procedure", procedures)?;
+    for (i, name) in read.probes.iter().enumerate() {
+        columns.set_item(name, column(py, all, |r| r.probes[i])?)?;
+    }
+    columns.set_item("driven", flat(py, driven)?)?;
+    Ok((columns, read.probes))
+}
+
+fn column<'py, T: Element>(
+    py: Python<'py>,
+    rows: &[HistoryRow],
+    of: impl Fn(&HistoryRow) -> T,
+) -> PyResult<Bound<'py, PyAny>> {
+    flat(py, rows.iter().map(of).collect())
+}
+
+/// Step time of the largest force [s], or nothing where nothing was driven.
+#[pyfunction]
+pub fn time_of_peak(py: Python<'_>, folder: PathBuf) -> PyResult<Option<f64>> {
+    let read = py.detach(|| Ok(RunFolder::open(&folder)?.history()?.time_of_peak()));
+    read.map_err(|error| errors::of_reading(py, &error))
+}
+
+/// `summary.json`, or nothing of a run that goes on or was killed.
+#[pyfunction]
+pub fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Option<String>> {
+    let read = py.detach(|| RunFolder::open(&folder)?.summary());
+    let read = read.map_err(|error| errors::of_reading(py, &error))?;
+    read.map(|summary| serde_json::to_string(&summary))
+        .transpose()
+        .map_err(|error| errors::bug(&format!("a summary as JSON: {error}")))
+}
+
+fn measured(py: Python<'_>, path: &Path) -> PyResult<Experiment> {
+    py.detach(|| Experiment::read(path))
+        .map_err(|error| errors::of_experiment(py, &error))
+}
+
+/// Name and points (n, 2) [mm, kN] of a measured curve.
+#[pyfunction]
+pub fn experiment(py: Python<'_>, path: PathBuf) -> PyResult<(String, Bound<'_, PyAny>)> {
+    let Experiment { name, points } = measured(py, &path)?;
+    let points: Vec<[f64; 2]> = points.into_iter().map(<[f64; 2]>::from).collect();
+    Ok((name, rows(py, points)?))
+}
+
+/// What `wythe compare --json` prints.
+#[pyfunction]
+#[pyo3(signature = (folder, experiment, height))]
+pub fn compare(
+    py: Python<'_>,
+    folder: PathBuf,
+    experiment: PathBuf,
+    height: Option<f64>,
+) -> PyResult<String> {
+    let experiment = measured(py, &experiment)?;
+    let found = py.detach(|| {
+        let curve = RunFolder::open(&folder)?.history()?.curve();
+        let height = height.or_else(|| height_of(&folder));
+        Ok(results::compare(&curve, &experiment, height))
+    });
+    let found = found.map_err(|error: ReadError| errors::of_reading(py, &error))?;
+    serde_json::to_string(&found).map_err(|error| errors::bug(&format!("as JSON: {error}")))
+}
+
+/// From the copy of the deck, where there is one that can be built.
+fn height_of(folder: &Path) -> Option<f64> {
+    let deck = Deck::load(folder.join(DECK), &[]).ok()?;
+    let (model, _) = Model::from_deck(&deck).ok()?;
+    clear_height(&model)
+}
+
+/// Writes the page; its notes.
+#[pyfunction]
+#[pyo3(signature = (folder, out, experiment))]
+pub fn report(
+    py: Python<'_>,
+    folder: PathBuf,
+    out: PathBuf,
+    experiment: Option<PathBuf>,
+) -> PyResult<Vec<String>> {
+    let experiment = experiment.map(|path| measured(py, &path)).transpose()?;
+    let page = py.detach(|| Report::of(&RunFolder::open(&folder)?, experiment.as_ref()));
+    let page = page.map_err(|error| errors::of_reading(py, &error))?;
+    py.detach(|| page.write(&out))
+        .map_err(|why| errors::of_path(py, &out, why))?;
+    Ok(page.notes)
+}
+
+/// A frame by its number or as `peak`, `last`.
+fn choice(frame: &str) -> PyResult<FrameChoice> {
+    frame
+        .parse()
+        .map_err(|why: String| PyValueError::new_err(format!("frame = {frame}: {why}")))
+}
+
+/// `curves`, `cracks`, `deflection_height` or `deflection_length` of runs (the first leads) as SVG.
+#[pyfunction]
+pub fn picture(
+    py: Python<'_>,
+    kind: &str,
+    runs: Vec<(String, PathBuf)>,
+    experiments: Vec<PathBuf>,
+    frame: &str,
+) -> PyResult<String> {
+    let frame = choice(frame)?;
+    let experiments: Vec<Experiment> = experiments
+        .iter()
+        .map(|path| measured(py, path))
+        .collect::<PyResult<_>>()?;
+    let drawn = py.detach(|| draw(kind, &runs, &experiments, frame));
+    match drawn {
+        Ok(Ok(svg)) => Ok(svg),
+        Ok(Err(why)) => Err(PyValueError::new_err(why)),
+        Err(error) => Err(errors::of_reading(py, &error)),
+    }
+}
+
+fn draw(
+    kind: &str,
+    runs: &[(String, PathBuf)],
+    experiments: &[Experiment],
+    frame: FrameChoice,
+) -> Result<Result<String, String>, ReadError> {
+    let open = |path: &PathBuf| RunFolder::open(path);
+    let Some((_, first)) = runs.first() else {
+        return Ok(Err("there is no run to draw".to_owned()));
+    };
+    if kind == "curves" {
+        let mut lines = Vec::new();
+        for (name, path) in runs {
+            let curve = open(path)?.history()?.curve();
+            let peak = curve.peak().map(|p| (p.displacement, p.force));
+            lines.push(Line {
+                name: name.clone(),
+                points: points_of(&curve),
+                marks: peak.into_iter().collect(),
+            });
+        }
+        let fields = open(first)?.fields().ok();
+        let title = fields.and_then(|f| f.title_and_version().ok());
+        let title = title.map_or_else(String::new, |(title, _)| title);
+        return Ok(load_displacements(&title, &lines, experiments));
+    }
+    let snapshots: Vec<(&str, Snapshot)> = runs
+        .iter()
+        .map(|(name, path)| Ok((name.as_str(), Snapshots::open(&open(path)?)?.at(frame)?)))
+        .collect::<Result<_, ReadError>>()?;
+    let leading = &snapshots[0].1;
+    let along = match kind {
+        "cracks" => return Ok(Ok(crack_pattern_of(leading))),
+        "deflection_height" => Along::Height,
+        "deflection_length" => Along::Length,
+        _ => return Ok(Err(format!("there is no picture `{kind}`"))),
+    };
+    let axis = main_axis(&leading.frame);
+    let bent: Vec<(String, Deflection)> = snapshots
+        .iter()
+        .map(|(name, Snapshot { mesh, frame, .. })| {
+            ((*name).to_owned(), Deflection::of(mesh, frame, along, axis))
+        })
+        .filter(|(_, deflection)| !deflection.points.is_empty())
+        .collect();
+    Ok(deflections(&leading.title, along, axis, &bent))
+}
+
+/// An SVG as PNG.
+#[pyfunction]
+pub fn png(py: Python<'_>, svg: &str, zoom: f32) -> PyResult<Vec<u8>> {
+    py.detach(|| plotting::png(svg, zoom)).map_err(PyValueError::new_err)
+}
+
+/// Writes a frame as `vtu` or `csv` into a folder; the files, the solids' first, and the frame's time [s].
+#[pyfunction]
+pub fn export_frame(
+    py: Python<'_>,
+    folder: PathBuf,
+    format: &str,
+    frame: &str,
+    out: PathBuf,
+) -> PyResult<(Vec<PathBuf>, f64)> {
+    let frame = choice(frame)?;
+    let snapshot = py.detach(|| Snapshots::open(&RunFolder::open(&folder)?)?.at(frame));
+    let snapshot = snapshot.map_err(|error| errors::of_reading(py, &error))?;
+    let files = py.detach(|| match format {
+        "vtu" => vec![
+            (".vtu", vtu::solids(&snapshot)),
+            ("_interfaces.vtu", vtu::interfaces(&snapshot)),
+        ],
+        _ => vec![
+            ("_nodes.csv", table::nodes(&snapshot)),
+            ("_elements.csv", table::elements(&snapshot)),
+            ("_interfaces.csv", table::interfaces(&snapshot)),
+        ],
+    });
+    let joined = !snapshot.surface.quads.is_empty();
+    let files = files
+        .into_iter()
+        .filter(|(rest, _)| joined || !rest.starts_with("_interfaces"));
+    let mut written = Vec::new();
+    for (rest, text) in files {
+        let path = out.join(frame_name(snapshot.number, rest));
+        py.detach(|| std::fs::create_dir_all(&out).and_then(|()| write_whole(&path, text.as_bytes())))
+            .map_err(|why| errors::of_path(py, &path, why))?;
+        written.push(path);
+    }
+    Ok((written, snapshot.frame.time))
+}
+
+/// Text of the collection of exported frames: time [s] and file of each.
+#[pyfunction]
+pub fn collection(files: Vec<(f64, String)>) -> String {
+    vtu::collection(&files)
+}
+
+/// An end and an index for the messages of an interrupted run: messages, attachments, lost bytes, was whole.
+#[pyfunction]
+#[pyo3(signature = (file, out))]
+pub fn salvage(
+    py: Python<'_>,
+    file: PathBuf,
+    out: Option<PathBuf>,
+) -> PyResult<(u64, u64, u64, bool)> {
+    let found = py
+        .detach(|| rescue(&file, out.as_deref()))
+        .map_err(|error| errors::of_salvage(py, &error))?;
+    Ok((
+        found.messages,
+        found.attachments,
+        found.lost_bytes,
+        found.was_whole,
+    ))
+}

@@ -1,0 +1,34 @@
+//! `wythe._wythe`: the private half of the Python package, a thin door onto `Deck → Model → solve → RunDirectory`.
+//!
+//! Names, defaults and documents for users are those of the Python half (`python/wythe`); here arguments are
+//! already checked, and what comes back is arrays, JSON texts and errors.
+#![forbid(unsafe_code)]
+
+mod arrays;
+mod command;
+mod errors;
+mod fields;
+mod folder;
+mod model;
+mod run;
+
+/// See the crate.
+#[pyo3::pymodule]
+mod _wythe {
+    #[pymodule_export]
+    use crate::command::{command, schema, templates};
+    #[pymodule_export]
+    use crate::fields::Fields;
+    #[pymodule_export]
+    use crate::folder::{
+        collection, compare, experiment, export_frame, history, png, picture, report, salvage, summary, time_of_peak,
+    };
+    #[pymodule_export]
+    use crate::model::Deck;
+    #[pymodule_export]
+    use crate::run::{resume, run};
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "a name of Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

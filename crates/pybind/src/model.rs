@@ -1,0 +1,209 @@
+//! A deck and, once it is asked for, the model that is built of it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use wythe_core::error::{ModelError, Warning};
+use wythe_core::model::{self, Deck as CoreDeck, Model};
+use wythe_core::results::elevation;
+use wythe_core::results::export::inp;
+
+use crate::errors::{self, Text};
+
+/// Title of a model that has none.
+const UNTITLED: &str = "model";
+
+/// What is built once, or why it cannot be.
+type Built = Result<(Model, Vec<Warning>), ModelError>;
+
+/// A deck that was read. Immutable.
+#[pyclass(frozen, module = "wythe._wythe")]
+pub struct Deck {
+    deck: CoreDeck,
+    text: Text,
+    built: OnceLock<Arc<Built>>,
+}
+
+impl Deck {
+    fn new(deck: CoreDeck, text: Text) -> Self {
+        Self {
+            deck,
+            text,
+            built: OnceLock::new(),
+        }
+    }
+
+    pub fn deck(&self) -> &CoreDeck {
+        &self.deck
+    }
+
+    /// The model and its warnings, built the first time.
+    pub fn built(&self, py: Python<'_>) -> Arc<Built> {
+        let build = || Arc::new(Model::from_deck(&self.deck));
+        py.detach(|| Arc::clone(self.built.get_or_init(build)))
+    }
+
+    /// The model, or the exception that says why there is none.
+    pub fn sound(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
+        let built = self.built(py);
+        match &*built {
+            Ok(_) => Ok(built),
+            Err(error) => Err(errors::of_model(py, error, self.text)),
+        }
+    }
+}
+
+#[pymethods]
+impl Deck {
+    /// Reads a text, which someone has `written` or which was made. Files that it names are in `folder`.
+    #[staticmethod]
+    #[pyo3(signature = (text, written, folder, overrides))]
+    fn read(
+        py: Python<'_>,
+        text: &str,
+        written: bool,
+        folder: Option<PathBuf>,
+        overrides: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        let kind = if written { Text::Written } else { Text::Made };
+        let deck = py
+            .detach(|| CoreDeck::from_str_with(text, UNTITLED, &overrides))
+            .map_err(|error| errors::of_model(py, &error, kind))?;
+        Ok(Self::new(deck.in_folder(folder.unwrap_or_default()), kind))
+    }
+
+    /// Reads the file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf, overrides: Vec<(String, String)>) -> PyResult<Self> {
+        let deck = py
+            .detach(|| CoreDeck::load(&path, &overrides))
+            .map_err(|error| errors::of_deck(py, &error))?;
+        Ok(Self::new(deck, Text::File))
+    }
+
+    /// TOML text of JSON.
+    #[staticmethod]
+    fn toml_of_json(text: &str) -> PyResult<String> {
+        // Without nulls, which TOML has not; the Python half has taken them out.
+        let value: toml::Value = serde_json::from_str(text)
+            .map_err(|error| errors::bug(&format!("a deck as JSON: {error}")))?;
+        toml::to_string(&value).map_err(|error| errors::bug(&format!("a deck as TOML: {error}")))
+    }
+
+    /// The deck with every default said, in base units.
+    fn to_toml(&self) -> PyResult<String> {
+        let text = self.deck.to_toml();
+        text.map_err(|error| errors::bug(&format!("the deck as TOML: {error}")))
+    }
+
+    /// The same as JSON.
+    fn to_json(&self) -> PyResult<String> {
+        let text = serde_json::to_string(&self.deck);
+        text.map_err(|error| errors::bug(&format!("the deck as JSON: {error}")))
+    }
+
+    /// Whether lines and columns are those of a text that someone has written.
+    #[getter]
+    fn is_written(&self) -> bool {
+        self.text != Text::Made
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.deck.title
+    }
+
+    /// Folder of the files that the deck names.
+    #[getter]
+    fn folder(&self) -> PathBuf {
+        self.deck.folder().to_owned()
+    }
+
+    /// Columns of the probes in the history; none of a model that cannot be built.
+    fn probe_columns(&self, py: Python<'_>) -> Vec<String> {
+        match &*self.built(py) {
+            Ok((model, _)) => model.probes.iter().map(|p| p.column.clone()).collect(),
+            Err(_) => Vec::new(),
+        }
+    }
+
+    /// The steps, as the deck has them.
+    fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = serde_json::to_string(&self.deck.steps);
+        let text = text.map_err(|error| errors::bug(&format!("steps as JSON: {error}")))?;
+        errors::from_json(py, &text)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.deck == other.deck
+    }
+
+    /// What `wythe check --json` prints, as JSON.
+    fn check(&self, py: Python<'_>) -> String {
+        let built = self.built(py);
+        let found = py.detach(|| match &*built {
+            Err(error) => json!({
+                "ok": false,
+                "title": self.deck.title,
+                "errors": error.all().map(error_json).collect::<Vec<_>>(),
+                "warnings": error.warnings().iter().map(warning_json).collect::<Vec<_>>(),
+                "notes": [],
+                "sizes": null,
+                "memory_MB": null,
+            }),
+            Ok((model, warnings)) => {
+                let report = model::check(&self.deck, model);
+                json!({
+                    "ok": true,
+                    "title": report.title,
+                    "errors": [],
+                    "warnings": warnings.iter().map(warning_json).collect::<Vec<_>>(),
+                    "notes": report.notes,
+                    "sizes": report.sizes,
+                    "memory_MB": report.memory_mb,
+                })
+            }
+        });
+        found.to_string()
+    }
+
+    /// The elevation at rest as SVG.
+    fn picture(&self, py: Python<'_>) -> PyResult<String> {
+        let built = self.sound(py)?;
+        py.detach(|| match &*built {
+            Ok((model, _)) => Ok(elevation::at_rest(model)),
+            Err(error) => Err(errors::bug(&error.to_string())),
+        })
+    }
+
+    /// The model for Abaqus.
+    fn inp(&self, py: Python<'_>) -> PyResult<String> {
+        let built = self.sound(py)?;
+        py.detach(|| match &*built {
+            Ok((model, _)) => Ok(inp::inp(model)),
+            Err(error) => Err(errors::bug(&error.to_string())),
+        })
+    }
+}
+
+fn error_json(error: &ModelError) -> Value {
+    json!({
+        "file": error.file(),
+        "key": error.key(),
+        "line": error.line(),
+        "column": error.column(),
+        "message": error.message(),
+        "fix": error.advice(),
+    })
+}
+
+fn warning_json(warning: &Warning) -> Value {
+    json!({
+        "key": warning.key,
+        "line": warning.line,
+        "column": warning.column,
+        "message": warning.message,
+    })
+}

@@ -1,0 +1,246 @@
+//! Runs on threads of their own, while the calling thread listens: to Ctrl-C, and to increments for the callback.
+//!
+//! ```text
+//! calling thread (Python)                    solving thread and its pool (no Python)
+//!   every 50 ms: signals? ──────stop──────▶  take(row): write, tell, go on?
+//!   callback(row) ◀────────────rows────────
+//!                 ─────────────answers────▶
+//! ```
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+use wythe_core::model::Model;
+use wythe_core::results::{
+    Frame, HistoryRow, Recorder, Resumed, RunDirectory, StoppedRun, Summary,
+};
+use wythe_core::solve::{self, Checkpoint, RunError};
+
+use crate::errors::{self, from_json};
+use crate::model::Deck;
+
+/// How long Ctrl-C may wait before it is seen.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// What a run tells.
+enum Event {
+    /// An increment, which waits for an answer.
+    Row(Box<HistoryRow>),
+    /// A change of procedure.
+    Note(String),
+}
+
+/// Writes the folder, tells, and asks whether to go on.
+struct Told<'a> {
+    directory: RunDirectory,
+    events: Sender<Event>,
+    /// Answers to rows; none if nobody wants to see them.
+    answers: Option<Receiver<bool>>,
+    stop: &'a AtomicBool,
+}
+
+impl Recorder for Told<'_> {
+    fn take(
+        &mut self,
+        model: &Model,
+        row: &HistoryRow,
+        frame: Option<&Frame>,
+    ) -> std::io::Result<bool> {
+        let go_on = self.directory.take(model, row, frame)?;
+        let mut wanted = true;
+        if let Some(answers) = &self.answers {
+            // Nobody listens any more only if the calling thread is gone: stop then.
+            let sent = self.events.send(Event::Row(Box::new(row.clone())));
+            wanted = sent.is_ok() && answers.recv().unwrap_or(false);
+        }
+        Ok(go_on && wanted && !self.stop.load(Ordering::SeqCst))
+    }
+
+    fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
+        self.directory.checkpoint(last, make)
+    }
+
+    fn note(&mut self, text: &str) {
+        self.directory.note(text);
+        // As above.
+        let _ = self.events.send(Event::Note(text.to_owned()));
+    }
+
+    fn progress(&mut self, step: usize, time: f64, iterations: usize) {
+        self.directory.progress(step, time, iterations);
+    }
+}
+
+/// The Python side of a run: `on_row(json) -> go on?`, `on_note(text)`.
+struct Listener<'py> {
+    on_row: Option<Bound<'py, PyAny>>,
+    on_note: Option<Bound<'py, PyAny>>,
+}
+
+/// Runs the deck into the folder `out`. Ctrl-C and errors of the callbacks are raised when the folder is whole.
+#[pyfunction]
+#[pyo3(signature = (deck, out, threads, on_row, on_note))]
+pub fn run<'py>(
+    py: Python<'py>,
+    deck: &Deck,
+    out: PathBuf,
+    threads: Option<NonZeroUsize>,
+    on_row: Option<Bound<'py, PyAny>>,
+    on_note: Option<Bound<'py, PyAny>>,
+) -> PyResult<()> {
+    let built = deck.sound(py)?;
+    let Ok((model, warnings)) = &*built else {
+        return Err(errors::bug("a sound model is not"));
+    };
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let created = py.detach(|| {
+        let mut directory = RunDirectory::create(&out, model)?;
+        directory.keep_deck(deck.deck())?;
+        Ok(directory)
+    });
+    let directory = created.map_err(|error| errors::of_output(py, &error))?;
+    let listener = Listener { on_row, on_note };
+    record(py, model, &warnings, directory, threads, &listener, |recorder| {
+        solve::run(model, recorder)
+    })
+}
+
+/// Goes on with the run in `folder`. Returns false if there was nothing to do.
+#[pyfunction]
+#[pyo3(signature = (folder, overrides, threads, on_row, on_note))]
+pub fn resume<'py>(
+    py: Python<'py>,
+    folder: PathBuf,
+    overrides: Vec<(String, String)>,
+    threads: Option<NonZeroUsize>,
+    on_row: Option<Bound<'py, PyAny>>,
+    on_note: Option<Bound<'py, PyAny>>,
+) -> PyResult<bool> {
+    let begun = py.detach(|| {
+        let mut stopped = StoppedRun::open(&folder)?;
+        let deck = stopped.deck(&overrides)?;
+        let (model, warnings) = Model::from_deck(&deck)?;
+        if stopped.is_complete(&model)? {
+            return Ok(None);
+        }
+        let mut resumed = stopped.resume(&model)?;
+        // The deck as it is from here on.
+        resumed.directory.keep_deck(&deck)?;
+        Ok(Some((model, warnings, resumed)))
+    });
+    let Some((model, warnings, resumed)) = begun.map_err(|error| errors::of_resuming(py, &error))?
+    else {
+        return Ok(false);
+    };
+    let Resumed {
+        directory,
+        checkpoint,
+        warnings: of_files,
+    } = resumed;
+    let mut all: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    all.extend(of_files);
+    let listener = Listener { on_row, on_note };
+    record(py, &model, &all, directory, threads, &listener, |recorder| {
+        solve::resume(&model, checkpoint, recorder)
+    })?;
+    Ok(true)
+}
+
+/// Solves into the folder while the calling thread listens.
+fn record<'py>(
+    py: Python<'py>,
+    model: &Model,
+    warnings: &[String],
+    directory: RunDirectory,
+    threads: Option<NonZeroUsize>,
+    listener: &Listener<'py>,
+    solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
+) -> PyResult<()> {
+    // A pool for each run: that of the process would not survive a fork, nor take another number of threads.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, NonZeroUsize::get))
+        .thread_name(|i| format!("wythe-{i}"))
+        .build()
+        .map_err(|error| errors::bug(&format!("no threads: {error}")))?;
+    let stop = AtomicBool::new(false);
+    let (events, told) = channel();
+    let (answer, answers) = channel();
+    let mut sink = Told {
+        directory,
+        events,
+        answers: listener.on_row.is_some().then_some(answers),
+        stop: &stop,
+    };
+    let (ended, directory, raised) = std::thread::scope(|scope| {
+        let solving = scope.spawn(|| {
+            let ended = pool.install(|| solve(&mut sink));
+            // What is left of the sink hangs up, so that the listener ends.
+            (ended, sink.directory)
+        });
+        let raised = listen(py, listener, told, &answer, &stop);
+        let joined = py.detach(|| solving.join());
+        joined
+            .map(|(ended, directory)| (ended, directory, raised))
+            .map_err(|_| errors::bug("the solver panicked"))
+    })?;
+    let summary = ended.map_err(|error| errors::of_run(py, error))?;
+    py.detach(|| directory.finish(model, &summary, warnings))
+        .map_err(|error| errors::of_output(py, &error))?;
+    raised.map_or(Ok(()), Err)
+}
+
+/// Serves callbacks and looks out for signals until the solver hangs up; what was raised meanwhile.
+fn listen(
+    py: Python<'_>,
+    listener: &Listener<'_>,
+    mut told: Receiver<Event>,
+    answer: &Sender<bool>,
+    stop: &AtomicBool,
+) -> Option<PyErr> {
+    let mut raised: Option<PyErr> = None;
+    let mut looked = Instant::now();
+    loop {
+        // Exclusive, since a receiver belongs to one thread.
+        let told = &mut told;
+        let event = py.detach(move || told.recv_timeout(PATIENCE));
+        let mut outcome = Ok(true);
+        match event {
+            Ok(Event::Row(row)) => {
+                outcome = match &listener.on_row {
+                    Some(on_row) if raised.is_none() => show(py, on_row, &row),
+                    _ => Ok(raised.is_none()),
+                };
+                // The solver waits for it, or is gone.
+                let _ = answer.send(*outcome.as_ref().unwrap_or(&false));
+            }
+            Ok(Event::Note(text)) => {
+                if let (Some(on_note), None) = (&listener.on_note, &raised) {
+                    outcome = on_note.call1((text,)).map(|_| true);
+                }
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return raised,
+        }
+        if outcome.is_ok() && looked.elapsed() >= PATIENCE {
+            outcome = py.check_signals().map(|()| true);
+            looked = Instant::now();
+        }
+        if let Err(error) = outcome {
+            stop.store(true, Ordering::SeqCst);
+            // The first is the cause of the others.
+            raised.get_or_insert(error);
+        }
+    }
+}
+
+/// Calls the callback with an increment; whether to go on.
+fn show(py: Python<'_>, on_row: &Bound<'_, PyAny>, row: &HistoryRow) -> PyResult<bool> {
+    let text = serde_json::to_string(row)
+        .map_err(|error| errors::bug(&format!("an increment as JSON: {error}")))?;
+    let row = (from_json(py, &text)?, row.probes.clone());
+    on_row.call1(row)?.extract()
+}
