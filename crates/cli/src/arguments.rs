@@ -7,8 +7,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-
-use crate::new;
+use wythe_core::model::templates;
 
 use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
 pub use results::{Compare, Export, Format, Frames, Info, Plot};
@@ -314,7 +313,7 @@ pub struct New {
     #[arg(required_unless_present = "list")]
     pub name: Option<PathBuf>,
     /// What it describes, see --list.
-    #[arg(long, value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(new::NAMES), default_value = "couplet")]
+    #[arg(long, value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(templates::NAMES), default_value = "couplet")]
     pub template: String,
     /// Overwrite NAME.toml.
     #[arg(long)]

@@ -10,7 +10,8 @@ use crate::unicode;
 
 /// Exit code of our own mistakes.
 pub const BUG: u8 = 1;
-const MODEL: u8 = 2;
+/// Exit code of a wrong model or usage.
+pub const MODEL: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 const INPUT_OUTPUT: u8 = 4;
 /// 128 + SIGINT, as shells have it.
@@ -65,7 +66,8 @@ impl Failure {
 
 /// Reports in ASCII where the locale is not UTF-8, without colours where they are not wanted.
 pub fn draw_as_the_terminal_can() {
-    let set = miette::set_hook(Box::new(|_| {
+    // Where the command is called again, the hook of the first call stays.
+    let _ = miette::set_hook(Box::new(|_| {
         let options = miette::MietteHandlerOpts::new().unicode(unicode::is_on());
         let options = if unicode::colours() {
             options
@@ -74,8 +76,6 @@ pub fn draw_as_the_terminal_can() {
         };
         Box::new(options.build())
     }));
-    // Only a second hook would be refused, and this is the only one.
-    debug_assert!(set.is_ok());
 }
 
 impl From<ModelError> for Failure {

@@ -5,78 +5,22 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use wythe_core::error::IoError;
+use wythe_core::model::schema;
+use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
 use crate::arguments::New;
 use crate::check::print;
 use crate::failure::Failure;
 
-/// A deck to begin with.
-pub struct Template {
-    /// By which it is asked for.
-    pub name: &'static str,
-    /// One line.
-    pub about: &'static str,
-    /// The deck.
-    pub text: &'static str,
-}
-
-/// All templates.
-pub const TEMPLATES: [Template; 6] = [
-    Template {
-        name: "couplet",
-        about: "two bricks and the joint between them, pulled apart",
-        text: include_str!("templates/couplet.toml"),
-    },
-    Template {
-        name: "shear-wall",
-        about: "a wall pressed and pushed in its plane until it has cracked and crushed",
-        text: include_str!("templates/shear-wall.toml"),
-    },
-    Template {
-        name: "out-of-plane",
-        about: "a strip of wall pushed out of its plane under its load",
-        text: include_str!("templates/out-of-plane.toml"),
-    },
-    Template {
-        name: "arch",
-        about: "a semicircle of dry voussoirs under its weight, tilted",
-        text: include_str!("templates/arch.toml"),
-    },
-    Template {
-        name: "dry-wall",
-        about: "dry blocks in running bond on a tilting table",
-        text: include_str!("templates/dry-wall.toml"),
-    },
-    Template {
-        name: "column",
-        about: "a column of loose blocks, struck: sliding and rocking in time",
-        text: include_str!("templates/column.toml"),
-    },
-];
-
-/// Their names.
-pub const NAMES: [&str; TEMPLATES.len()] = {
-    let mut names = [""; TEMPLATES.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = TEMPLATES[i].name;
-        i += 1;
-    }
-    names
-};
-
-/// By this name the templates call the schema, which stands beside them.
-const SCHEMA: &str = "deck.schema.json";
-
 /// Lists the templates, or writes one of them.
 pub fn new(arguments: &New) -> Result<(), Failure> {
     let Some(name) = arguments.name.as_ref().filter(|_| !arguments.list) else {
-        let lines = TEMPLATES.map(|t| format!("{:14}{}\n", t.name, t.about));
-        return print(&lines.concat());
+        let lines = TEMPLATES.iter();
+        let lines = lines.map(|t| format!("{:14}{}\n", t.name, t.about));
+        return print(&lines.collect::<String>());
     };
     // clap has seen that it is one of them.
-    let template = TEMPLATES.iter().find(|t| t.name == arguments.template);
-    let text = template.map_or("", |t| t.text);
+    let text = templates::find(&arguments.template).map_or("", |t| t.text);
     let path = deck_of(name);
     let folder = path.parent().unwrap_or(Path::new(""));
     if !folder.as_os_str().is_empty() {
@@ -85,12 +29,12 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     let mut file = open(&path, arguments.force)?;
     file.write_all(text.as_bytes()).map_err(unwritable(&path))?;
     // Another version of wythe may have written the one that is there.
-    let schema = folder.join(SCHEMA);
-    std::fs::write(&schema, wythe_core::model::schema::text()).map_err(unwritable(&schema))?;
+    let beside = folder.join(SCHEMA);
+    std::fs::write(&beside, schema::text()).map_err(unwritable(&beside))?;
     let path = path.display();
     print(&format!(
         "{path} and, for editors, {} are written\nnext: wythe check {path}, then wythe run {path}\n",
-        schema.display()
+        beside.display()
     ))
 }
 
@@ -140,15 +84,5 @@ mod tests {
         assert_eq!(deck("wall"), "wall.toml");
         assert_eq!(deck("wall.toml"), "wall.toml");
         assert_eq!(deck("wall.v2"), "wall.v2.toml");
-    }
-
-    #[test]
-    fn templates_name_the_schema_and_are_ascii_but_for_their_drawings() {
-        for template in TEMPLATES {
-            let first = format!("#:schema ./{SCHEMA}\n");
-            assert!(template.text.starts_with(&first), "{}", template.name);
-            let keys = template.text.lines().filter(|line| !line.starts_with('#'));
-            assert!(keys.into_iter().all(str::is_ascii), "{}", template.name);
-        }
     }
 }

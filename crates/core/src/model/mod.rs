@@ -25,6 +25,7 @@ pub mod schema;
 pub(crate) mod source;
 mod supports;
 mod tables;
+pub mod templates;
 mod touch;
 mod unit;
 pub mod wall;

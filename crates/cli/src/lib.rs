@@ -1,0 +1,104 @@
+//! The `wythe` command: a thin door onto `Deck → Model → solve → RunDirectory`. A library, so that whatever
+//! installs the command ([`command`]) installs the same one.
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod check;
+mod compare;
+mod drive;
+mod export;
+mod failure;
+mod findings;
+mod info;
+mod interrupt;
+mod new;
+mod plot;
+mod report;
+mod resume;
+mod run;
+mod salvage;
+mod schema;
+mod shell;
+mod study;
+mod terminal;
+mod unicode;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use failure::Failure;
+
+/// The command as its user typed it, the program's name first; its exit code: 0 completed, 2 bad model or
+/// usage, 3 not converged (results kept), 4 input or output, 130 interrupted, 1 a bug of ours.
+///
+/// It speaks on standard output and standard error, `--help` and errors of usage included. It may be called
+/// again, but Ctrl-C and the number of threads (`--threads`) belong to the process: the first Ctrl-C of a run
+/// asks it to stop, the second ends the process; and rayon takes a number of threads once only.
+pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        // What is asked for (`--help`, `--version`) comes as an error with exit code 0.
+        Err(told) => {
+            // A reader that has had enough is no error.
+            let _ = told.print();
+            return u8::try_from(told.exit_code()).unwrap_or(failure::MODEL);
+        }
+    };
+    failure::draw_as_the_terminal_can();
+    let outcome = std::panic::catch_unwind(|| dispatch(&arguments.command));
+    match outcome {
+        Ok(Ok(())) => 0,
+        Ok(Err(failure)) => {
+            failure.report();
+            failure.exit_code()
+        }
+        Err(_) => {
+            eprintln!(
+                "This is a bug in wythe, not in your model. Please report it with the lines above \
+                 and the model."
+            );
+            failure::BUG
+        }
+    }
+}
+
+fn dispatch(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::New(arguments) => new::new(arguments),
+        Command::Resume(arguments) => resume::resume(arguments),
+        Command::Check(arguments) => check::check(arguments),
+        Command::Schema => schema::schema(),
+        Command::Drive(arguments) => drive::drive(arguments),
+        Command::Salvage(arguments) => salvage::salvage(arguments),
+        Command::Report(arguments) => report::report(arguments),
+        Command::Plot(arguments) => plot::plot(arguments),
+        Command::Compare(arguments) => compare::compare(arguments),
+        Command::Info(arguments) => info::info(arguments),
+        Command::Export(arguments) => export::export(arguments),
+        Command::Study(arguments) => study::study(arguments),
+        Command::Completions(arguments) => shell::completions(arguments),
+        Command::Man(arguments) => shell::man(arguments),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn code(arguments: &[&str]) -> u8 {
+        command(arguments.iter().map(Into::into))
+    }
+
+    #[test]
+    fn the_command_may_be_called_more_than_once() {
+        assert_eq!(code(&["wythe", "new", "--list"]), 0);
+        assert_eq!(code(&["wythe", "new", "--list"]), 0);
+        assert_eq!(code(&["wythe", "--version"]), 0);
+        assert_eq!(code(&["wythe"]), 2);
+        assert_eq!(code(&["wythe", "check", "--nonsense"]), 2);
+        assert_eq!(code(&["wythe", "check", "no/such.toml"]), 4);
+    }
+}
