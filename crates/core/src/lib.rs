@@ -8,6 +8,7 @@ pub mod error;
 pub mod experiment;
 pub mod material;
 pub mod model;
+pub mod point;
 pub mod results;
 pub mod solve;
 pub mod study;

@@ -1,61 +1,10 @@
 //! The prescribed path: a CSV file with `#` comments and a header, columns in any order.
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
-
-/// Names of the components of a point and of their columns.
-#[derive(Debug)]
-pub struct Layout<const N: usize> {
-    /// As `--stress` names them.
-    pub components: [&'static str; N],
-    /// Columns of strains or gaps.
-    pub strains: [&'static str; N],
-    /// Columns of stresses or tractions.
-    pub stresses: [&'static str; N],
-}
-
-/// A material point: engineering Voigt.
-pub const MATERIAL: Layout<6> = Layout {
-    components: ["xx", "yy", "zz", "xy", "yz", "zx"],
-    strains: ["eps_xx", "eps_yy", "eps_zz", "gam_xy", "gam_yz", "gam_zx"],
-    stresses: [
-        "sig_xx_MPa",
-        "sig_yy_MPa",
-        "sig_zz_MPa",
-        "sig_xy_MPa",
-        "sig_yz_MPa",
-        "sig_zx_MPa",
-    ],
-};
-
-/// An interface point: opening and two slips.
-pub const INTERFACE: Layout<3> = Layout {
-    components: ["normal", "tau1", "tau2"],
-    strains: ["u_mm", "d1_mm", "d2_mm"],
-    stresses: ["sig_MPa", "tau1_MPa", "tau2_MPa"],
-};
+use wythe_core::point::{Layout, Row, Target};
 
 /// Column of the time [s].
 const TIME: &str = "time";
-
-/// What one component is told to do in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// Take this strain [-] or gap [mm].
-    Strain(f64),
-    /// Take the strain that gives this stress [MPa].
-    Stress(f64),
-}
-
-/// One row of the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row<const N: usize> {
-    /// Its line in the file, from 1.
-    pub line: u64,
-    /// Time at its end [s].
-    pub time: f64,
-    /// What the components do.
-    pub targets: [Target; N],
-}
 
 /// A path, read and checked.
 #[derive(Clone, Debug)]
@@ -66,6 +15,8 @@ pub struct Path<const N: usize> {
     pub cells: Vec<Vec<String>>,
     /// What they say.
     pub rows: Vec<Row<N>>,
+    /// The lines of the file in which they are said, from 1. `[row]`
+    pub lines: Vec<u64>,
     /// Which components are driven by stress.
     pub by_stress: [bool; N],
 }
@@ -177,7 +128,7 @@ impl<const N: usize> Path<N> {
             .clone();
         let head_line = header.position().map_or(1, |p| source.line(p));
         let columns = columns(&source, layout, by_stress, &header, head_line)?;
-        let (mut rows, mut cells) = (Vec::new(), Vec::new());
+        let (mut rows, mut lines, mut cells) = (Vec::new(), Vec::new(), Vec::new());
         let mut last_time = 0.0;
         for record in reader.records() {
             let record = record.map_err(|error| source.csv(&error))?;
@@ -205,11 +156,8 @@ impl<const N: usize> Path<N> {
                 ));
             }
             last_time = time;
-            rows.push(Row {
-                line,
-                time,
-                targets,
-            });
+            rows.push(Row { time, targets });
+            lines.push(line);
             cells.push(record.iter().map(str::to_owned).collect());
         }
         if rows.is_empty() {
@@ -220,6 +168,7 @@ impl<const N: usize> Path<N> {
             header: header.iter().map(str::to_owned).collect(),
             cells,
             rows,
+            lines,
             by_stress,
         })
     }
@@ -340,6 +289,7 @@ impl Source<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wythe_core::point::INTERFACE;
 
     fn read(text: &str, stress: &[&str]) -> Result<Path<3>, Box<PathError>> {
         let stress: Vec<String> = stress.iter().map(|&s| s.to_owned()).collect();
@@ -354,7 +304,6 @@ mod tests {
         assert_eq!(
             path.rows[0],
             Row {
-                line: 3,
                 time: 1.0,
                 targets: strains(1.0, 2.0, 3.0)
             }
@@ -362,11 +311,11 @@ mod tests {
         assert_eq!(
             path.rows[1],
             Row {
-                line: 5,
                 time: 2.0,
                 targets: strains(4.0, 5.0, 6.0)
             }
         );
+        assert_eq!(path.lines, [3, 5]);
         assert_eq!(path.cells[1], ["b", "6", "4", "5"]);
     }
 

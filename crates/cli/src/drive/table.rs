@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::path::{Layout, Path};
-use super::point::State;
+use wythe_core::point::{Layout, State};
+
+use super::path::Path;
 
 /// A CSV text that grows by a row a step.
 ///
@@ -19,12 +20,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// The header for this path and these columns of the point's state.
-    pub fn new<const N: usize>(path: &Path<N>, layout: &Layout<N>, state: &[&str]) -> Self {
+    /// The header for this path.
+    pub fn new<const N: usize>(path: &Path<N>, layout: &Layout<N>) -> Self {
         let solved: Vec<usize> = (0..N).filter(|&i| path.by_stress[i]).collect();
         let said_anew = |name: &str| {
             layout.stresses.contains(&name)
-                || state.contains(&name)
+                || layout.state.contains(&name)
                 || solved.iter().any(|&i| layout.strains[i] == name)
         };
         let kept: Vec<usize> = (0..path.header.len())
@@ -38,7 +39,7 @@ impl Table {
                 layout
                     .stresses
                     .iter()
-                    .chain(state)
+                    .chain(layout.state)
                     .map(|&name| name.to_owned()),
             )
             .collect();
@@ -101,14 +102,14 @@ fn quoted(cell: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::path::INTERFACE;
     use nalgebra::Vector3;
+    use wythe_core::point::INTERFACE;
 
     #[test]
     fn the_path_is_repeated_and_the_answer_said_anew() {
         let text = "note,sig_MPa,d1_mm,u_mm,d2_mm,D\n\"a,b\",-0.50,1e-3,9,0,7\n";
         let path = Path::read("p.csv", text, &INTERFACE, &["normal".to_owned()]).unwrap();
-        let mut table = Table::new(&path, &INTERFACE, &["D"]);
+        let mut table = Table::new(&path, &INTERFACE);
         let point = State {
             strain: Vector3::new(-5e-6, 1e-3, 0.0),
             stress: Vector3::new(-0.5, 0.1, 0.0),

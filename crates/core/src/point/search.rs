@@ -8,10 +8,12 @@
 //! going to the target in parts; the history always steps once from the old state to the new. Where
 //! the parts shrink to nothing the stresses cannot be met any further: the strength of the point.
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use wythe_core::material::LocalFailure;
+use std::num::NonZeroUsize;
 
-use super::path::{Row, Target};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use super::{Layout, Record, Row, Target};
+use crate::material::LocalFailure;
 
 /// Largest |σ_f − σ̂_f| [MPa]. Stresses of some 10 MPa come from strains times 10⁴ MPa in f64, which
 /// leaves about 1e-14.
@@ -34,7 +36,7 @@ pub struct Answer<const N: usize, H> {
 }
 
 /// A point between two steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<const N: usize, H> {
     /// Strain or gap.
     pub strain: SVector<f64, N>,
@@ -65,6 +67,18 @@ pub enum PointFailure<const N: usize> {
     Law(LocalFailure),
     /// No strain gives the stresses asked for; this is as far as the row could be followed.
     Beyond(Limit<N>),
+    /// A target is not a finite number.
+    NotFinite {
+        /// Of this component, from 0.
+        component: usize,
+    },
+    /// The row ends before it begins, or at no time at all.
+    Time {
+        /// Where the point is [s].
+        from: f64,
+        /// What the row says [s].
+        to: f64,
+    },
 }
 
 /// The end of the way on which stresses could be met.
@@ -82,16 +96,66 @@ impl<const N: usize> From<LocalFailure> for PointFailure<N> {
     }
 }
 
+impl<const N: usize> PointFailure<N> {
+    /// What became of `row`, in the words of its columns.
+    pub fn explain(&self, row: &Row<N>, layout: &Layout<N>) -> String {
+        let limit = match self {
+            Self::Law(why) => return format!("the law has no answer: {why}"),
+            Self::NotFinite { component } => {
+                let name = layout.components[*component];
+                return format!("what {name} is told is not a finite number");
+            }
+            Self::Time { from, to } => return format!("time runs backwards, from {from} to {to}"),
+            Self::Beyond(limit) => limit,
+        };
+        let (mut missed, mut held) = (Vec::new(), Vec::new());
+        for (i, name) in layout.stresses.iter().enumerate() {
+            let Target::Stress(asked) = row.targets[i] else {
+                continue;
+            };
+            let reached = limit.stress[i];
+            if (asked - reached).abs() > 1e-9 * asked.abs().max(1.0) {
+                let (asked, reached) = (short(asked), short(reached));
+                missed.push(format!("{name} = {asked} asked, {reached} reached"));
+            } else if asked != 0.0 {
+                held.push(format!("{name} = {} held", short(asked)));
+            }
+        }
+        missed.append(&mut held);
+        let said = if missed.is_empty() {
+            "all stresses held at 0".to_owned()
+        } else {
+            missed.join(", ")
+        };
+        format!(
+            "beyond the strength: no strain gives this stress ({said}; {:.2} % of the way through \
+             the row)",
+            100.0 * limit.fraction
+        )
+    }
+}
+
+/// Seven digits.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.6e}").parse::<f64>().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
 /// Takes the point through one row in `substeps` implicit steps, targets and time growing linearly
-/// from where the point is.
+/// from where the point is. Allocates only where a stress is driven.
+///
+/// # Errors
+/// [`PointFailure`]: the law has no answer, or no strain gives the stresses asked for.
 pub fn advance<const N: usize, H: Copy>(
     law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
     from: &State<N, H>,
     row: &Row<N>,
-    substeps: usize,
-) -> Result<State<N, H>, PointFailure<N>> {
+    substeps: NonZeroUsize,
+) -> Result<Record<N, H>, PointFailure<N>> {
+    let substeps = substeps.get();
     let dt = (row.time - from.time) / substeps as f64;
     let mut state = *from;
+    let mut tangent = SMatrix::zeros();
     for k in 1..=substeps {
         let targets = between(from, &row.targets, k as f64 / substeps as f64);
         let update = |strain: &SVector<f64, N>| law(strain, &state.history, dt);
@@ -102,7 +166,7 @@ pub fn advance<const N: usize, H: Copy>(
                     fraction: ((k - 1) as f64 + limit.fraction) / substeps as f64,
                     ..limit
                 }),
-                PointFailure::Law(_) => failure,
+                _ => failure,
             })?;
         state = State {
             strain,
@@ -114,8 +178,9 @@ pub fn advance<const N: usize, H: Copy>(
                 state.time + dt
             },
         };
+        tangent = answer.tangent;
     }
-    Ok(state)
+    Ok(Record { state, tangent })
 }
 
 /// Targets at the fraction `t` of the way from the state.
@@ -185,6 +250,9 @@ fn search<const N: usize, H: Copy>(
         DVector::from_iterator(free.len(), free.iter().map(|&(i, s)| answer.stress[i] - s))
     };
     let mut answer = update(&strain)?;
+    if free.is_empty() {
+        return Ok(Some((strain, answer)));
+    }
     let mut r = residual(&answer);
     for _ in 0..ITERATIONS {
         if r.amax() == 0.0 {
@@ -244,18 +312,20 @@ mod tests {
         })
     }
 
+    fn steps(n: usize) -> NonZeroUsize {
+        NonZeroUsize::new(n).unwrap()
+    }
+
     fn row(time: f64, targets: [Target; 2]) -> Row<2> {
-        Row {
-            line: 2,
-            time,
-            targets,
-        }
+        Row { time, targets }
     }
 
     #[test]
     fn strains_are_taken_and_stresses_are_met() {
         let targets = [Target::Strain(0.01), Target::Stress(3.0)];
-        let state = advance(&law, &State::at_rest(0.0), &row(2.0, targets), 1).unwrap();
+        let state = advance(&law, &State::at_rest(0.0), &row(2.0, targets), steps(1))
+            .unwrap()
+            .state;
         assert_eq!(state.strain[0], 0.01);
         assert!((state.stress[1] - 3.0).abs() <= TOLERANCE);
         // 3 = 1 + 10 (e − 0.001) + 0.05
@@ -267,8 +337,12 @@ mod tests {
     fn substeps_share_the_way_and_the_time() {
         let targets = [Target::Strain(0.01), Target::Stress(3.0)];
         let from = State::at_rest(0.0);
-        let once = advance(&law, &from, &row(2.0, targets), 1).unwrap();
-        let often = advance(&law, &from, &row(2.0, targets), 4).unwrap();
+        let once = advance(&law, &from, &row(2.0, targets), steps(1))
+            .unwrap()
+            .state;
+        let often = advance(&law, &from, &row(2.0, targets), steps(4))
+            .unwrap()
+            .state;
         // The law keeps no memory: both ends agree within the solver's tolerance over the slope.
         assert!((often.strain - once.strain).amax() < 1e-10);
         assert!((often.history - 2.0).abs() < 1e-12);
@@ -286,7 +360,8 @@ mod tests {
             })
         };
         let targets = [Target::Strain(0.0), Target::Stress(1.5)];
-        let failure = advance(&perfect, &State::at_rest(0.0), &row(1.0, targets), 1).unwrap_err();
+        let failure =
+            advance(&perfect, &State::at_rest(0.0), &row(1.0, targets), steps(1)).unwrap_err();
         let PointFailure::Beyond(limit) = failure else {
             panic!("{failure:?}")
         };

@@ -1,0 +1,168 @@
+//! A whole path, row by row.
+
+use std::num::NonZeroUsize;
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
+use wythe_contact::{InterfaceHistory, InterfaceLaw};
+
+use super::search::{Answer, PointFailure, State, advance};
+use super::{Row, Target};
+use crate::material::{LocalFailure, Material, MaterialHistory};
+
+/// What a point answers to one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record<const N: usize, H> {
+    /// The point at the end of the row.
+    pub state: State<N, H>,
+    /// Consistent tangent of its last implicit step, dσ/dε [MPa] or dt/dg [N/mm³], of all components
+    /// whether driven by strain or by stress; unsymmetric in general. `[of][by]`
+    pub tangent: SMatrix<f64, N, N>,
+}
+
+/// A row without an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowFailure<const N: usize> {
+    /// Its number, from 0.
+    pub row: usize,
+    /// What became of it.
+    pub why: PointFailure<N>,
+}
+
+/// A point along a whole path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Walk<const N: usize, H> {
+    /// Answers to the rows, all of them or those before the one that has none.
+    pub records: Vec<Record<N, H>>,
+    /// The row that has none, where there is one.
+    pub failure: Option<RowFailure<N>>,
+}
+
+/// Takes a point along `rows`, each in `substeps` implicit steps, and hands every answer to `take` with the
+/// number of its row. Gives the state at the end.
+///
+/// # Errors
+/// [`RowFailure`]: a target or a time that is not finite, time that runs backwards, a law without an answer,
+/// stresses beyond the strength. The rows before it have been handed over.
+pub fn follow<const N: usize, H: Copy>(
+    law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
+    from: State<N, H>,
+    rows: &[Row<N>],
+    substeps: NonZeroUsize,
+    mut take: impl FnMut(usize, &Record<N, H>),
+) -> Result<State<N, H>, RowFailure<N>> {
+    let mut state = from;
+    for (index, row) in rows.iter().enumerate() {
+        let answer = sound(row, state.time).and_then(|()| advance(law, &state, row, substeps));
+        let record = answer.map_err(|why| RowFailure { row: index, why })?;
+        take(index, &record);
+        state = record.state;
+    }
+    Ok(state)
+}
+
+/// Whether a row can be taken by a point that is at the time `from` [s].
+fn sound<const N: usize>(row: &Row<N>, from: f64) -> Result<(), PointFailure<N>> {
+    let finite = |target: &Target| match target {
+        Target::Strain(value) | Target::Stress(value) => value.is_finite(),
+    };
+    if let Some(component) = row.targets.iter().position(|target| !finite(target)) {
+        return Err(PointFailure::NotFinite { component });
+    }
+    if !row.time.is_finite() || row.time < from {
+        let to = row.time;
+        return Err(PointFailure::Time { from, to });
+    }
+    Ok(())
+}
+
+/// [`follow`] for a law of the solids; strains and stresses in engineering Voigt.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_material(
+    law: &Material,
+    from: State<6, MaterialHistory>,
+    rows: &[Row<6>],
+    substeps: NonZeroUsize,
+    take: impl FnMut(usize, &Record<6, MaterialHistory>),
+) -> Result<State<6, MaterialHistory>, RowFailure<6>> {
+    let update = |strain: &Vector6<f64>, old: &MaterialHistory, dt| {
+        let response = law.update(strain, old, dt, true)?;
+        Ok(Answer {
+            stress: response.stress,
+            tangent: response.tangent,
+            history: response.history,
+        })
+    };
+    follow(&update, from, rows, substeps, take)
+}
+
+/// [`follow`] for a law of the interfaces: opening and two slips [mm], normal traction and two of shear.
+///
+/// # Errors
+/// As [`follow`]; the law itself answers to everything finite.
+pub fn follow_interface(
+    law: &InterfaceLaw,
+    from: State<3, InterfaceHistory>,
+    rows: &[Row<3>],
+    substeps: NonZeroUsize,
+    take: impl FnMut(usize, &Record<3, InterfaceHistory>),
+) -> Result<State<3, InterfaceHistory>, RowFailure<3>> {
+    let update = |gap: &Vector3<f64>, old: &InterfaceHistory, _dt| {
+        let response = law.update((*gap).into(), old);
+        let (stress, tangent): (Vector3<f64>, Matrix3<f64>) =
+            (response.traction.into(), response.tangent);
+        Ok(Answer {
+            stress,
+            tangent,
+            history: response.history,
+        })
+    };
+    follow(&update, from, rows, substeps, take)
+}
+
+/// A virgin material point along a whole path.
+pub fn material_path(
+    law: &Material,
+    rows: &[Row<6>],
+    substeps: NonZeroUsize,
+) -> Walk<6, MaterialHistory> {
+    let from = State::at_rest(MaterialHistory::default());
+    let mut records = Vec::with_capacity(rows.len());
+    let take = |_, record: &_| records.push(*record);
+    let failure = follow_material(law, from, rows, substeps, take).err();
+    Walk { records, failure }
+}
+
+/// A virgin interface point along a whole path.
+pub fn interface_path(
+    law: &InterfaceLaw,
+    rows: &[Row<3>],
+    substeps: NonZeroUsize,
+) -> Walk<3, InterfaceHistory> {
+    let from = State::at_rest(law.virgin());
+    let mut records = Vec::with_capacity(rows.len());
+    let take = |_, record: &_| records.push(*record);
+    let failure = follow_interface(law, from, rows, substeps, take).err();
+    Walk { records, failure }
+}
+
+/// What is told of a material point, in the order of [`MATERIAL`](super::MATERIAL): hardening κ_t, κ_c,
+/// damage d_t, d_c, d [-].
+pub fn material_state(history: &MaterialHistory) -> [f64; 5] {
+    [
+        history.kappa_t,
+        history.kappa_c,
+        history.tensile_damage,
+        history.compressive_damage,
+        history.damage,
+    ]
+}
+
+/// What is told of an interface point, in the order of [`INTERFACE`](super::INTERFACE): damage D [-].
+pub fn interface_state(history: &InterfaceHistory) -> [f64; 1] {
+    [history.damage]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,37 @@
+//! How the components of a point and what it tells are called, in tables and on the command line.
+
+/// Names of the components of a point and of their columns.
+#[derive(Debug)]
+pub struct Layout<const N: usize> {
+    /// As `--stress` names them.
+    pub components: [&'static str; N],
+    /// Columns of strains or gaps.
+    pub strains: [&'static str; N],
+    /// Columns of stresses or tractions.
+    pub stresses: [&'static str; N],
+    /// Columns of what else is told of the point.
+    pub state: &'static [&'static str],
+}
+
+/// A material point: engineering Voigt. Its state is [`material_state`](super::material_state).
+pub const MATERIAL: Layout<6> = Layout {
+    components: ["xx", "yy", "zz", "xy", "yz", "zx"],
+    strains: ["eps_xx", "eps_yy", "eps_zz", "gam_xy", "gam_yz", "gam_zx"],
+    stresses: [
+        "sig_xx_MPa",
+        "sig_yy_MPa",
+        "sig_zz_MPa",
+        "sig_xy_MPa",
+        "sig_yz_MPa",
+        "sig_zx_MPa",
+    ],
+    state: &["kt", "kc", "dt", "dc", "d"],
+};
+
+/// An interface point: opening and two slips. Its state is [`interface_state`](super::interface_state).
+pub const INTERFACE: Layout<3> = Layout {
+    components: ["normal", "tau1", "tau2"],
+    strains: ["u_mm", "d1_mm", "d2_mm"],
+    stresses: ["sig_MPa", "tau1_MPa", "tau2_MPa"],
+    state: &["D"],
+};
