@@ -14,7 +14,10 @@ pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 /// Name, one line and text of every template.
 #[pyfunction]
 pub fn templates() -> Vec<(&'static str, &'static str, &'static str)> {
-    TEMPLATES.iter().map(|t| (t.name, t.about, t.text)).collect()
+    TEMPLATES
+        .iter()
+        .map(|t| (t.name, t.about, t.text))
+        .collect()
 }
 
 /// The JSON schema of decks.

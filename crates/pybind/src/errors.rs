@@ -73,7 +73,9 @@ fn nowhere(py: Python<'_>, message: String, fix: String) -> PyErr {
 
 /// Advice of a diagnostic, or nothing.
 fn advice(error: &dyn Diagnostic) -> String {
-    error.help().map_or_else(String::new, |help| help.to_string())
+    error
+        .help()
+        .map_or_else(String::new, |help| help.to_string())
 }
 
 /// The same of a diagnostic.
@@ -84,7 +86,11 @@ fn wrong(py: Python<'_>, error: &dyn Diagnostic) -> PyErr {
 /// `OutputError`.
 fn output(py: Python<'_>, error: &dyn Diagnostic, why: Option<&io::Error>) -> PyErr {
     let number = why.and_then(io::Error::raw_os_error);
-    raise(py, "_output_error", (error.to_string(), advice(error), number))
+    raise(
+        py,
+        "_output_error",
+        (error.to_string(), advice(error), number),
+    )
 }
 
 /// Of reading a deck from disk.

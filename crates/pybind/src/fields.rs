@@ -58,7 +58,9 @@ impl Fields {
     /// Text of the deck.
     fn deck(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let deck = py.detach(|| self.file.deck());
-        Ok(deck.map_err(|why| self.unread(py, why))?.map(|(text, _)| text))
+        Ok(deck
+            .map_err(|why| self.unread(py, why))?
+            .map(|(text, _)| text))
     }
 
     /// Names of the materials.

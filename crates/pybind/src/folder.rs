@@ -216,7 +216,8 @@ fn draw(
 /// An SVG as PNG.
 #[pyfunction]
 pub fn png(py: Python<'_>, svg: &str, zoom: f32) -> PyResult<Vec<u8>> {
-    py.detach(|| plotting::png(svg, zoom)).map_err(PyValueError::new_err)
+    py.detach(|| plotting::png(svg, zoom))
+        .map_err(PyValueError::new_err)
 }
 
 /// Writes a frame as `vtu` or `csv` into a folder; the files, the solids' first, and the frame's time [s].
@@ -249,8 +250,10 @@ pub fn export_frame(
     let mut written = Vec::new();
     for (rest, text) in files {
         let path = out.join(frame_name(snapshot.number, rest));
-        py.detach(|| std::fs::create_dir_all(&out).and_then(|()| write_whole(&path, text.as_bytes())))
-            .map_err(|why| errors::of_path(py, &path, why))?;
+        py.detach(|| {
+            std::fs::create_dir_all(&out).and_then(|()| write_whole(&path, text.as_bytes()))
+        })
+        .map_err(|why| errors::of_path(py, &path, why))?;
         written.push(path);
     }
     Ok((written, snapshot.frame.time))

@@ -10,6 +10,7 @@ mod errors;
 mod fields;
 mod folder;
 mod model;
+mod point;
 mod run;
 
 /// See the crate.
@@ -21,10 +22,13 @@ mod _wythe {
     use crate::fields::Fields;
     #[pymodule_export]
     use crate::folder::{
-        collection, compare, experiment, export_frame, history, png, picture, report, salvage, summary, time_of_peak,
+        collection, compare, experiment, export_frame, history, picture, png, report, salvage,
+        summary, time_of_peak,
     };
     #[pymodule_export]
     use crate::model::Deck;
+    #[pymodule_export]
+    use crate::point::{drive_interface, drive_material};
     #[pymodule_export]
     use crate::run::{resume, run};
 

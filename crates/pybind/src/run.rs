@@ -104,9 +104,15 @@ pub fn run<'py>(
     });
     let directory = created.map_err(|error| errors::of_output(py, &error))?;
     let listener = Listener { on_row, on_note };
-    record(py, model, &warnings, directory, threads, &listener, |recorder| {
-        solve::run(model, recorder)
-    })
+    record(
+        py,
+        model,
+        &warnings,
+        directory,
+        threads,
+        &listener,
+        |recorder| solve::run(model, recorder),
+    )
 }
 
 /// Goes on with the run in `folder`. Returns false if there was nothing to do.
@@ -132,7 +138,8 @@ pub fn resume<'py>(
         resumed.directory.keep_deck(&deck)?;
         Ok(Some((model, warnings, resumed)))
     });
-    let Some((model, warnings, resumed)) = begun.map_err(|error| errors::of_resuming(py, &error))?
+    let Some((model, warnings, resumed)) =
+        begun.map_err(|error| errors::of_resuming(py, &error))?
     else {
         return Ok(false);
     };
@@ -144,9 +151,15 @@ pub fn resume<'py>(
     let mut all: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     all.extend(of_files);
     let listener = Listener { on_row, on_note };
-    record(py, &model, &all, directory, threads, &listener, |recorder| {
-        solve::resume(&model, checkpoint, recorder)
-    })?;
+    record(
+        py,
+        &model,
+        &all,
+        directory,
+        threads,
+        &listener,
+        |recorder| solve::resume(&model, checkpoint, recorder),
+    )?;
     Ok(true)
 }
 

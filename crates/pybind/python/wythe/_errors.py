@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wythe._results import Results
 
-__all__ = ["ConvergenceError", "ModelError", "OutputError", "RunInterrupted", "WytheError"]
+__all__ = ["ConvergenceError", "ModelError", "OutputError", "PointError", "RunInterrupted", "WytheError"]
 
 
 class WytheError(Exception):
@@ -108,6 +108,24 @@ class ConvergenceError(WytheError, RuntimeError):
         return str(self.args[0])
 
 
+class PointError(WytheError, RuntimeError):
+    """A single point that found no answer: stresses beyond its strength, or steps too large for the law.
+
+    Attributes
+    ----------
+    path, row : int
+        Where, from 0.
+    """
+
+    def __init__(self, message: str, path: int, row: int) -> None:
+        super().__init__(message, path, row)
+        self.path = path
+        self.row = row
+
+    def __str__(self) -> str:
+        return f"path {self.path}, row {self.row}: {self.args[0]}"
+
+
 class OutputError(WytheError, OSError):
     """A file that could not be read or written; ``errno`` is the system's number, if it gave one.
 
@@ -120,7 +138,7 @@ class OutputError(WytheError, OSError):
     fix: str = ""
 
     def __str__(self) -> str:
-        text = str(self.args[1] if len(self.args) > 1 else self.args[0])
+        text = str(self.args[-1])
         return f"{text}\n  fix: {self.fix}" if self.fix else text
 
 

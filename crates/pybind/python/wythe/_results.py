@@ -473,7 +473,8 @@ class Results:
         pyvista = _extra("pyvista", "pyvista", "plot")
         shown = self.frame(frame)
         cells = {np.uint8(12): self.elements.astype(np.int64)}
-        grid = pyvista.UnstructuredGrid(cells, self.nodes + scale * shown.displacement)
+        points = self.nodes + scale * shown.displacement
+        grid: pyvista.UnstructuredGrid = pyvista.UnstructuredGrid(cells, points)
         for name, values in self._of_points(shown).items():
             grid.point_data[name] = values
         for name, values in self._of_elements(shown).items():

@@ -77,3 +77,20 @@ def salvage(file: _Path, out: _Path | None) -> tuple[int, int, int, bool]: ...
 def command(arguments: list[str]) -> int: ...
 def templates() -> list[tuple[str, str, str]]: ...
 def schema() -> str: ...
+def drive_material(
+    deck: str,
+    names: list[str],
+    length: float | None,
+    values: Any,
+    times: Any,
+    by_stress: list[bool],
+    substeps: int,
+) -> tuple[list[Any], tuple[int, int, str] | None]: ...
+def drive_interface(
+    deck: str,
+    names: list[str],
+    values: Any,
+    times: Any,
+    by_stress: list[bool],
+    substeps: int,
+) -> tuple[list[Any], tuple[int, int, str] | None]: ...

@@ -70,7 +70,10 @@ impl FieldsFile {
                 return Err(format!("there is no field {name}").into());
             };
             if frame >= self.times().len() {
-                let message = format!("there is no frame {frame}: there are {}", self.times().len());
+                let message = format!(
+                    "there is no frame {frame}: there are {}",
+                    self.times().len()
+                );
                 return Err(message.into());
             }
             self.values(&path, frame)
@@ -100,8 +103,14 @@ mod tests {
         let read = |name: &str| file.field(name, 1).unwrap();
         let displacement = frame.displacement.clone().into_flattened();
         assert_eq!(read("displacement"), real(displacement, 3));
-        assert_eq!(read("stress"), real(frame.stress.clone().into_flattened(), 6));
-        assert_eq!(read("tensile_damage"), real(frame.tensile_damage.clone(), 1));
+        assert_eq!(
+            read("stress"),
+            real(frame.stress.clone().into_flattened(), 6)
+        );
+        assert_eq!(
+            read("tensile_damage"),
+            real(frame.tensile_damage.clone(), 1)
+        );
         let traction = frame.interfaces.traction.clone().into_flattened();
         assert_eq!(read("interfaces.traction"), real(traction, 3));
         let states: Vec<u8> = frame.interfaces.state.iter().map(|s| *s as u8).collect();

@@ -1,0 +1,287 @@
+"""Single points: a material or an interface along prescribed paths, many at once."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from wythe import _wythe
+from wythe._errors import PointError, expected
+from wythe._model import _plain
+
+__all__ = [
+    "InterfaceResponse",
+    "InterfaceState",
+    "MaterialResponse",
+    "MaterialState",
+    "drive_interface",
+    "drive_material",
+]
+
+Floats = npt.NDArray[np.float64]
+#: A table of a deck, or one for each path.
+Tables = Mapping[str, Any] | Sequence[Mapping[str, Any]]
+
+
+class MaterialState(NamedTuple):
+    """What a material point has been through. Shapes as the strains', without their last axis."""
+
+    strains: Floats
+    """Strains, those solved for among them [-]. Shape (..., rows, 6)."""
+    hardening_tension: Floats
+    """Equivalent plastic strain in tension [-]. Shape (..., rows)."""
+    hardening_compression: Floats
+    """Equivalent plastic strain in compression [-]. Shape (..., rows)."""
+    tensile_damage: Floats
+    """Tensile damage [-]. Shape (..., rows)."""
+    compressive_damage: Floats
+    """Compressive damage [-]. Shape (..., rows)."""
+    damage: Floats
+    """Damage of the stiffness now [-]. Shape (..., rows)."""
+
+
+class MaterialResponse(NamedTuple):
+    """Answers of material points."""
+
+    stresses: Floats
+    """Stresses xx, yy, zz, xy, yz, zx [MPa]. Shape (..., rows, 6)."""
+    state: MaterialState
+    """State after each row."""
+    tangents: Floats
+    """Consistent tangents [MPa], stress by strain. Shape (..., rows, 6, 6)."""
+
+
+class InterfaceState(NamedTuple):
+    """What an interface point has been through."""
+
+    gaps: Floats
+    """Opening and two slips, those solved for among them [mm]. Shape (..., rows, 3)."""
+    damage: Floats
+    """Damage D [-]. Shape (..., rows)."""
+
+
+class InterfaceResponse(NamedTuple):
+    """Answers of interface points."""
+
+    tractions: Floats
+    """Tractions: normal, two shears, tension positive [MPa]. Shape (..., rows, 3)."""
+    state: InterfaceState
+    """State after each row."""
+    tangents: Floats
+    """Consistent tangents [N/mm^3], traction by gap. Shape (..., rows, 3, 3)."""
+
+
+def drive_material(
+    material: Tables,
+    strains: npt.ArrayLike,
+    *,
+    stress: Sequence[str] = (),
+    times: npt.ArrayLike | None = None,
+    length: float | None = None,
+    substeps: int = 1,
+    errors: Literal["raise", "nan"] = "raise",
+) -> MaterialResponse:
+    """Takes virgin material points along prescribed strains, each row one implicit step.
+
+    Parameters
+    ----------
+    material
+        A material as :func:`wythe.build.damage_plasticity` or :meth:`wythe.Model.material` gives it; or a
+        sequence of them, one for each path.
+    strains
+        Strains xx, yy, zz, xy, yz, zx, engineering shear [-]. Shape (rows, 6) for one path, (paths, rows, 6)
+        (or more leading axes) for many, which are shared among the cores.
+    stress
+        Components (``"yy"``, ...) whose columns of ``strains`` hold stresses [MPa] to be met instead.
+    times
+        Time at the end of each row [s], for viscosity. Shape (rows,); 1, 2, ... if not given.
+    length
+        Size l_eq of the element whose softening is meant [mm]; without it tables are taken as given.
+    substeps
+        Implicit steps to a row.
+    errors
+        What happens where a law has no answer or a stress cannot be met: ``"raise"`` a PointError, or leave
+        ``"nan"`` from that row on.
+
+    Returns
+    -------
+    MaterialResponse
+        ``stresses, state, tangents``; read-only arrays with the shape of ``strains``.
+
+    Raises
+    ------
+    ModelError
+        The material cannot be.
+    PointError
+        No answer, with the path and the row.
+    """
+    if length is not None:
+        length = _positive("length", length)
+    names = ("xx", "yy", "zz", "xy", "yz", "zx")
+    paths = _Paths("strains", strains, times, stress, names, substeps, errors)
+    deck, keys = _deck("material", "materials", material, paths.count)
+    given = paths.arguments
+    (found, sigma, state, tangents), failure = _wythe.drive_material(deck, keys, length, *given)
+    paths.judge(failure)
+    return MaterialResponse(
+        stresses=paths.shaped(sigma),
+        state=MaterialState(
+            paths.shaped(found), *(paths.shaped(state[:, :, i]) for i in range(5))
+        ),
+        tangents=paths.shaped(tangents),
+    )
+
+
+def drive_interface(
+    interface: Tables,
+    gaps: npt.ArrayLike,
+    *,
+    stress: Sequence[str] = (),
+    substeps: int = 1,
+    errors: Literal["raise", "nan"] = "raise",
+) -> InterfaceResponse:
+    """Takes virgin interface points along prescribed gaps, each row one step.
+
+    Parameters
+    ----------
+    interface
+        An interface as :func:`wythe.build.joint` or :meth:`wythe.Model.interface` gives it, with
+        ``normal_stiffness`` and ``shear_stiffness``: a point has no elements from which they would follow. Or
+        a sequence of them, one for each path.
+    gaps
+        Opening and two slips [mm]. Shape (rows, 3) for one path, (paths, rows, 3) for many.
+    stress
+        Components (``"normal"``, ``"tau1"``, ``"tau2"``) whose columns hold tractions [MPa] to be met instead.
+    substeps, errors
+        As in :func:`drive_material`.
+
+    Returns
+    -------
+    InterfaceResponse
+        ``tractions, state, tangents``; read-only arrays with the shape of ``gaps``.
+
+    Raises
+    ------
+    ModelError
+        The interface cannot be.
+    PointError
+        No answer, with the path and the row.
+    """
+    names = ("normal", "tau1", "tau2")
+    paths = _Paths("gaps", gaps, None, stress, names, substeps, errors)
+    deck, keys = _deck("interface", "interfaces", interface, paths.count)
+    (found, tractions, state, tangents), failure = _wythe.drive_interface(
+        deck, keys, *paths.arguments
+    )
+    paths.judge(failure)
+    return InterfaceResponse(
+        tractions=paths.shaped(tractions),
+        state=InterfaceState(paths.shaped(found), paths.shaped(state[:, :, 0])),
+        tangents=paths.shaped(tangents),
+    )
+
+
+class _Paths:
+    """Prescribed paths, checked."""
+
+    def __init__(
+        self,
+        argument: str,
+        values: npt.ArrayLike,
+        times: npt.ArrayLike | None,
+        stress: Sequence[str],
+        names: tuple[str, ...],
+        substeps: int,
+        errors: str,
+    ) -> None:
+        width = len(names)
+        numbers = _numbers(argument, values, f"of shape (rows, {width}) or (paths, rows, {width})")
+        if numbers.ndim < 2 or numbers.shape[-1] != width or numbers.shape[-2] == 0:
+            raise ValueError(
+                f"{argument}: expected an array of shape (rows, {width}) or (paths, rows, {width}), "
+                f"got {numbers.shape}"
+            )
+        self._leading = numbers.shape[:-2]
+        rows = numbers.shape[-2]
+        self.count = int(np.prod(self._leading, dtype=np.int64))
+        if not np.isfinite(numbers).all():
+            raise ValueError(f"{argument}: expected finite numbers")
+        if isinstance(stress, str):
+            stress = (stress,)
+        for name in stress:
+            if name not in names:
+                raise ValueError(f"stress: expected some of {', '.join(names)}, got {name!r}")
+        if isinstance(substeps, bool) or not isinstance(substeps, (int, np.integer)):
+            raise expected("substeps", "a whole number from 1", substeps)
+        if substeps < 1:
+            raise ValueError(f"substeps: expected a whole number from 1, got {substeps}")
+        if errors not in ("raise", "nan"):
+            raise ValueError(f"errors: expected 'raise' or 'nan', got {errors!r}")
+        self._errors = errors
+        self.arguments: tuple[Floats, Floats, list[bool], int] = (
+            np.ascontiguousarray(numbers).reshape(-1),
+            _times(times, rows),
+            [name in stress for name in names],
+            int(substeps),
+        )
+
+    def judge(self, failure: tuple[int, int, str] | None) -> None:
+        """Raises what has failed, if it is to be raised."""
+        if failure is not None and self._errors == "raise":
+            path, row, why = failure
+            raise PointError(why, path, row)
+
+    def shaped(self, values: Floats) -> Floats:
+        """Answers of shape (paths, rows, ...) with the leading axes of the paths."""
+        return values.reshape(self._leading + values.shape[1:])
+
+
+def _numbers(argument: str, values: npt.ArrayLike, what: str) -> Floats:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise expected(argument, f"numbers {what}", values) from error
+
+
+def _times(times: npt.ArrayLike | None, rows: int) -> Floats:
+    if times is None:
+        return np.arange(1.0, rows + 1.0)
+    given = _numbers("times", times, f"of shape ({rows},)")
+    if given.shape != (rows,):
+        raise ValueError(f"times: expected an array of shape ({rows},), got {given.shape}")
+    if not (np.isfinite(given).all() and given[0] >= 0.0 and (np.diff(given) >= 0.0).all()):
+        raise ValueError("times: expected finite numbers from 0 that do not decrease")
+    return np.ascontiguousarray(given)
+
+
+def _positive(argument: str, value: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        raise expected(argument, "a number above 0", value)
+    if not (float(value) > 0.0 and np.isfinite(value)):
+        raise ValueError(f"{argument}: expected a number above 0, got {value}")
+    return float(value)
+
+
+def _deck(argument: str, table: str, tables: Tables, paths: int) -> tuple[str, list[str]]:
+    """A deck with the tables under names of their own."""
+    if isinstance(tables, Mapping):
+        # By this name errors call it.
+        named: dict[str, Any] = {argument: tables}
+    elif isinstance(tables, Sequence) and not isinstance(tables, str):
+        if len(tables) != paths:
+            raise ValueError(
+                f"{argument}: expected one mapping, or one for each of the {paths} paths, got {len(tables)}"
+            )
+        named = {f"{argument}-{i}": one for i, one in enumerate(tables)}
+    else:
+        raise expected(argument, "a mapping, or a sequence of them", tables)
+    for name, one in named.items():
+        if not isinstance(one, Mapping):
+            raise expected(name, "a mapping, as wythe.build gives it", one)
+    plain = _plain("deck", {"format": 1, table: named})
+    to_toml: Callable[[str], str] = _wythe.Deck.toml_of_json
+    return to_toml(json.dumps(plain)), list(named)

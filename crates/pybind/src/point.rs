@@ -1,0 +1,214 @@
+//! Single points along many paths at once: for calibration, and to look at a law.
+
+use std::num::NonZeroUsize;
+
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use wythe_core::model::Deck;
+use wythe_core::point::{
+    INTERFACE, Layout, MATERIAL, Record, Row, RowFailure, State, Target, follow_interface,
+    follow_material, interface_state, material_state,
+};
+
+use crate::arrays::shaped;
+use crate::errors::{self, Text};
+
+/// Rows from which threads are worth their start.
+const MANY: usize = 5_000;
+
+/// Strains, stresses, state, tangents of all paths, and the first failure: path, row, what.
+type Driven<'py> = ([Bound<'py, PyAny>; 4], Option<(usize, usize, String)>);
+
+/// The paths as they come: flat numbers of shape (paths, rows, N), times (rows,), which components are stresses.
+struct Paths<'a, const N: usize> {
+    values: &'a [f64],
+    times: &'a [f64],
+    by_stress: [bool; N],
+}
+
+/// Answers of one path, NaN where there are none. `[row]`
+struct Answers<'a, const N: usize, const M: usize> {
+    strains: &'a mut [[f64; N]],
+    stresses: &'a mut [[f64; N]],
+    states: &'a mut [[f64; M]],
+    /// `[row][of][by]`
+    tangents: &'a mut [[[f64; N]; N]],
+}
+
+impl<const N: usize, const M: usize> Answers<'_, N, M> {
+    fn take<H>(&mut self, row: usize, record: &Record<N, H>, state: [f64; M]) {
+        self.strains[row] = record.state.strain.into();
+        self.stresses[row] = record.state.stress.into();
+        self.states[row] = state;
+        for (i, line) in self.tangents[row].iter_mut().enumerate() {
+            for (j, entry) in line.iter_mut().enumerate() {
+                *entry = record.tangent[(i, j)];
+            }
+        }
+    }
+}
+
+/// Drives the material `materials.N` of the deck along path N, or the only one along all.
+#[pyfunction]
+#[pyo3(signature = (deck, names, length, values, times, by_stress, substeps))]
+pub fn drive_material<'py>(
+    py: Python<'py>,
+    deck: &str,
+    names: Vec<String>,
+    length: Option<f64>,
+    values: PyReadonlyArray1<'py, f64>,
+    times: PyReadonlyArray1<'py, f64>,
+    by_stress: [bool; 6],
+    substeps: NonZeroUsize,
+) -> PyResult<Driven<'py>> {
+    let deck = read(py, deck)?;
+    let laws = names.iter().map(|name| deck.law(name, length));
+    let laws = laws
+        .map(|law| law.map(|(law, _)| law))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| errors::of_model(py, &error, Text::Made))?;
+    let paths = Paths {
+        values: values.as_slice()?,
+        times: times.as_slice()?,
+        by_stress,
+    };
+    drive(py, &MATERIAL, &paths, |path, rows, out| {
+        let law = &laws[path % laws.len()];
+        let from = State::at_rest(Default::default());
+        let take = |row, record: &Record<6, _>| {
+            out.take(row, record, material_state(&record.state.history));
+        };
+        follow_material(law, from, rows, substeps, take).err()
+    })
+}
+
+/// The same for interfaces.
+#[pyfunction]
+#[pyo3(signature = (deck, names, values, times, by_stress, substeps))]
+pub fn drive_interface<'py>(
+    py: Python<'py>,
+    deck: &str,
+    names: Vec<String>,
+    values: PyReadonlyArray1<'py, f64>,
+    times: PyReadonlyArray1<'py, f64>,
+    by_stress: [bool; 3],
+    substeps: NonZeroUsize,
+) -> PyResult<Driven<'py>> {
+    let deck = read(py, deck)?;
+    let laws = names
+        .iter()
+        .map(|name| deck.interface(name))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| errors::of_model(py, &error, Text::Made))?;
+    let paths = Paths {
+        values: values.as_slice()?,
+        times: times.as_slice()?,
+        by_stress,
+    };
+    drive(py, &INTERFACE, &paths, |path, rows, out| {
+        let law = &laws[path % laws.len()];
+        let from = State::at_rest(law.virgin());
+        let take = |row, record: &Record<3, _>| {
+            out.take(row, record, interface_state(&record.state.history));
+        };
+        follow_interface(law, from, rows, substeps, take).err()
+    })
+}
+
+fn read(py: Python<'_>, deck: &str) -> PyResult<Deck> {
+    py.detach(|| Deck::from_str(deck, "point"))
+        .map_err(|error| errors::of_model(py, &error, Text::Made))
+}
+
+/// Takes every path by `follow(path, rows, answers)`, in parallel where there are many rows.
+fn drive<'py, const N: usize, const M: usize>(
+    py: Python<'py>,
+    layout: &Layout<N>,
+    paths: &Paths<'_, N>,
+    follow: impl Fn(usize, &[Row<N>], &mut Answers<'_, N, M>) -> Option<RowFailure<N>> + Sync,
+) -> PyResult<Driven<'py>> {
+    let rows = paths.times.len();
+    let all = paths.values.len() / N;
+    let count = all.checked_div(rows).unwrap_or(0);
+    let mut strains = vec![[f64::NAN; N]; all];
+    let mut stresses = vec![[f64::NAN; N]; all];
+    let mut states = vec![[f64::NAN; M]; all];
+    let mut tangents = vec![[[f64::NAN; N]; N]; all];
+    let (values, _) = paths.values.as_chunks::<N>();
+    let one = |path: usize, values: &[[f64; N]], out: &mut Answers<'_, N, M>| {
+        let targets = |values: &[f64; N]| -> [Target; N] {
+            std::array::from_fn(|i| {
+                if paths.by_stress[i] {
+                    Target::Stress(values[i])
+                } else {
+                    Target::Strain(values[i])
+                }
+            })
+        };
+        let rows: Vec<Row<N>> = values
+            .iter()
+            .zip(paths.times)
+            .map(|(values, &time)| Row {
+                time,
+                targets: targets(values),
+            })
+            .collect();
+        let failure = follow(path, &rows, out)?;
+        let why = failure.why.explain(&rows[failure.row], layout);
+        Some((path, failure.row, why))
+    };
+    let failure = if rows == 0 {
+        None
+    } else {
+        let pieces: Vec<_> = values
+            .chunks(rows)
+            .zip(strains.chunks_mut(rows))
+            .zip(stresses.chunks_mut(rows))
+            .zip(states.chunks_mut(rows))
+            .zip(tangents.chunks_mut(rows))
+            .map(|((((values, strains), stresses), states), tangents)| {
+                let out = Answers {
+                    strains,
+                    stresses,
+                    states,
+                    tangents,
+                };
+                (values, out)
+            })
+            .collect();
+        let take = |(path, (values, mut out)): (usize, (&[[f64; N]], Answers<'_, N, M>))| {
+            one(path, values, &mut out)
+        };
+        py.detach(|| -> Result<_, rayon::ThreadPoolBuildError> {
+            if count == 1 || all < MANY {
+                // All of them, whatever becomes of the first.
+                let failures: Vec<_> = pieces.into_iter().enumerate().filter_map(take).collect();
+                return Ok(failures.into_iter().next());
+            }
+            // Of its own, as for runs.
+            let pool = rayon::ThreadPoolBuilder::new().build()?;
+            let failed = pool.install(|| {
+                let failures = pieces.into_par_iter().enumerate().filter_map(take);
+                failures.min_by_key(|(path, _, _)| *path)
+            });
+            Ok(failed)
+        })
+        .map_err(|error| errors::bug(&format!("no threads: {error}")))?
+    };
+    let shape = |last: &[usize]| {
+        let lengths = [count, rows].into_iter().chain(last.iter().copied());
+        lengths.map(Some).collect::<Vec<_>>()
+    };
+    let arrays = [
+        shaped(py, strains.into_flattened(), shape(&[N]))?,
+        shaped(py, stresses.into_flattened(), shape(&[N]))?,
+        shaped(py, states.into_flattened(), shape(&[M]))?,
+        shaped(
+            py,
+            tangents.into_flattened().into_flattened(),
+            shape(&[N, N]),
+        )?,
+    ];
+    Ok((arrays, failure))
+}
