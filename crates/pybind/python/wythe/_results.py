@@ -82,8 +82,8 @@ class History(Mapping[str, npt.NDArray[Any]]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame with a row an increment."""
-        pandas = _extra("pandas", "pandas", "study")
-        frame: pandas.DataFrame = pandas.DataFrame(dict(self._columns)).set_index("increment")
+        package = _extra("pandas", "pandas", "study")
+        frame: pandas.DataFrame = package.DataFrame(dict(self._columns)).set_index("increment")
         return frame
 
     def to_csv(self, path: str | os.PathLike[str]) -> str:
@@ -470,11 +470,11 @@ class Results:
         scale
             Factor of the displacements that are drawn; the field itself is not scaled.
         """
-        pyvista = _extra("pyvista", "pyvista", "plot")
+        package = _extra("pyvista", "pyvista", "plot")
         shown = self.frame(frame)
         cells = {np.uint8(12): self.elements.astype(np.int64)}
         points = self.nodes + scale * shown.displacement
-        grid: pyvista.UnstructuredGrid = pyvista.UnstructuredGrid(cells, points)
+        grid: pyvista.UnstructuredGrid = package.UnstructuredGrid(cells, points)
         for name, values in self._of_points(shown).items():
             grid.point_data[name] = values
         for name, values in self._of_elements(shown).items():
@@ -483,15 +483,16 @@ class Results:
 
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
         """The solids at rest with all fields of a frame, for meshio (which writes many formats)."""
-        meshio = _extra("meshio", "meshio", "plot")
+        package = _extra("meshio", "meshio", "plot")
         shown = self.frame(frame)
         cell_data = {name: [values] for name, values in self._of_elements(shown).items()}
-        return meshio.Mesh(
+        mesh: meshio.Mesh = package.Mesh(
             self.nodes,
             [("hexahedron", self.elements.astype(np.int64))],
             point_data=self._of_points(shown),
             cell_data=cell_data,
         )
+        return mesh
 
     def _of_points(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
         fields: dict[str, npt.NDArray[Any]] = {"displacement": frame.displacement}
