@@ -353,9 +353,13 @@ fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
         )?;
         let materials: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
         writeln!(text, "  materials   {}", materials.join(", "))?;
-        // A law stands there once for every pair of stiffnesses.
-        let mut laws: Vec<&str> = model.contact.law_names.iter().map(String::as_str).collect();
-        laws.dedup();
+        // A law stands there once for every pair of stiffnesses and every unit that scatters.
+        let mut laws: Vec<&str> = Vec::new();
+        for name in &model.contact.law_names {
+            if !laws.contains(&name.as_str()) {
+                laws.push(name);
+            }
+        }
         writeln!(text, "  interfaces  {}", laws.join(", "))?;
         for (i, step) in deck.steps.iter().enumerate() {
             let head = if i == 0 { "steps" } else { "" };

@@ -6,6 +6,7 @@ use super::findings;
 use super::gravity::GravityNow;
 use super::layout;
 use super::probes;
+use super::scatter;
 use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Step};
 use super::supports::unheld_bodies;
 use super::wall::{self, WallParts};
@@ -52,6 +53,7 @@ impl Model {
         } = parts;
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
+        errors.keep(scatter::scatter(deck, &mut contact));
         let model = Self {
             title: deck.title.clone(),
             materials: names

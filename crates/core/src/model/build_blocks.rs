@@ -8,6 +8,7 @@ use super::loading::{Loading, loading};
 use super::meeting::{Meeting, Touching, meeting};
 use super::probes;
 use super::quantity::Quantity;
+use super::scatter;
 use super::scene::{Model, NamedMaterial};
 use super::supports::unheld_bodies;
 use crate::error::{Errors, ModelError, Warning};
@@ -48,6 +49,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
     } = surfaces;
     contact.points = deck.contact.points;
     contact.search_radius = deck.contact.search_radius.map(Quantity::get);
+    errors.keep(scatter::scatter(deck, &mut contact));
     let held = supports.iter().map(|s| &s.nodes);
     let held = held.chain(springs.iter().map(|s| &s.nodes));
     let held: Vec<u32> = held

@@ -3,10 +3,11 @@
 use super::deck::{Deck, Interface, Subdivision};
 use super::findings;
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
-use super::{Model, layout};
+use super::{Model, layout, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
+use std::collections::HashSet;
 use std::fmt;
 
 /// The checker's findings about a deck that is free of errors.
@@ -151,6 +152,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     }
     for (name, f) in findings::interfaces(deck, model) {
         notes.extend(interface_notes(name, f, model));
+        notes.extend(scatter_note(deck, name, model));
     }
     if let Some(wall) = &deck.wall {
         if let Ok(pattern) = layout::course_pattern(wall) {
@@ -204,7 +206,9 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
         let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
         format!("{normal:.0} / {shear:.0}")
     });
-    let pairs: Vec<String> = pairs.collect();
+    let mut pairs: Vec<String> = pairs.collect();
+    let mut told = HashSet::new();
+    pairs.retain(|pair| told.insert(pair.clone())); // units that scatter have the same ones
     let stiffness = format!(
         "interface {name}: k_n / k_s = {} N/mm^3{}",
         pairs.join(", "),
@@ -215,6 +219,23 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
         }
     );
     [kind, stiffness]
+}
+
+/// What was drawn for the units, if their bond scatters.
+fn scatter_note(deck: &Deck, name: &str, model: &Model) -> Option<String> {
+    let scatter = deck.interfaces.get(name)?.scatter?;
+    let factors = scatter::factors(deck, &model.contact, name)?;
+    let units = factors.len();
+    let drawn = factors.into_iter().map(|(_, x)| x);
+    let (least, largest, sum) = drawn.fold((f64::INFINITY, 0.0_f64, 0.0), |(a, b, sum), x| {
+        (a.min(x), b.max(x), sum + x)
+    });
+    let (cv, seed) = (scatter.cv.get(), scatter.seed);
+    Some(format!(
+        "interface {name}: f_t and c scatter with cv = {cv}, seed {seed}: {least:.3} to {largest:.3} times their \
+         mean, {:.3} on average over {units} units",
+        sum / units as f64
+    ))
 }
 
 /// Mass, surfaces, arch.

@@ -143,20 +143,13 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
             ),
         ));
     }
-    let least = f.snap_back_stiffness();
-    for (key, stiffness, least) in [
-        (
-            "normal_stiffness",
-            smallest(model, name, |l| l.normal_stiffness),
-            least[0],
-        ),
-        (
-            "shear_stiffness",
-            smallest(model, name, |l| l.shear_stiffness),
-            least[1],
-        ),
-    ] {
-        if stiffness <= least {
+    for (i, key) in ["normal_stiffness", "shear_stiffness"]
+        .into_iter()
+        .enumerate()
+    {
+        if let Some([stiffness, least]) = nearest_to_snap_back(model, name, i)
+            && stiffness <= least
+        {
             warnings.push(warn(
                 key,
                 format!(
@@ -185,13 +178,18 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     warnings
 }
 
-/// Smallest stiffness of the laws of an interface; infinite if nothing meets.
-fn smallest(model: &Model, name: &str, of: impl Fn(&wythe_contact::InterfaceLaw) -> f64) -> f64 {
+/// Of the laws of an interface the stiffness that is least above the steepest softening, which it must
+/// not reach (theory C.5), and that [N/mm³], in opening or in slip; none if nothing softens or meets.
+fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 2]> {
     let contact = &model.contact;
     let laws = contact.laws.iter().zip(&contact.law_names);
-    laws.filter(|(_, n)| *n == name)
-        .map(|(law, _)| of(law))
-        .fold(f64::INFINITY, f64::min)
+    let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
+        let stiffness = [law.normal_stiffness, law.shear_stiffness];
+        [stiffness[mode], law.softening_slopes()[mode]]
+    });
+    pairs
+        .filter(|[_, slope]| *slope > 0.0)
+        .min_by(|[k, slope], [l, other]| (k / slope).total_cmp(&(l / other)))
 }
 
 /// Slivers and joints that run through.

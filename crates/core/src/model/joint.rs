@@ -14,7 +14,8 @@ pub(super) struct Side<'a> {
 }
 
 /// Index of the law between two elements, added where it is new: explicit stiffnesses, or (theory
-/// C.8) k_n = factor × min E/h over both, k_s = factor × G/h of the same element.
+/// C.8) k_n = factor × min E/h over both, k_s = factor × G/h of the same element. Of more laws than the
+/// index can tell apart [`scatter`](super::scatter) tells, which sees them all.
 pub(super) fn law_between(
     contact: &mut ContactSurfaces,
     name: &str,
@@ -37,9 +38,10 @@ pub(super) fn law_between(
     };
     let mut known = contact.laws.iter().zip(&contact.law_names);
     let found = known.position(|(l, n)| n == name && alike(l));
-    found.unwrap_or_else(|| {
+    let index = found.unwrap_or_else(|| {
         contact.laws.push(law);
         contact.law_names.push(name.to_owned());
         contact.laws.len() - 1
-    }) as u16
+    });
+    u16::try_from(index).unwrap_or(u16::MAX)
 }

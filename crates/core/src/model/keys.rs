@@ -40,6 +40,12 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("normal_stiffness", "normal_stiffness = \"34000 N/mm^3\""),
     ("shear_stiffness", "shear_stiffness = \"14783 N/mm^3\""),
     ("coupling", "coupling = \"max\"  # or \"additive\""),
+    (
+        "scatter",
+        "scatter = { cv = 0.3, seed = 1 }  # of the bond, from unit to unit",
+    ),
+    ("cv", "cv = 0.3  # standard deviation over mean"),
+    ("seed", "seed = 1"),
     ("wall", "[wall]"),
     (
         "unit",

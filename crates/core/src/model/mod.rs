@@ -20,6 +20,7 @@ mod pairing;
 pub mod probes;
 pub mod quantity;
 mod roll;
+pub mod scatter;
 pub mod scene;
 pub mod schema;
 pub(crate) mod source;

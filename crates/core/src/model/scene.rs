@@ -113,9 +113,10 @@ pub struct ContactSurfaces {
     pub master_facets: Vec<[u32; 4]>,
     /// Body of each master facet. `[facet]`
     pub master_body: Vec<u32>,
-    /// Interface laws with their stiffnesses resolved (penalty × representative stiffness).
+    /// Interface laws with their stiffnesses resolved (penalty × representative stiffness), and each unit's
+    /// own where their bond scatters.
     pub laws: Vec<InterfaceLaw>,
-    /// Names of the laws in the deck. `[law]`
+    /// Names of the laws in the deck; several laws have one. `[law]`
     pub law_names: Vec<String>,
     /// Sampling of the slave facets.
     pub points: ContactPoints,

@@ -53,6 +53,20 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
+    /// Scatter of the bond strength from unit to unit; none if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
+}
+
+/// `[interfaces.NAME.scatter]`: every unit has a bond strength of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Coefficient of variation of the strengths [-].
+    pub cv: Number,
+    /// What the draws begin from: another one, other strengths.
+    #[serde(default)]
+    pub seed: u64,
 }
 
 // `Coupling` as the schema of decks tells it: its crate knows no schemas.
@@ -124,22 +138,12 @@ impl Interface {
         self.curves().mode_2_energy(sigma)
     }
 
-    /// Stiffnesses below which the softening snaps back in the interface itself [N/mm³]: the
-    /// steepest slopes f_t Q'(0) and c H'(0) (theory C.5). Zero without bond.
-    pub fn snap_back_stiffness(&self) -> [f64; 2] {
-        let law = self.curves();
-        [
-            law.f_t * law.opening_curve().evaluate(0.0).1,
-            law.c * law.slip_curve().evaluate(0.0).1,
-        ]
-    }
-
     /// The law for what does not depend on its stiffnesses.
     fn curves(&self) -> InterfaceLaw {
         self.law(f64::INFINITY, f64::INFINITY)
     }
 
-    /// The law with these stiffnesses [N/mm³].
+    /// The law with these stiffnesses [N/mm³]; of mean strength, if it scatters.
     pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
         InterfaceLaw {
             f_t: self.f_t.get(),

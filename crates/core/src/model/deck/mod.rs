@@ -21,7 +21,7 @@ mod wall;
 
 pub use arch::DeckArch;
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
-pub use interfaces::Interface;
+pub use interfaces::{Interface, Scatter};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
 pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
@@ -260,7 +260,8 @@ impl Deck {
     }
 
     /// The law of the interface `name` at a single point. A point has no neighbours from which
-    /// stiffnesses could be derived: both must be explicit.
+    /// stiffnesses could be derived: both must be explicit. Nor is it of a unit: strengths that scatter have
+    /// their mean.
     ///
     /// # Errors
     /// No such interface, or stiffnesses not given.

@@ -1,9 +1,12 @@
 //! Ranges of `[interfaces]`.
 
 use super::Checks;
-use crate::model::deck::Interface;
+use crate::model::deck::{Interface, Scatter};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
+
+/// Largest coefficient of variation of bond strengths: those measured stay below 1.
+const MOST_SCATTER: f64 = 2.0;
 
 impl Checks<'_> {
     pub(super) fn interface(&mut self, path: &str, f: &Interface) {
@@ -35,6 +38,21 @@ impl Checks<'_> {
             );
         }
         let dry = f.is_dry();
+        if let Some(Scatter { cv, .. }) = f.scatter {
+            let cv = cv.get();
+            self.demand(
+                cv > 0.0 && cv < MOST_SCATTER,
+                &key("scatter.cv"),
+                || format!("{cv} is not above 0 and below {MOST_SCATTER}"),
+                "give the standard deviation over the mean, such as 0.3; without scatter leave the table out",
+            );
+            self.require(
+                !dry,
+                &key("scatter"),
+                || "there is no bond that could scatter: f_t and c are 0".to_owned(),
+                "leave `scatter` out, or give f_t and c",
+            );
+        }
         for (name, value) in [("zeta", f.zeta), ("xi", f.xi)] {
             match value {
                 Some(value) => self.positive(&key(name), value),
