@@ -1,0 +1,293 @@
+"""``wythe.study``: many runs of one model, on all that this machine or a cluster has."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import inspect
+import multiprocessing
+import os
+import pickle
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from wythe._errors import as_path, expected
+from wythe._study import _dask
+from wythe._study._drive import drive
+from wythe._study._errors import StudyError, StudyInterrupted
+from wythe._study._executors import Futures, Place
+from wythe._study._journal import FORMAT, Header, Journal, Line
+from wythe._study._pool import GUARD, Workers
+from wythe._study._progress import Progress, sink
+from wythe._study._samples import Sample, expand, fingerprint, whole
+from wythe._study._table import Study
+from wythe._study._worker import RESERVED, Job, Outcome, model_of, this_process
+
+# So many samples are tried before a key that fits none is taken for a mistake.
+TRIED = 20
+# Ends that another go may change; continued, the study gives them one.
+UNSETTLED = ("interrupted", "lost")
+
+
+def study(
+    model: Any,
+    parameters: Mapping[str, Iterable[Any]] | None = None,
+    samples: Any = None,
+    *,
+    executor: Any = None,
+    measure: Callable[[Any], Mapping[str, Any]] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    keep: Literal["none", "results"] = "none",
+    retries: int = 2,
+    progress: bool = True,
+    callback: Callable[[dict[str, Any]], bool | None] | None = None,
+) -> Study:
+    """Runs a model once for each sample and gives a table, one row a sample.
+
+    Parameters
+    ----------
+    model
+        The base model, or what makes a model of a sample (``model(sample) -> wythe.Model``) where no
+        key of the deck can say it.
+    parameters
+        Deck keys and their values (``{"interfaces.joint.f_t": [0.1, 0.2]}``): all combinations, the first
+        key varying slowest.
+    samples
+        In place of ``parameters``, one sample a row: a sequence of mappings, a mapping of equally long
+        columns (as :func:`wythe.latin_hypercube` gives), or a pandas DataFrame.
+    executor
+        Where the runs go, each on one thread of the solver: any executor like those of
+        concurrent.futures, a Dask client or cluster. An integer is so many worker processes of this
+        machine. By default there are as many as cores, by Dask's LocalCluster if
+        dask.distributed is installed, else by :class:`wythe.Workers`.
+    measure
+        Further columns: called with the results of each run, gives names and numbers.
+    out
+        A folder for a journal. The same call with the same folder goes on where the study stopped or
+        was killed; samples that were lost or interrupted are tried again.
+    keep
+        ``"results"`` keeps the folder of each run, as ``out/sample-0001``, which the workers must reach.
+    retries
+        How often a sample is tried again when its worker died or its machine was in trouble.
+    progress
+        Whether to show on stderr how far the study is.
+    callback
+        Called with each row as it is finished, in any order; the study stops when it returns False.
+
+    Returns
+    -------
+    Study
+        The table: parameters, ``status``, ``message``, ``attempts`` and measures. The status is
+        ``"completed"``, ``"not_converged"`` (up to there it has its peak), ``"interrupted"``, ``"failed"``
+        (the model or the files of the run are refused; ``message`` says why) or ``"lost"`` (its worker died
+        more than ``retries`` times).
+
+    Raises
+    ------
+    TypeError, ValueError
+        An argument is not what is expected.
+    wythe.ModelError
+        The model takes none of the samples: the key is misspelt, or no value is in its range.
+    StudyError
+        The study cannot begin or go on. What is done is kept in ``out``, and in the error's ``study``.
+    KeyboardInterrupt
+        Ctrl-C: :class:`wythe.StudyInterrupted`, whose ``study`` has what is done.
+    """
+    _check(model, executor, measure, keep, retries, progress, callback)
+    if keep == "results" and out is None:
+        raise ValueError('keep: "results" needs a folder to keep them in, out=...')
+    rows = expand(parameters, samples)
+    taken = sorted(set(rows[0]) & RESERVED)
+    if taken:
+        argument = "samples" if parameters is None else "parameters"
+        raise ValueError(f"{argument}: {taken[0]} is a column of the table, expected another name")
+    _check_main()
+    _try_out(model, rows)
+    folder = None if out is None else Path(as_path("out", out))
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise StudyError(f"out: {folder} is a file, expected a folder or a new name")
+    job = Job(
+        model=model,
+        measure=measure,
+        keep=str(folder.resolve()) if folder is not None and keep == "results" else None,
+        scratch=None,
+        asker=this_process(),
+    )
+    with contextlib.ExitStack() as stack:
+        journal = None
+        if folder is not None:
+            journal = Journal(folder, _header(model, rows, measure))
+            stack.callback(journal.close)
+        return _Session(rows, journal, bool(progress), callback).run(executor, job, retries)
+
+
+class _Session:
+    """One call of :func:`study`."""
+
+    def __init__(
+        self,
+        samples: list[Sample],
+        journal: Journal | None,
+        progress: bool,
+        callback: Callable[[dict[str, Any]], bool | None] | None,
+    ) -> None:
+        self._samples = samples
+        self._journal = journal
+        self._callback = callback
+        before = [] if journal is None else journal.lines
+        self._lines: dict[int, Line] = {
+            line["sample"]: line for line in before if line["status"] not in UNSETTLED
+        }
+        count = len(samples)
+        self._progress = Progress(count, len(self._lines), sink(count) if progress else None)
+        for line in self._lines.values():
+            self._count(line["status"])
+
+    def run(self, executor: Any, job: Job, retries: int) -> Study:
+        left = [n for n in range(1, len(self._samples) + 1) if n not in self._lines]
+        if not left:
+            return self._table()
+        place: Place | None = None
+        finished = False
+        try:
+            place = _place(executor, job, len(left))
+            self._show(place)
+            drive(place, self._samples, left, retries, self._record, lambda: self._show(place))
+            finished = True
+        except StudyError as error:
+            raise StudyError(f"{error}. {self._standing()}", self._table()) from error.__cause__
+        except KeyboardInterrupt:
+            raise StudyInterrupted(f"study interrupted. {self._standing()}", self._table()) from None
+        finally:
+            if place is not None:
+                place.close(finished and len(self._lines) == len(self._samples))
+            self._progress.show(last=True)
+            self._write_table()
+        return self._table()
+
+    def _record(self, number: int, attempts: int, outcome: Outcome) -> bool:
+        line = Line(
+            sample=number,
+            parameters=self._samples[number - 1],
+            status=outcome["status"],
+            message=outcome["message"],
+            attempts=attempts,
+            measures=outcome["measures"],
+        )
+        if self._journal is not None:
+            try:
+                self._journal.add(line)
+            except OSError as error:
+                raise StudyError(f"out: the journal cannot be written ({error})") from error
+        self._lines[number] = line
+        self._progress.done += 1
+        self._count(line["status"])
+        return self._callback is None or self._callback(Study([line], 1)[0]) is not False
+
+    def _count(self, status: str) -> None:
+        self._progress.failed += status in ("failed", "lost")
+        self._progress.unconverged += status == "not_converged"
+
+    def _show(self, place: Place | None) -> None:
+        self._progress.workers = 0 if place is None else place.workers
+        self._progress.show()
+
+    def _table(self) -> Study:
+        folder = None if self._journal is None else self._journal.folder
+        return Study(list(self._lines.values()), len(self._samples), folder)
+
+    def _write_table(self) -> None:
+        if self._journal is not None:
+            with contextlib.suppress(OSError):
+                self._table().to_csv(self._journal.folder / "study.csv")
+
+    def _standing(self) -> str:
+        done = f"{len(self._lines)} of {len(self._samples)} samples are done"
+        if self._journal is None:
+            return f"{done}: this error's .study has them; with out=FOLDER a study can be continued"
+        return f"{done} and kept in {self._journal.folder}: the same call goes on from there"
+
+
+def _place(executor: Any, job: Job, left: int) -> Place:
+    """Where the samples go."""
+    if executor is None or isinstance(executor, int):
+        # More workers than samples would be idle.
+        count = min(executor or os.cpu_count() or 1, left)
+        if _dask.is_there():
+            return _dask.local_cluster(count, job)
+        return Futures(Workers(count), job, own=True)
+    if _dask.is_client(executor):
+        return _dask.Dask(executor, job, own=[])
+    if _dask.is_cluster(executor):
+        return _dask.on_cluster(executor, job)
+    return Futures(executor, job, own=False)
+
+
+def _check(
+    model: Any, executor: Any, measure: Any, keep: Any, retries: Any, progress: Any, callback: Any
+) -> None:
+    """The arguments that every study has."""
+    if isinstance(executor, int):
+        whole("executor", executor, 1)
+    elif executor is not None and not _dask.is_cluster(executor):
+        if not callable(getattr(executor, "submit", None)):
+            what = "an executor with submit(), a Dask client, or a number of worker processes"
+            raise expected("executor", what, executor)
+    if not hasattr(model, "with_") and not callable(model):
+        raise expected("model", "a wythe.Model or a function of a sample", model)
+    if measure is not None and not callable(measure):
+        raise expected("measure", "a function of the results", measure)
+    if keep not in ("none", "results"):
+        raise ValueError(f'keep: expected "none" or "results", got {keep!r}')
+    whole("retries", retries, 0)
+    if not isinstance(progress, bool):
+        raise expected("progress", "True or False", progress)
+    if callback is not None and not callable(callback):
+        raise expected("callback", "a function of a row", callback)
+
+
+def _check_main() -> None:
+    """A worker that imports an unguarded script would begin the study anew."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise StudyError(f"study: it was called while a worker starts; {GUARD}")
+
+
+def _try_out(model: Any, samples: list[Sample]) -> None:
+    """A key that no sample's model takes is a mistake to be told before all runs have failed."""
+    if not hasattr(model, "with_"):
+        return
+    first: Exception | None = None
+    for sample in samples[:TRIED]:
+        try:
+            model_of(model, sample)
+        except Exception as error:
+            first = first or error
+        else:
+            return
+    if first is not None:
+        raise first
+
+
+def _header(model: Any, samples: list[Sample], measure: Any) -> Header:
+    return Header(
+        wythe_study=FORMAT,
+        model=_identity(model),
+        samples=fingerprint(samples),
+        count=len(samples),
+        measure="" if measure is None else _identity(measure),
+    )
+
+
+def _identity(thing: Any) -> str:
+    """By which a model or a function is known again: a name for people and a hash of what it says."""
+    if hasattr(thing, "to_toml"):
+        return f"model {hashlib.sha256(thing.to_toml().encode()).hexdigest()}"
+    name = getattr(thing, "__qualname__", type(thing).__qualname__)
+    digest = hashlib.sha256()
+    # Of functions the source, of callable objects what they hold.
+    with contextlib.suppress(OSError, TypeError):
+        digest.update(inspect.getsource(thing if inspect.isroutine(thing) else type(thing)).encode())
+    with contextlib.suppress(Exception):
+        digest.update(pickle.dumps(thing, protocol=4))
+    return f"{name} {digest.hexdigest()}"

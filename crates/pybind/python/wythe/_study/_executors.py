@@ -1,0 +1,196 @@
+"""Where samples run: one face for executors of all kinds.
+
+``Place`` is what the loop in :mod:`._drive` sees: it takes samples and tells what became of them. Here is the
+place behind any executor like those of concurrent.futures; :mod:`._dask` has the other.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import queue
+import shutil
+import tempfile
+import time
+from concurrent.futures import BrokenExecutor, CancelledError, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+from wythe._errors import expected
+from wythe._study._errors import StudyError
+from wythe._study._pool import WorkerBroken, WorkerDied, Workers
+from wythe._study._samples import Sample
+from wythe._study._worker import Job, Outcome, pack, run_sample
+
+# How often futures that do not tell when they are done are asked.
+ASKED_EVERY = 0.05
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A sample has come to its end."""
+
+    number: int
+    outcome: Outcome
+    starts: int = 1
+    """How often it has begun meanwhile."""
+
+
+@dataclass(frozen=True)
+class Died:
+    """A sample did not come back."""
+
+    number: int
+    starts: int
+    """How often it has begun meanwhile; none if it only waited beside another."""
+    certain: bool
+    """Whether nothing else ran where it ran."""
+    why: str
+
+
+class Place(Protocol):
+    """Where samples run."""
+
+    workers: int
+    """How many run at a time, as far as that is known."""
+
+    def room(self) -> int:
+        """How many may be under way: some more than run, so that no worker waits for the next."""
+        ...
+
+    def submit(self, number: int, sample: Sample) -> None:
+        """Sends a sample."""
+        ...
+
+    def wait(self, seconds: float) -> list[Finished | Died]:
+        """What has happened, at the latest after this time."""
+        ...
+
+    def close(self, finished: bool) -> None:
+        """Cancels what waits, and ends what is the study's own."""
+        ...
+
+
+class Futures:
+    """Behind an executor whose ``submit`` gives futures."""
+
+    def __init__(self, executor: Any, job: Job, own: bool) -> None:
+        self._executor = executor
+        self._own = own
+        # A killed worker cannot remove its temporary folders; this one goes with the study.
+        self._scratch = tempfile.mkdtemp(prefix="wythe-study-") if own else None
+        if self._scratch is not None:
+            job = replace(job, scratch=self._scratch)
+        # Threads need no copy, and some things cannot be pickled.
+        self._work = job if isinstance(executor, ThreadPoolExecutor) else packed(job)
+        self._certain = isinstance(executor, Workers)
+        self._under_way: dict[Any, int] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        known = getattr(executor, "_max_workers", None)
+        self.workers = known if isinstance(known, int) else os.cpu_count() or 1
+
+    def room(self) -> int:
+        """Twice the workers."""
+        return 2 * self.workers
+
+    def submit(self, number: int, sample: Sample) -> None:
+        """Sends a sample."""
+        try:
+            future = self._executor.submit(run_sample, self._work, number, sample)
+        except (BrokenExecutor, RuntimeError) as error:
+            raise StudyError(f"executor: it takes no more samples ({told(error)})") from error
+        self._under_way[future] = number
+        if hasattr(future, "add_done_callback"):
+            future.add_done_callback(self._done.put)
+
+    def wait(self, seconds: float) -> list[Finished | Died]:
+        """What has happened."""
+        events = [self._event(future) for future in self._finished(seconds)]
+        return [event for event in events if event is not None]
+
+    def close(self, finished: bool) -> None:
+        """Cancels what waits; ends workers that are the study's own."""
+        for future in self._under_way:
+            if hasattr(future, "cancel"):
+                future.cancel()
+        if self._own and isinstance(self._executor, Workers):
+            if finished:
+                self._executor.shutdown()
+            else:
+                self._executor.kill()
+        if self._scratch is not None:
+            shutil.rmtree(self._scratch, ignore_errors=True)
+
+    def _finished(self, seconds: float) -> list[Any]:
+        end = time.monotonic() + seconds
+        found: list[Any] = []
+        while not found:
+            left = max(0.0, end - time.monotonic())
+            silent = [future for future in self._under_way if not hasattr(future, "add_done_callback")]
+            found = [future for future in silent if future.done()]
+            try:
+                told = self._done.get(timeout=min(left, ASKED_EVERY) if silent else left)
+                found.append(told)
+                while True:
+                    found.append(self._done.get_nowait())
+            except queue.Empty:
+                pass
+            if time.monotonic() >= end:
+                break
+        return found
+
+    def _event(self, future: Any) -> Finished | Died | None:
+        number = self._under_way.pop(future, None)
+        if number is None:
+            return None
+        try:
+            return Finished(number, future.result())
+        except (WorkerBroken, KeyboardInterrupt):
+            raise
+        except WorkerDied as death:
+            return Died(number, starts=1, certain=True, why=str(death))
+        except BrokenExecutor as error:
+            running = sorted([number, *self._under_way.values()])
+            raise StudyError(
+                f"executor: it broke ({told(error)}), which a killed worker does to it, while samples "
+                f"{_some(running)} were under way. The executors of the study's own and Dask's clients "
+                "go on without the worker"
+            ) from error
+        except CancelledError as error:
+            raise StudyError(f"executor: sample {number} was cancelled there") from error
+        except (ImportError, AttributeError, TypeError, pickle.PickleError) as error:
+            raise unfit(error) from error
+        except Exception as error:
+            return Died(number, starts=1, certain=self._certain, why=told(error))
+
+
+def unfit(error: BaseException) -> StudyError:
+    """A worker that cannot take what it is sent."""
+    return StudyError(
+        f"executor: a worker cannot take a sample ({told(error)}); is wythe there in the same version, "
+        "and can the worker import the modules of model and measure?"
+    )
+
+
+def packed(job: Job) -> bytes:
+    try:
+        return pack(job)
+    except Exception as error:
+        for name, thing in (("model", job.model), ("measure", job.measure)):
+            try:
+                pickle.dumps(thing)
+            except Exception:
+                what = "something that can be pickled for the workers, such as a function of a module"
+                raise expected(name, what, thing) from error
+        raise
+
+
+def told(error: BaseException) -> str:
+    """An error in words."""
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+
+
+def _some(numbers: list[int]) -> str:
+    text = ", ".join(map(str, numbers[:8]))
+    return f"{text} …" if len(numbers) > 8 else text
+

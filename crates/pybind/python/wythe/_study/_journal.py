@@ -1,0 +1,219 @@
+"""The journal of a study: what is done survives the process that did it.
+
+``journal.jsonl`` has a header, which says what study this is, and one line for each finished sample. A line counts
+once its newline is there: what a kill left of the last one is cut off. ``study.lock`` is held by the process
+at work.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import Any, TypedDict
+
+from wythe._study._errors import StudyError
+from wythe._study._samples import Sample
+from wythe._study._worker import Scalar
+
+FORMAT = 1
+NAME = "journal.jsonl"
+LOCK = "study.lock"
+
+
+class Header(TypedDict):
+    """What study a journal belongs to."""
+
+    wythe_study: int
+    model: str
+    samples: str
+    count: int
+    measure: str
+
+
+class Line(TypedDict):
+    """A finished sample."""
+
+    sample: int
+    parameters: Sample
+    status: str
+    message: str
+    attempts: int
+    measures: dict[str, Scalar]
+
+
+class Journal:
+    """The journal in a folder, held by this process until closed."""
+
+    def __init__(self, folder: Path, header: Header) -> None:
+        self.folder = folder
+        self.path = folder / NAME
+        self._lock = _Lock(folder)
+        try:
+            self.lines = self._opened(header)
+            self._sweep()
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def add(self, line: Line) -> None:
+        """Writes a line that survives a kill and a power cut."""
+        text = json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n"
+        self._file.write(text.encode())
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Lets go of the folder."""
+        self._file.close()
+        self._sweep()
+        self._lock.release()
+
+    def _opened(self, header: Header) -> list[Line]:
+        whole = self.path.read_bytes() if self.path.exists() else b""
+        # Of a line that a kill cut there is no newline.
+        kept = whole[: whole.rfind(b"\n") + 1]
+        begin = (json.dumps(header) + "\n").encode()
+        if not kept:
+            if whole and not begin.startswith(whole):
+                raise _foreign(self.path)
+            if any(self.folder.glob("sample-*")):
+                raise StudyError(
+                    f"out: {self.folder} has runs (sample-…) but no journal; choose another folder"
+                )
+            lines: list[Line] = []
+        else:
+            found, lines = _parsed(self.path, kept)
+            _compare(self.folder, found, header)
+        self._file = open(self.path, "ab")  # noqa: SIM115 - open as long as the study goes
+        self._file.truncate(len(kept))
+        if not kept:
+            self._file.write(begin)
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        _sync_folder(self.folder)
+        return lines
+
+    def _sweep(self) -> None:
+        """Removes what is left of runs that were given up."""
+        for part in self.folder.glob("sample-*.part-*"):
+            shutil.rmtree(part, ignore_errors=True)
+
+
+def read(folder: Path) -> tuple[Header, list[Line]]:
+    """The journal of a folder, whoever is writing it."""
+    path = folder / NAME
+    if not path.is_file():
+        raise StudyError(f"{folder} has no {NAME}, so it is not the folder of a study")
+    whole = path.read_bytes()
+    return _parsed(path, whole[: whole.rfind(b"\n") + 1])
+
+
+def _parsed(path: Path, kept: bytes) -> tuple[Header, list[Line]]:
+    texts = kept.splitlines()
+    try:
+        header: Header = json.loads(texts[0])
+        version = header["wythe_study"]
+    except (IndexError, KeyError, TypeError, ValueError):
+        raise _foreign(path) from None
+    if version != FORMAT:
+        raise StudyError(f"{path}: expected format {FORMAT}, got {version}: another version wrote it")
+    # A later line of a sample replaces an earlier one: it was tried again.
+    lines: dict[int, Line] = {}
+    for at, text in enumerate(texts[1:], start=2):
+        try:
+            line: Line = json.loads(text)
+            lines[line["sample"]] = line
+        except (KeyError, TypeError, ValueError):
+            raise StudyError(f"{path}: line {at} is damaged; remove it to have its sample run again") from None
+    return header, [lines[number] for number in sorted(lines)]
+
+
+def _compare(folder: Path, found: Header, header: Header) -> None:
+    told = {
+        "model": "another model",
+        "count": f"{found['count']} samples instead of {header['count']}",
+        "samples": "other samples",
+        "measure": f"another measure ({found['measure'].partition(' ')[0] or 'none'})",
+    }
+    theirs: dict[str, Any] = dict(found)
+    ours: dict[str, Any] = dict(header)
+    for key, what in told.items():
+        if theirs[key] != ours[key]:
+            raise StudyError(
+                f"out: {folder} holds a study of {what}; go on with what it was begun with, or "
+                "choose another folder"
+            )
+
+
+def _foreign(path: Path) -> StudyError:
+    return StudyError(f"out: {path} is not the journal of a study; choose another folder")
+
+
+def _sync_folder(folder: Path) -> None:
+    """So that the name of a new file survives a power cut, where the system lets folders be synced."""
+    if sys.platform == "win32":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+class _Lock:
+    """One process, and in it one study, at a time."""
+
+    held: set[Path] = set()
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self._folder = folder.resolve()
+        # Asked first: a POSIX lock is lost as soon as its process closes the file anywhere.
+        if self._folder in _Lock.held:
+            raise _busy(folder, "this process")
+        path = self._folder / LOCK
+        self._handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            _take(self._handle)
+        except OSError:
+            who = os.read(self._handle, 64).decode(errors="replace").strip()
+            os.close(self._handle)
+            raise _busy(folder, who or "another process") from None
+        _Lock.held.add(self._folder)
+        os.ftruncate(self._handle, 0)
+        os.write(self._handle, f"process {os.getpid()} on {_host()}\n".encode())
+
+    def release(self) -> None:
+        """Lets others have the folder."""
+        _Lock.held.discard(self._folder)
+        os.close(self._handle)
+
+
+def _busy(folder: Path, who: str) -> StudyError:
+    return StudyError(f"out: a study is at work in {folder} ({who}); wait for it, or choose another folder")
+
+
+def _host() -> str:
+    import platform
+
+    return platform.node()
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _take(handle: int) -> None:
+        # Far behind what is written, which would be unreadable to others.
+        os.lseek(handle, 1 << 20, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        os.lseek(handle, 0, os.SEEK_SET)
+
+else:
+    import fcntl
+
+    def _take(handle: int) -> None:
+        # POSIX locks work over NFS, end with the process however it ends, and are not inherited.
+        fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

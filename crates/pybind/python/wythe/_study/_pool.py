@@ -1,0 +1,268 @@
+"""Worker processes of this machine that may be killed.
+
+A concurrent.futures.ProcessPoolExecutor breaks as a whole when one of its processes dies, and does not tell
+whose fault it was. Here each worker is a thread that looks after one process: when that dies, the future of
+the call it ran gets a :class:`WorkerDied`, and the thread starts another.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import pickle
+import queue
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from typing import Any, ParamSpec, TypeVar
+
+from wythe._study._errors import StudyError
+from wythe._study._samples import whole
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+GUARD = (
+    "a script that starts workers must do so under `if __name__ == \"__main__\":`, because each worker "
+    "imports the script"
+)
+
+
+# A process that is killed while it starts is followed by another, so many in all.
+STARTS = 3
+
+
+class WorkerDied(Exception):
+    """The process that ran a call has died."""
+
+
+class WorkerBroken(StudyError):
+    """A worker process cannot start."""
+
+
+class Workers(Executor):
+    """So many worker processes of this machine (all cores by default), each running one call at a time.
+
+    An executor of concurrent.futures whose workers may be killed: only the call that a killed one ran
+    is lost, with :class:`WorkerDied`, and another process takes its place. Processes start when they are
+    first needed, import the script anew (``spawn``), ignore Ctrl-C, which is for the process that waits
+    for them, and end with it.
+    """
+
+    def __init__(self, count: int | None = None) -> None:
+        if count is None:
+            count = os.cpu_count() or 1
+        self._max_workers = whole("count", count, 1)
+        self._calls: queue.SimpleQueue[_Call | None] = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        self._workers: list[_Worker] = []
+        self._shut = False
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Asks for a call; its arguments and result are pickled."""
+        future: Future[T] = Future()
+        with self._lock:
+            if self._shut:
+                raise RuntimeError("cannot submit after shutdown")
+            self._calls.put(_Call(future, fn, args, kwargs))
+            if len(self._workers) < self._max_workers:
+                self._workers.append(_Worker(self._calls))
+        return future
+
+    def pids(self) -> list[int]:
+        """The processes at work now."""
+        with self._lock:
+            found = [worker.pid() for worker in self._workers]
+        return [pid for pid in found if pid is not None]
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Ends the workers once their calls are done."""
+        with self._lock:
+            first, self._shut = not self._shut, True
+            workers = list(self._workers)
+        if cancel_futures:
+            self._cancel_waiting()
+        if first:
+            for _ in workers:
+                self._calls.put(None)
+        if wait:
+            for worker in workers:
+                worker.thread.join()
+
+    def kill(self) -> None:
+        """Ends the workers at once, with what they run."""
+        with self._lock:
+            self._shut = True
+            workers = list(self._workers)
+        self._cancel_waiting()
+        for worker in workers:
+            worker.kill()
+            self._calls.put(None)
+        for worker in workers:
+            worker.thread.join()
+
+    def _cancel_waiting(self) -> None:
+        kept = 0
+        while True:
+            try:
+                call = self._calls.get_nowait()
+            except queue.Empty:
+                break
+            if call is None:
+                kept += 1
+            else:
+                call.future.cancel()
+        for _ in range(kept):
+            self._calls.put(None)
+
+
+class _Call:
+    """What was asked for."""
+
+    def __init__(
+        self, future: Future[Any], fn: Callable[..., Any], args: Any, kwargs: Any
+    ) -> None:
+        self.future = future
+        self.fn = fn
+        self.args = args
+        self.kwargs = kwargs
+
+
+class _Worker:
+    """One thread and its process."""
+
+    def __init__(self, calls: queue.SimpleQueue[_Call | None]) -> None:
+        self._calls = calls
+        self._process: SpawnProcess | None = None
+        self._pipe: Connection | None = None
+        self._killed = False
+        self._lock = threading.Lock()
+        # A daemon, so that a program that forgot to shut down can end.
+        self.thread = threading.Thread(target=self._serve, name="wythe worker", daemon=True)
+        self.thread.start()
+
+    def pid(self) -> int | None:
+        """Of the process, while there is one."""
+        process = self._process
+        return process.pid if process is not None and process.is_alive() else None
+
+    def kill(self) -> None:
+        """Ends the process for good."""
+        with self._lock:
+            self._killed = True
+            if self._process is not None:
+                self._process.kill()
+
+    def _serve(self) -> None:
+        while (call := self._calls.get()) is not None:
+            if call.future.set_running_or_notify_cancel():
+                try:
+                    result = self._ask(call)
+                except BaseException as error:
+                    call.future.set_exception(error)
+                else:
+                    call.future.set_result(result)
+            # What was asked must not live until the next call comes.
+            del call
+        self._end()
+
+    def _ask(self, call: _Call) -> Any:
+        # Pickled first: what cannot be pickled is no fault of the process.
+        message = pickle.dumps((call.fn, call.args, call.kwargs))
+        pipe, process = self._begin()
+        try:
+            pipe.send_bytes(message)
+            # A process that died may leave its answer behind, or children that hold the pipe open.
+            if pipe not in wait([pipe, process.sentinel]):
+                raise EOFError
+            good, value = pickle.loads(pipe.recv_bytes())
+        except (EOFError, OSError):
+            raise WorkerDied(f"the worker process {_cause(process)}") from None
+        if not good:
+            raise value
+        return value
+
+    def _begin(self) -> tuple[Connection, SpawnProcess]:
+        """The process, a new one if need be, once it is ready."""
+        if self._process is not None and self._pipe is not None and self._process.is_alive():
+            return self._pipe, self._process
+        for _ in range(STARTS):
+            pipe, process = self._started()
+            with contextlib.suppress(EOFError, OSError):
+                if pipe in wait([pipe, process.sentinel]):
+                    pipe.recv_bytes()
+                    return pipe, process
+            process.join()
+            # One that was killed may be followed by another; one that ended has a reason to.
+            if process.exitcode is not None and process.exitcode >= 0:
+                break
+        if self._killed:
+            raise WorkerDied("the worker processes were ended")
+        raise WorkerBroken(
+            f"a worker process cannot start: it {_cause(process)}. What it wrote is above; {GUARD}"
+        )
+
+    def _started(self) -> tuple[Connection, SpawnProcess]:
+        context = multiprocessing.get_context("spawn")
+        with self._lock:
+            if self._killed:
+                raise WorkerDied("the worker processes were ended")
+            if self._pipe is not None:
+                self._pipe.close()
+            self._pipe, theirs = context.Pipe()
+            self._process = context.Process(target=_work, args=(theirs,), daemon=True)
+            self._process.start()
+            theirs.close()
+            return self._pipe, self._process
+
+    def _end(self) -> None:
+        if self._pipe is not None:
+            self._pipe.close()
+        if self._process is not None:
+            self._process.join()
+
+
+def _cause(process: SpawnProcess) -> str:
+    """How a process ended."""
+    process.join()
+    code = process.exitcode
+    if code is not None and code < 0:
+        try:
+            return f"was killed by {signal.Signals(-code).name}"
+        except ValueError:
+            return f"was killed by signal {-code}"
+    return f"ended with exit code {code}"
+
+
+def _work(pipe: Connection) -> None:
+    """The life of a worker process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    pipe.send_bytes(b"ready")
+    while True:
+        try:
+            message = pipe.recv_bytes()
+        except (EOFError, OSError):
+            return
+        try:
+            fn, args, kwargs = pickle.loads(message)
+            answer = (True, fn(*args, **kwargs))
+        except BaseException as error:
+            answer = (False, error)
+        try:
+            packed = pickle.dumps(answer)
+        except Exception:
+            packed = pickle.dumps((False, RuntimeError(f"cannot be pickled: {answer[1]!r}")))
+        pipe.send_bytes(packed)
+
+
+def _end_with_parent() -> None:
+    """Ends this process when its parent has died, however busy it is."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

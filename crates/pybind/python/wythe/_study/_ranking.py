@@ -1,0 +1,211 @@
+"""Which parameter matters: rank correlations and standardised regression coefficients."""
+
+from __future__ import annotations
+
+import html
+import importlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wythe._study._quantity import quantity
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped, unused-ignore]
+
+
+class Rank(TypedDict):
+    """What a parameter does to a measure."""
+
+    parameter: str
+    spearman: float
+    """Spearman's rank correlation, −1 to 1: of any monotone relation."""
+    regression: float
+    """Standard deviations that the measure moves with one of the parameter's, the others held."""
+
+
+@dataclass(frozen=True, repr=False)
+class Ranking:
+    """Parameters by the strength of their effect, the strongest first."""
+
+    of: str
+    """The measure."""
+    ranks: tuple[Rank, ...]
+    samples: int
+    """How many samples were used."""
+    not_converged: int
+    """How many of these did not converge."""
+    r_squared: float
+    """What part of the measure's variance the linear regression explains."""
+    noise: float
+    """A correlation below this may be chance: 95 % of those between what is independent are."""
+    left_out: Mapping[str, str]
+    """Parameters that cannot be ranked, and why."""
+
+    def __len__(self) -> int:
+        return len(self.ranks)
+
+    def __getitem__(self, at: int) -> Rank:
+        return self.ranks[at]
+
+    def __iter__(self) -> Iterator[Rank]:
+        return iter(self.ranks)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """As a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
+        try:
+            module: Any = importlib.import_module("pandas")
+        except ImportError as error:
+            raise ImportError("to_pandas needs pandas: pip install 'wythe[study]'") from error
+        frame: pandas.DataFrame = module.DataFrame(
+            list(self.ranks), columns=["parameter", "spearman", "regression"]
+        )
+        return frame
+
+    def __repr__(self) -> str:
+        width = max([len("parameter"), *(len(rank["parameter"]) for rank in self.ranks)])
+        lines = [f"{'parameter':<{width}}  spearman  regression"]
+        for rank in self.ranks:
+            bar = "█" * round(12 * abs(rank["spearman"]))
+            text = f"{rank['parameter']:<{width}}  {rank['spearman']:+8.2f}  {_told(rank['regression'])}"
+            lines.append(f"{text}  {bar}".rstrip())
+        return "\n".join([self._title(), *lines, *self._notes()])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{html.escape(rank['parameter'])}</td><td>{rank['spearman']:+.2f}</td>"
+            f"<td>{_told(rank['regression']).strip()}</td></tr>"
+            for rank in self.ranks
+        )
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes())
+        return (
+            f"<p>{html.escape(self._title())}</p><table><thead><tr><th>parameter</th><th>spearman</th>"
+            f"<th>regression</th></tr></thead><tbody>{rows}</tbody></table>{notes}"
+        )
+
+    def _title(self) -> str:
+        unsure = f", {self.not_converged} of them not converged" if self.not_converged else ""
+        return f"What moves {self.of}: {self.samples} samples{unsure}"
+
+    def _notes(self) -> list[str]:
+        notes: list[str] = []
+        if math.isfinite(self.r_squared):
+            notes.append(f"The linear regression explains {100.0 * self.r_squared:.0f} % of the variance.")
+        elif self.ranks:
+            notes.append("Too few or dependent columns for a regression.")
+        if self.ranks:
+            notes.append(f"Correlations below {self.noise:.2f} may be chance.")
+        notes.extend(f"Left out: {name}, {why}." for name, why in self.left_out.items())
+        return notes
+
+
+def ranked(
+    of: str,
+    cells: Sequence[object],
+    inputs: Mapping[str, Sequence[object]],
+    not_converged: Sequence[bool],
+) -> Ranking:
+    """Ranks the inputs by what they do to ``of``, a value and a list of inputs a sample."""
+    y = _numbers(cells)
+    if y is None:
+        raise ValueError(f"of: expected a column of numbers, {of} is none")
+    used = np.isfinite(y)
+    y = y[used]
+    columns: dict[str, NDArray[np.float64]] = {}
+    left_out: dict[str, str] = {}
+    for name, values in inputs.items():
+        column = _numbers([value for value, use in zip(values, used, strict=True) if use])
+        if column is None:
+            left_out[name] = "not numbers of one unit"
+        elif _constant(column):
+            left_out[name] = "constant"
+        else:
+            columns[name] = column
+    count = int(y.size)
+    if count < 3 or _constant(y):
+        why = f"{of} is constant" if count >= 3 else f"fewer than 3 samples have {of}"
+        left_out.update((name, why) for name in columns)
+        columns = {}
+    regression, r_squared = _regression(columns, y)
+    ranks = [
+        Rank(parameter=name, spearman=spearman(column, y), regression=regression[name])
+        for name, column in columns.items()
+    ]
+    ranks.sort(key=lambda rank: -abs(rank["spearman"]))
+    return Ranking(
+        of=of,
+        ranks=tuple(ranks),
+        samples=count,
+        not_converged=sum(flag for flag, use in zip(not_converged, used, strict=True) if use),
+        r_squared=r_squared,
+        noise=min(1.0, 1.96 / math.sqrt(max(1, count - 1))),
+        left_out=left_out,
+    )
+
+
+def spearman(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Spearman's rank correlation: Pearson's of the ranks, ties sharing their mean rank."""
+    a, b = mean_ranks(x), mean_ranks(y)
+    a, b = a - a.mean(), b - b.mean()
+    return float(np.clip(a @ b / math.sqrt((a @ a) * (b @ b)), -1.0, 1.0))
+
+
+def mean_ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ranks from 1, of equal values their mean."""
+    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
+    last = np.cumsum(counts)
+    means: NDArray[np.float64] = last - (counts - 1) / 2.0
+    return means[place]
+
+
+def _regression(
+    columns: Mapping[str, NDArray[np.float64]], y: NDArray[np.float64]
+) -> tuple[dict[str, float], float]:
+    """Coefficients of standardised columns and R²; NaN where the columns do not determine them."""
+    nothing = dict.fromkeys(columns, math.nan)
+    if not columns or y.size < len(columns) + 2:
+        return nothing, math.nan
+    x = np.stack([_standard(column) for column in columns.values()], axis=1)
+    z = _standard(y)
+    coefficients, _, rank, _ = np.linalg.lstsq(x, z, rcond=1e-10)
+    if rank < len(columns):
+        return nothing, math.nan
+    rest = z - x @ coefficients
+    named = {name: float(value) for name, value in zip(columns, coefficients, strict=True)}
+    return named, float(1.0 - (rest @ rest) / (z @ z))
+
+
+def _standard(column: NDArray[np.float64]) -> NDArray[np.float64]:
+    standard: NDArray[np.float64] = (column - column.mean()) / column.std()
+    return standard
+
+
+def _constant(column: NDArray[np.float64]) -> bool:
+    """To rounding: what a unit's conversion leaves is no variation."""
+    if column.size == 0:
+        return True
+    return float(np.ptp(column)) <= 1e-12 * float(np.max(np.abs(column)))
+
+
+def _numbers(cells: Sequence[object]) -> NDArray[np.float64] | None:
+    """Numbers, NaN where there is none; quantities if they have one unit; None for all else."""
+    units: set[str] = set()
+    numbers: list[float] = []
+    for cell in cells:
+        if cell is None or (isinstance(cell, float) and math.isnan(cell)):
+            numbers.append(math.nan)
+            continue
+        read = quantity(cell)
+        if read is None:
+            return None
+        numbers.append(read[0])
+        units.add(read[1])
+    return np.array(numbers, dtype=np.float64) if len(units) <= 1 else None
+
+
+def _told(regression: float) -> str:
+    return "         –" if math.isnan(regression) else f"{regression:+10.2f}"

@@ -1,0 +1,250 @@
+"""What a study gives: a tidy table, one row a sample."""
+
+from __future__ import annotations
+
+import csv
+import html
+import importlib
+import json
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wythe._study._errors import StudyError
+from wythe._study._journal import Line, read
+from wythe._study._ranking import Ranking, ranked
+from wythe._study._worker import MEASURES, folder_name
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped, unused-ignore]
+
+STATUSES = ("completed", "not_converged", "interrupted", "failed", "lost")
+"""How a sample may end: of all but the last two there is a run."""
+
+# Rows that text and a notebook show of the table, messages below it, and columns in text.
+SHOWN = 12
+SHOWN_IN_HTML = 40
+MESSAGES = 3
+SHORT = ("peak_force_kN", "displacement_at_peak_mm", "initial_stiffness_kN_per_mm")
+
+
+class Study:
+    """A study's table, as :func:`wythe.study` returns it. Rows come in the order of the samples.
+
+    ``len(study)``, ``study[0]`` (a row as a dict), ``study["peak_force_kN"]`` (a column), and iteration over
+    the rows. Columns are ``sample`` (from 1), the parameters, ``status``, ``message``, ``attempts`` and the
+    measures.
+    """
+
+    def __init__(self, lines: Sequence[Line], total: int, folder: Path | None = None) -> None:
+        self._lines = sorted(lines, key=lambda line: line["sample"])
+        self.total = total
+        """Samples of the study, whether they are done or not."""
+        self.folder = folder
+        """Where its journal is, if it has one."""
+        self.parameters: tuple[str, ...] = _names(line["parameters"] for line in self._lines)
+        """Names of the parameters' columns."""
+        found = _names(line["measures"] for line in self._lines)
+        known = tuple(name for name in MEASURES if name in found)
+        self.measures: tuple[str, ...] = known + tuple(n for n in found if n not in known)
+        """Names of the measures' columns."""
+
+    @staticmethod
+    def load(folder: str | os.PathLike[str]) -> Study:
+        """The table of a study's folder, as far as it has come."""
+        header, lines = read(Path(folder))
+        return Study(lines, header["count"], Path(folder))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns."""
+        return ("sample", *self.parameters, "status", "message", "attempts", *self.measures)
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Samples that are not done, because the study was stopped."""
+        done = {line["sample"] for line in self._lines}
+        return tuple(number for number in range(1, self.total + 1) if number not in done)
+
+    @property
+    def statuses(self) -> dict[str, int]:
+        """How many samples ended how."""
+        counts = Counter(line["status"] for line in self._lines)
+        return {status: counts[status] for status in STATUSES if counts[status]}
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return (self._row(line) for line in self._lines)
+
+    @overload
+    def __getitem__(self, what: str) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, what: int) -> dict[str, Any]: ...
+
+    def __getitem__(self, what: str | int) -> NDArray[Any] | dict[str, Any]:
+        """A column by its name, or a row by its place (from 0, as in all of Python)."""
+        return self.column(what) if isinstance(what, str) else self._row(self._lines[what])
+
+    def column(self, name: str) -> NDArray[Any]:
+        """A column: numbers as floats with NaN where there is none, integers, booleans, or texts."""
+        if name not in self.columns:
+            raise KeyError(f"no column {name!r}; there are {', '.join(self.columns)}")
+        return _array([self._cell(line, name) for line in self._lines])
+
+    def ranking(self, of: str = "peak_force_kN") -> Ranking:
+        """Which parameters move a measure most.
+
+        By Spearman's rank correlation (of anything monotone) and by the coefficients of a linear regression
+        of standardised columns (how many standard deviations the measure moves with one of the
+        parameter's). Samples without a number in ``of`` are left out; those not converged count.
+        """
+        if of not in self.columns:
+            raise KeyError(f"of: no column {of!r}; there are {', '.join(self.columns)}")
+        cells = [self._cell(line, of) for line in self._lines]
+        inputs = {
+            name: [line["parameters"].get(name) for line in self._lines] for name in self.parameters
+        }
+        flags = [line["status"] == "not_converged" for line in self._lines]
+        return ranked(of, cells, inputs, flags)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
+        try:
+            module: Any = importlib.import_module("pandas")
+        except ImportError as error:
+            raise ImportError("to_pandas needs pandas: pip install 'wythe[study]'") from error
+        columns = {name: self.column(name) for name in self.columns}
+        frame: pandas.DataFrame = module.DataFrame(columns, columns=list(columns))
+        return frame
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the table; empty where there is no number, lists as JSON."""
+        # As a whole or not at all.
+        final = Path(path)
+        part = final.with_name(f"{final.name}.part")
+        with part.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(self.columns)
+            for row in self:
+                writer.writerow([_csv(row[name]) for name in self.columns])
+        os.replace(part, final)
+
+    def run_folder(self, sample: int) -> Path:
+        """The folder of a sample's run, of a study that kept them (``keep="results"``)."""
+        path = None if self.folder is None else self.folder / folder_name(sample)
+        if path is None or not path.is_dir():
+            raise StudyError(f"the run of sample {sample} was not kept; study(..., out=..., keep=\"results\")")
+        return path
+
+    def __repr__(self) -> str:
+        names = self._shown_columns(text=True)
+        table = [[*names]]
+        lines = self._lines
+        cut = len(lines) > SHOWN
+        head, tail = (lines[: SHOWN - 4], lines[-4:]) if cut else (lines, [])
+        table.extend([_told(self._cell(line, name)) for name in names] for line in head)
+        if cut:
+            table.append(["…"] * len(names))
+        table.extend([_told(self._cell(line, name)) for name in names] for line in tail)
+        widths = [max(len(row[at]) for row in table) for at in range(len(names))]
+        body = "\n".join(
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in table
+        )
+        return "\n".join([self._title(), *([body] if lines else []), *self._messages()])
+
+    def _repr_html_(self) -> str:
+        names = self._shown_columns(text=False)
+        cut = len(self._lines) > SHOWN_IN_HTML
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+        body: list[str] = []
+        for line in self._lines[:SHOWN_IN_HTML]:
+            told = (_told(self._cell(line, name)) for name in names)
+            cells = "".join(f"<td>{html.escape(cell)}</td>" for cell in told)
+            body.append(f"<tr>{cells}</tr>")
+        if cut:
+            body.append(f"<tr><td colspan='{len(names)}'>… {len(self) - SHOWN_IN_HTML} more</td></tr>")
+        return (
+            f"<p>{html.escape(self._title())}</p>"
+            f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
+        )
+
+    def _title(self) -> str:
+        parts = [f"{number} {status.replace('_', ' ')}" for status, number in self.statuses.items()]
+        if self.missing:
+            parts.append(f"{len(self.missing)} not done")
+        noun = "sample" if self.total == 1 else "samples"
+        return f"Study of {self.total} {noun}: {', '.join(parts) or 'none done'}"
+
+    def _messages(self) -> list[str]:
+        """What the samples that did not complete say, each message once."""
+        said: dict[str, list[int]] = {}
+        for line in self._lines:
+            if line["message"]:
+                said.setdefault(f"{line['status']}: {line['message']}", []).append(line["sample"])
+        told = [
+            f"sample {samples[0]}{f' and {len(samples) - 1} more' if len(samples) > 1 else ''} {message}"
+            for message, samples in said.items()
+        ]
+        return [*told[:MESSAGES], *(["…"] if len(told) > MESSAGES else [])]
+
+    def _shown_columns(self, text: bool) -> list[str]:
+        short = [name for name in SHORT if name in self.measures]
+        own = [name for name in self.measures if name not in MEASURES]
+        says = any(line["message"] for line in self._lines)
+        names = ["sample", *self.parameters, "status", *short, *own]
+        return [*names, "message"] if says and not text else names
+
+    def _row(self, line: Line) -> dict[str, Any]:
+        return {name: self._cell(line, name) for name in self.columns}
+
+    def _cell(self, line: Line, name: str) -> Any:
+        if name in self.parameters:
+            return line["parameters"].get(name)
+        if name in self.measures:
+            return line["measures"].get(name)
+        row: Any = line
+        return row[name]
+
+
+def _names(mappings: Any) -> tuple[str, ...]:
+    """All keys, in the order they were met."""
+    return tuple(dict.fromkeys(name for mapping in mappings for name in mapping))
+
+
+def _array(cells: list[Any]) -> NDArray[Any]:
+    given = [cell for cell in cells if cell is not None]
+    if given and all(isinstance(cell, bool) for cell in given) and len(given) == len(cells):
+        return np.array(cells, dtype=np.bool_)
+    numbers = all(isinstance(cell, (bool, int, float)) for cell in given)
+    if numbers and given and len(given) == len(cells) and all(isinstance(c, int) for c in given):
+        return np.array(cells, dtype=np.int64)
+    if numbers:
+        return np.array([np.nan if cell is None else cell for cell in cells], dtype=np.float64)
+    if all(isinstance(cell, str) for cell in cells):
+        return np.array(cells, dtype=np.str_)
+    column = np.empty(len(cells), dtype=np.object_)
+    column[:] = cells
+    return column
+
+
+def _told(value: object) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return json.dumps(value) if isinstance(value, list) else str(value)
+
+
+def _csv(value: object) -> object:
+    if value is None:
+        return ""
+    return json.dumps(value) if isinstance(value, (list, bool)) else value
