@@ -16,16 +16,19 @@ import pytest
 from study_fakes import FakeModel, made, twice
 from wythe._study import Study, StudyError, study
 
+dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 HERE = Path(__file__).parent
 
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """As a user would make one: Dask's own settings, two threads a worker."""
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=2, dashboard_address=":0", silence_logs=50
-    ) as made_one:
+    """As a user may have one, of two threads a worker. Dask itself tries twice, to save time."""
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+        made_one = distributed.LocalCluster(
+            n_workers=2, threads_per_worker=2, dashboard_address=":0", silence_logs=50
+        )
+    with made_one:
         yield made_one
 
 
@@ -36,18 +39,19 @@ def client(cluster: Any) -> Iterator[Any]:
 
 
 def test_a_study_starts_a_cluster_of_its_own_and_survives_killers(tmp_path: Path) -> None:
-    samples = {"a": [float(n) for n in range(12)], "kill": [0, 0, 1, 0, -1, 0, 0, 0, 2, 0, 0, 0]}
+    samples = {"a": [float(n) for n in range(12)], "kill": [0, 0, 1, 0, -1, 0, 0, 0, 0, 0, 0, 0]}
     table = study(
-        FakeModel(notes=str(tmp_path)), samples=samples, executor=3, progress=False, measure=twice
-    )
+        FakeModel(notes=str(tmp_path)), samples=samples, executor=3, progress=False, measure=twice,
+        retries=1,
+    )  # fmt: skip
     assert len(table) == 12
     assert {row["sample"]: row["status"] for row in table if row["status"] != "completed"} == {
         5: "lost"
     }
     assert {row["sample"]: row["attempts"] for row in table if row["attempts"] > 1} == {
-        3: 2, 5: 3, 9: 3,
+        3: 2, 5: 2,
     }  # fmt: skip
-    assert "died in attempt 3" in table[4]["message"]
+    assert "died in attempt 2" in table[4]["message"]
     done = [n for n in range(12) if n != 4]
     assert [table[n]["twice"] for n in done] == [6.0 * n for n in done]
 
@@ -84,8 +88,8 @@ def test_a_killer_beside_others_in_a_worker_takes_none_with_it(
     table = study(model, samples=samples, executor=client, progress=False)
     assert [row["sample"] for row in table if row["status"] != "completed"] == [2]
     assert table[1]["status"] == "lost"
-    # Dask tries four times before it tells; then the sample is tried alone, to be sure that it was it.
-    assert 5 <= table[1]["attempts"] <= 8
+    # Dask tries twice before it tells; then the sample is tried alone, to be sure that it was it.
+    assert 3 <= table[1]["attempts"] <= 4
 
 
 def test_a_cluster_is_taken_like_its_client(cluster: Any, client: Any) -> None:

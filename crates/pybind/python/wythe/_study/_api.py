@@ -8,7 +8,7 @@ import inspect
 import multiprocessing
 import os
 import pickle
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -32,7 +32,7 @@ UNSETTLED = ("interrupted", "lost")
 
 def study(
     model: Any,
-    parameters: Mapping[str, Iterable[Any]] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     samples: Any = None,
     *,
     executor: Any = None,

@@ -83,6 +83,7 @@ class Futures:
             job = replace(job, scratch=self._scratch)
         # Threads need no copy, and some things cannot be pickled.
         self._work = job if isinstance(executor, ThreadPoolExecutor) else packed(job)
+        self._trouble: StudyError | None = None
         self._certain = isinstance(executor, Workers)
         self._under_way: dict[Any, int] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -95,18 +96,34 @@ class Futures:
 
     def submit(self, number: int, sample: Sample) -> None:
         """Sends a sample."""
+        if self._trouble is not None:
+            return
         try:
             future = self._executor.submit(run_sample, self._work, number, sample)
-        except (BrokenExecutor, RuntimeError) as error:
-            raise StudyError(f"executor: it takes no more samples ({told(error)})") from error
+        except BrokenExecutor as error:
+            self._trouble = self._broken(error)
+            return
+        except RuntimeError as error:
+            self._trouble = StudyError(f"executor: it takes no more samples ({told(error)})")
+            return
         self._under_way[future] = number
         if hasattr(future, "add_done_callback"):
             future.add_done_callback(self._done.put)
 
     def wait(self, seconds: float) -> list[Finished | Died]:
-        """What has happened."""
-        events = [self._event(future) for future in self._finished(seconds)]
-        return [event for event in events if event is not None]
+        """What has happened. Trouble with the executor is raised once all is told that was done before."""
+        events: list[Finished | Died] = []
+        for future in self._finished(seconds if self._trouble is None else 0.0):
+            try:
+                event = self._event(future)
+            except StudyError as error:
+                self._trouble = self._trouble or error
+                continue
+            if event is not None:
+                events.append(event)
+        if self._trouble is not None and not events:
+            raise self._trouble
+        return events
 
     def close(self, finished: bool) -> None:
         """Cancels what waits; ends workers that are the study's own."""
@@ -129,8 +146,7 @@ class Futures:
             silent = [future for future in self._under_way if not hasattr(future, "add_done_callback")]
             found = [future for future in silent if future.done()]
             try:
-                told = self._done.get(timeout=min(left, ASKED_EVERY) if silent else left)
-                found.append(told)
+                found.append(self._done.get(timeout=min(left, ASKED_EVERY) if silent else left))
                 while True:
                     found.append(self._done.get_nowait())
             except queue.Empty:
@@ -145,23 +161,27 @@ class Futures:
             return None
         try:
             return Finished(number, future.result())
-        except (WorkerBroken, KeyboardInterrupt):
+        except WorkerBroken:
             raise
         except WorkerDied as death:
             return Died(number, starts=1, certain=True, why=str(death))
         except BrokenExecutor as error:
-            running = sorted([number, *self._under_way.values()])
-            raise StudyError(
-                f"executor: it broke ({told(error)}), which a killed worker does to it, while samples "
-                f"{_some(running)} were under way. The executors of the study's own and Dask's clients "
-                "go on without the worker"
-            ) from error
+            self._under_way[future] = number
+            raise self._broken(error) from error
         except CancelledError as error:
             raise StudyError(f"executor: sample {number} was cancelled there") from error
         except (ImportError, AttributeError, TypeError, pickle.PickleError) as error:
             raise unfit(error) from error
         except Exception as error:
             return Died(number, starts=1, certain=self._certain, why=told(error))
+
+    def _broken(self, error: BaseException) -> StudyError:
+        running = sorted(self._under_way.values())
+        return StudyError(
+            f"executor: it broke ({told(error)}), which a killed worker does to it, while samples "
+            f"{_some(running)} were under way. The executors of the study's own and Dask's clients "
+            "go on without the worker"
+        )
 
 
 def unfit(error: BaseException) -> StudyError:
@@ -173,6 +193,7 @@ def unfit(error: BaseException) -> StudyError:
 
 
 def packed(job: Job) -> bytes:
+    """The job as bytes, or an error that names what cannot be sent."""
     try:
         return pack(job)
     except Exception as error:

@@ -190,20 +190,21 @@ class _Worker:
         """The process, a new one if need be, once it is ready."""
         if self._process is not None and self._pipe is not None and self._process.is_alive():
             return self._pipe, self._process
+        cause = ""
         for _ in range(STARTS):
             pipe, process = self._started()
             with contextlib.suppress(EOFError, OSError):
                 if pipe in wait([pipe, process.sentinel]):
                     pipe.recv_bytes()
                     return pipe, process
-            process.join()
+            cause = _cause(process)
             # One that was killed may be followed by another; one that ended has a reason to.
             if process.exitcode is not None and process.exitcode >= 0:
                 break
         if self._killed:
             raise WorkerDied("the worker processes were ended")
         raise WorkerBroken(
-            f"a worker process cannot start: it {_cause(process)}. What it wrote is above; {GUARD}"
+            f"a worker process cannot start: it {cause}. What it wrote is above; {GUARD}"
         )
 
     def _started(self) -> tuple[Connection, SpawnProcess]:

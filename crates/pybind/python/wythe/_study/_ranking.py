@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import html
-import importlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wythe._results import _extra
 from wythe._study._quantity import quantity
 
 if TYPE_CHECKING:
@@ -57,11 +57,8 @@ class Ranking:
 
     def to_pandas(self) -> pandas.DataFrame:
         """As a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        try:
-            module: Any = importlib.import_module("pandas")
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas: pip install 'wythe[study]'") from error
-        frame: pandas.DataFrame = module.DataFrame(
+        package = _extra("pandas", "pandas", "study")
+        frame: pandas.DataFrame = package.DataFrame(
             list(self.ranks), columns=["parameter", "spearman", "regression"]
         )
         return frame

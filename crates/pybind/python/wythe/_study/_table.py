@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import html
-import importlib
 import json
 import os
 from collections import Counter
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from wythe._results import _extra
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
@@ -117,12 +117,9 @@ class Study:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        try:
-            module: Any = importlib.import_module("pandas")
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas: pip install 'wythe[study]'") from error
+        package = _extra("pandas", "pandas", "study")
         columns = {name: self.column(name) for name in self.columns}
-        frame: pandas.DataFrame = module.DataFrame(columns, columns=list(columns))
+        frame: pandas.DataFrame = package.DataFrame(columns, columns=list(columns))
         return frame
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
