@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import inspect
 import multiprocessing
@@ -283,11 +284,12 @@ def _identity(thing: Any) -> str:
     """By which a model or a function is known again: a name for people and a hash of what it says."""
     if hasattr(thing, "to_toml"):
         return f"model {hashlib.sha256(thing.to_toml().encode()).hexdigest()}"
-    name = getattr(thing, "__qualname__", type(thing).__qualname__)
     digest = hashlib.sha256()
     # Of functions the source, of callable objects what they hold.
+    of = thing.func if isinstance(thing, functools.partial) else thing
     with contextlib.suppress(OSError, TypeError):
-        digest.update(inspect.getsource(thing if inspect.isroutine(thing) else type(thing)).encode())
+        digest.update(inspect.getsource(of if inspect.isroutine(of) else type(of)).encode())
     with contextlib.suppress(Exception):
         digest.update(pickle.dumps(thing, protocol=4))
+    name = getattr(of, "__qualname__", type(of).__qualname__)
     return f"{name} {digest.hexdigest()}"
