@@ -36,11 +36,25 @@ from wythe._model import Findings, Model, Problem
 from wythe._picture import Picture
 from wythe._results import Frame, History, Interfaces, Results
 from wythe._run import Increment
+from wythe._study import (
+    Distribution,
+    Rank,
+    Ranking,
+    Study,
+    StudyError,
+    StudyInterrupted,
+    WorkerDied,
+    latin_hypercube,
+    lognormal,
+    normal,
+    study,
+)
 
 __version__ = _wythe.__version__
 
 __all__ = [
     "ConvergenceError",
+    "Distribution",
     "Findings",
     "Frame",
     "History",
@@ -56,15 +70,25 @@ __all__ = [
     "Picture",
     "PointError",
     "Problem",
+    "Rank",
+    "Ranking",
     "Results",
     "RunInterrupted",
+    "Study",
+    "StudyError",
+    "StudyInterrupted",
+    "WorkerDied",
     "WytheError",
     "__version__",
     "build",
     "drive_interface",
     "drive_material",
+    "latin_hypercube",
+    "lognormal",
+    "normal",
     "salvage",
     "schema",
+    "study",
     "templates",
 ]
 
