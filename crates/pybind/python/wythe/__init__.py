@@ -13,6 +13,7 @@ positive when open.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 from wythe import _wythe, build, templates
 from wythe._drive import (
@@ -31,6 +32,7 @@ from wythe._errors import (
     RunInterrupted,
     WytheError,
     as_path,
+    expected,
 )
 from wythe._model import Findings, Model, Problem
 from wythe._picture import Picture
@@ -81,6 +83,7 @@ __all__ = [
     "WytheError",
     "__version__",
     "build",
+    "command",
     "drive_interface",
     "drive_material",
     "latin_hypercube",
@@ -91,6 +94,16 @@ __all__ = [
     "study",
     "templates",
 ]
+
+
+def command(arguments: Sequence[str]) -> int:
+    """Runs the ``wythe`` command with these arguments, and returns its exit code.
+
+    It prints where the process prints. For what has no name of its own here, ``study stability`` among others.
+    """
+    if isinstance(arguments, str) or not all(isinstance(item, str) for item in arguments):
+        raise expected("arguments", "a sequence of str, e.g. ['check', 'wall.toml']", arguments)
+    return _wythe.command(["wythe", *arguments])
 
 
 def schema() -> str:
