@@ -176,6 +176,16 @@ fn an_experiment_is_read_beside_the_deck() {
         assert!(error.message().contains(part), "{error}");
         assert!(error.line().is_some() && !error.advice().is_empty());
     }
+    // A copy elsewhere finds it where the deck was, as `wythe resume` asks of the one in the folder of a run.
+    std::fs::write(folder.path().join("test.csv"), csv).unwrap();
+    let copy = folder.path().join("wall.out");
+    std::fs::create_dir(&copy).unwrap();
+    let copy = copy.join("model.toml");
+    std::fs::copy(&deck, &copy).unwrap();
+    let copied = Deck::load(&copy, &[]).unwrap();
+    assert!(Model::from_deck(&copied).is_err());
+    let found = Model::from_deck(&copied.in_folder(folder.path().into()));
+    assert!(found.unwrap().0.output.experiment.is_some());
     let never = [("output.scene_every".to_owned(), "0".to_owned())];
     let wythe::error::DeckError::Model(error) = Deck::load(&deck, &never).unwrap_err() else {
         panic!("the model is wrong")

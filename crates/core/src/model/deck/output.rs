@@ -2,8 +2,6 @@
 //!
 //! The name of its file is relative to the deck's folder.
 
-use std::path::Path;
-
 use super::Deck;
 use crate::error::ModelError;
 use crate::experiment::{Experiment, ExperimentError};
@@ -29,8 +27,7 @@ impl Deck {
 
     fn experiment(&self, file: &str) -> Result<MeasuredCurve, ModelError> {
         let key = "output.experiment";
-        let folder = Path::new(&self.source.file).parent();
-        let path = folder.unwrap_or(Path::new("")).join(file);
+        let path = self.folder().join(file);
         let text = std::fs::read_to_string(&path).map_err(|why| {
             let message = format!("{}: {why}", path.display());
             let help = "name a CSV file, relative to the deck's folder";

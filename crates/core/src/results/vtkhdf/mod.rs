@@ -72,8 +72,6 @@ impl VtkHdfWriter {
         let begun = WorkFile::create(&publication.work(), model);
         let mut writer = Self::begin(publication, begun)?;
         writer.publish()?;
-        // The first frame is shown at once, however long the empty file has taken.
-        writer.publication = Publication::new(path);
         Ok(writer)
     }
 
@@ -120,8 +118,8 @@ impl VtkHdfWriter {
         }
     }
 
-    /// Appends one step. Readers see it at once if the last copy was long enough ago (`publication`), else
-    /// with a later one.
+    /// Appends one step. Readers see it at once if it is the first or the last copy was long enough ago
+    /// (`publication`), else with a later one.
     ///
     /// # Errors
     /// A field has not as many rows as the mesh has nodes or elements, which leaves the file as it was; or the
@@ -130,7 +128,8 @@ impl VtkHdfWriter {
         let fields = self.opened()?.fields(frame);
         let fields = fields.map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
         self.write(|open| open.append(frame, &fields))?;
-        if self.publication.is_due() {
+        // The first at once, however long the empty file has taken.
+        if self.steps() == 1 || self.publication.is_due() {
             self.publication.publish()?;
         }
         Ok(())

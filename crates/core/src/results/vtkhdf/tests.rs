@@ -262,6 +262,8 @@ fn readers_see_whole_files_while_it_is_written() {
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();
     let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
+    // As the checkpoint of the first increment does.
+    writer.publish().unwrap();
     assert!(seen(&path).0.is_empty());
     record(&mut writer, &model, 1..=2);
     assert_eq!(seen(&path).0, [2], "the first frame at once");
