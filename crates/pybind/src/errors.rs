@@ -35,17 +35,40 @@ type Told = (
 );
 
 fn told(error: &ModelError, text: Text) -> Told {
-    let at = |place: Option<usize>| place.filter(|_| text != Text::Made);
-    let file = (text == Text::File).then(|| error.file().to_owned());
+    let (line, column) = place(error, text);
+    // Of an override the key says all.
+    let file = (text == Text::File && !is_override(error)).then(|| error.file().to_owned());
     (
         file,
-        at(error.line()),
-        at(error.column()),
+        line,
+        column,
         error.key().to_owned(),
         error.message().to_owned(),
-        // What the command calls an override.
-        error.advice().replace("--set ", ""),
+        in_python(error.advice()),
     )
+}
+
+/// Line and column in the text, where someone has written one.
+pub fn place(error: &ModelError, text: Text) -> (Option<usize>, Option<usize>) {
+    if text == Text::Made || is_override(error) {
+        (None, None)
+    } else {
+        (error.line(), error.column())
+    }
+}
+
+/// Whether the error lies in a value of an override, whose lines are not those of the deck.
+fn is_override(error: &ModelError) -> bool {
+    error.file().starts_with("--set ")
+}
+
+/// Advice for the command in the words of Python.
+pub fn in_python(advice: &str) -> String {
+    advice
+        .replace("--set ", "")
+        .replace("with --out", "by out")
+        .replace("--out", "out")
+        .replace("`wythe run`", "Model.run")
 }
 
 /// Where a deck comes from.
@@ -75,7 +98,7 @@ fn nowhere(py: Python<'_>, message: String, fix: String) -> PyErr {
 fn advice(error: &dyn Diagnostic) -> String {
     error
         .help()
-        .map_or_else(String::new, |help| help.to_string())
+        .map_or_else(String::new, |help| in_python(&help.to_string()))
 }
 
 /// The same of a diagnostic.
@@ -141,7 +164,10 @@ pub fn of_output(py: Python<'_>, error: &OutputError) -> PyErr {
 
 /// Of messages that cannot be rescued.
 pub fn of_salvage(py: Python<'_>, error: &SalvageError) -> PyErr {
-    output(py, error, None)
+    match error {
+        SalvageError::Io(error) => of_io(py, error),
+        error @ SalvageError::NotMcap(_) => output(py, error, None),
+    }
 }
 
 /// Of a run.

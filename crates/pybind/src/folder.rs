@@ -70,6 +70,27 @@ pub fn time_of_peak(py: Python<'_>, folder: PathBuf) -> PyResult<Option<f64>> {
     read.map_err(|error| errors::of_reading(py, &error))
 }
 
+/// What the history alone tells: the largest force [kN] and its displacement, the displacement at 0.8 of it [mm],
+/// the initial stiffness [kN/mm], under the names of `summary.json`.
+#[pyfunction]
+pub fn figures(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    let read = py.detach(|| Ok(RunFolder::open(&folder)?.history()?.curve()));
+    let curve = read.map_err(|error: ReadError| errors::of_reading(py, &error))?;
+    let peak = curve.peak();
+    let figures = PyDict::new(py);
+    figures.set_item("peak_force_kN", peak.as_ref().map(|p| p.force))?;
+    figures.set_item(
+        "displacement_at_peak_mm",
+        peak.as_ref().map(|p| p.displacement),
+    )?;
+    figures.set_item(
+        "displacement_at_80_percent_mm",
+        curve.displacement_at_80_percent(),
+    )?;
+    figures.set_item("initial_stiffness_kN_per_mm", curve.initial_stiffness())?;
+    Ok(figures)
+}
+
 /// `summary.json`, or nothing of a run that goes on or was killed.
 #[pyfunction]
 pub fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Option<String>> {

@@ -22,8 +22,8 @@ mod _wythe {
     use crate::fields::Fields;
     #[pymodule_export]
     use crate::folder::{
-        collection, compare, experiment, export_frame, history, picture, png, report, salvage,
-        summary, time_of_peak,
+        collection, compare, experiment, export_frame, figures, history, picture, png, report,
+        salvage, summary, time_of_peak,
     };
     #[pymodule_export]
     use crate::model::Deck;

@@ -7,6 +7,8 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use wythe_core::error::{ModelError, Warning};
 use wythe_core::model::{self, Deck as CoreDeck, Model};
+use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
+use wythe_core::results::directory::DECK;
 use wythe_core::results::elevation;
 use wythe_core::results::export::inp;
 
@@ -83,6 +85,22 @@ impl Deck {
         Ok(Self::new(deck, Text::File))
     }
 
+    /// Reads the copy in the folder of a run. Files that it names are where they were when it ran.
+    #[staticmethod]
+    fn of_run(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
+        let deck = py
+            .detach(|| CoreDeck::load(&folder.join(DECK), &[]))
+            .map_err(|error| errors::of_deck(py, &error))?;
+        // Without a checkpoint nothing says where that was.
+        let checkpoint = py.detach(|| CheckpointFile::read(&folder.join(CHECKPOINT)));
+        let files = checkpoint.ok().and_then(|read| read.deck_folder);
+        let deck = match files {
+            Some(files) => deck.in_folder(files.into()),
+            None => deck,
+        };
+        Ok(Self::new(deck, Text::File))
+    }
+
     /// TOML text of JSON.
     #[staticmethod]
     fn toml_of_json(text: &str) -> PyResult<String> {
@@ -147,7 +165,7 @@ impl Deck {
             Err(error) => json!({
                 "ok": false,
                 "title": self.deck.title,
-                "errors": error.all().map(error_json).collect::<Vec<_>>(),
+                "errors": error.all().map(|error| error_json(error, self.text)).collect::<Vec<_>>(),
                 "warnings": error.warnings().iter().map(warning_json).collect::<Vec<_>>(),
                 "notes": [],
                 "sizes": null,
@@ -188,14 +206,14 @@ impl Deck {
     }
 }
 
-fn error_json(error: &ModelError) -> Value {
+fn error_json(error: &ModelError, text: Text) -> Value {
+    let (line, column) = errors::place(error, text);
     json!({
-        "file": error.file(),
         "key": error.key(),
-        "line": error.line(),
-        "column": error.column(),
+        "line": line,
+        "column": column,
         "message": error.message(),
-        "fix": error.advice(),
+        "fix": errors::in_python(error.advice()),
     })
 }
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from typing import TypedDict
 
 from wythe import _wythe, build, templates
 from wythe._drive import (
@@ -76,6 +77,7 @@ __all__ = [
     "Ranking",
     "Results",
     "RunInterrupted",
+    "Salvaged",
     "Study",
     "StudyError",
     "StudyInterrupted",
@@ -111,15 +113,22 @@ def schema() -> str:
     return _wythe.schema()
 
 
-def salvage(
-    path: str | os.PathLike[str], out: str | os.PathLike[str] | None = None
-) -> dict[str, int | bool]:
+class Salvaged(TypedDict):
+    """What :func:`salvage` has found."""
+
+    messages: int
+    attachments: int
+    lost_bytes: int
+    was_whole: bool
+
+
+def salvage(path: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Salvaged:
     """Gives the messages (``run.mcap``) of an interrupted run an end and an index, in place or as ``out``.
 
     Returns
     -------
-    dict
-        ``messages``, ``attachments``, ``lost_bytes`` after the last whole record, and whether it ``was_whole``.
+    Salvaged
+        A dictionary of ``messages``, ``attachments``, ``lost_bytes`` after the last whole record, and whether it ``was_whole``.
     """
     target = None if out is None else as_path("out", out)
     messages, attachments, lost, whole = _wythe.salvage(as_path("path", path), target)

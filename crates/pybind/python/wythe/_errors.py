@@ -53,7 +53,7 @@ class ModelError(WytheError, ValueError):
         self.file = file
         self.line = line
         self.column = column
-        self.others = tuple(others)
+        self.others: tuple[ModelError, ...] = tuple(others)
 
     def __str__(self) -> str:
         lines = [self._told()]
@@ -96,16 +96,20 @@ class ConvergenceError(WytheError, RuntimeError):
 
     Attributes
     ----------
+    message : str
+        Where, why, and what to try.
     results : Results
         Everything up to there.
     """
 
     def __init__(self, message: str, results: Results) -> None:
+        # Both, so that a copy in another process has both.
         super().__init__(message, results)
+        self.message = message
         self.results = results
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return self.message
 
 
 class PointError(WytheError, RuntimeError):
@@ -138,7 +142,8 @@ class OutputError(WytheError, OSError):
     fix: str = ""
 
     def __str__(self) -> str:
-        text = str(self.args[-1])
+        # Of an OSError either (message,) or (number, message).
+        text = str(self.args[-1]) if self.args else ""
         return f"{text}\n  fix: {self.fix}" if self.fix else text
 
 
@@ -147,16 +152,20 @@ class RunInterrupted(KeyboardInterrupt):
 
     Attributes
     ----------
+    message : str
+        What to do.
     results : Results
         Everything up to the last whole increment. ``results.resume()`` goes on from there.
     """
 
     def __init__(self, message: str, results: Results) -> None:
+        # Both, so that a copy in another process has both.
         super().__init__(message, results)
+        self.message = message
         self.results = results
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return self.message
 
 
 # What the Rust half raises with.
@@ -178,6 +187,21 @@ def _output_error(message: str, fix: str, number: int | None) -> OutputError:
     error = OutputError(message) if number is None else OutputError(number, message)
     error.fix = fix
     return error
+
+
+def unwritten(name: str, error: OSError) -> OutputError:
+    """A file that Python could not write."""
+    return _output_error(f"{name}: cannot be written: {error.strerror}", "", error.errno)
+
+
+def write_text(name: str, text: str) -> str:
+    """Writes a file and returns its name."""
+    try:
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as error:
+        raise unwritten(name, error) from error
+    return name
 
 
 def _no_frame(message: str, fix: str) -> IndexError:

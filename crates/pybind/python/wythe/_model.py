@@ -7,12 +7,15 @@ import html
 import json
 import numbers
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Union
 
+import numpy as np
+import numpy.typing as npt
+
 from wythe import _wythe
-from wythe._errors import ModelError, as_path, expected
+from wythe._errors import ModelError, as_path, expected, write_text
 from wythe._picture import Picture
 from wythe._results import Results
 from wythe._run import Increment, run_deck
@@ -20,8 +23,18 @@ from wythe._run import Increment, run_deck
 __all__ = ["Findings", "Model", "Problem", "Value"]
 
 #: What a key of a deck may hold: a number in base units (N, mm, MPa, tonne, s), a text with a unit
-#: (``"2.12 MPa"``), a flag, a list, a table.
-Value = Union[float, int, str, bool, Sequence[Any], Mapping[str, Any]]
+#: (``"2.12 MPa"``), a flag, a path, a list, a table; NumPy's numbers and arrays, too.
+Value = Union[
+    float,
+    int,
+    str,
+    bool,
+    "os.PathLike[str]",
+    Sequence[Any],
+    Mapping[str, Any],
+    "np.generic[Any]",
+    npt.NDArray[Any],
+]
 
 
 @dataclass(frozen=True)
@@ -135,7 +148,8 @@ class Model:
         Parameters
         ----------
         source
-            Path of a file, or the text itself (anything with a line break or a ``=``).
+            Path of a file, or the text itself: a str with a line break, or with a ``=`` and without ``.toml``
+            at its end.
         overrides
             Keys said anew, by dotted path, as ``wythe run --set`` does.
 
@@ -146,8 +160,8 @@ class Model:
         OutputError
             The file cannot be read.
         """
-        said = _overrides("overrides", overrides or {})
-        if isinstance(source, str) and ("\n" in source or "=" in source):
+        said = _overrides("overrides", {} if overrides is None else overrides)
+        if isinstance(source, str) and _is_text(source):
             # Files that the text names are relative to the current folder.
             return cls._of(_wythe.Deck.read(source, True, None, said))
         return cls._of(_wythe.Deck.load(as_path("source", source), said))
@@ -178,7 +192,9 @@ class Model:
         where = None if folder is None else as_path("folder", folder)
         return cls._of(_wythe.Deck.read(text, False, where, []))
 
-    def with_(self, changes: Mapping[str, Value] | None = None, /, **keys: Value) -> Model:
+    def with_(
+        self, changes: Mapping[str, Value | None] | None = None, /, **keys: Value | None
+    ) -> Model:
         """A copy with other values.
 
         Parameters
@@ -232,10 +248,7 @@ class Model:
 
     def save(self, path: str | os.PathLike[str]) -> str:
         """Writes the deck to a file and returns its path."""
-        name = as_path("path", path)
-        with open(name, "w", encoding="utf-8") as file:
-            file.write(self.to_toml())
-        return name
+        return write_text(as_path("path", path), self.to_toml())
 
     def material(self, name: str) -> dict[str, Any]:
         """The material of this name, as :func:`wythe.drive_material` takes it."""
@@ -335,7 +348,8 @@ class Model:
         return self._deck == other._deck and self._files() == other._files()
 
     def __hash__(self) -> int:
-        return hash((self.to_toml(), self._files()))
+        # Not of the text: equal models may have tables in another order, and 0 has two signs.
+        return hash((_frozen(self.to_dict()), self._files()))
 
     def _files(self) -> str:
         """The folder, if a file in it decides what the model is."""
@@ -347,7 +361,7 @@ class Model:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of :meth:`to_toml`: the same for equal models, in every process."""
+        """SHA-256 of :meth:`to_toml`: the same in every process, and that of ``model.toml`` of a run."""
         return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -435,8 +449,22 @@ def _step(step: Mapping[str, Any]) -> str:
     return said
 
 
+def _is_text(source: str) -> bool:
+    return "\n" in source or ("=" in source and not source.endswith(".toml"))
+
+
 def _unpickled(text: str, folder: str) -> Model:
     return Model._of(_wythe.Deck.read(text, False, folder, []))
+
+
+def _frozen(value: Any) -> Hashable:
+    """A deck that can be hashed: equal if the decks are."""
+    if isinstance(value, dict):
+        return frozenset((key, _frozen(item)) for key, item in value.items())
+    if isinstance(value, list):
+        return tuple(map(_frozen, value))
+    found: Hashable = value
+    return found
 
 
 def _plain(where: str, value: Any) -> Any:

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 
 from wythe import _wythe
-from wythe._errors import OutputError, _output_error, as_path
+from wythe._errors import as_path, unwritten
 
 __all__ = ["Picture"]
 
@@ -55,9 +55,6 @@ class Picture:
             with open(name, "wb") as file:
                 file.write(content)
         except OSError as error:
-            raise _unwritten(name, error) from error
+            raise unwritten(name, error) from error
         return name
 
-
-def _unwritten(name: str, error: OSError) -> OutputError:
-    return _output_error(f"{name}: cannot be written: {error.strerror}", "", error.errno)

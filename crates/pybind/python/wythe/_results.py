@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import csv
 import html
+import importlib
 import json
 import math
 import os
+import shutil
 import tempfile
+import weakref
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Literal, Union, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from wythe import _wythe
-from wythe._errors import OutputError, as_path, expected
+from wythe._errors import OutputError, as_path, expected, unwritten, write_text
 from wythe._picture import Picture
 
 if TYPE_CHECKING:
@@ -32,8 +35,13 @@ __all__ = ["Frame", "History", "Interfaces", "Results"]
 
 #: Numbers of a frame or a column.
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 #: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
-FrameNumber = Union[int, str]
+FrameNumber = Union[int, "np.integer[Any]", Literal["peak", "last"]]
+#: How a run ended; ``"unfinished"`` if nothing says so.
+Status = Literal["completed", "not_converged", "interrupted", "unfinished"]
+#: What :meth:`Results.picture` draws.
+Kind = Literal["curves", "cracks", "deflection_height", "deflection_length"]
 
 
 class History(Mapping[str, npt.NDArray[Any]]):
@@ -43,6 +51,34 @@ class History(Mapping[str, npt.NDArray[Any]]):
     arrays are read-only. ``driven`` says which rows belong to steps that drive the model, and ``procedure`` is
     text; all other columns are numbers. Columns of probes have the probes' names.
     """
+
+    increment: Integers
+    step: Integers
+    time: Floats
+    displacement_mm: Floats
+    force_kN: Floats
+    reaction_kN: Floats
+    iterations: Integers
+    cutbacks: Integers
+    external_work_J: Floats
+    elastic_energy_J: Floats
+    plastic_damage_dissipation_J: Floats
+    interface_dissipation_J: Floats
+    viscous_dissipation_J: Floats
+    open_points: Integers
+    sliding_points: Integers
+    max_interface_damage: Floats
+    max_tensile_damage: Floats
+    max_compressive_damage: Floats
+    out_of_balance: Floats
+    residual: Floats
+    kinetic_energy_J: Floats
+    damping_dissipation_J: Floats
+    numerical_dissipation_J: Floats
+    contact_area_mm2: Floats
+    load_factor: Floats
+    procedure: npt.NDArray[np.str_]
+    driven: npt.NDArray[np.bool_]
 
     def __init__(self, columns: Mapping[str, npt.NDArray[Any]], probes: tuple[str, ...]) -> None:
         self._columns = dict(columns)
@@ -60,10 +96,11 @@ class History(Mapping[str, npt.NDArray[Any]]):
             raise KeyError(f"{name}: the history has {', '.join(self._columns)}") from None
 
     def __getattr__(self, name: str) -> npt.NDArray[Any]:
-        try:
-            return self.__dict__["_columns"][name]  # type: ignore[no-any-return]
-        except KeyError:
-            raise AttributeError(f"the history has no column {name!r}") from None
+        # Not by self._columns, which is not there yet while a copy is made.
+        columns: dict[str, npt.NDArray[Any]] = self.__dict__.get("_columns", {})
+        if name not in columns:
+            raise AttributeError(f"the history has no column {name!r}")
+        return columns[name]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._columns]
@@ -82,17 +119,21 @@ class History(Mapping[str, npt.NDArray[Any]]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame with a row an increment."""
-        package = _extra("pandas", "pandas", "study")
-        frame: pandas.DataFrame = package.DataFrame(dict(self._columns)).set_index("increment")
-        return frame
+        _need("pandas", "study")
+        import pandas
+
+        return pandas.DataFrame(dict(self._columns)).set_index("increment")
 
     def to_csv(self, path: str | os.PathLike[str]) -> str:
         """Writes the columns as a CSV file with full precision, and returns its path."""
         name = as_path("path", path)
-        with open(name, "w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(self._columns)
-            rows.writerows(zip(*(column.tolist() for column in self._columns.values())))
+        try:
+            with open(name, "w", newline="", encoding="utf-8") as file:
+                rows = csv.writer(file)
+                rows.writerow(self._columns)
+                rows.writerows(zip(*(column.tolist() for column in self._columns.values())))
+        except OSError as error:
+            raise unwritten(name, error) from error
         return name
 
     def __repr__(self) -> str:
@@ -112,55 +153,58 @@ class History(Mapping[str, npt.NDArray[Any]]):
 
 class Interfaces:
     """What the points of the interfaces do at a frame. Arrays are read-only, one row a contact point,
-    four points to a slave facet.
+    four points to a slave facet; without rows where the model has no interfaces.
     """
 
     def __init__(self, fields: _wythe.Fields, frame: int) -> None:
         self._fields = fields
         self._frame = frame
 
-    def _field(self, name: str) -> Any:
-        return self._fields.field(f"interfaces.{name}", self._frame)
+    def _field(self, name: str, *width: int, kind: type = np.float64) -> npt.NDArray[Any]:
+        full = f"interfaces.{name}"
+        if full not in self._fields.names():
+            return _nothing(0, *width, kind=kind)
+        return self._fields.field(full, self._frame)
 
     @cached_property
     def opening(self) -> Floats:
         """Opening u, closed negative [mm]. Shape (points,)."""
-        return self._field("opening")  # type: ignore[no-any-return]
+        return self._field("opening")
 
     @cached_property
     def slip(self) -> Floats:
         """Slip along the facet's two tangents [mm]. Shape (points, 2)."""
-        return self._field("slip")  # type: ignore[no-any-return]
+        return self._field("slip", 2)
 
     @cached_property
     def traction(self) -> Floats:
         """Traction: normal, two shears, tension positive [MPa]. Shape (points, 3)."""
-        return self._field("traction")  # type: ignore[no-any-return]
+        return self._field("traction", 3)
 
     @cached_property
     def damage(self) -> Floats:
         """Damage D [-]. Shape (points,)."""
-        return self._field("damage")  # type: ignore[no-any-return]
+        return self._field("damage")
 
     @cached_property
     def state(self) -> npt.NDArray[np.uint8]:
         """State of the bond: 0 intact, 1 softening, 2 failed and open, 3 failed and sliding. Shape (points,)."""
-        return self._field("state")  # type: ignore[no-any-return]
+        return self._field("state", kind=np.uint8)
 
     @cached_property
     def displacement(self) -> Floats:
         """Displacement of the corners of the points' quads [mm]. Shape (corners, 3)."""
-        return self._field("displacement")  # type: ignore[no-any-return]
+        return self._field("displacement", 3)
 
     @cached_property
     def corners(self) -> Floats:
         """Corners of the points' quads at rest [mm]. Shape (corners, 3)."""
-        return self._fields.surface()[0]  # type: ignore[no-any-return]
+        return self._fields.surface()[0]
 
     @cached_property
     def quads(self) -> npt.NDArray[np.uint32]:
         """Corners of the quad around each point. Shape (points, 4)."""
-        return self._fields.surface()[1]  # type: ignore[no-any-return]
+        return self._fields.surface()[1]
 
     def __len__(self) -> int:
         """Number of points."""
@@ -188,57 +232,55 @@ class Frame:
     increment: int
     """Increments done."""
 
-    def _field(self, name: str) -> Any:
+    def _field(self, name: str) -> npt.NDArray[Any]:
         return self._fields.field(name, self.number)
 
     @cached_property
     def displacement(self) -> Floats:
         """Displacement [mm]. Shape (nodes, 3)."""
-        return self._field("displacement")  # type: ignore[no-any-return]
+        return self._field("displacement")
 
     @cached_property
     def velocity(self) -> Floats:
         """Velocity [mm/s]; shape (nodes, 3), or (0, 3) where no step could have inertia."""
         if "velocity" not in self._fields.names():
-            nothing = np.zeros((0, 3))
-            nothing.flags.writeable = False
-            return nothing
-        return self._field("velocity")  # type: ignore[no-any-return]
+            return _nothing(0, 3)
+        return self._field("velocity")
 
     @cached_property
     def stress(self) -> Floats:
         """Nominal stress xx, yy, zz, xy, yz, zx [MPa]. Shape (elements, 6)."""
-        return self._field("stress")  # type: ignore[no-any-return]
+        return self._field("stress")
 
     @cached_property
     def principal_stress(self) -> Floats:
         """Principal nominal stresses, the largest first [MPa]. Shape (elements, 3)."""
-        return self._field("principal_stress")  # type: ignore[no-any-return]
+        return self._field("principal_stress")
 
     @cached_property
     def plastic_strain(self) -> Floats:
         """Plastic strain, engineering shear [-]. Shape (elements, 6)."""
-        return self._field("plastic_strain")  # type: ignore[no-any-return]
+        return self._field("plastic_strain")
 
     @cached_property
     def tensile_damage(self) -> Floats:
         """Tensile damage [-]. Shape (elements,)."""
-        return self._field("tensile_damage")  # type: ignore[no-any-return]
+        return self._field("tensile_damage")
 
     @cached_property
     def compressive_damage(self) -> Floats:
         """Compressive damage [-]. Shape (elements,)."""
-        return self._field("compressive_damage")  # type: ignore[no-any-return]
+        return self._field("compressive_damage")
 
     @cached_property
     def crack_width(self) -> Floats:
         """Width of the cracks smeared in the elements [mm]. Shape (elements,)."""
-        return self._field("crack_width")  # type: ignore[no-any-return]
+        return self._field("crack_width")
 
     @cached_property
     def yielded(self) -> npt.NDArray[np.bool_]:
         """Whether any point of the element has plastic strain or damage. Shape (elements,)."""
-        return self._field("yielded").view(np.bool_)  # type: ignore[no-any-return]
+        return self._field("yielded").view(np.bool_)
 
     @cached_property
     def interfaces(self) -> Interfaces:
@@ -268,12 +310,12 @@ class Results:
         if os.path.isfile(name):
             name = os.path.dirname(name) or "."
         self._path = name
-        self._temporary: tempfile.TemporaryDirectory[str] | None = None
+        self._temporary: Temporary | None = None
         # Says at once what is not there.
         self._history()
 
     @classmethod
-    def _of(cls, path: str, temporary: tempfile.TemporaryDirectory[str] | None) -> Results:
+    def _of(cls, path: str, temporary: Temporary | None) -> Results:
         results = cls.__new__(cls)
         results._path = path
         results._temporary = temporary
@@ -310,9 +352,9 @@ class Results:
         return said
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """``"completed"``, ``"not_converged"``, ``"interrupted"``, or ``"unfinished"`` where there is no summary."""
-        return str(self.summary.get("status", "unfinished"))
+        return cast(Status, self.summary.get("status", "unfinished"))
 
     @property
     def message(self) -> str:
@@ -329,8 +371,13 @@ class Results:
         """Where the procedure changed, and why."""
         return list(self.summary.get("log", []))
 
+    @cached_property
+    def _figures(self) -> Mapping[str, Any]:
+        """Key figures: of a run that goes on or was killed, those that its history tells."""
+        return self.summary or _wythe.figures(self._path)
+
     def _number(self, key: str) -> float:
-        value = self.summary.get(key)
+        value = self._figures.get(key)
         return math.nan if value is None else float(value)
 
     @property
@@ -355,7 +402,7 @@ class Results:
 
     @property
     def energy_balance_error(self) -> float:
-        """Largest gap of the energies over the largest work [-]."""
+        """Largest gap of the energies over the largest work [-]; nan of a run that goes on or was killed."""
         return self._number("energy_balance_error")
 
     @property
@@ -372,7 +419,7 @@ class Results:
         """The model that was run."""
         from wythe._model import Model
 
-        return Model.from_toml(os.path.join(self._path, "model.toml"))
+        return Model._of(_wythe.Deck.of_run(self._path))
 
     @cached_property
     def _fields(self) -> _wythe.Fields:
@@ -383,6 +430,13 @@ class Results:
         """Title of the model."""
         return self._fields.title_and_version()[0]
 
+    def _name(self) -> str:
+        """The title, if the file that has it can be read."""
+        try:
+            return self.title
+        except OutputError:
+            return "a run"
+
     @property
     def version(self) -> str:
         """Version of wythe that made the run."""
@@ -391,7 +445,7 @@ class Results:
     @cached_property
     def times(self) -> Floats:
         """Step time of each frame [s]. Shape (frames,)."""
-        return self._fields.times()  # type: ignore[no-any-return]
+        return self._fields.times()
 
     @property
     def frames(self) -> int:
@@ -470,11 +524,12 @@ class Results:
         scale
             Factor of the displacements that are drawn; the field itself is not scaled.
         """
-        package = _extra("pyvista", "pyvista", "plot")
+        _need("pyvista", "plot")
+        import pyvista
+
         shown = self.frame(frame)
         cells = {np.uint8(12): self.elements.astype(np.int64)}
-        points = self.nodes + scale * shown.displacement
-        grid: pyvista.UnstructuredGrid = package.UnstructuredGrid(cells, points)
+        grid = pyvista.UnstructuredGrid(cells, self.nodes + scale * shown.displacement)
         for name, values in self._of_points(shown).items():
             grid.point_data[name] = values
         for name, values in self._of_elements(shown).items():
@@ -483,16 +538,19 @@ class Results:
 
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
         """The solids at rest with all fields of a frame, for meshio (which writes many formats)."""
-        package = _extra("meshio", "meshio", "plot")
+        _need("meshio", "plot")
+        import meshio
+
         shown = self.frame(frame)
-        cell_data = {name: [values] for name, values in self._of_elements(shown).items()}
-        mesh: meshio.Mesh = package.Mesh(
+        cell_data: dict[str, list[npt.ArrayLike]] = {
+            name: [values] for name, values in self._of_elements(shown).items()
+        }
+        return meshio.Mesh(
             self.nodes,
             [("hexahedron", self.elements.astype(np.int64))],
-            point_data=self._of_points(shown),
+            point_data=dict(self._of_points(shown)),
             cell_data=cell_data,
         )
-        return mesh
 
     def _of_points(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
         fields: dict[str, npt.NDArray[Any]] = {"displacement": frame.displacement}
@@ -532,14 +590,15 @@ class Results:
         label
             Of the legend; the title if not given.
         """
-        pyplot = _extra("matplotlib.pyplot", "matplotlib", "plot")
+        _need("matplotlib", "plot")
+        from matplotlib import pyplot
+
         if ax is None:
             _, ax = pyplot.subplots()
-        assert ax is not None
         driven = self.history["driven"]
         x = self.history["displacement_mm"][driven]
         y = self.history["force_kN"][driven]
-        ax.plot(x, y, label=label or self.title)
+        ax.plot(x, y, label=self._name() if label is None else label)
         if not math.isnan(self.peak_force):
             ax.plot([self.displacement_at_peak], [self.peak_force], "o", color="0.3", markersize=4)
         if experiment is not None:
@@ -553,7 +612,7 @@ class Results:
 
     def picture(
         self,
-        kind: str = "curves",
+        kind: Kind = "curves",
         *,
         frame: FrameNumber = "last",
         experiment: str | os.PathLike[str] | None = None,
@@ -577,7 +636,7 @@ class Results:
         if kind not in kinds:
             raise ValueError(f"kind: expected one of {', '.join(kinds)}, got {kind!r}")
         others = against or {}
-        runs = [(self.title, self._path), *((name, run.path) for name, run in others.items())]
+        runs = [(self._name(), self._path), *((name, run.path) for name, run in others.items())]
         measured = [] if experiment is None else [as_path("experiment", experiment)]
         # Curves need no frame; those that are not there must not hinder them.
         number = "last" if kind == "curves" else str(self._frame_number(frame))
@@ -610,7 +669,7 @@ class Results:
 
     def export(
         self,
-        to: str,
+        to: Literal["vtu", "csv", "inp"],
         out: str | os.PathLike[str] | None = None,
         *,
         frame: FrameNumber | None = "last",
@@ -622,11 +681,12 @@ class Results:
             raise ValueError(f"to: expected 'vtu', 'csv' or 'inp', got {to!r}")
         folder = os.path.join(self._path, "export") if out is None else as_path("out", out)
         if to == "inp":
-            os.makedirs(folder, exist_ok=True)
-            name = os.path.join(folder, "model.inp")
-            with open(name, "w", encoding="utf-8") as file:
-                file.write(self.model.to_inp())
-            return [name]
+            text = self.model.to_inp()
+            try:
+                os.makedirs(folder, exist_ok=True)
+            except OSError as error:
+                raise unwritten(folder, error) from error
+            return [write_text(os.path.join(folder, "model.inp"), text)]
         numbers = range(self.frames) if frame is None else [self._frame_number(frame)]
         written: list[str] = []
         series: list[tuple[float, str]] = []
@@ -636,9 +696,7 @@ class Results:
             series.append((time, os.path.basename(files[0])))
         if to == "vtu" and frame is None:
             name = os.path.join(folder, "series.pvd")
-            with open(name, "w", encoding="utf-8") as file:
-                file.write(_wythe.collection(series))
-            written.append(name)
+            written.append(write_text(name, _wythe.collection(series)))
         return written
 
     def resume(
@@ -661,12 +719,22 @@ class Results:
         Returns
         -------
         Results
-            These results anew.
+            Of the whole run. This object forgets what it has read and shows the same.
         """
         from wythe._model import _overrides
         from wythe._run import resume_run
 
-        return resume_run(self, _overrides("changes", changes or {}), threads, progress, callback)
+        said = _overrides("changes", {} if changes is None else changes)
+        try:
+            return resume_run(self, said, threads, progress, callback)
+        finally:
+            self._forget()
+
+    def _forget(self) -> None:
+        """Everything that was read of the folder."""
+        for name in list(self.__dict__):
+            if isinstance(getattr(Results, name, None), cached_property):
+                del self.__dict__[name]
 
     def _in_a_line(self) -> str:
         counts = f"{self.summary.get('increments', self.history.increments)} increments"
@@ -686,11 +754,7 @@ class Results:
         return (Results, (os.path.abspath(self._path),))
 
     def __repr__(self) -> str:
-        try:
-            title = self.title
-        except OutputError:
-            title = "a run"
-        return f"<wythe.Results {title!r}: {self._in_a_line()}; {self._path}>"
+        return f"<wythe.Results {self._name()!r}: {self._in_a_line()}; {self._path}>"
 
     def _repr_html_(self) -> str:
         line = html.escape(repr(self)[1:-1])
@@ -701,11 +765,35 @@ class Results:
         return f"<p>{line}</p><div style='max-width:36em'>{svg}</div>"
 
 
-def _extra(module: str, package: str, extra: str) -> Any:
-    """An optional package."""
-    import importlib
+def _nothing(*shape: int, kind: type = np.float64) -> npt.NDArray[Any]:
+    """A field that the file has not."""
+    nothing: npt.NDArray[Any] = np.zeros(shape, kind)
+    nothing.flags.writeable = False
+    return nothing
 
+
+class Temporary:
+    """A folder for one run, which vanishes with this object or when the process ends."""
+
+    def __init__(self) -> None:
+        self._name = tempfile.mkdtemp(prefix="wythe-")
+        weakref.finalize(self, _remove, self._name, os.getpid())
+
+    @property
+    def run(self) -> str:
+        """The folder of the run in it, which the run makes."""
+        return os.path.join(self._name, "run")
+
+
+def _remove(name: str, owner: int) -> None:
+    # A fork has the object, too, but not the folder.
+    if os.getpid() == owner:
+        shutil.rmtree(name, ignore_errors=True)
+
+
+def _need(package: str, extra: str) -> None:
+    """Says how to install an optional package that is not there."""
     try:
-        return importlib.import_module(module)
+        importlib.import_module(package)
     except ImportError as error:
         raise ImportError(f"this needs {package}: pip install 'wythe[{extra}]'") from error

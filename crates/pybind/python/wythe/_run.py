@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, TextIO
+
+import numpy as np
 
 from wythe import _wythe
 from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected
-from wythe._results import Results
+from wythe._results import Results, Temporary
 
 __all__ = ["Increment"]
 
@@ -120,7 +121,9 @@ def _listeners(
         increment = Increment(**row, probes=dict(zip(probes, values)))
         if follower is not None:
             follower.show(increment)
-        return callback is None or callback(increment) is not False
+        answer = True if callback is None else callback(increment)
+        # NumPy's False is another object.
+        return not (isinstance(answer, (bool, np.bool_)) and not answer)
 
     return on_row, None if follower is None else follower.note
 
@@ -140,8 +143,8 @@ def run_deck(
     on_row, on_note = _listeners(callback, follower, probes)
     temporary = None
     if out is None:
-        temporary = tempfile.TemporaryDirectory(prefix="wythe-")
-        folder = os.path.join(temporary.name, "run")
+        temporary = Temporary()
+        folder = temporary.run
     else:
         folder = as_path("out", out)
     return _ended(
@@ -183,7 +186,7 @@ def _follower(deck: _wythe.Deck, progress: bool) -> Follower | None:
 
 def _ended(
     folder: str,
-    temporary: tempfile.TemporaryDirectory[str] | None,
+    temporary: Temporary | None,
     follower: Follower | None,
     solve: Callable[[], object],
 ) -> Results:
@@ -203,8 +206,3 @@ def _ended(
     if results.status == "not_converged":
         raise ConvergenceError(results.message, results)
     return results
-
-
-def increment_fields() -> tuple[str, ...]:
-    """Columns of the history that an :class:`Increment` has as attributes."""
-    return tuple(field.name for field in fields(Increment) if field.name != "probes")

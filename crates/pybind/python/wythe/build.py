@@ -8,9 +8,14 @@ with its unit. What is not given has the deck's default.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
-from wythe._model import Model
+import numpy.typing as npt
+
+from wythe._model import Model, Value
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = [
     "arch",
@@ -36,6 +41,30 @@ __all__ = [
 Quantity = float | str
 #: Part of a deck.
 Part = dict[str, Any]
+#: Rows of numbers.
+Rows = Sequence[Sequence[float]] | npt.NDArray[Any]
+
+
+class MotionOptions(TypedDict, total=False):
+    """Further keys of a step (docs/deck.md, ``steps``)."""
+
+    name: str
+    viscosity: Quantity
+    tangent: str
+    control: Mapping[str, Value]
+    alpha: float
+    rayleigh: Mapping[str, Quantity]
+    ground: Mapping[str, str]
+    ground_unit: Quantity
+    increments: Mapping[str, float]
+    tolerance: Mapping[str, float]
+
+
+class StepOptions(MotionOptions, total=False):
+    """Further keys of a step that need not be one in time."""
+
+    duration: Quantity
+    procedure: str
 
 
 def _part(**keys: Any) -> Part:
@@ -50,8 +79,8 @@ def elastic(E: Quantity, nu: float, *, density: Quantity | None = None) -> Part:
 def damage_plasticity(
     E: Quantity,
     nu: float,
-    tension: Sequence[Sequence[float]],
-    compression: Sequence[Sequence[float]],
+    tension: Rows,
+    compression: Rows,
     *,
     reference_length: Quantity | None = None,
     dilation_angle: Quantity | None = None,
@@ -169,15 +198,27 @@ def dry_joint(
 
 
 def preload(
-    pressure: Quantity, *, face: str | Sequence[str] | None = None, **options: Any
+    pressure: Quantity,
+    *,
+    face: str | Sequence[str] | None = None,
+    free: Sequence[str] | None = None,
+    **options: Unpack[StepOptions],
 ) -> Part:
     """A step that presses the top of a wall, or a face of blocks, by a pressure [MPa].
 
-    ``options`` are further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``,
-    ``tolerance``, ``viscosity``, ``free``.
+    Parameters
+    ----------
+    pressure
+        Compression is positive.
+    face
+        What is pressed in a scene of blocks.
+    free
+        Directions in which the face of blocks is free.
+    options
+        Further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``, ...
     """
     key = "top_pressure" if face is None else "pressure"
-    return {"kind": "preload", key: pressure, **_part(face=face), **options}
+    return {"kind": "preload", key: pressure, **_part(face=face, free=free), **options}
 
 
 def push(
@@ -187,7 +228,9 @@ def push(
     face: str | Sequence[str] | None = None,
     spring: str | None = None,
     vertical: str | None = None,
-    **options: Any,
+    free: Sequence[str] | None = None,
+    stop: Mapping[str, Quantity] | None = None,
+    **options: Unpack[StepOptions],
 ) -> Part:
     """A step that drives the top of a wall, a face of blocks or the far end of a spring [mm].
 
@@ -201,31 +244,57 @@ def push(
         What is driven in a scene of blocks.
     vertical
         Of a wall: ``"locked"`` or ``"free"``.
+    free
+        Directions in which a face of blocks is free.
+    stop
+        What ends the step sooner: ``{"below_peak": 0.8}``, ``{"displacement": "3 mm"}``.
     options
-        Further keys of the step: ``stop``, ``viscosity``, ``procedure``, ``increments``, ...
+        Further keys of the step: ``name``, ``viscosity``, ``procedure``, ``increments``, ...
     """
     return {
         "kind": "drive",
         "direction": direction,
         "displacement": displacement,
-        **_part(face=face, spring=spring, vertical=vertical),
+        **_part(face=face, spring=spring, vertical=vertical, free=free, stop=stop),
         **options,
     }
 
 
-def gravity(gravity: Quantity | None = None, **options: Any) -> Part:
-    """A step in which the weight grows from nothing; 9810 mm/s^2 if not said."""
-    return {"kind": "gravity", **_part(gravity=gravity), **options}
+def gravity(
+    gravity: Quantity | None = None,
+    *,
+    angle: Quantity | None = None,
+    axis: str | None = None,
+    **options: Unpack[StepOptions],
+) -> Part:
+    """A step in which the weight grows from nothing; 9810 mm/s^2 if not said. The ground may be inclined."""
+    return {"kind": "gravity", **_part(gravity=gravity, angle=angle, axis=axis), **options}
 
 
-def tilt(angle: Quantity, axis: str | None = None, **options: Any) -> Part:
+def tilt(angle: Quantity, axis: str | None = None, **options: Unpack[StepOptions]) -> Part:
     """A step that tilts the ground to an angle [degrees] about an axis (``"y"``: +x goes down)."""
     return {"kind": "tilt", "angle": angle, **_part(axis=axis), **options}
 
 
-def free(duration: Quantity, procedure: str = "dynamic", **options: Any) -> Part:
-    """A step in which only time passes [s]: motion under inertia, and under ``ground`` accelerations."""
-    return {"kind": "free", "duration": duration, "procedure": procedure, **options}
+def free(
+    duration: Quantity,
+    procedure: str = "dynamic",
+    *,
+    gravity: Quantity | None = None,
+    angle: Quantity | None = None,
+    axis: str | None = None,
+    **options: Unpack[MotionOptions],
+) -> Part:
+    """A step in which only time passes [s]: motion under inertia, and under ``ground`` accelerations.
+    Gravity and inclination hold from its start on, if they are said.
+    """
+    return {
+        "kind": "free",
+        "duration": duration,
+        "procedure": procedure,
+        **_part(gravity=gravity, angle=angle, axis=axis),
+        **options,
+    }
 
 
 def block(
@@ -236,7 +305,7 @@ def block(
     *,
     corners: Sequence[Sequence[Quantity]] | None = None,
     nodes: str | None = None,
-    rotate: Mapping[str, Any] | None = None,
+    rotate: Mapping[str, Quantity] | None = None,
     mesh: Sequence[int] | None = None,
     velocity: Sequence[Quantity] | None = None,
     copies: Sequence[int] | None = None,
@@ -283,10 +352,12 @@ def probe(
     on: str | Sequence[str] | None = None,
     *,
     near: Sequence[Quantity] | None = None,
-    minus: Any = None,
+    minus: str | Sequence[str] | Mapping[str, Value] | None = None,
     quantity: str | None = None,
 ) -> Part:
-    """A place whose motion the history follows as a column of its own."""
+    """A place whose motion the history follows as a column of its own: the mean of ``on``, or the node ``near``
+    a point, less the motion of ``minus``; ``quantity`` is ``"displacement"`` or ``"velocity"``.
+    """
     return _part(
         name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity
     )
@@ -307,7 +378,7 @@ def wall(
     mesh: str | Sequence[int] | None = None,
     clamped: Mapping[str, int] | None = None,
     title: str = "wall",
-    **tables: Any,
+    **tables: Value,
 ) -> Model:
     """A wall of units and mortar.
 
@@ -373,7 +444,7 @@ def arch(
     angle: Quantity | None = None,
     mesh: Sequence[int] | None = None,
     title: str = "arch",
-    **tables: Any,
+    **tables: Value,
 ) -> Model:
     """A circular arch of voussoirs on springings.
 
@@ -433,7 +504,7 @@ def blocks(
     probes: Sequence[Mapping[str, Any]] = (),
     points: str = "corner",
     title: str = "blocks",
-    **tables: Any,
+    **tables: Value,
 ) -> Model:
     """A scene of blocks.
 

@@ -6,6 +6,8 @@ Every parameter is a quantity: a number in base units (mm, MPa, degrees) or a te
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from wythe import _wythe
 from wythe._model import Model, Value
 
@@ -28,7 +30,7 @@ def text(name: str) -> str:
     raise ValueError(f"name: expected one of {', '.join(names())}, got {name!r}")
 
 
-def _made(name: str, changes: dict[str, Value | None]) -> Model:
+def _made(name: str, changes: Mapping[str, Value | None]) -> Model:
     said = {key: value for key, value in changes.items() if value is not None}
     return Model.from_toml(text(name)).with_({"title": name.replace("-", " "), **said})
 
@@ -39,7 +41,7 @@ def shear_wall(
     *,
     length: Quantity | None = None,
     courses: int | None = None,
-    mesh: str | list[int] | None = None,
+    mesh: str | Sequence[int] | None = None,
     vertical: str | None = None,
 ) -> Model:
     """A wall pressed and pushed in its plane until it has cracked and crushed.
@@ -76,7 +78,7 @@ def couplet(
     displacement: Quantity | None = None,
     *,
     f_t: Quantity | None = None,
-    mesh: str | list[int] | None = None,
+    mesh: str | Sequence[int] | None = None,
 ) -> Model:
     """Two bricks and the joint between them, pulled apart.
 
@@ -105,7 +107,7 @@ def out_of_plane(
     *,
     length: Quantity | None = None,
     courses: int | None = None,
-    mesh: str | list[int] | None = None,
+    mesh: str | Sequence[int] | None = None,
 ) -> Model:
     """A strip of wall pushed out of its plane under its load.
 
@@ -198,7 +200,7 @@ def column(
     duration: Quantity | None = None,
     *,
     friction: float | None = None,
-    velocity: list[Quantity] | None = None,
+    velocity: Sequence[Quantity] | None = None,
 ) -> Model:
     """A column of loose blocks, struck: sliding and rocking in time.
 

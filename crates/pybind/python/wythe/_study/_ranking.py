@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._results import _extra
+from wythe._results import _need
 from wythe._study._quantity import quantity
 
 if TYPE_CHECKING:
@@ -57,11 +57,10 @@ class Ranking:
 
     def to_pandas(self) -> pandas.DataFrame:
         """As a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        package = _extra("pandas", "pandas", "study")
-        frame: pandas.DataFrame = package.DataFrame(
-            list(self.ranks), columns=["parameter", "spearman", "regression"]
-        )
-        return frame
+        _need("pandas", "study")
+        import pandas
+
+        return pandas.DataFrame(list(self.ranks), columns=["parameter", "spearman", "regression"])
 
     def __repr__(self) -> str:
         width = max([len("parameter"), *(len(rank["parameter"]) for rank in self.ranks)])

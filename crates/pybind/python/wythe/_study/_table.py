@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._results import _extra
+from wythe._results import _need
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
@@ -117,10 +117,11 @@ class Study:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        package = _extra("pandas", "pandas", "study")
+        _need("pandas", "study")
+        import pandas
+
         columns = {name: self.column(name) for name in self.columns}
-        frame: pandas.DataFrame = package.DataFrame(columns, columns=list(columns))
-        return frame
+        return pandas.DataFrame(columns, columns=list(columns))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the table; empty where there is no number, lists as JSON."""

@@ -1,0 +1,165 @@
+"""Builders: each part makes the model that the same TOML makes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import wythe
+from helpers import EXAMPLES
+from wythe import build
+
+
+def example(number: str, **named: str) -> wythe.Model:
+    """An example, with some names of tables replaced by those that builders give."""
+    (path,) = EXAMPLES.glob(f"{number}_*.toml")
+    text = path.read_text()
+    for old, new in named.items():
+        text = text.replace(f"[interfaces.{old}]", f"[interfaces.{new}]")
+        text = text.replace(f'interface = "{old}"', f'interface = "{new}"')
+    return wythe.Model.from_toml(text)
+
+
+STONE = build.elastic("5 GPa", 0.2, density="2000 kg/m^3")
+JOINT = build.joint(
+    "0.28 MPa", "0.87 MPa", 1.01, 0.73, zeta=4.38, xi=1.1, u_k="0.20 mm", delta_k="0.4 mm"
+)
+
+
+@pytest.mark.parametrize("rows", [list, np.array])
+def test_a_wall_that_cracks(rows: type) -> None:
+    made = build.wall(
+        title="Shear wall J7D",
+        unit=["204 mm", "98 mm", "50 mm"],
+        bed_joint=12.5,
+        head_joint="12.5 mm",
+        length="990 mm",
+        courses=18,
+        mesh="coarse",
+        brick=build.damage_plasticity(
+            16700,
+            0.15,
+            tension=rows([[3.5, 0, 0], [0.3, 0.002, 0.95]]),
+            compression=rows([[11.0, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]),
+            reference_length="50 mm",
+        ),
+        mortar=build.damage_plasticity(
+            "850 MPa",
+            0.15,
+            tension=rows([[1.5, 0, 0], [0.1, 0.002, 0.95]]),
+            compression=rows([[7.8, 0, 0], [8.2, 0.002, 0], [0.4, 0.015, 0.95]]),
+            reference_length=31.4,
+        ),
+        joint=build.joint(
+            0.2, 0.22, 0.75, 0.75, zeta=4.38, xi=1.1, u_k="0.36 mm", delta_k="0.4 mm"
+        ),
+        steps=[build.preload("2.12 MPa"), build.push("4 mm", viscosity=0.0025)],
+    )
+    assert made == example("03")
+
+
+def test_a_couplet() -> None:
+    brick, mortar = build.elastic("16700 MPa", 0.15), build.elastic("2970 MPa", 0.15)
+    template = wythe.templates.couplet()
+    made = build.wall(
+        title="couplet",
+        unit=[204, 98, 50],
+        bed_joint=15,
+        head_joint=15,
+        length=204,
+        courses=2,
+        brick=brick,
+        mortar=mortar,
+        joint=JOINT,
+        clamped={"bottom_courses": 0, "top_courses": 0},
+        steps=[
+            build.push("0.006 mm", "z", name="peak"),
+            build.push("0.25 mm", "z", name="softening"),
+        ],
+    )
+    assert made == template
+
+
+def test_an_arch() -> None:
+    made = build.arch(
+        title="Semicircular arch",
+        radius="1 m",
+        thickness="107.01 mm",
+        width="200 mm",
+        voussoirs=11,
+        stone=STONE,
+        joint=build.dry_joint(2),
+        steps=[build.gravity()],
+    )
+    assert made == example("07", dry="joint")
+
+
+def test_an_arch_by_its_span() -> None:
+    deck = example("07", dry="joint").with_({"arch.span": "1.8 m", "arch.angle": "150 deg"})
+    made = build.arch(
+        title="Semicircular arch",
+        span="1.8 m",
+        angle=150,
+        mesh=[1, 1, 1],
+        thickness="107.01 mm",
+        width="200 mm",
+        voussoirs=11,
+        stone=STONE,
+        joint=build.dry_joint(2),
+        steps=[build.gravity()],
+    )
+    assert made == deck
+
+
+def test_a_block_that_slides() -> None:
+    made = build.blocks(
+        [
+            build.block("ground", "stone", [1500, 200, 50], [0, 0, "-50 mm"], mesh=[15, 1, 1]),
+            build.block("block", "stone", [200, 100, 100], ["50 mm", 50, 0], mesh=[2, 1, 1]),
+        ],
+        title="Block sliding down an incline",
+        materials={"stone": STONE},
+        interfaces={"dry": build.dry_joint(0.4, normal_stiffness="10 N/mm^3", shear_stiffness=4)},
+        contacts=[build.contact("dry", "block.bottom", "ground.top")],
+        supports=[build.support("ground")],
+        steps=[
+            build.gravity(),
+            build.free("1.2 s", angle="30 deg", increments={"initial": 0.002, "max": 0.01}),
+        ],
+    )
+    assert made == example("05")
+
+
+def test_a_column_of_copies() -> None:
+    made = build.blocks(
+        [
+            build.block("table", "stone", [800, 300, 100], [-200, -50, -100]),
+            build.block("block", "stone", [400, 200, 175], copies=[1, 1, 6], pitch=[0, 0, 175]),
+        ],
+        title="Column on a tilting table",
+        materials={"stone": STONE},
+        interfaces={"dry": build.dry_joint(0.65)},
+        contacts=[build.contact("dry")],
+        supports=[build.support("table")],
+        steps=[build.gravity(), build.tilt("25 deg")],
+    )
+    assert made == example("06")
+
+
+def test_bonded_blocks() -> None:
+    made = build.blocks(
+        [
+            build.block("lower", "stone", [200, 100, 50], mesh=[2, 1, 1]),
+            build.block("upper", "stone", [200, 100, 50], [0, 0, 50], mesh=[4, 2, 1]),
+        ],
+        title="Couplet of two blocks",
+        points="gauss",
+        materials={"stone": build.elastic("5 GPa", 0.2)},
+        interfaces={"joint": JOINT},
+        contacts=[build.contact("joint", "upper.bottom", "lower.top")],
+        supports=[build.support("lower.bottom")],
+        steps=[
+            build.preload("0.5 MPa", face="upper.top"),
+            build.push("0.6 mm", face="upper.top", free=["z"]),
+        ],
+    )
+    assert made == example("08")
