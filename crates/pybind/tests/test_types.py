@@ -1,0 +1,50 @@
+"""The package, its tests and the examples satisfy mypy and pyright, and every public type is known."""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from helpers import EXAMPLES, SOURCES, TARGET, python
+
+TESTS = Path(__file__).parent
+CHECKED = [str(SOURCES), *map(str, sorted(EXAMPLES.glob("*.py"))), *map(str, sorted(TESTS.glob("*.py")))]
+
+needs_mypy = pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
+needs_pyright = pytest.mark.skipif(find_spec("pyright") is None, reason="pyright is not installed")
+
+
+@needs_mypy
+def test_mypy_strict() -> None:
+    config = SOURCES.parents[1] / "pyproject.toml"
+    cache = TARGET / "mypy"
+    arguments = ("--strict", "--config-file", str(config), "--cache-dir", str(cache))
+    done = python("-m", "mypy", *arguments, *CHECKED, folder=SOURCES.parent)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@needs_pyright
+def test_pyright() -> None:
+    done = python("-m", "pyright", "--pythonpath", sys.executable, *CHECKED, folder=TESTS)
+    if "summary" not in done.stdout and "informations" not in done.stdout:
+        pytest.skip(f"pyright cannot fetch what it runs on: {done.stderr}")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@needs_pyright
+def test_every_public_type_is_known() -> None:
+    arguments = ("--verifytypes", "wythe", "--ignoreexternal", "--outputjson")
+    done = python("-m", "pyright", "--pythonpath", sys.executable, *arguments)
+    if not done.stdout.startswith("{"):
+        pytest.skip(f"pyright cannot fetch what it runs on: {done.stderr}")
+    found = json.loads(done.stdout)["typeCompleteness"]
+    unclear = [
+        f"{symbol['name']}: {symbol['diagnostics'][0]['message']}"
+        for symbol in found["symbols"]
+        if not symbol["isTypeKnown"]
+    ]
+    assert not unclear
+    assert found["completenessScore"] == 1.0
