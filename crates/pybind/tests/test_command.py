@@ -80,7 +80,7 @@ def test_exit_codes_are_those_of_the_command(
     deck: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert wythe.command(["check", str(deck)]) == 0
-    assert "6 units" in capfd.readouterr().out
+    assert "7 units" in capfd.readouterr().out
     assert wythe.command(["check", str(deck), "--set", "wall.courses=0"]) == 2
     assert "wall.courses" in capfd.readouterr().err
     assert wythe.command(["nonsense"]) == 2
@@ -91,7 +91,7 @@ def test_exit_codes_are_those_of_the_command(
 def test_arguments_must_be_texts() -> None:
     for wrong in ("check wall.toml", ["check", 3]):
         with pytest.raises(TypeError, match="arguments: expected a sequence of str"):
-            wythe.command(wrong)  # type: ignore[list-item]
+            wythe.command(wrong)  # type: ignore[arg-type]
 
 
 def test_checks_are_those_of_the_command(deck: Path) -> None:

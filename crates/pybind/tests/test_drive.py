@@ -54,6 +54,16 @@ def test_an_interface_softens_by_its_law() -> None:
     assert np.trapezoid(fine, dx=0.2 / 4000) == pytest.approx(energy, abs=0.28 * 5e-5)
 
 
+def test_a_broken_joint_rubs() -> None:
+    """Pressed by 1 MPa and slid beyond δ_k, it carries mu times the pressure."""
+    path = [[-1.0, slip, 0.0] for slip in (0.0, 0.01, 0.5, 1.0)]
+    response = wythe.drive_interface(JOINT, path, stress=["normal"])
+    np.testing.assert_allclose(response.tractions[:, 0], -1.0)
+    np.testing.assert_allclose(response.state.gaps[:, 0], -1.0 / 34000)
+    assert response.tractions[1, 1] > 0.73
+    np.testing.assert_allclose(response.tractions[2:, 1], 0.73)
+
+
 def test_tangents_are_derivatives() -> None:
     last, step = 60, 1e-7
     gaps = opening(0.05, last)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import wythe
 from wythe._study import latin_hypercube, lognormal, normal, study
 from wythe._study._samples import expand, fingerprint
 from study_fakes import FakeModel
@@ -129,7 +130,8 @@ def test_ranges_may_have_units() -> None:
 
 def test_distributions_have_their_moments() -> None:
     # The mean of the strips' samples has an error of order 1/n, of 20000 far below 1e-3; cv 30 times more.
-    for distribution in (lognormal(0.2, 0.3), normal(0.2, 0.3)):
+    both: list[wythe.Distribution] = [lognormal(0.2, 0.3), normal(0.2, 0.3)]
+    for distribution in both:
         values = np.asarray(latin_hypercube({"a": distribution}, 20_000, 3)["a"], dtype=float)
         assert np.mean(values) == pytest.approx(0.2, rel=1e-3)
         assert np.std(values) / np.mean(values) == pytest.approx(0.3, rel=1e-2)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import wythe
 from wythe._study import Study
 from wythe._study._journal import Line
 from wythe._study._ranking import mean_ranks, ranked, spearman
@@ -114,7 +115,9 @@ def test_a_linear_measure_is_ranked_by_its_coefficients() -> None:
     a, b, c = random.normal(size=(3, 400))
     y = 3.0 * a - b + 0.1 * random.normal(size=400)
     inputs = {"c": list(c), "b": list(b), "a": list(a), "d": [2.0] * 400}
-    ranking = ranked("y", list(y), inputs, [False] * 400)
+    ranking: wythe.Ranking = ranked("y", list(y), inputs, [False] * 400)
+    first: wythe.Rank = ranking.ranks[0]
+    assert first == ranking[0]
     assert [rank["parameter"] for rank in ranking] == ["a", "b", "c"]
     # Coefficient times deviation of the column over that of y, to what noise of 0.1 leaves of 3 in 400
     # samples: 0.1 / 3 / sqrt(400) = 0.002; three times that.
