@@ -1,20 +1,17 @@
-"""The examples in Python run, at small sizes where they take any, and the notebooks without an error."""
+"""The examples in Python run, at small sizes where they take any; the code of the READMEs speaks of what there is."""
 
 from __future__ import annotations
 
 import ast
-import json
 import re
 import shutil
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 import wythe
-from helpers import EXAMPLES, ROOT, environment, python
+from helpers import EXAMPLES, ROOT, python
 
 SCRIPTS = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
-NOTEBOOKS = sorted(EXAMPLES.glob("[0-9][0-9]_*.ipynb"))
 
 #: What makes an example small.
 SMALL = {
@@ -61,36 +58,3 @@ def test_the_five_lines_of_the_readmes_speak_of_what_is_there() -> None:
                     thing = getattr(thing, part)
             for name in re.findall(r"run\.(\w+)", block):
                 assert hasattr(wythe.Results, name), name
-
-
-@pytest.mark.skipif(find_spec("nbclient") is None, reason="nbclient is not installed")
-@pytest.mark.skipif(find_spec("ipykernel") is None, reason="ipykernel is not installed")
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs(path: Path, copies: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import nbformat
-    from jupyter_client.manager import KernelManager
-    from nbclient import NotebookClient
-
-    # The kernel is this interpreter, with the package that is tested.
-    for name, value in environment().items():
-        monkeypatch.setenv(name, value)
-    notebook = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call, unused-ignore]
-    client = NotebookClient(
-        notebook,
-        km=KernelManager(kernel_name="python3"),
-        timeout=120,
-        resources={"metadata": {"path": str(copies)}},
-    )
-    client.execute()
-    assert any(cell.get("outputs") for cell in notebook.cells)
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_is_stored_without_outputs(path: Path) -> None:
-    notebook = json.loads(path.read_text(encoding="utf-8"))
-    code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
-    assert code
-    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
-    assert notebook["cells"][0]["cell_type"] == "markdown"
-    # Python of the machine on which it was written does not matter.
-    assert set(notebook["metadata"]) == {"kernelspec", "language_info"}
