@@ -10,6 +10,7 @@ from importlib import metadata
 from pathlib import Path
 
 import wythe
+from wythe import _wythe
 
 SOURCES = Path(__file__).resolve().parents[1]
 COMMAND = Path(sysconfig.get_path("scripts")) / "wythe"
@@ -30,7 +31,7 @@ def files() -> set[str]:
 
 def test_the_package_is_the_installed_one() -> None:
     site = Path(sysconfig.get_path("platlib")).resolve()
-    for module in (wythe, wythe._wythe):
+    for module in (wythe, _wythe):
         assert Path(str(module.__file__)).resolve().is_relative_to(site), (
             "tests/run installs the wheel and tests that one"
         )

@@ -1,0 +1,83 @@
+"""What docs/python.md and docs/studies.md show works, names everything, and leads somewhere."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+import wythe
+from helpers import ROOT, python
+from matplotlib import pyplot
+from test_names import NAMES
+
+GUIDE, STUDIES = ROOT / "docs" / "python.md", ROOT / "docs" / "studies.md"
+TEXT = GUIDE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", [GUIDE, STUDIES], ids=lambda page: page.stem)
+def test_a_guide_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if page is STUDIES:
+        pytest.importorskip("cloudpickle", reason="the functions of this page are of no module")
+        # Workers of our own start sooner than a cluster; test_study_dask.py has those.
+        monkeypatch.setattr("wythe._study._dask.is_there", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    found = doctest.testfile(
+        str(page), module_relative=False, optionflags=doctest.ELLIPSIS, encoding="utf-8"
+    )
+    pyplot.close("all")
+    assert found.attempted > 20
+    assert found.failed == 0
+
+
+@pytest.mark.parametrize("module", [wythe, wythe.build, wythe.templates], ids=lambda m: str(m.__name__))
+def test_docstrings_work(module: object) -> None:
+    found = doctest.testmod(module)  # type: ignore[arg-type]
+    assert found.failed == 0
+
+
+def test_every_name_is_in_the_guide() -> None:
+    """Names of the package; of the classes that the guides describe, their attributes."""
+    described = ("Model", "Findings", "Problem", "Results", "Frame", "Interfaces", "Picture")
+    wanted = {name for name in NAMES if name.count(".") == 1}
+    wanted |= {name for name in NAMES if name.split(".")[1] in (*described, "build", "templates")}
+    # What only annotations name.
+    wanted -= {f"wythe.{name}" for name in ("__version__", "Distribution", "Rank", "Ranking", "WorkerDied")}
+    text = TEXT + STUDIES.read_text(encoding="utf-8")
+    missing = {
+        name for name in wanted if not re.search(rf"\b{re.escape(name.split('.')[-1])}\b", text)
+    }
+    assert not missing
+
+
+def test_every_command_is_in_the_table() -> None:
+    told = python("-m", "wythe", "--help").stdout
+    names = re.findall(r"^  (\w+) {2,}\S", told.split("Commands:")[1].split("Options:")[0], re.M)
+    assert "run" in names
+    table = TEXT.split("## From the command to Python")[1]
+    assert {name for name in names if f"`wythe {name}" not in table} == {"help"}
+
+
+def test_the_parameters_of_templates_are_in_their_table() -> None:
+    for name in wythe.templates.__all__:
+        maker = getattr(wythe.templates, name)
+        if name in ("names", "text"):
+            continue
+        (row,) = re.findall(rf"^\| `{name}\((.*?)\)`", TEXT, re.M)
+        told = [part.strip().rstrip("=") for part in row.split(",")]
+        assert told == list(inspect.signature(maker).parameters)
+
+
+@pytest.mark.parametrize("page", [GUIDE, STUDIES], ids=lambda page: page.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    def anchors(path: Path) -> set[str]:
+        titles = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)
+        return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+    for target in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
+        file, _, anchor = target.partition("#")
+        path = page.parent / file if file else page
+        assert path.is_file(), target
+        assert not anchor or anchor in anchors(path), target

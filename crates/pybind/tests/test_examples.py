@@ -1,0 +1,60 @@
+"""The examples in Python run, at small sizes where they take any; the code of the READMEs speaks of what there is."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+import wythe
+from helpers import EXAMPLES, ROOT, python
+
+SCRIPTS = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
+
+#: What makes an example small.
+SMALL = {
+    "11_bond_scatter": ("--samples", "3", "--courses", "4", "--drive", "0.02 mm", "--workers", "2"),
+    "12_sensitivity": ("--samples", "3", "--courses", "4", "--drive", "0.02 mm", "--workers", "2"),
+}
+
+
+@pytest.fixture
+def copies(tmp_path: Path) -> Path:
+    """The examples where they may write."""
+    for pattern in ("*.toml", "*.py", "*.csv"):
+        for path in EXAMPLES.glob(pattern):
+            shutil.copy(path, tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_runs(script: Path, copies: Path) -> None:
+    done = python(script.name, *SMALL.get(script.stem, ()), folder=copies)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert list(copies.glob(f"{script.stem}.out/*"))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_begins_with_a_drawing(script: Path) -> None:
+    head = script.read_text(encoding="utf-8").split("\n\n")[0].splitlines()
+    assert all(line.startswith("#") for line in head)
+    assert any("┌" in line for line in head)
+    assert f"#     python examples/{script.name}" in "\n".join(head)
+    assert max(map(len, script.read_text(encoding="utf-8").splitlines())) <= 120
+
+
+def test_the_five_lines_of_the_readmes_speak_of_what_is_there() -> None:
+    for page in (ROOT / "README.md", ROOT / "crates" / "pybind" / "README.md"):
+        blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+        assert blocks
+        for block in blocks:
+            ast.parse(block)
+            for name in re.findall(r"wythe\.([\w.]+)\(", block):
+                thing: object = wythe
+                for part in name.split("."):
+                    thing = getattr(thing, part)
+            for name in re.findall(r"run\.(\w+)", block):
+                assert hasattr(wythe.Results, name), name
