@@ -27,7 +27,7 @@ type Columns<'py> = Bound<'py, PyDict>;
 
 /// The history by columns, and the names of its probes.
 #[pyfunction]
-pub fn history<'py>(py: Python<'py>, folder: PathBuf) -> PyResult<(Columns<'py>, Vec<String>)> {
+pub fn history(py: Python<'_>, folder: PathBuf) -> PyResult<(Columns<'_>, Vec<String>)> {
     let read = py.detach(|| RunFolder::open(&folder)?.history());
     let read = read.map_err(|error| errors::of_reading(py, &error))?;
     let columns = PyDict::new(py);

@@ -3,6 +3,10 @@
 //! Names, defaults and documents for users are those of the Python half (`python/wythe`); here arguments are
 //! already checked, and what comes back is arrays, JSON texts and errors.
 #![forbid(unsafe_code)]
+#![expect(
+    clippy::needless_pass_by_value,
+    reason = "what comes from Python is owned"
+)]
 
 mod arrays;
 mod command;

@@ -23,7 +23,7 @@ type Built = Result<(Model, Vec<Warning>), ModelError>;
 /// A deck that was read. Immutable.
 #[pyclass(frozen, module = "wythe._wythe")]
 pub struct Deck {
-    deck: CoreDeck,
+    said: CoreDeck,
     text: Text,
     built: OnceLock<Arc<Built>>,
 }
@@ -31,19 +31,19 @@ pub struct Deck {
 impl Deck {
     fn new(deck: CoreDeck, text: Text) -> Self {
         Self {
-            deck,
+            said: deck,
             text,
             built: OnceLock::new(),
         }
     }
 
     pub fn deck(&self) -> &CoreDeck {
-        &self.deck
+        &self.said
     }
 
     /// The model and its warnings, built the first time.
     pub fn built(&self, py: Python<'_>) -> Arc<Built> {
-        let build = || Arc::new(Model::from_deck(&self.deck));
+        let build = || Arc::new(Model::from_deck(&self.said));
         py.detach(|| Arc::clone(self.built.get_or_init(build)))
     }
 
@@ -89,7 +89,7 @@ impl Deck {
     #[staticmethod]
     fn of_run(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let deck = py
-            .detach(|| CoreDeck::load(&folder.join(DECK), &[]))
+            .detach(|| CoreDeck::load(folder.join(DECK), &[]))
             .map_err(|error| errors::of_deck(py, &error))?;
         // Without a checkpoint nothing says where that was.
         let checkpoint = py.detach(|| CheckpointFile::read(&folder.join(CHECKPOINT)));
@@ -112,13 +112,13 @@ impl Deck {
 
     /// The deck with every default said, in base units.
     fn to_toml(&self) -> PyResult<String> {
-        let text = self.deck.to_toml();
+        let text = self.said.to_toml();
         text.map_err(|error| errors::bug(&format!("the deck as TOML: {error}")))
     }
 
     /// The same as JSON.
     fn to_json(&self) -> PyResult<String> {
-        let text = serde_json::to_string(&self.deck);
+        let text = serde_json::to_string(&self.said);
         text.map_err(|error| errors::bug(&format!("the deck as JSON: {error}")))
     }
 
@@ -130,13 +130,13 @@ impl Deck {
 
     #[getter]
     fn title(&self) -> &str {
-        &self.deck.title
+        &self.said.title
     }
 
     /// Folder of the files that the deck names.
     #[getter]
     fn folder(&self) -> PathBuf {
-        self.deck.folder().to_owned()
+        self.said.folder().to_owned()
     }
 
     /// Columns of the probes in the history; none of a model that cannot be built.
@@ -149,13 +149,13 @@ impl Deck {
 
     /// The steps, as the deck has them.
     fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let text = serde_json::to_string(&self.deck.steps);
+        let text = serde_json::to_string(&self.said.steps);
         let text = text.map_err(|error| errors::bug(&format!("steps as JSON: {error}")))?;
         errors::from_json(py, &text)
     }
 
     fn __eq__(&self, other: &Self) -> bool {
-        self.deck == other.deck
+        self.said == other.said
     }
 
     /// What `wythe check --json` prints, as JSON.
@@ -164,7 +164,7 @@ impl Deck {
         let found = py.detach(|| match &*built {
             Err(error) => json!({
                 "ok": false,
-                "title": self.deck.title,
+                "title": self.said.title,
                 "errors": error.all().map(|error| error_json(error, self.text)).collect::<Vec<_>>(),
                 "warnings": error.warnings().iter().map(warning_json).collect::<Vec<_>>(),
                 "notes": [],
@@ -172,7 +172,7 @@ impl Deck {
                 "memory_MB": null,
             }),
             Ok((model, warnings)) => {
-                let report = model::check(&self.deck, model);
+                let report = model::check(&self.said, model);
                 json!({
                     "ok": true,
                     "title": report.title,

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use wythe_core::material::MaterialHistory;
 use wythe_core::model::Deck;
 use wythe_core::point::{
     INTERFACE, Layout, MATERIAL, Record, Row, RowFailure, State, Target, follow_interface,
@@ -75,7 +76,7 @@ pub fn drive_material<'py>(
     };
     drive(py, &MATERIAL, &paths, |path, rows, out| {
         let law = &laws[path % laws.len()];
-        let from = State::at_rest(Default::default());
+        let from = State::at_rest(MaterialHistory::default());
         let take = |row, record: &Record<6, _>| {
             out.take(row, record, material_state(&record.state.history));
         };
