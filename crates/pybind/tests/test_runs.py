@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -220,6 +221,18 @@ def test_a_terminal_has_one_line(model: wythe.Model, monkeypatch: pytest.MonkeyP
     *_, last = text.split("\r")
     # It covers what stood there.
     assert len(last.rstrip("\n")) >= len(text.split("\r")[-2].rstrip())
+
+
+def test_a_notebook_has_one_line(model: wythe.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    shell = SimpleNamespace(kernel=None)
+    for kernel, count in ((shell, 1), (SimpleNamespace(), 2)):
+        said = io.StringIO()
+        monkeypatch.setattr(sys, "stderr", said)
+        # Whoever has imported IPython is not in a notebook yet.
+        ipython = SimpleNamespace(get_ipython=lambda kernel=kernel: kernel)
+        monkeypatch.setitem(sys.modules, "IPython", ipython)
+        model.run(progress=True)
+        assert said.getvalue().count("\n") == count
 
 
 @pytest.mark.parametrize(
