@@ -30,7 +30,9 @@ def test_a_sound_model() -> None:
 
 def test_a_model_that_cannot_be_run_has_no_sizes() -> None:
     text = TEXT.replace("[[steps]]", 'output = { experiment = "no.csv" }\n[[steps]]', 1)
-    text = text.replace("output = ", "[output]\nexperiment = ").replace('{ experiment = "no.csv" }', '"no.csv"')
+    text = text.replace("output = ", "[output]\nexperiment = ").replace(
+        '{ experiment = "no.csv" }', '"no.csv"'
+    )
     found = wythe.Model.from_toml(text).check()
     assert not found
     sizes = (found.units, found.elements, found.nodes, found.dofs, found.contact_points)

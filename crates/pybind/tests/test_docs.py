@@ -32,7 +32,9 @@ def test_a_guide_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert found.failed == 0
 
 
-@pytest.mark.parametrize("module", [wythe, wythe.build, wythe.templates], ids=lambda m: str(m.__name__))
+@pytest.mark.parametrize(
+    "module", [wythe, wythe.build, wythe.templates], ids=lambda m: str(m.__name__)
+)
 def test_docstrings_work(module: object) -> None:
     found = doctest.testmod(module)  # type: ignore[arg-type]
     assert found.failed == 0
@@ -44,7 +46,9 @@ def test_every_name_is_in_the_guide() -> None:
     wanted = {name for name in NAMES if name.count(".") == 1}
     wanted |= {name for name in NAMES if name.split(".")[1] in (*described, "build", "templates")}
     # What only annotations name.
-    wanted -= {f"wythe.{name}" for name in ("__version__", "Distribution", "Rank", "Ranking", "WorkerDied")}
+    wanted -= {
+        f"wythe.{name}" for name in ("__version__", "Distribution", "Rank", "Ranking", "WorkerDied")
+    }
     text = TEXT + STUDIES.read_text(encoding="utf-8")
     missing = {
         name for name in wanted if not re.search(rf"\b{re.escape(name.split('.')[-1])}\b", text)

@@ -31,7 +31,10 @@ def test_what_says_something_else_is_not() -> None:
 
 
 def test_equal_models_have_one_hash_whatever_zeros_and_order() -> None:
-    above, below = COUPLET.with_({"materials.brick.nu": 0.0}), COUPLET.with_({"materials.brick.nu": -0.0})
+    above, below = (
+        COUPLET.with_({"materials.brick.nu": 0.0}),
+        COUPLET.with_({"materials.brick.nu": -0.0}),
+    )
     assert above == below
     assert hash(above) == hash(below)
     deck = COUPLET.to_dict()
@@ -93,9 +96,7 @@ def test_what_is_found_and_drawn_can_be_pickled(model: wythe.Model, couplet: wyt
 
 def test_errors_can_be_pickled(couplet: wythe.Results) -> None:
     inner = wythe.ModelError("two", key="b")
-    model = wythe.ModelError(
-        "one", key="a", fix="mend", file="f", line=1, column=2, others=[inner]
-    )
+    model = wythe.ModelError("one", key="a", fix="mend", file="f", line=1, column=2, others=[inner])
     made = pickle.loads(pickle.dumps(model))
     assert str(made) == str(model)
     assert (made.message, made.key, made.fix) == ("one", "a", "mend")
@@ -113,7 +114,14 @@ def test_errors_can_be_pickled(couplet: wythe.Results) -> None:
 
 def test_a_model_shows_itself() -> None:
     shown = repr(wythe.templates.shear_wall("2.12 MPa", "4 mm"))
-    for said in ("'shear wall'", "10 courses", "stretcher", "damaged plasticity", "2.12 MPa", "4 mm in x"):
+    for said in (
+        "'shear wall'",
+        "10 courses",
+        "stretcher",
+        "damaged plasticity",
+        "2.12 MPa",
+        "4 mm in x",
+    ):
         assert said in shown
     assert "dry, mu = " in repr(wythe.templates.arch())
     assert "voussoirs" in repr(wythe.templates.arch())

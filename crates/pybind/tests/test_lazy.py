@@ -85,7 +85,9 @@ def test_a_killed_run_goes_on_to_the_same_bytes(
     assert (killed.frame().stress == whole.frame().stress).all()
 
 
-def test_the_path_of_a_run(own: wythe.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_path_of_a_run(
+    own: wythe.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for name in ("", "results.vtkhdf", "history.csv"):
         assert wythe.Results(Path(own.path) / name).history.increments == 164
     monkeypatch.chdir(own.path)
@@ -137,7 +139,9 @@ def test_resuming_with_other_values(own: wythe.Results) -> None:
     longer = own.resume({"steps.1.displacement": "0.03 mm", "output.every": 1})
     assert longer.history.displacement_mm[-1] == pytest.approx(0.036)
     assert own.model.to_dict()["output"]["every"] == 1
-    with pytest.raises(wythe.ModelError, match="wall.courses was 2 when the run began, and is 3 now") as raised:
+    with pytest.raises(
+        wythe.ModelError, match="wall.courses was 2 when the run began, and is 3 now"
+    ) as raised:
         own.resume({"wall.courses": 3})
     assert "`wythe" not in raised.value.fix
     with pytest.raises(wythe.ModelError, match="not longer"):

@@ -132,7 +132,10 @@ def test_with_changes_a_copy() -> None:
 def test_with_none_takes_a_key_away() -> None:
     model = wythe.templates.couplet().with_({"output.every": 2, "steps.1.name": None})
     assert model.to_dict()["output"]["every"] == 2
-    assert "name" not in model.to_dict()["steps"][1] or model.to_dict()["steps"][1]["name"] != "softening"
+    assert (
+        "name" not in model.to_dict()["steps"][1]
+        or model.to_dict()["steps"][1]["name"] != "softening"
+    )
     again = model.with_({"output.every": None, "output.nothing.such": None, "steps.7": None})
     assert again.to_dict()["output"]["every"] == 5
     assert len(model.with_({"steps.1": None}).to_dict()["steps"]) == 1

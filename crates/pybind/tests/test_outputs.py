@@ -45,7 +45,9 @@ def test_a_comparison_is_that_of_the_command(own: wythe.Results, measured: Path)
 def test_curves_that_are_none(own: wythe.Results, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("a,b\n1,2\n")
     for ask in (own.compare, own.plot):
-        with pytest.raises(wythe.ModelError, match=r"bad\.csv:1: no column of displacement") as raised:
+        with pytest.raises(
+            wythe.ModelError, match=r"bad\.csv:1: no column of displacement"
+        ) as raised:
             ask(tmp_path / "bad.csv")
         assert raised.value.fix
         with pytest.raises(wythe.OutputError, match="cannot be read"):

@@ -141,7 +141,9 @@ def test_frames_by_number_and_name(wall: wythe.Results) -> None:
     assert wall.frame("peak").number == nearest
     assert wall.frame("peak").time == wall.times[nearest]
     for number in (wall.frames, -wall.frames - 1):
-        with pytest.raises(IndexError, match=f"there is no frame {number}: the run has {wall.frames}"):
+        with pytest.raises(
+            IndexError, match=f"there is no frame {number}: the run has {wall.frames}"
+        ):
             wall.frame(number)
     for wrong in (1.0, None, True, [1]):
         with pytest.raises(TypeError, match="frame: expected a number, 'peak' or 'last'"):
@@ -175,7 +177,9 @@ def test_what_was_not_driven_has_no_peak() -> None:
 
 def test_results_show_themselves(couplet: wythe.Results) -> None:
     shown = repr(couplet)
-    assert shown.startswith("<wythe.Results 'couplet': completed, peak 5.578 kN at 0.0032 mm, 164 incr")
+    assert shown.startswith(
+        "<wythe.Results 'couplet': completed, peak 5.578 kN at 0.0032 mm, 164 incr"
+    )
     assert couplet.path in shown
     assert "<svg" in couplet._repr_html_()
 

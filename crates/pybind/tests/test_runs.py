@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,9 @@ def test_the_folder_has_every_file(model: wythe.Model, tmp_path: Path) -> None:
     assert run.path == str(tmp_path / "new" / "couplet.out")
     assert not run.is_temporary
     assert set(os.listdir(run.path)) == FILES
-    assert set(os.listdir(model.with_(output__mcap=False).run(run.path).path)) == FILES - {"run.mcap"}
+    assert set(os.listdir(model.with_(output__mcap=False).run(run.path).path)) == FILES - {
+        "run.mcap"
+    }
 
 
 def test_a_temporary_folder_goes_with_its_object(model: wythe.Model) -> None:
@@ -65,7 +68,9 @@ def test_a_temporary_folder_goes_with_its_object(model: wythe.Model) -> None:
 
 def test_a_temporary_folder_goes_with_the_process(model: wythe.Model, tmp_path: Path) -> None:
     path = model.save(tmp_path / "couplet.toml")
-    done = python("-c", f"import wythe; run = wythe.Model.from_toml({path!r}).run(); print(run.path)")
+    done = python(
+        "-c", f"import wythe; run = wythe.Model.from_toml({path!r}).run(); print(run.path)"
+    )
     assert done.returncode == 0, done.stderr
     assert re.search(r"wythe-\w+/run$", done.stdout.strip())
     assert not Path(done.stdout.strip()).parent.exists()
@@ -222,6 +227,18 @@ def test_a_terminal_has_one_line(model: wythe.Model, monkeypatch: pytest.MonkeyP
     assert len(last.rstrip("\n")) >= len(text.split("\r")[-2].rstrip())
 
 
+def test_a_notebook_has_one_line(model: wythe.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    shell = SimpleNamespace(kernel=None)
+    for kernel, count in ((shell, 1), (SimpleNamespace(), 2)):
+        said = io.StringIO()
+        monkeypatch.setattr(sys, "stderr", said)
+        # Whoever has imported IPython is not in a notebook yet.
+        ipython = SimpleNamespace(get_ipython=lambda kernel=kernel: kernel)
+        monkeypatch.setitem(sys.modules, "IPython", ipython)
+        model.run(progress=True)
+        assert said.getvalue().count("\n") == count
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -231,10 +248,15 @@ def test_a_terminal_has_one_line(model: wythe.Model, monkeypatch: pytest.MonkeyP
         ({"threads": 0}, "threads: expected a whole number from 1, got 0"),
         ({"progress": 1}, "progress: expected True or False, got 1"),
         ({"callback": 3}, "callback: expected a function of an Increment, got 3"),
-        ({"callback": np.zeros((2, 3))}, "callback: expected a function of an Increment, got an array of shape (2, 3)"),
+        (
+            {"callback": np.zeros((2, 3))},
+            "callback: expected a function of an Increment, got an array of shape (2, 3)",
+        ),
     ],
 )
-def test_wrong_arguments_are_named(model: wythe.Model, arguments: dict[str, Any], told: str) -> None:
+def test_wrong_arguments_are_named(
+    model: wythe.Model, arguments: dict[str, Any], told: str
+) -> None:
     with pytest.raises((TypeError, ValueError)) as raised:
         model.run(**arguments)
     assert str(raised.value) == told

@@ -21,9 +21,13 @@ def of_stub(body: list[ast.stmt]) -> dict[str, list[str] | None]:
     found: dict[str, list[str] | None] = {}
     for statement in body:
         if isinstance(statement, ast.FunctionDef):
-            decorators = {node.id for node in statement.decorator_list if isinstance(node, ast.Name)}
+            decorators = {
+                node.id for node in statement.decorator_list if isinstance(node, ast.Name)
+            }
             arguments = statement.args
-            names = [a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
+            names = [
+                a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)
+            ]
             found[statement.name] = None if "property" in decorators else names
         elif isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name):
             found[statement.target.id] = None

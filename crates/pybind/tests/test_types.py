@@ -11,7 +11,11 @@ import pytest
 from helpers import EXAMPLES, SOURCES, TARGET, python
 
 TESTS = Path(__file__).parent
-CHECKED = [str(SOURCES), *map(str, sorted(EXAMPLES.glob("*.py"))), *map(str, sorted(TESTS.glob("*.py")))]
+CHECKED = [
+    str(SOURCES),
+    *map(str, sorted(EXAMPLES.glob("*.py"))),
+    *map(str, sorted(TESTS.glob("*.py"))),
+]
 
 needs_mypy = pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
 needs_pyright = pytest.mark.skipif(find_spec("pyright") is None, reason="pyright is not installed")

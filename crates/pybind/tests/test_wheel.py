@@ -73,6 +73,8 @@ def test_the_command_makes_a_model_and_runs_it(tmp_path: Path) -> None:
 
 def test_it_is_a_module_too() -> None:
     assert run(sys.executable, "-m", "wythe", "--version").stdout.startswith("wythe ")
-    assert run(COMMAND, "check", "nowhere.toml").returncode == run(
-        sys.executable, "-m", "wythe", "check", "nowhere.toml"
-    ).returncode != 0
+    assert (
+        run(COMMAND, "check", "nowhere.toml").returncode
+        == run(sys.executable, "-m", "wythe", "check", "nowhere.toml").returncode
+        != 0
+    )

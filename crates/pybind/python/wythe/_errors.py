@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wythe._results import Results
 
-__all__ = ["ConvergenceError", "ModelError", "OutputError", "PointError", "RunInterrupted", "WytheError"]
+__all__ = [
+    "ConvergenceError",
+    "ModelError",
+    "OutputError",
+    "PointError",
+    "RunInterrupted",
+    "WytheError",
+]
 
 
 class WytheError(Exception):
@@ -86,9 +93,7 @@ def _rebuilt(
     column: int | None,
     others: tuple[ModelError, ...],
 ) -> ModelError:
-    return ModelError(
-        message, key=key, fix=fix, file=file, line=line, column=column, others=others
-    )
+    return ModelError(message, key=key, fix=fix, file=file, line=line, column=column, others=others)
 
 
 class ConvergenceError(WytheError, RuntimeError):

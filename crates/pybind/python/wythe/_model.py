@@ -486,9 +486,7 @@ def _plain(where: str, value: Any) -> Any:
     if isinstance(value, numbers.Real):
         number = float(value)
         if number != number or number in (float("inf"), float("-inf")):
-            raise ModelError(
-                f"{number} is no finite number", key=where, fix="give a finite number"
-            )
+            raise ModelError(f"{number} is no finite number", key=where, fix="give a finite number")
         return number
     if isinstance(value, os.PathLike):
         return as_path(where, value)

@@ -57,4 +57,3 @@ class Picture:
         except OSError as error:
             raise unwritten(name, error) from error
         return name
-

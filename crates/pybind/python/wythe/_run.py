@@ -57,13 +57,19 @@ class Increment:
 Callback = Callable[[Increment], "bool | None"]
 
 
+def in_notebook() -> bool:
+    """Whether this is the kernel of a notebook, which renews a line as a terminal does."""
+    ipython: Any = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+
+
 class Follower:
     """A line on standard error that follows a run."""
 
     def __init__(self, title: str, steps: list[dict[str, Any]], out: TextIO) -> None:
         self._title = title
         self._out = out
-        self._in_place = out.isatty() or "ipykernel" in sys.modules
+        self._in_place = out.isatty() or in_notebook()
         self._names = [str(step.get("name", step["kind"])) for step in steps]
         self._total = sum(float(step.get("duration", 1.0)) for step in steps)
         self._began = time.monotonic()

@@ -358,9 +358,7 @@ def probe(
     """A place whose motion the history follows as a column of its own: the mean of ``on``, or the node ``near``
     a point, less the motion of ``minus``; ``quantity`` is ``"displacement"`` or ``"velocity"``.
     """
-    return _part(
-        name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity
-    )
+    return _part(name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity)
 
 
 def wall(

@@ -8,6 +8,8 @@ import sys
 import time
 from typing import Any, Protocol
 
+from wythe._run import in_notebook
+
 # A terminal's line is renewed so often at most [s].
 RENEWED_EVERY = 0.1
 # Elsewhere a line comes after so long, or after a tenth of all, but then not sooner than this [s].
@@ -114,9 +116,7 @@ class Notebook:
 
 def sink(count: int) -> Sink:
     """Where the progress goes here."""
-    ipython: Any = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    if shell is not None and hasattr(shell, "kernel"):
+    if in_notebook():
         return Notebook()
     stream = sys.stderr
     if stream is not None and stream.isatty():
