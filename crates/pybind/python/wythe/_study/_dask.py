@@ -60,11 +60,13 @@ def is_cluster(thing: object) -> bool:
 class Dask:
     """Behind a client."""
 
-    def __init__(self, client: Any, job: Job, own: list[Any]) -> None:
+    def __init__(self, client: Any, job: Job, own: list[Any], wanted: int = 0) -> None:
         if getattr(client, "asynchronous", False):
             raise TypeError("executor: expected a Dask client that is not asynchronous")
         self._client = client
+        # What is the study's own: a client, and then its cluster of so many workers.
         self._own = own
+        self._wanted = wanted
         self._work = packed(job)
         self._topic = f"wythe-study-{uuid.uuid4().hex[:12]}"
         self._sent = 0
@@ -89,6 +91,9 @@ class Dask:
             self._counted = now
             try:
                 self.workers = sum(self._client.nthreads().values())
+                # Dask gives up a worker that is killed while it starts.
+                if self._wanted > self.workers:
+                    self._own[-1].scale(self._wanted)
             except Exception as error:
                 raise _gone(error) from error
         return 2 * self.workers + 8
@@ -133,10 +138,11 @@ class Dask:
             self._client.unsubscribe_topic(self._topic)
             if self._futures:
                 self._client.cancel(list(self._futures.values()), force=True)
+        if not finished and self._wanted > 0:
+            with contextlib.suppress(Exception):
+                _kill(self._own[-1])
         for thing in self._own:
             with contextlib.suppress(Exception):
-                if not finished:
-                    _kill(thing)
                 thing.close()
 
     def _heard(self, event: Any) -> None:
@@ -188,8 +194,9 @@ class Dask:
         return None
 
     def _forget(self, key: str) -> int:
-        for memory in (self._futures, self._starts):
-            memory.pop(key, None)
+        # The error of a death would keep it at the scheduler.
+        self._futures.pop(key).release()
+        self._starts.pop(key)
         self._late.discard(key)
         return self._numbers.pop(key)
 
@@ -211,6 +218,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
     dask: Any = importlib.import_module("dask")
     distributed: Any = importlib.import_module("distributed")
     own: list[Any] = []
+    wanted = count or os.cpu_count() or 1
     # Every death is told at once, and how often a sample is tried is the study's to say.
     settings = {
         "distributed.scheduler.allowed-failures": 0,
@@ -219,7 +227,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
     try:
         with dask.config.set(settings):
             cluster = distributed.LocalCluster(
-                n_workers=count or os.cpu_count() or 1,
+                n_workers=wanted,
                 threads_per_worker=1,
                 processes=True,
                 # Samples leave nothing in the workers' memory that Dask could manage.
@@ -232,7 +240,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
         own.append(cluster)
         client = distributed.Client(cluster, set_as_default=False)
         own.insert(0, client)
-        return Dask(client, job, own)
+        return Dask(client, job, own, wanted)
     except BaseException as error:
         for thing in own:
             thing.close()
@@ -274,8 +282,8 @@ def _run_and_report(
 
 def _kill(cluster: Any) -> None:
     """Ends the workers of a local cluster at once: asked to close, they would finish their samples first."""
-    for nanny in getattr(cluster, "workers", {}).values():
-        nanny.auto_restart = False
+    for nanny in list(cluster.workers.values()):
+        nanny.close_gracefully()
         os.kill(nanny.pid, signal.SIGKILL)
 
 

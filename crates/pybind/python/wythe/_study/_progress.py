@@ -54,12 +54,12 @@ class Progress:
             parts.append(f"{self.failed} failed")
         parts.append(f"{left} left")
         here = self.done - self._before
-        if here and seconds > 0.0:
+        if left and self.workers == 0:
+            parts.append("waiting for workers")
+        elif here and seconds > 0.0:
             pace = here / seconds
             parts.append(_pace(pace))
             parts.append(f"{duration(left / pace)} to go" if left else f"took {duration(seconds)}")
-        elif left and self.workers == 0:
-            parts.append("waiting for workers")
         return ", ".join(parts)
 
 
