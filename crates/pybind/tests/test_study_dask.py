@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from study_fakes import FakeModel, made, twice
-from wythe._study import Study, StudyError, study
+from wythe import Study, StudyError, study
 from wythe._study._dask import local_cluster
 from wythe._study._worker import Job
 
@@ -165,7 +165,7 @@ def test_asynchronous_clients_are_refused() -> None:
 SCRIPT = """
 import sys
 from study_fakes import FakeModel
-from wythe._study import study
+from wythe import study
 {guard}
 study(FakeModel(sleep=0.2), {{"a": list(range(400))}}, executor=2, out=sys.argv[1], progress=False)
 """

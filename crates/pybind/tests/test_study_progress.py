@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from study_fakes import FakeModel
-from wythe._study import _progress, study
+from wythe import study
+from wythe._study import _progress
 from wythe._study._progress import Lines, Progress, Terminal, duration
 
 

@@ -6,7 +6,6 @@ place behind any executor like those of concurrent.futures; :mod:`._dask` has th
 
 from __future__ import annotations
 
-import os
 import pickle
 import queue
 import shutil
@@ -22,6 +21,8 @@ from wythe._study._pool import WorkerBroken, WorkerDied, Workers
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, pack, run_sample
 
+# Of an executor that does not tell its workers as those of Python do, so many are expected.
+UNKNOWN = 128
 # How often futures that do not tell when they are done are asked.
 ASKED_EVERY = 0.05
 
@@ -88,7 +89,7 @@ class Futures:
         self._under_way: dict[Any, int] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         known = getattr(executor, "_max_workers", None)
-        self.workers = known if isinstance(known, int) else os.cpu_count() or 1
+        self.workers = known if isinstance(known, int) else UNKNOWN
 
     def room(self) -> int:
         """Twice the workers."""
