@@ -208,8 +208,9 @@ def packed(job: Job) -> bytes:
 
 
 def told(error: BaseException) -> str:
-    """An error in words."""
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    """An error in a line; some quote whole messages of theirs."""
+    lines = str(error).splitlines()
+    return f"{type(error).__name__}: {lines[0][:200]}" if lines else type(error).__name__
 
 
 def _some(numbers: list[int]) -> str:
