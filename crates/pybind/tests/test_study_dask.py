@@ -126,6 +126,14 @@ def test_a_cluster_is_taken_like_its_client(cluster: Any, client: Any) -> None:
     assert client.run(os.getpid) and distributed.get_client() is client
 
 
+def test_outcomes_that_are_not_heard_are_fetched(
+    client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wythe._study._dask.Dask._heard", lambda self, event: None)
+    table = study(FakeModel(), {"a": [1.0, 2.0, 3.0]}, executor=client, progress=False)
+    assert list(table["peak_force_kN"]) == [3.0, 6.0, 9.0] and list(table["attempts"]) == [1] * 3
+
+
 def test_lambdas_pass(client: Any) -> None:
     table = study(
         lambda sample: made(sample), samples={"ten": [1.0]}, executor=client, progress=False
