@@ -127,11 +127,11 @@ def study(
             except OSError as error:
                 raise unwritten(str(folder), error) from error
             stack.callback(journal.close)
-        return _Session(rows, journal, bool(progress), callback).run(executor, job, retries)
+        return _Pass(rows, journal, bool(progress), callback).run(executor, job, retries)
 
 
-class _Session:
-    """One call of :func:`study`."""
+class _Pass:
+    """One pass of a study: what a call of :func:`study` does of it."""
 
     def __init__(
         self,
