@@ -14,7 +14,9 @@ from typing import Any
 import pytest
 
 from study_fakes import FakeModel, made, twice
-from wythe._study import Study, StudyError, study
+from wythe import Study, StudyError, study
+from wythe._study._dask import local_cluster
+from wythe._study._worker import Job
 
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
@@ -76,6 +78,28 @@ def test_a_worker_killed_from_outside_in_mid_study(client: Any, tmp_path: Path) 
     assert 24 <= sum(table["attempts"]) <= 24 + 4
 
 
+def test_a_cluster_of_its_own_that_lost_a_worker_for_good_has_another() -> None:
+    # What becomes of one that is killed while it starts.
+    job = Job(FakeModel(), measure=None, keep=None, scratch=None, asker="")
+    place = local_cluster(1, job)
+    own = place._own[-1]
+    before = time.monotonic()
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10 ms"}):
+        own.sync(own.workers[0].close)
+        while place._client.nthreads() or own.workers:
+            assert time.monotonic() < before + 20.0
+            time.sleep(0.02)
+    place.submit(1, {"a": 2.0})
+    events: list[Any] = []
+    while not events:
+        assert time.monotonic() < before + 40.0
+        place.room()
+        events = place.wait(0.1)
+    assert events[0].outcome["measures"]["peak_force_kN"] == 6.0
+    place.close(finished=True)
+    assert own.status.name == "closed"
+
+
 def test_a_killer_beside_others_in_a_worker_takes_none_with_it(
     client: Any, tmp_path: Path
 ) -> None:
@@ -100,6 +124,14 @@ def test_a_cluster_is_taken_like_its_client(cluster: Any, client: Any) -> None:
         )
         assert list(table["twice"]) == expected
     assert client.run(os.getpid) and distributed.get_client() is client
+
+
+def test_outcomes_that_are_not_heard_are_fetched(
+    client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wythe._study._dask.Dask._heard", lambda self, event: None)
+    table = study(FakeModel(), {"a": [1.0, 2.0, 3.0]}, executor=client, progress=False)
+    assert list(table["peak_force_kN"]) == [3.0, 6.0, 9.0] and list(table["attempts"]) == [1] * 3
 
 
 def test_lambdas_pass(client: Any) -> None:
@@ -141,7 +173,7 @@ def test_asynchronous_clients_are_refused() -> None:
 SCRIPT = """
 import sys
 from study_fakes import FakeModel
-from wythe._study import study
+from wythe import study
 {guard}
 study(FakeModel(sleep=0.2), {{"a": list(range(400))}}, executor=2, out=sys.argv[1], progress=False)
 """

@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 
 from study_fakes import FakeModel, made, no_mapping, twice
-from wythe._study import Study, StudyError, WorkerDied, Workers, study
+from wythe import Study, StudyError, WorkerDied, study
+from wythe._study import Workers
 
 GRID = {"a": [1.0, 2.0, 3.0], "b": [0.0, 1.0]}
 PEAKS = [3.0, 2.0, 6.0, 5.0, 9.0, 8.0]

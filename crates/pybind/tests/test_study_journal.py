@@ -13,10 +13,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from study_fakes import FakeModel, made, taken_name, twice
-from wythe._study import Study, StudyError, StudyInterrupted, study
+import wythe
+from wythe import Study, StudyError, StudyInterrupted, study
 
 HERE = Path(__file__).parent
 GRID = {"a": [1.0, 2.0, 3.0], "b": [0.0, 1.0]}
@@ -38,9 +40,9 @@ def test_a_study_that_was_stopped_goes_on(pool: ThreadPoolExecutor, tmp_path: Pa
     model = FakeModel(notes=str(notes))
     seen: list[dict[str, Any]] = []
 
-    def stop(row: dict[str, Any]) -> bool:
+    def stop(row: dict[str, Any]) -> Any:
         seen.append(row)
-        return len(seen) < 2
+        return np.bool_(len(seen) < 2)
 
     out = tmp_path / "out"
     part = study(model, GRID, executor=pool, out=out, progress=False, callback=stop)
@@ -122,6 +124,8 @@ def test_functions_are_known_again(pool: ThreadPoolExecutor, tmp_path: Path) -> 
 
 def test_what_is_no_journal_is_not_touched(pool: ThreadPoolExecutor, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
+    with pytest.raises(wythe.OutputError, match="cannot be written"):
+        whole(pool, out=tmp_path / "file" / "below")
     with pytest.raises(StudyError, match="is a file"):
         whole(pool, out=tmp_path / "file")
     journal = tmp_path / "out" / "journal.jsonl"
@@ -165,7 +169,7 @@ SCRIPT = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from study_fakes import FakeModel
-from wythe._study import study
+from wythe import study
 if __name__ == "__main__":
     with ThreadPoolExecutor(2) as pool:
         print("begun", flush=True)

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from study_fakes import FakeModel
-from wythe._study import _progress, study
+from wythe import study
+from wythe._study import _progress
 from wythe._study._progress import Lines, Progress, Terminal, duration
 
 
@@ -19,7 +20,7 @@ def test_the_line_tells_what_is_done_and_the_pace() -> None:
     assert progress.line(3.0) == "study: 40 of 200 done, 160 left, waiting for workers"
     progress.workers = 4
     assert progress.line(3.0) == "study: 40 of 200 done, 160 left"
-    # The pace is that of this session, not of what the journal had.
+    # The pace is that of this call, not of what the journal had.
     progress.done, progress.failed, progress.unconverged = 60, 2, 1
     assert (
         progress.line(60.0)

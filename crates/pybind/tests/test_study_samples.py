@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wythe
-from wythe._study import latin_hypercube, lognormal, normal, study
+from wythe import latin_hypercube, lognormal, normal, study
 from wythe._study._samples import expand, fingerprint
 from study_fakes import FakeModel
 
@@ -135,6 +135,7 @@ def test_distributions_have_their_moments() -> None:
         values = np.asarray(latin_hypercube({"a": distribution}, 20_000, 3)["a"], dtype=float)
         assert np.mean(values) == pytest.approx(0.2, rel=1e-3)
         assert np.std(values) / np.mean(values) == pytest.approx(0.3, rel=1e-2)
+        assert isinstance(distribution, wythe.Distribution)
     # Median of a lognormal: mean / sqrt(1 + cv²).
     assert float(lognormal(0.2, 0.3).ppf(0.5)) == pytest.approx(0.2 / np.sqrt(1.09), rel=1e-12)
 

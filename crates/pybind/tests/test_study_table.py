@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import wythe
-from wythe._study import Study
+from wythe import Study
 from wythe._study._journal import Line
 from wythe._study._ranking import mean_ranks, ranked, spearman
 
@@ -94,6 +94,10 @@ def test_the_table_is_written(table: Study, tmp_path: Path) -> None:
     assert rows[0]["peak_force_kN"] == "10.0" and rows[1]["peak_force_kN"] == ""
     assert json.loads(rows[0]["size"]) == [1, 2]
     assert list(tmp_path.iterdir()) == [tmp_path / "table.csv"]
+    with pytest.raises(wythe.OutputError, match="table.csv: cannot be written"):
+        table.to_csv(tmp_path / "none" / "table.csv")
+    with pytest.raises(TypeError, match="path: expected a path"):
+        table.to_csv(3)  # type: ignore[arg-type]
 
 
 def test_ranks_of_ties_are_shared() -> None:
@@ -138,7 +142,8 @@ def test_what_is_monotone_is_ranked_first_however_bent() -> None:
     assert ranking[0]["parameter"] == "a" and ranking[0]["spearman"] == pytest.approx(1.0, abs=1e-12)
     assert ranking.r_squared < 0.8
     falling = ranked("y", list(-y), {"a": list(a)}, [False] * 30)
-    assert falling[0]["spearman"] == pytest.approx(-1.0, abs=1e-12)
+    steepest = falling[0]
+    assert steepest["spearman"] == pytest.approx(-1.0, abs=1e-12)
 
 
 def test_quantities_flags_and_words_are_told_apart() -> None:

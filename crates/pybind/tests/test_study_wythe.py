@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import wythe
-from wythe._study import Study, Workers, latin_hypercube, study
+from wythe import Study, latin_hypercube, study
+from wythe._study import Workers
 
 # What depends on the machine and on what else it does.
 TIMES = {"wall_s", "cpu_s", "peak_rss_MB", "attempts"}

@@ -13,7 +13,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from wythe._errors import as_path, expected
+import numpy as np
+
+from wythe._errors import OutputError, as_path, expected, unwritten
 from wythe._study import _dask
 from wythe._study._drive import drive
 from wythe._study._errors import StudyError, StudyInterrupted
@@ -90,6 +92,8 @@ def study(
         An argument is not what is expected.
     wythe.ModelError
         The model takes none of the samples: the key is misspelt, or no value is in its range.
+    OutputError
+        The folder cannot be written.
     StudyError
         The study cannot begin or go on. What is done is kept in ``out``, and in the error's ``study``.
     KeyboardInterrupt
@@ -118,13 +122,16 @@ def study(
     with contextlib.ExitStack() as stack:
         journal = None
         if folder is not None:
-            journal = Journal(folder, _header(model, rows, measure))
+            try:
+                journal = Journal(folder, _header(model, rows, measure))
+            except OSError as error:
+                raise unwritten(str(folder), error) from error
             stack.callback(journal.close)
-        return _Session(rows, journal, bool(progress), callback).run(executor, job, retries)
+        return _Pass(rows, journal, bool(progress), callback).run(executor, job, retries)
 
 
-class _Session:
-    """One call of :func:`study`."""
+class _Pass:
+    """One pass of a study: what a call of :func:`study` does of it."""
 
     def __init__(
         self,
@@ -184,7 +191,9 @@ class _Session:
         self._lines[number] = line
         self._progress.done += 1
         self._count(line["status"])
-        return self._callback is None or self._callback(Study([line], 1)[0]) is not False
+        answer = None if self._callback is None else self._callback(Study([line], 1)[0])
+        # NumPy's False is another object.
+        return not (isinstance(answer, (bool, np.bool_)) and not answer)
 
     def _count(self, status: str) -> None:
         self._progress.failed += status in ("failed", "lost")
@@ -200,7 +209,7 @@ class _Session:
 
     def _write_table(self) -> None:
         if self._journal is not None:
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OutputError):
                 self._table().to_csv(self._journal.folder / "study.csv")
 
     def _standing(self) -> str:

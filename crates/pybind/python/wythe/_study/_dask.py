@@ -4,7 +4,7 @@ When a worker dies, Dask runs its tasks elsewhere, up to ``distributed.scheduler
 (3 by default), and then gives up with ``KilledWorker``. It holds every task that the worker had to account, those
 too that only waited there, and it repeats those whose results died with the worker. So each sample
 reports its begin and its end by events of the scheduler: the begin counts attempts and tells the sample
-that ran from one that waited; the end has the outcome, so that nothing stays in the worker.
+that ran from one that waited; the end has the outcome, before a death can take it along.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from wythe._study._pool import GUARD
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, run_sample
 
-# An outcome whose report failed is fetched; if that takes longer, its worker may have died with it [s].
+# An outcome that was not heard is fetched; if that takes longer, its worker may have died with it [s].
 FETCH_S = 5.0
 # How often the workers are counted [s].
 COUNTED_EVERY = 1.0
@@ -60,11 +60,13 @@ def is_cluster(thing: object) -> bool:
 class Dask:
     """Behind a client."""
 
-    def __init__(self, client: Any, job: Job, own: list[Any]) -> None:
+    def __init__(self, client: Any, job: Job, own: list[Any], wanted: int = 0) -> None:
         if getattr(client, "asynchronous", False):
             raise TypeError("executor: expected a Dask client that is not asynchronous")
         self._client = client
+        # What is the study's own: a client, and then its cluster of so many workers.
         self._own = own
+        self._wanted = wanted
         self._work = packed(job)
         self._topic = f"wythe-study-{uuid.uuid4().hex[:12]}"
         self._sent = 0
@@ -89,6 +91,9 @@ class Dask:
             self._counted = now
             try:
                 self.workers = sum(self._client.nthreads().values())
+                # Dask gives up a worker that is killed while it starts.
+                if self._wanted > self.workers:
+                    self._own[-1].scale(self._wanted)
             except Exception as error:
                 raise _gone(error) from error
         return 2 * self.workers + 8
@@ -133,10 +138,11 @@ class Dask:
             self._client.unsubscribe_topic(self._topic)
             if self._futures:
                 self._client.cancel(list(self._futures.values()), force=True)
+        if not finished and self._wanted > 0:
+            with contextlib.suppress(Exception):
+                _kill(self._own[-1])
         for thing in self._own:
             with contextlib.suppress(Exception):
-                if not finished:
-                    _kill(thing)
                 thing.close()
 
     def _heard(self, event: Any) -> None:
@@ -153,18 +159,17 @@ class Dask:
         return Finished(self._forget(key), outcome, starts)
 
     def _fetched(self, key: str) -> Finished | Died | None:
-        """What a future that is done says."""
+        """What a future says that is done before its outcome was heard."""
         future = self._futures[key]
         if future.status == "pending":
             # Its worker took the result with it; it is on its way again.
             self._late.add(key)
             return None
         try:
-            outcome: Outcome | None = future.result(timeout=FETCH_S)
+            outcome: Outcome = future.result(timeout=FETCH_S)
         except Exception as error:
             return self._trouble(key, future.status, error)
-        # Without an outcome it has been reported, and is heard next.
-        return None if outcome is None else self._finished(key, outcome)
+        return self._finished(key, outcome)
 
     def _trouble(self, key: str, status: str, error: Exception) -> Died | None:
         name = type(error).__name__
@@ -188,8 +193,9 @@ class Dask:
         return None
 
     def _forget(self, key: str) -> int:
-        for memory in (self._futures, self._starts):
-            memory.pop(key, None)
+        # The error of a death would keep it at the scheduler.
+        self._futures.pop(key).release()
+        self._starts.pop(key)
         self._late.discard(key)
         return self._numbers.pop(key)
 
@@ -203,7 +209,11 @@ def on_cluster(cluster: Any, job: Job) -> Dask:
     """A cluster of the caller's, by a client of its own."""
     distributed: Any = importlib.import_module("distributed")
     client = distributed.Client(cluster, set_as_default=False)
-    return Dask(client, job, own=[client])
+    try:
+        return Dask(client, job, own=[client])
+    except BaseException:
+        client.close()
+        raise
 
 
 def local_cluster(count: int | None, job: Job) -> Dask:
@@ -211,6 +221,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
     dask: Any = importlib.import_module("dask")
     distributed: Any = importlib.import_module("distributed")
     own: list[Any] = []
+    wanted = count or os.cpu_count() or 1
     # Every death is told at once, and how often a sample is tried is the study's to say.
     settings = {
         "distributed.scheduler.allowed-failures": 0,
@@ -219,7 +230,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
     try:
         with dask.config.set(settings):
             cluster = distributed.LocalCluster(
-                n_workers=count or os.cpu_count() or 1,
+                n_workers=wanted,
                 threads_per_worker=1,
                 processes=True,
                 # Samples leave nothing in the workers' memory that Dask could manage.
@@ -232,7 +243,7 @@ def local_cluster(count: int | None, job: Job) -> Dask:
         own.append(cluster)
         client = distributed.Client(cluster, set_as_default=False)
         own.insert(0, client)
-        return Dask(client, job, own)
+        return Dask(client, job, own, wanted)
     except BaseException as error:
         for thing in own:
             thing.close()
@@ -245,37 +256,34 @@ def local_cluster(count: int | None, job: Job) -> Dask:
 
 def _run_and_report(
     work: bytes, number: int, sample: Sample, topic: str, key: str
-) -> Outcome | None:
-    """Runs a sample on a worker. Returns its outcome only if it could not be reported."""
+) -> Outcome:
+    """Runs a sample on a worker, and reports its begin and its outcome."""
     distributed: Any = importlib.import_module("distributed")
     worker = distributed.get_worker()
 
     def report(outcome: Outcome | None) -> None:
-        # Waits until the scheduler knows, lest a death be quicker.
-        distributed.utils.sync(
-            worker.loop,
-            worker.scheduler.log_event,
-            callback_timeout=REPORT_S,
-            topic=topic,
-            msg={"key": key, "outcome": outcome},
-        )
+        # Waits until the scheduler knows, lest a death be quicker. Without reports attempts are told from
+        # deaths alone, and outcomes are fetched.
+        with contextlib.suppress(Exception):
+            distributed.utils.sync(
+                worker.loop,
+                worker.scheduler.log_event,
+                callback_timeout=REPORT_S,
+                topic=topic,
+                msg={"key": key, "outcome": outcome},
+            )
 
-    # Without the report of a begin attempts are told from deaths alone.
-    with contextlib.suppress(Exception):
-        report(None)
+    report(None)
     # Dask removes the worker's folder when the worker dies.
     outcome = run_sample(work, number, sample, worker.local_directory)
-    try:
-        report(outcome)
-    except Exception:
-        return outcome
-    return None
+    report(outcome)
+    return outcome
 
 
 def _kill(cluster: Any) -> None:
     """Ends the workers of a local cluster at once: asked to close, they would finish their samples first."""
-    for nanny in getattr(cluster, "workers", {}).values():
-        nanny.auto_restart = False
+    for nanny in list(cluster.workers.values()):
+        nanny.close_gracefully()
         os.kill(nanny.pid, signal.SIGKILL)
 
 

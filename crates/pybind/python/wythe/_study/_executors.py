@@ -6,7 +6,6 @@ place behind any executor like those of concurrent.futures; :mod:`._dask` has th
 
 from __future__ import annotations
 
-import os
 import pickle
 import queue
 import shutil
@@ -22,6 +21,8 @@ from wythe._study._pool import WorkerBroken, WorkerDied, Workers
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, pack, run_sample
 
+# Of an executor that does not tell its workers as those of Python do, so many are expected.
+UNKNOWN = 128
 # How often futures that do not tell when they are done are asked.
 ASKED_EVERY = 0.05
 
@@ -88,7 +89,7 @@ class Futures:
         self._under_way: dict[Any, int] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         known = getattr(executor, "_max_workers", None)
-        self.workers = known if isinstance(known, int) else os.cpu_count() or 1
+        self.workers = known if isinstance(known, int) else UNKNOWN
 
     def room(self) -> int:
         """Twice the workers."""
@@ -207,8 +208,9 @@ def packed(job: Job) -> bytes:
 
 
 def told(error: BaseException) -> str:
-    """An error in words."""
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    """An error in a line; some quote whole messages of theirs."""
+    lines = str(error).splitlines()
+    return f"{type(error).__name__}: {lines[0][:200]}" if lines else type(error).__name__
 
 
 def _some(numbers: list[int]) -> str:

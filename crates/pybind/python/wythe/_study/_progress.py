@@ -26,7 +26,7 @@ class Sink(Protocol):
 
 
 class Progress:
-    """Counts what is done, and tells the pace of this session."""
+    """Counts what is done, and tells the pace since this call began."""
 
     def __init__(self, count: int, before: int, sink: Sink | None) -> None:
         self._count = count
@@ -45,7 +45,7 @@ class Progress:
             self._sink.show(self.line(time.monotonic() - self._begun), self.done, last)
 
     def line(self, seconds: float) -> str:
-        """The line after so many seconds of this session."""
+        """The line so many seconds after this call began."""
         left = self._count - self.done
         parts = [f"study: {self.done} of {self._count} done"]
         if self.unconverged:
@@ -54,12 +54,12 @@ class Progress:
             parts.append(f"{self.failed} failed")
         parts.append(f"{left} left")
         here = self.done - self._before
-        if here and seconds > 0.0:
+        if left and self.workers == 0:
+            parts.append("waiting for workers")
+        elif here and seconds > 0.0:
             pace = here / seconds
             parts.append(_pace(pace))
             parts.append(f"{duration(left / pace)} to go" if left else f"took {duration(seconds)}")
-        elif left and self.workers == 0:
-            parts.append("waiting for workers")
         return ", ".join(parts)
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from wythe._errors import as_path, unwritten
 from wythe._results import _need
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
@@ -57,8 +58,9 @@ class Study:
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> Study:
         """The table of a study's folder, as far as it has come."""
-        header, lines = read(Path(folder))
-        return Study(lines, header["count"], Path(folder))
+        path = Path(as_path("folder", folder))
+        header, lines = read(path)
+        return Study(lines, header["count"], path)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -125,15 +127,18 @@ class Study:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the table; empty where there is no number, lists as JSON."""
-        # As a whole or not at all.
-        final = Path(path)
+        final = Path(as_path("path", path))
         part = final.with_name(f"{final.name}.part")
-        with part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(self.columns)
-            for row in self:
-                writer.writerow([_csv(row[name]) for name in self.columns])
-        os.replace(part, final)
+        try:
+            with part.open("w", newline="", encoding="utf-8") as file:
+                writer = csv.writer(file)
+                writer.writerow(self.columns)
+                for row in self:
+                    writer.writerow([_csv(row[name]) for name in self.columns])
+            # As a whole or not at all.
+            os.replace(part, final)
+        except OSError as error:
+            raise unwritten(str(final), error) from error
 
     def run_folder(self, sample: int) -> Path:
         """The folder of a sample's run, of a study that kept them (``keep="results"``)."""
