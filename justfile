@@ -7,6 +7,10 @@ default:
 test:
     bash tests/run
 
+# The source distribution and a wheel for old systems, in dist/
+wheels:
+    crates/pybind/build-wheels
+
 # Kill runs at a hundred random moments and resume them
 kills:
     tests/run-kills
