@@ -182,3 +182,14 @@ def test_the_schema_knows_the_keys() -> None:
     assert wythe.schema().lstrip().startswith("{")
     assert '"K_c"' in wythe.schema()
     assert wythe.schema() == (EXAMPLES.parent / "docs" / "deck.schema.json").read_text()
+
+
+def test_numbers_come_through_to_the_last_bit() -> None:
+    """A deck from a dictionary is the same as from a text, whatever digits its numbers have."""
+    model = wythe.templates.couplet()
+    deck = model.to_dict()
+    for value in np.random.default_rng(7).uniform(0.1, 0.5, 300):
+        deck["interfaces"]["joint"]["f_t"] = value
+        made = wythe.Model.from_dict(deck).to_dict()["interfaces"]["joint"]["f_t"]
+        said = model.with_({"interfaces.joint.f_t": value}).to_dict()["interfaces"]["joint"]["f_t"]
+        assert made == said == value
