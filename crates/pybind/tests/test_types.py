@@ -11,6 +11,8 @@ import pytest
 from helpers import EXAMPLES, SOURCES, TARGET, python
 
 TESTS = Path(__file__).parent
+#: Its pyproject.toml says how both check.
+PROJECT = SOURCES.parents[1]
 CHECKED = [
     str(SOURCES),
     *map(str, sorted(EXAMPLES.glob("*.py"))),
@@ -23,16 +25,14 @@ needs_pyright = pytest.mark.skipif(find_spec("pyright") is None, reason="pyright
 
 @needs_mypy
 def test_mypy_strict() -> None:
-    config = SOURCES.parents[1] / "pyproject.toml"
-    cache = TARGET / "mypy"
-    arguments = ("--strict", "--config-file", str(config), "--cache-dir", str(cache))
-    done = python("-m", "mypy", *arguments, *CHECKED, folder=SOURCES.parent)
+    arguments = ("--strict", "--cache-dir", str(TARGET / "mypy"))
+    done = python("-m", "mypy", *arguments, *CHECKED, folder=PROJECT)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @needs_pyright
 def test_pyright() -> None:
-    done = python("-m", "pyright", "--pythonpath", sys.executable, *CHECKED, folder=TESTS)
+    done = python("-m", "pyright", "--pythonpath", sys.executable, *CHECKED, folder=PROJECT)
     if "summary" not in done.stdout and "informations" not in done.stdout:
         pytest.skip(f"pyright cannot fetch what it runs on: {done.stderr}")
     assert done.returncode == 0, done.stdout + done.stderr
