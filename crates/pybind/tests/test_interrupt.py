@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,9 @@ from helpers import environment
 
 #: Runs the model in the file, and tells how it ended and how long after its last increment was written.
 RUN = """
-import json, os, sys, time, wythe
+import json, os, signal, sys, time, wythe
+# What a shell starts in its background is deaf to Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 model, out = wythe.Model.from_toml(sys.argv[1]), sys.argv[2]
 callback = (lambda row: None) if sys.argv[3] == "watched" else None
 try:
@@ -38,6 +41,14 @@ except KeyboardInterrupt as error:
 #: Between the end of an increment and the exception [s]: the folder is made whole, no more. An increment of
 #: this wall takes a tenth of that.
 LIMIT = 0.1
+
+
+@pytest.fixture(autouse=True)
+def hears() -> Iterator[None]:
+    """What a shell starts in its background is deaf to Ctrl-C, and so are these tests then."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="module")
