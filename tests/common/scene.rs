@@ -112,6 +112,7 @@ pub fn empty() -> Model {
         springs: Vec::new(),
         probes: Vec::new(),
         steps: Vec::new(),
+        warnings: Vec::new(),
         output: Output {
             every: 1,
             ..Output::default()

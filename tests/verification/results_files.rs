@@ -88,6 +88,7 @@ fn model() -> Model {
             ground: GroundMotion::default(),
             springs: Vec::new(),
         }],
+        warnings: Vec::new(),
         output: Output {
             every: 1,
             ..Output::default()

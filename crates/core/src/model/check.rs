@@ -2,8 +2,9 @@
 
 use super::deck::{Deck, Interface, Subdivision};
 use super::findings;
+use super::masonry::{self, Masonry};
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
-use super::{Model, layout, scatter};
+use super::{Model, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
@@ -53,13 +54,12 @@ impl fmt::Display for CheckReport {
     }
 }
 
-/// Judges a model and the deck it was made from.
+/// Tells of a model and the deck it was made from.
 pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     let sizes = sizes(model);
     CheckReport {
         title: model.title.clone(),
-        // a model that could be built has no errors left to find
-        warnings: findings::findings(deck, model).0,
+        warnings: model.warnings.clone(),
         notes: notes(deck, model),
         sizes,
         memory_mb: memory_mb(model, sizes),
@@ -154,34 +154,45 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         notes.extend(interface_notes(name, f, model));
         notes.extend(scatter_note(deck, name, model));
     }
-    if let Some(wall) = &deck.wall {
-        if let Ok(pattern) = layout::course_pattern(wall) {
-            let (shortest, lap) = layout::bat_and_lap(&pattern);
-            if lap.is_finite() {
-                notes.push(format!(
-                    "bond: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
-                ));
-            }
-        }
-        let Subdivision {
-            length,
-            height,
-            thickness,
-        } = wall.mesh;
-        let name = match wall.mesh {
-            Subdivision::COARSE => "coarse, ",
-            Subdivision::FINE => "fine, ",
-            _ => "",
-        };
-        notes.push(format!(
-            "mesh: {name}[{length}, {height}, {thickness}] = {} hex8 a whole representative element",
-            length * height * thickness
-        ));
+    for wall in masonry::lay_all(deck).unwrap_or_default() {
+        notes.extend(wall_notes(deck, &wall));
     }
     if deck.has_blocks() {
         notes.extend(block_notes(deck, model));
     }
     notes.extend(pivot_note(model));
+    notes
+}
+
+/// Bond and mesh of a wall.
+fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let only = deck.walls().count() == 1;
+    let of = if only {
+        String::new()
+    } else {
+        format!(" of {}", masonry.name)
+    };
+    let (shortest, lap) = masonry.bat_and_lap();
+    if lap.is_finite() {
+        notes.push(format!(
+            "bond{of}: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
+        ));
+    }
+    let Subdivision {
+        length,
+        height,
+        thickness,
+    } = masonry.wall.mesh;
+    let name = match masonry.wall.mesh {
+        Subdivision::COARSE => "coarse, ",
+        Subdivision::FINE => "fine, ",
+        _ => "",
+    };
+    notes.push(format!(
+        "mesh{of}: {name}[{length}, {height}, {thickness}] = {} hex8 a whole representative element",
+        length * height * thickness
+    ));
     notes
 }
 

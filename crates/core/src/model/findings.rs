@@ -1,9 +1,8 @@
 //! Physics of a model that can be judged before it is run.
 
 use super::Model;
-use super::build_blocks;
-use super::deck::{Deck, Interface};
-use super::layout;
+use super::deck::{Bond, Deck, Interface};
+use super::masonry::Masonry;
 use super::tables;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{MaterialParameters, TableRow};
@@ -24,19 +23,23 @@ pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> V
 /// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The model with its warnings, if there were no errors before and the physics has none.
+/// The model with its warnings, if there were no errors before and the physics has none. `laid`: warnings
+/// of bonds and surfaces.
 ///
 /// # Errors
 /// Those that there were, and softening that would snap back within an element, with the warnings.
 pub(super) fn judged(
     deck: &Deck,
-    model: Model,
+    mut model: Model,
+    laid: Vec<Warning>,
     mut errors: Errors,
 ) -> Result<(Model, Vec<Warning>), ModelError> {
-    let (warnings, wrong) = findings(deck, &model);
+    let (mut warnings, wrong) = findings(deck, &model);
+    warnings.extend(laid);
     for error in wrong {
         errors.push(error);
     }
+    model.warnings.clone_from(&warnings);
     match errors.end(model) {
         Ok(model) => Ok((model, warnings)),
         Err(error) => Err(error.with_warnings(warnings)),
@@ -69,18 +72,12 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     for (name, interface) in interfaces(deck, model) {
         warnings.extend(check_interface(deck, name, interface, model));
     }
-    if deck.wall.is_some() {
-        warnings.extend(check_bond(deck));
-    } else {
-        // Errors of the surfaces were met when the model was built.
-        warnings.extend(build_blocks::surface_warnings(deck).unwrap_or_default());
-    }
     (warnings, errors)
 }
 
 /// Interfaces that the model uses, each once.
 pub(super) fn interfaces<'a>(deck: &'a Deck, model: &'a Model) -> Vec<(&'a str, &'a Interface)> {
-    let of_wall = deck.wall.iter().map(|w| w.interface.as_str());
+    let of_wall = deck.walls().map(|(_, _, wall)| wall.interface.as_str());
     let mut names: Vec<&str> = of_wall
         .chain(model.contact.law_names.iter().map(String::as_str))
         .collect();
@@ -193,26 +190,31 @@ fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 
 }
 
 /// Slivers and joints that run through.
-fn check_bond(deck: &Deck) -> Vec<Warning> {
-    let Some(wall) = &deck.wall else {
-        return Vec::new();
-    };
-    let Ok(pattern) = layout::course_pattern(wall) else {
-        return Vec::new();
-    };
-    let (shortest, lap) = layout::bat_and_lap(&pattern);
+pub(super) fn bond(deck: &Deck, walls: &[Masonry<'_>]) -> Vec<Warning> {
+    walls.iter().flat_map(|wall| bond_of(deck, wall)).collect()
+}
+
+fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
+    let wall = masonry.wall;
+    let (shortest, lap) = masonry.bat_and_lap();
     let [unit, joint] = [wall.unit[0].get(), wall.head_joint.get()];
+    // Closers are meant to be short.
+    let [least, least_lap] = match wall.bond {
+        Bond::Stretcher | Bond::Stack => [unit / 8.0; 2],
+        _ => [wall.unit[1].get() / 8.0; 2],
+    };
+    let key = format!("{}.length", masonry.path);
     let mut warnings = Vec::new();
-    if shortest < unit / 8.0 {
+    if shortest < least {
         let half = (unit - joint) / 2.0;
         warnings.push(deck.warning(
-            "wall.length",
+            &key,
             format!("the bats are slivers of {shortest:.2} mm (a half unit is {half:.2} mm)"),
         ));
     }
-    if wall.courses > 1 && lap < unit / 8.0 {
+    if wall.courses > 1 && lap < least_lap && wall.bond != Bond::Stack {
         warnings.push(deck.warning(
-            "wall.length",
+            &key,
             format!(
                 "head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"
             ),

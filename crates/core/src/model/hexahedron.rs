@@ -1,6 +1,4 @@
-//! A hexahedron by its eight corners or by a grid of nodes, cut into hex8; and its six faces.
-
-use super::Mesh;
+//! A hexahedron by its eight corners, and its six faces.
 
 /// Corners in VTK's order [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above.
 /// `[corner][xyz]`
@@ -35,9 +33,35 @@ impl Face {
     ];
 
     /// Axis of the normal, and whether it points along it.
-    fn side(self) -> (usize, bool) {
+    pub fn side(self) -> (usize, bool) {
         let index = self as usize;
         (index / 2, index % 2 == 1)
+    }
+
+    /// Local places of its corners, counter-clockwise seen from outside: which side along ξ, η, ζ.
+    fn round(self) -> [[usize; 3]; 4] {
+        let (axis, high) = self.side();
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut round = [(0, 0), (1, 0), (1, 1), (0, 1)];
+        if !high {
+            round.swap(1, 3);
+        }
+        round.map(|(a, b)| {
+            let mut at = [0; 3];
+            (at[axis], at[u], at[v]) = (usize::from(high), a, b);
+            at
+        })
+    }
+
+    /// Its corners among those of a hexahedron, counter-clockwise seen from outside.
+    pub fn corners(self) -> [usize; 4] {
+        self.round()
+            .map(|place| PLACES.iter().position(|p| *p == place).unwrap_or_default())
+    }
+
+    /// Its corners on a hexahedron [mm], counter-clockwise seen from outside.
+    pub fn outline(self, corners: &Corners) -> [[f64; 3]; 4] {
+        self.corners().map(|c| corners[c])
     }
 }
 
@@ -70,163 +94,8 @@ pub(super) fn is_upright(corners: &Corners) -> bool {
     })
 }
 
-/// What a block looks like.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// Its corners [mm]; all else lies between them.
-    Hexahedron(Corners),
-    /// The nodes of its grid [mm], along ξ first, then η, ζ. `[node][xyz]`
-    Grid(Vec<[f64; 3]>),
-}
-
-impl Shape {
-    /// The same shape elsewhere.
-    #[must_use]
-    pub fn map(&self, to: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
-        match self {
-            Self::Hexahedron(corners) => Self::Hexahedron(corners.map(to)),
-            Self::Grid(nodes) => Self::Grid(nodes.iter().copied().map(to).collect()),
-        }
-    }
-}
-
-/// A block of the mesh: a regular grid of nodes and elements.
-#[derive(Clone, Debug)]
-pub struct Placed {
-    /// Name in the deck, with the numbers of its copy.
-    pub name: String,
-    /// Shape at rest.
-    pub shape: Shape,
-    /// Elements along ξ, η, ζ.
-    pub cells: [usize; 3],
-    /// Number of the body.
-    pub body: u32,
-    first_node: usize,
-    first_element: usize,
-}
-
-impl Placed {
-    /// Cuts a hexahedron into cells by trilinear interpolation of its corners and appends them, or
-    /// the cells of a grid, to the mesh. Neighbours with common corners have common nodes in the same
-    /// places, to the bit.
-    pub fn append(
-        mesh: &mut Mesh,
-        name: String,
-        shape: Shape,
-        cells: [usize; 3],
-        material: u16,
-    ) -> Self {
-        let body = mesh.unit.last().map_or(0, |u| u + 1);
-        let placed = Self {
-            name,
-            shape,
-            cells,
-            body,
-            first_node: mesh.nodes.len(),
-            first_element: mesh.elements.len(),
-        };
-        let [nx, ny, nz] = cells;
-        let part = |i: usize, n: usize| i as f64 / n as f64;
-        match &placed.shape {
-            Shape::Grid(nodes) => mesh.nodes.extend(nodes),
-            Shape::Hexahedron(corners) => {
-                for k in 0..=nz {
-                    for j in 0..=ny {
-                        for i in 0..=nx {
-                            let x = point(corners, [part(i, nx), part(j, ny), part(k, nz)]);
-                            mesh.nodes.push(x);
-                        }
-                    }
-                }
-            }
-        }
-        for k in 0..nz {
-            for j in 0..ny {
-                for i in 0..nx {
-                    let node = |p: [usize; 3]| placed.node([i + p[0], j + p[1], k + p[2]]);
-                    mesh.elements.push(PLACES.map(node));
-                    mesh.material.push(material);
-                    mesh.unit.push(body);
-                    mesh.course.push(0);
-                }
-            }
-        }
-        placed
-    }
-
-    fn node(&self, [i, j, k]: [usize; 3]) -> u32 {
-        let [nx, ny, _] = self.cells;
-        (self.first_node + (k * (ny + 1) + j) * (nx + 1) + i) as u32
-    }
-
-    /// All nodes.
-    pub fn nodes(&self) -> Vec<u32> {
-        let count: usize = self.cells.iter().map(|n| n + 1).product();
-        (self.first_node..self.first_node + count)
-            .map(|n| n as u32)
-            .collect()
-    }
-
-    /// Facets of a face, counter-clockwise seen from outside, with their elements.
-    pub fn facets(&self, face: Face) -> Vec<(usize, [u32; 4])> {
-        let (axis, high) = face.side();
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let mut facets = Vec::with_capacity(self.cells[u] * self.cells[v]);
-        for b in 0..self.cells[v] {
-            for a in 0..self.cells[u] {
-                let at = |a: usize, b: usize, layer: usize| {
-                    let mut at = [0; 3];
-                    (at[axis], at[u], at[v]) = (layer, a, b);
-                    at
-                };
-                let layer = if high { self.cells[axis] } else { 0 };
-                let round = [(a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1)];
-                let mut facet = round.map(|(a, b)| self.node(at(a, b, layer)));
-                if !high {
-                    facet.swap(1, 3);
-                }
-                let [i, j, k] = at(a, b, layer.saturating_sub(1));
-                let [nx, ny, _] = self.cells;
-                facets.push((self.first_element + (k * ny + j) * nx + i, facet));
-            }
-        }
-        facets
-    }
-
-    /// Flat parts of a face, counter-clockwise seen from outside [mm]: all of it, or the facets of a
-    /// grid, which may be curved. `[part][corner][xyz]`
-    pub fn outlines(&self, face: Face, mesh: &Mesh) -> Vec<[[f64; 3]; 4]> {
-        let corners = match &self.shape {
-            Shape::Hexahedron(corners) => corners,
-            Shape::Grid(_) => {
-                let facets = self.facets(face).into_iter();
-                let at = |(_, facet): (usize, [u32; 4])| facet.map(|n| mesh.nodes[n as usize]);
-                return facets.map(at).collect();
-            }
-        };
-        let (axis, high) = face.side();
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let mut round = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-        if !high {
-            round.swap(1, 3);
-        }
-        vec![round.map(|(a, b)| {
-            let mut at = [0.0; 3];
-            (at[axis], at[u], at[v]) = (f64::from(u8::from(high)), a, b);
-            point(corners, at)
-        })]
-    }
-
-    /// Mean area of the facets of a face [mm²].
-    pub fn mean_facet(&self, face: Face, mesh: &Mesh) -> f64 {
-        let outlines = self.outlines(face, mesh);
-        let area: f64 = outlines.iter().map(|o| norm(area_vector(o))).sum();
-        area / self.facets(face).len() as f64
-    }
-}
-
 /// The point at parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
-fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
+pub(super) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
     let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
     [0, 1, 2].map(|d| {
         let c = |n: usize| corners[n][d];

@@ -200,8 +200,8 @@ pub const EXAMPLES: &[(&str, &str)] = &[
 ];
 
 /// Sections of which a deck has several, each with a header of its own.
-pub(super) const LISTS: [&str; 6] = [
-    "blocks", "contacts", "supports", "springs", "probes", "steps",
+pub(super) const LISTS: [&str; 7] = [
+    "walls", "blocks", "contacts", "supports", "springs", "probes", "steps",
 ];
 
 /// Tables of named tables.

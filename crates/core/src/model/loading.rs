@@ -1,7 +1,7 @@
-//! Steps of a scene of blocks: which faces move as one, and how.
+//! Steps: which faces move as one, and how.
 
-use super::blocks::Blocks;
-use super::deck::{Deck, DeckStep, Direction, Names, StepKind};
+use super::bodies::Bodies;
+use super::deck::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
 use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
@@ -9,7 +9,7 @@ use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
 
-/// Beams and steps of a scene of blocks.
+/// Beams and steps of a scene.
 pub(super) struct Loading {
     pub(super) beams: Vec<Beam>,
     pub(super) steps: Vec<Step>,
@@ -19,21 +19,28 @@ pub(super) struct Loading {
 const ALONG: f64 = 1.0 - 1e-9;
 
 /// Every face that a step presses or drives is a beam for the whole run: free until a step moves it,
-/// then held where it stands, or left under its pressure.
+/// then held where it stands, or left under its pressure. So is the top of a clamped wall (`clamped`), which
+/// steps mean that name no face.
 ///
 /// # Errors
 /// Names of nothing, faces with common nodes, pressure on a face that no axis is normal to.
 pub(super) fn loading(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
+    clamped: Option<Beam>,
     supports: &[Support],
     springs: &[Spring],
 ) -> Result<Loading, ModelError> {
-    let beams = beams(deck, blocks, supports)?;
+    let top = clamped.is_some();
+    let beams = beams(deck, bodies, clamped, supports)?;
     let names: Vec<&str> = beams.iter().map(|b| b.name.as_str()).collect();
-    let beam_of = |step: &DeckStep| {
-        let name = beam_name(step.face.as_ref()?);
-        names.iter().position(|n| **n == name)
+    let beam_of = |step: &DeckStep| match &step.face {
+        Some(faces) => {
+            let name = beam_name(faces);
+            names.iter().position(|n| **n == name)
+        }
+        // The top of the wall is the first.
+        None => (top && step.spring.is_none()).then_some(0),
     };
     let mut now = vec![[BeamMotion::Force(0.0); 3]; beams.len()];
     let mut load = vec![[0.0; 3]; beams.len()];
@@ -51,7 +58,11 @@ pub(super) fn loading(
         let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
         let displacement = sign * step.displacement.map_or(0.0, Quantity::get);
         let beam = beam_of(step);
-        if let Some(b) = beam {
+        if let Some(b) = beam.filter(|_| step.face.is_none()) {
+            let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
+            load[b][2] = force.unwrap_or(load[b][2]);
+            now[b] = level_beam(step, load[b][2]);
+        } else if let Some(b) = beam {
             let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
             if step.kind == StepKind::Preload {
                 let force = errors.keep(pressure(deck, i, step, &beams[b]));
@@ -79,6 +90,8 @@ pub(super) fn loading(
             let (axis, _) = s.direction.map_or((0, 1.0), Direction::axis);
             (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, axis)))?
         });
+        // Of a wall that nothing drives it tells of the load on top.
+        let driven = driven.or_else(|| top.then_some((0, 2)).filter(|_| beam == Some(0)));
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
         let pressed = beam.and_then(|b| Some((b, normal(b)?)));
         let rules = errors.keep(rules(deck, i, step, &mut gravity));
@@ -90,6 +103,20 @@ pub(super) fn loading(
         }));
     }
     errors.end(Loading { beams, steps })
+}
+
+/// What the level beam of a wall does in a step: pressed, it moves vertically and no other way; driven, it
+/// stays level; else it stays under its load [N] and moves vertically.
+fn level_beam(step: &DeckStep, load: f64) -> [BeamMotion; 3] {
+    let mut motion = [BeamMotion::Locked; 3];
+    if step.kind != StepKind::Drive || step.vertical == Some(Vertical::Free) {
+        motion[2] = BeamMotion::Force(load);
+    }
+    if step.kind == StepKind::Drive {
+        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+        motion[axis] = BeamMotion::Driven(sign * step.displacement.map_or(0.0, Quantity::get));
+    }
+    motion
 }
 
 /// Index of the spring whose far end step `i` moves along `axis`.
@@ -151,14 +178,19 @@ fn beam_name(faces: &Names) -> String {
     faces.0.join(", ")
 }
 
-/// The faces that steps name, each once.
-fn beams(deck: &Deck, blocks: &Blocks<'_>, supports: &[Support]) -> Result<Vec<Beam>, ModelError> {
-    let mut beams: Vec<Beam> = Vec::new();
+/// The top of the clamped wall, and the faces that steps name, each once.
+fn beams(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    clamped: Option<Beam>,
+    supports: &[Support],
+) -> Result<Vec<Beam>, ModelError> {
+    let mut beams: Vec<Beam> = clamped.into_iter().collect();
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         let Some(faces) = &step.face else { continue };
         if !beams.iter().any(|b| b.name == beam_name(faces)) {
-            let beam = beam(deck, i, faces, blocks, &beams);
+            let beam = beam(deck, i, faces, bodies, &beams);
             beams.extend(errors.keep(beam));
         }
     }
@@ -171,16 +203,16 @@ fn beam(
     deck: &Deck,
     i: usize,
     faces: &Names,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     beams: &[Beam],
 ) -> Result<Beam, ModelError> {
     let path = format!("steps.{i}.face");
     let name = beam_name(faces);
-    let places = blocks.places(&path, faces, true)?;
+    let places = bodies.places(&path, faces, true)?;
     if places.is_empty() {
         return Err(deck.error(&path, "the list is empty", &keys::example("face")));
     }
-    let nodes = blocks.nodes(&places);
+    let nodes = bodies.nodes(&places);
     if let Some(other) = beams
         .iter()
         .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
@@ -191,7 +223,7 @@ fn beam(
             "a node follows one face: drive one of them, or faces of different blocks",
         ));
     }
-    let (vector, area) = blocks.area(&places);
+    let (vector, area) = bodies.area(&places);
     let length = super::hexahedron::norm(vector);
     Ok(Beam {
         name,

@@ -1,23 +1,25 @@
-//! Surfaces of a scene of blocks: facets and laws of what meets; and which blocks rest on which.
+//! Surfaces of a scene: facets and laws of what meets; and which bodies rest on which.
 
-use super::blocks::Blocks;
+use super::bodies::Bodies;
 use super::deck::{Deck, Interface};
-use super::hexahedron::{Face, Shape, area_vector, difference, dot, mean, norm};
+use super::hexahedron::{area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
+use super::masonry;
 use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
 use super::touch;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
+use std::collections::HashSet;
 
-/// Two blocks that touch at rest.
+/// Two bodies that touch at rest.
 pub(super) struct Touching {
     pub(super) bodies: (u32, u32),
     pub(super) interface: String,
 }
 
-/// Surfaces of a scene of blocks.
+/// Surfaces of a scene of bodies.
 pub(super) struct Meeting {
     pub(super) contact: ContactSurfaces,
     pub(super) touching: Vec<Touching>,
@@ -39,14 +41,15 @@ struct Facing<'a> {
 /// Those of [`pairings`], and faces that never face each other.
 pub(super) fn meeting(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     elastic: &[ElasticParameters],
 ) -> Result<Meeting, ModelError> {
-    let pairings = pairings(deck, blocks)?;
     let mut contact = ContactSurfaces::default();
-    let (mut touching, mut warnings) = (Vec::new(), Vec::new());
+    let mut touching = masonry::joints(deck, bodies, elastic, &mut contact)?;
+    let pairings = pairings(deck, bodies)?;
+    let mut warnings = Vec::new();
     let mut errors = Errors::default();
-    let mesh = &blocks.mesh;
+    let mesh = &bodies.mesh;
     let describe = |element: usize, facet: &[u32; 4]| {
         let x = facet.map(|n| mesh.nodes[n as usize]);
         let area = area_vector(&x);
@@ -63,16 +66,16 @@ pub(super) fn meeting(
         let Some(interface) = deck.interfaces.get(&pairing.interface) else {
             continue; // refused when the deck was read
         };
-        let body = blocks.placed[pairing.slave.0].body;
-        let facets = |patch: &Patch| blocks.placed[patch.0].facets(patch.1);
+        let body = bodies.all[pairing.slave.0].number;
+        let facets = |patch: &Patch| bodies.all[patch.0].faces[patch.1].facets.iter();
         let masters: Vec<Facing<'_>> = pairing
             .masters
             .iter()
             .flat_map(facets)
-            .map(|(element, facet)| describe(element, &facet))
+            .map(|(element, facet)| describe(*element, facet))
             .collect();
         for (element, facet) in facets(&pairing.slave) {
-            let here = describe(element, &facet);
+            let here = describe(*element, facet);
             let opposed = masters.iter().filter(|m| dot(m.normal, here.normal) < 0.0);
             let distance = |m: &Facing<'_>| norm(difference(m.centre, here.centre));
             let nearest = opposed.min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -81,8 +84,8 @@ pub(super) fn meeting(
                     &pairing.path,
                     format!(
                         "{}.{}: no master faces it",
-                        blocks.placed[pairing.slave.0].name,
-                        Face::ALL[pairing.slave.1 as usize].0
+                        bodies.all[pairing.slave.0].name,
+                        bodies.all[pairing.slave.0].faces[pairing.slave.1].name
                     ),
                     "faces that meet look at each other: block.bottom on base.top",
                 ));
@@ -90,41 +93,41 @@ pub(super) fn meeting(
             };
             let (a, b) = (here.side, facing.side);
             let law = law_between(&mut contact, &pairing.interface, interface, a, b);
-            contact.slave_facets.push(facet);
+            contact.slave_facets.push(*facet);
             contact.slave_body.push(body);
             contact.slave_law.push(law);
         }
-        warnings.extend(overhang(deck, blocks, interface, pairing));
-        let slave_area = mean_facet(blocks, pairing.slave);
+        warnings.extend(overhang(deck, bodies, interface, pairing));
+        let slave_area = mean_facet(bodies, pairing.slave);
         let coarser = pairing
             .masters
             .iter()
-            .find(|m| mean_facet(blocks, **m) < 0.5 * slave_area);
+            .find(|m| mean_facet(bodies, **m) < 0.5 * slave_area);
         if let Some(master) = coarser.filter(|_| pairing.path != "arch") {
             warnings.push(deck.warning(
                 &pairing.path,
                 format!(
                     "the slave {} is coarser than its master {}: points are on the slave, which \
                      should be the finer side",
-                    blocks.placed[pairing.slave.0].name, blocks.placed[master.0].name
+                    bodies.all[pairing.slave.0].name, bodies.all[master.0].name
                 ),
             ));
         }
         for master in &pairing.masters {
-            let Some(gap) = gap(blocks, pairing.slave, *master) else {
+            let Some(gap) = gap(bodies, pairing.slave, *master) else {
                 continue;
             };
-            let reach = reach(deck, interface, blocks, pairing.slave);
+            let reach = reach(deck, interface, bodies, pairing.slave);
             if gap.abs() <= reach {
                 touching.push(Touching {
-                    bodies: (body, blocks.placed[master.0].body),
+                    bodies: (body, bodies.all[master.0].number),
                     interface: pairing.interface.clone(),
                 });
             }
             if gap < -TOUCHES * slave_area.sqrt() && gap > -0.1 * slave_area.sqrt() {
                 let (a, b) = (
-                    &blocks.placed[pairing.slave.0].name,
-                    &blocks.placed[master.0].name,
+                    &bodies.all[pairing.slave.0].name,
+                    &bodies.all[master.0].name,
                 );
                 warnings.push(deck.warning(
                     &pairing.path,
@@ -133,7 +136,7 @@ pub(super) fn meeting(
             }
         }
     }
-    add_masters(blocks, &pairings, &mut contact);
+    add_masters(bodies, &pairings, &mut contact);
     errors.end(Meeting {
         contact,
         touching,
@@ -145,25 +148,25 @@ pub(super) fn meeting(
 /// the points that are left do not show where the edge is.
 fn overhang(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     interface: &Interface,
     pairing: &Pairing,
 ) -> Option<Warning> {
-    let block = &blocks.placed[pairing.slave.0];
-    let curved = |(b, _): &Patch| matches!(blocks.placed[*b].shape, Shape::Grid(_));
+    let block = &bodies.all[pairing.slave.0];
+    let curved = |(b, _): &Patch| bodies.all[*b].curved;
     if pairing.masters.iter().any(curved) {
         return None; // what is curved leaves its neighbour before its edge
     }
-    let reach = reach(deck, interface, blocks, pairing.slave);
+    let reach = reach(deck, interface, bodies, pairing.slave);
     let outlines = pairing.masters.iter();
     let outlines: Vec<_> = outlines
-        .flat_map(|(block, face)| blocks.placed[*block].outlines(*face, &blocks.mesh))
+        .flat_map(|(block, face)| &bodies.all[*block].faces[*face].outlines)
         .collect();
-    let facets = block.facets(pairing.slave.1);
+    let facets = &block.faces[pairing.slave.1].facets;
     let over = |facet: &[u32; 4]| {
-        let x = facet.map(|n| blocks.mesh.nodes[n as usize]);
+        let x = facet.map(|n| bodies.mesh.nodes[n as usize]);
         let below = |o: &&[[f64; 3]; 4]| touch::distance(&x, o).is_some_and(|d| d.abs() <= reach);
-        let below: Vec<_> = outlines.iter().filter(below).collect();
+        let below: Vec<_> = outlines.iter().copied().filter(below).collect();
         let covered = |corner: &[f64; 3]| below.iter().any(|o| touch::covers(o, *corner));
         !below.is_empty() && !x.iter().all(covered)
     };
@@ -181,27 +184,31 @@ fn overhang(
 }
 
 /// Every master face once.
-fn add_masters(blocks: &Blocks<'_>, pairings: &[Pairing], contact: &mut ContactSurfaces) {
+fn add_masters(bodies: &Bodies<'_>, pairings: &[Pairing], contact: &mut ContactSurfaces) {
     let mut masters: Vec<Patch> = pairings.iter().flat_map(|p| p.masters.clone()).collect();
-    masters.sort_by_key(|(block, face)| (*block, *face as usize));
+    masters.sort_unstable();
     masters.dedup();
-    for (block, face) in masters {
-        let block = &blocks.placed[block];
-        for (_, facet) in block.facets(face) {
-            contact.master_facets.push(facet);
-            contact.master_body.push(block.body);
+    // Faces that joints of walls have met are there already.
+    let known: HashSet<[u32; 4]> = contact.master_facets.iter().copied().collect();
+    for (body, face) in masters {
+        let body = &bodies.all[body];
+        for (_, facet) in &body.faces[face].facets {
+            if !known.contains(facet) {
+                contact.master_facets.push(*facet);
+                contact.master_body.push(body.number);
+            }
         }
     }
 }
 
 /// Mean area of the facets of a face [mm²].
-fn mean_facet(blocks: &Blocks<'_>, (block, face): Patch) -> f64 {
-    blocks.placed[block].mean_facet(face, &blocks.mesh)
+fn mean_facet(bodies: &Bodies<'_>, (block, face): Patch) -> f64 {
+    bodies.all[block].faces[face].mean_facet()
 }
 
 /// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
-fn gap(blocks: &Blocks<'_>, a: Patch, b: Patch) -> Option<f64> {
-    let outlines = |(block, face): Patch| blocks.placed[block].outlines(face, &blocks.mesh);
+fn gap(bodies: &Bodies<'_>, a: Patch, b: Patch) -> Option<f64> {
+    let outlines = |(body, face): Patch| &bodies.all[body].faces[face].outlines;
     let (a, b) = (outlines(a), outlines(b));
     let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
     let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
@@ -210,8 +217,8 @@ fn gap(blocks: &Blocks<'_>, a: Patch, b: Patch) -> Option<f64> {
 
 /// Gap up to which two faces hold each other at rest [mm]: that of the search, else 0.06 of a facet,
 /// at least 2 `u_k`.
-fn reach(deck: &Deck, interface: &Interface, blocks: &Blocks<'_>, slave: Patch) -> f64 {
-    let chosen = 0.06 * mean_facet(blocks, slave).sqrt();
+fn reach(deck: &Deck, interface: &Interface, bodies: &Bodies<'_>, slave: Patch) -> f64 {
+    let chosen = 0.06 * mean_facet(bodies, slave).sqrt();
     let least = 2.0 * interface.ultimate_opening();
     deck.contact
         .search_radius

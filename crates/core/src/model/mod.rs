@@ -1,18 +1,19 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
 mod arch;
-mod blocks;
-pub mod build;
-mod build_blocks;
+mod bodies;
+pub mod body;
+mod build;
 pub mod check;
 pub mod deck;
 mod findings;
 mod gravity;
+mod held;
 pub mod hexahedron;
 mod joint;
 pub mod keys;
-pub mod layout;
 mod loading;
+pub mod masonry;
 mod meeting;
 pub mod mesh;
 mod overrides;
@@ -24,12 +25,10 @@ pub mod scatter;
 pub mod scene;
 pub mod schema;
 pub(crate) mod source;
-mod supports;
 mod tables;
 pub mod templates;
 mod touch;
 mod unit;
-pub mod wall;
 
 pub use check::{CheckReport, check};
 pub use deck::Deck;

@@ -1,14 +1,14 @@
 //! Which faces of a scene of blocks meet: those that the deck pairs, and those that touch at rest.
 
-use super::blocks::Blocks;
+use super::bodies::Bodies;
 use super::deck::{Deck, DeckContact};
 use super::hexahedron::{Face, area_vector, norm};
 use super::roll::Place;
 use super::touch;
 use crate::error::{Errors, ModelError};
 
-/// A face of a block. `(block, face)`
-pub(super) type Patch = (usize, Face);
+/// A face of a body. `(body, face)`
+pub(super) type Patch = (usize, usize);
 
 /// A slave face with the masters that it is to meet.
 pub(super) struct Pairing {
@@ -25,16 +25,16 @@ pub(super) const TOUCHES: f64 = 1e-3;
 ///
 /// # Errors
 /// Names of nothing, a slave face of two interfaces, a face that is slave and master of another.
-pub(super) fn pairings(deck: &Deck, blocks: &Blocks<'_>) -> Result<Vec<Pairing>, ModelError> {
-    let mut pairings = arch_pairings(deck, blocks);
+pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>, ModelError> {
+    let mut pairings = arch_pairings(deck, bodies);
     let mut errors = Errors::default();
     for (i, contact) in deck.contacts.iter().enumerate() {
-        errors.keep(add_declared(deck, blocks, &mut pairings, contact, i));
+        errors.keep(add_declared(deck, bodies, &mut pairings, contact, i));
     }
     for (i, contact) in deck.contacts.iter().enumerate() {
         if contact.slave.is_none() {
             let path = format!("contacts.{i}");
-            errors.keep(add_touching(deck, blocks, &mut pairings, contact, &path));
+            errors.keep(add_touching(deck, bodies, &mut pairings, contact, &path));
         }
     }
     errors.end(pairings)
@@ -43,7 +43,7 @@ pub(super) fn pairings(deck: &Deck, blocks: &Blocks<'_>) -> Result<Vec<Pairing>,
 /// Adds the pairings that contact `i` names, if it names any.
 fn add_declared(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     pairings: &mut Vec<Pairing>,
     contact: &DeckContact,
     i: usize,
@@ -52,13 +52,13 @@ fn add_declared(
     let (Some(slave), Some(master)) = (&contact.slave, &contact.master) else {
         return Ok(());
     };
-    let slaves = patches(&blocks.places(&format!("{path}.slave"), slave, true)?);
-    let masters = patches(&blocks.places(&format!("{path}.master"), master, true)?);
+    let slaves = patches(&bodies.places(&format!("{path}.slave"), slave, true)?);
+    let masters = patches(&bodies.places(&format!("{path}.master"), master, true)?);
     for slave in slaves {
         let others = masters.iter().filter(|m| m.0 != slave.0);
         let masters: Vec<Patch> = others.copied().collect();
         if masters.is_empty() {
-            let name = &blocks.placed[slave.0].name;
+            let name = &bodies.all[slave.0].name;
             return Err(deck.error(
                 &path,
                 format!("`{name}` would meet itself"),
@@ -72,26 +72,27 @@ fn add_declared(
             interface,
             path,
         };
-        add(deck, blocks, pairings, new)?;
+        add(deck, bodies, pairings, new)?;
     }
     Ok(())
 }
 
 fn patches(places: &[Place]) -> Vec<Patch> {
-    let patch = |place: &Place| place.face.map(|face| (place.block, face));
+    let patch = |place: &Place| place.face.map(|face| (place.body, face));
     places.iter().filter_map(patch).collect()
 }
 
 /// Each voussoir's right face against the next one's left, the ends against the springings.
-fn arch_pairings(deck: &Deck, blocks: &Blocks<'_>) -> Vec<Pairing> {
+fn arch_pairings(deck: &Deck, bodies: &Bodies<'_>) -> Vec<Pairing> {
     let Some(arch) = &deck.arch else {
         return Vec::new();
     };
-    let (left, right) = (blocks.placed.len() - 2, blocks.placed.len() - 1);
+    let (left, right) = (bodies.all.len() - 2, bodies.all.len() - 1);
     let first = left - arch.voussoirs as usize;
+    let at = |(body, face): (usize, Face)| (body, face as usize);
     let joint = |slave, master| Pairing {
-        slave,
-        masters: vec![master],
+        slave: at(slave),
+        masters: vec![at(master)],
         interface: arch.interface.clone(),
         path: "arch".to_owned(),
     };
@@ -106,13 +107,13 @@ fn arch_pairings(deck: &Deck, blocks: &Blocks<'_>) -> Vec<Pairing> {
 /// Adds a pairing to that of the same slave face.
 fn add(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     pairings: &mut Vec<Pairing>,
     new: Pairing,
 ) -> Result<(), ModelError> {
-    let face = |(block, face): Patch| {
-        let name = Face::ALL.iter().find(|f| f.1 == face).map_or("", |f| f.0);
-        format!("{}.{name}", blocks.placed[block].name)
+    let face = |(body, face): Patch| {
+        let body = &bodies.all[body];
+        format!("{}.{}", body.name, body.faces[face].name)
     };
     let reversed = pairings
         .iter()
@@ -145,8 +146,7 @@ fn add(
         ));
     }
     old.masters.extend(new.masters);
-    old.masters
-        .sort_by_key(|(block, face)| (*block, *face as usize));
+    old.masters.sort_unstable();
     old.masters.dedup();
     Ok(())
 }
@@ -155,7 +155,7 @@ fn add(
 /// the block which comes first.
 fn add_touching(
     deck: &Deck,
-    blocks: &Blocks<'_>,
+    bodies: &Bodies<'_>,
     pairings: &mut Vec<Pairing>,
     contact: &DeckContact,
     path: &str,
@@ -169,18 +169,18 @@ fn add_touching(
         area: f64,
     }
     let mut sides = Vec::new();
-    for (b, block) in blocks.placed.iter().enumerate() {
-        for (_, face) in Face::ALL {
-            let facet_area = block.mean_facet(face, &blocks.mesh);
-            for outline in block.outlines(face, &blocks.mesh) {
+    for (b, block) in bodies.all.iter().enumerate() {
+        for (f, face) in block.faces.iter().enumerate() {
+            let facet_area = face.mean_facet();
+            for outline in &face.outlines {
                 let x = outline.map(|x| x[0]);
                 sides.push(Side {
-                    patch: (b, face),
-                    outline,
+                    patch: (b, f),
+                    outline: *outline,
                     from: x.iter().copied().fold(f64::INFINITY, f64::min),
                     to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                     facet_area,
-                    area: norm(area_vector(&outline)),
+                    area: norm(area_vector(outline)),
                 });
             }
         }
@@ -193,6 +193,7 @@ fn add_touching(
         for b in sides[i + 1..].iter().take_while(|b| b.from <= a.to + reach) {
             let reach = TOUCHES * a.area.min(b.area).sqrt();
             let near = a.patch.0 != b.patch.0
+                && !bodies.in_one_wall(a.patch.0, b.patch.0)
                 && touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach);
             if !near {
                 continue;
@@ -207,7 +208,7 @@ fn add_touching(
             found.push((slave, master));
         }
     }
-    found.sort_by_key(|((a, f), (b, g))| (*a, *f as usize, *b, *g as usize));
+    found.sort_unstable();
     found.dedup();
     let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
         let is = |p: &Pairing, a, b| p.slave == a && p.masters.contains(&b);
@@ -229,7 +230,7 @@ fn add_touching(
             interface: contact.interface.clone(),
             path: path.to_owned(),
         };
-        add(deck, blocks, pairings, new)?;
+        add(deck, bodies, pairings, new)?;
     }
     Ok(())
 }

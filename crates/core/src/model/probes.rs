@@ -1,7 +1,7 @@
 //! Probes: places whose motion is a column of the history.
 
 use super::Mesh;
-use super::blocks::Blocks;
+use super::bodies::Bodies;
 use super::deck::{Deck, DeckPlace, DeckProbe, DeckStep, Names, ProbeQuantity};
 use super::hexahedron::{difference, norm};
 use super::keys;
@@ -27,33 +27,6 @@ pub struct Probe {
     pub sign: f64,
     /// What is followed.
     pub quantity: ProbeQuantity,
-}
-
-/// Probes of a scene of blocks.
-///
-/// # Errors
-/// Names of nothing, points far from everything.
-pub(super) fn of_blocks(deck: &Deck, blocks: &Blocks<'_>) -> Result<Vec<Probe>, ModelError> {
-    let named = |path: &str, names: &Names| {
-        let places = blocks.places(path, names, false)?;
-        Ok(blocks.nodes(&places))
-    };
-    probes(deck, &blocks.mesh, &named)
-}
-
-/// Probes of a wall, whose units have no names.
-///
-/// # Errors
-/// Names of blocks, points far from the wall.
-pub(super) fn of_wall(deck: &Deck, mesh: &Mesh) -> Result<Vec<Probe>, ModelError> {
-    let named = |path: &str, _: &Names| {
-        Err(deck.error(
-            path,
-            "a wall has no named blocks",
-            "name a point instead: near = [\"480 mm\", 0, \"500 mm\"]",
-        ))
-    };
-    probes(deck, mesh, &named)
 }
 
 /// The displacement that steers a step, if one does.
@@ -90,7 +63,16 @@ pub(super) fn control(
 /// Nodes of the names at a path.
 type Named<'a> = dyn Fn(&str, &Names) -> Result<Vec<u32>, ModelError> + 'a;
 
-fn probes(deck: &Deck, mesh: &Mesh, named: &Named<'_>) -> Result<Vec<Probe>, ModelError> {
+/// Probes of a deck.
+///
+/// # Errors
+/// Names of nothing, points far from everything.
+pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, ModelError> {
+    let named = |path: &str, names: &Names| {
+        let places = bodies.places(path, names, false)?;
+        Ok(bodies.nodes(&places))
+    };
+    let (mesh, named): (&Mesh, &Named<'_>) = (&bodies.mesh, &named);
     let probe = |(i, probe): (usize, &DeckProbe)| {
         let path = format!("probes.{i}");
         let DeckProbe { on, near, .. } = probe.clone();

@@ -1,30 +1,33 @@
-//! The names of a scene of blocks, and which blocks each stands for.
+//! The names of a scene, and which bodies each stands for.
 
 use super::deck::{Deck, Names};
 use super::hexahedron::Face;
 use super::keys;
+use super::masonry::Masonry;
 use crate::error::ModelError;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// A block, or one face of it.
+/// A body, or one face of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
-    /// Index of the block.
-    pub(super) block: usize,
-    /// None: all of it.
-    pub(super) face: Option<Face>,
+    /// Index of the body.
+    pub(super) body: usize,
+    /// Index of its face; none: all of it.
+    pub(super) face: Option<usize>,
 }
 
-/// All blocks in the order in which they are laid, by name: those of the deck with their copies, then the
-/// arch: voussoirs, left springing, right springing.
+/// All bodies in the order in which they are laid, by name: units of walls, blocks of the deck with their
+/// copies, then the arch: voussoirs, left springing, right springing.
 #[derive(Debug, Default)]
 pub(super) struct Roll {
-    /// Blocks that a name stands for.
-    blocks: HashMap<String, Range<usize>>,
-    /// Names in order, for advice.
+    /// Bodies that a name stands for.
+    bodies: HashMap<String, Range<usize>>,
+    /// Units at each side of a wall, by the name of the wall. `[face]`
+    sides: HashMap<String, [Vec<usize>; 6]>,
+    /// Names in order, for advice; those of single units are left out.
     names: Vec<String>,
-    /// Number of blocks.
+    /// Number of bodies.
     count: usize,
 }
 
@@ -34,7 +37,7 @@ const MOST_NAMES: f64 = 1e6;
 impl Roll {
     /// Calls all names of a deck, with an error for each that is there twice; none if there are far too
     /// many.
-    pub(super) fn call(deck: &Deck) -> Option<(Self, Vec<ModelError>)> {
+    pub(super) fn call(deck: &Deck, walls: &[Masonry<'_>]) -> Option<(Self, Vec<ModelError>)> {
         let copies = deck
             .blocks
             .iter()
@@ -48,6 +51,15 @@ impl Roll {
             return None;
         }
         let (mut roll, mut twice) = (Self::default(), Vec::new());
+        for wall in walls {
+            if !roll.add_wall(wall) {
+                twice.push(deck.error(
+                    &format!("{}.name", wall.path),
+                    format!("there are two walls named `{}`", wall.name),
+                    "give each a name of its own",
+                ));
+            }
+        }
         for (index, block) in deck.blocks.iter().enumerate() {
             let first = roll.count;
             let mut new = true;
@@ -88,19 +100,33 @@ impl Roll {
         Some((roll, twice))
     }
 
+    /// Adds the units of a wall, and the wall; false if a name is taken.
+    fn add_wall(&mut self, wall: &Masonry<'_>) -> bool {
+        let first = self.count;
+        let mut new = true;
+        for unit in &wall.units {
+            let here = self.count..self.count + 1;
+            self.count += 1;
+            new &= self.bodies.insert(unit.name(&wall.name), here).is_none();
+        }
+        let sides = Face::ALL.map(|(_, face)| wall.on(face));
+        self.sides.insert(wall.name.clone(), sides);
+        self.group(&wall.name, first) && new
+    }
+
     /// Adds a block; false if its name is taken.
     fn add(&mut self, name: String) -> bool {
         let here = self.count..self.count + 1;
         self.count += 1;
         self.names.push(name.clone());
-        self.blocks.insert(name, here).is_none()
+        self.bodies.insert(name, here).is_none()
     }
 
-    /// Adds a name for all blocks from `first` on; false if it is taken.
+    /// Adds a name for all bodies from `first` on; false if it is taken.
     fn group(&mut self, name: &str, first: usize) -> bool {
         self.names.push(name.to_owned());
         let all = first..self.count;
-        self.blocks.insert(name.to_owned(), all).is_none()
+        self.bodies.insert(name.to_owned(), all).is_none()
     }
 
     /// What the names at `path` stand for: blocks, or faces of blocks. `faces`: nothing but faces.
@@ -116,24 +142,23 @@ impl Roll {
     ) -> Result<Vec<Place>, ModelError> {
         let mut places = Vec::new();
         for name in &names.0 {
-            let (range, face) = self.place(deck, path, name, faces)?;
-            places.extend(range.map(|block| Place { block, face }));
+            places.extend(self.place(deck, path, name, faces)?);
         }
         Ok(places)
     }
 
-    /// What one name at `path` stands for.
+    /// What one name at `path` stands for. A side of a wall is that of the units whose face lies in it.
     ///
     /// # Errors
-    /// No such block or face.
+    /// No such body or face.
     pub(super) fn place(
         &self,
         deck: &Deck,
         path: &str,
         name: &str,
         faces: bool,
-    ) -> Result<(Range<usize>, Option<Face>), ModelError> {
-        let (block, face) = match name.rsplit_once('.') {
+    ) -> Result<Vec<Place>, ModelError> {
+        let (body, face) = match name.rsplit_once('.') {
             None if faces => {
                 return Err(deck.error(
                     path,
@@ -142,7 +167,7 @@ impl Roll {
                 ));
             }
             None => (name, None),
-            Some((block, face)) => {
+            Some((body, face)) => {
                 let known = Face::ALL.iter().find(|(known, _)| *known == face);
                 let Some((_, known)) = known else {
                     return Err(deck.error(
@@ -151,12 +176,16 @@ impl Roll {
                         "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
                     ));
                 };
-                (block, Some(*known))
+                (body, Some(*known as usize))
             }
         };
-        let range = self.blocks.get(block).cloned();
-        let range = range.ok_or_else(|| self.unknown(deck, path, block))?;
-        Ok((range, face))
+        let place = |body: usize| Place { body, face };
+        if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
+            return Ok(sides[face].iter().copied().map(place).collect());
+        }
+        let range = self.bodies.get(body).cloned();
+        let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
+        Ok(range.map(place).collect())
     }
 
     fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {

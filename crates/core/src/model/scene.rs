@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::probes::Probe;
+use crate::error::Warning;
 use crate::experiment::Experiment;
 use wythe_contact::{InterfaceLaw, Surface};
 
@@ -32,6 +33,8 @@ pub struct Model {
     pub steps: Vec<Step>,
     /// What is written, and how often.
     pub output: Output,
+    /// What its author should know.
+    pub warnings: Vec<Warning>,
 }
 
 impl Model {

@@ -166,7 +166,7 @@ pub(super) fn refusal(
                      {l_max:.1} mm: beyond it the softening of this table{of} to row {row} snaps \
                      back within an element"
                 ),
-                if deck.has_blocks() {
+                if !deck.has_walls() {
                     "refine `mesh` of its blocks, or give the last row a larger inelastic strain"
                 } else {
                     "refine wall.mesh, or give the last row a larger inelastic strain"

@@ -71,6 +71,7 @@ pub fn model() -> Model {
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
         ],
+        warnings: Vec::new(),
         output: Output {
             every: 1,
             ..Output::default()

@@ -93,10 +93,11 @@ pub struct DeckSpring {
 }
 
 /// An axis without a sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// x.
+    #[default]
     X,
     /// y.
     Y,

@@ -27,7 +27,9 @@ pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
 pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
-pub use wall::{Bond, Clamped, Subdivision, Wall};
+pub use wall::{
+    Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, Subdivision, Wall,
+};
 
 use super::overrides;
 use super::quantity::Length;
@@ -58,9 +60,12 @@ pub struct Deck {
     /// Interfaces by name.
     #[serde(default)]
     pub interfaces: BTreeMap<String, Interface>,
-    /// The wall. A deck without one serves only to drive single points.
+    /// The wall. A deck without any scene serves only to drive single points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<Wall>,
+    /// Further walls, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<Wall>,
     /// Single blocks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub blocks: Vec<DeckBlock>,
@@ -291,9 +296,36 @@ impl Deck {
         self.source.warning(path, message)
     }
 
-    /// Whether the scene is made of blocks or an arch, not of a wall.
+    /// Whether there are blocks or an arch in the scene.
     pub fn has_blocks(&self) -> bool {
         !self.blocks.is_empty() || self.arch.is_some()
+    }
+
+    /// Whether there is anything in the scene.
+    pub fn has_scene(&self) -> bool {
+        self.has_blocks() || self.has_walls()
+    }
+
+    /// Whether there are walls in the scene.
+    pub fn has_walls(&self) -> bool {
+        self.wall.is_some() || !self.walls.is_empty()
+    }
+
+    /// The walls, with the paths at which they stand and their names.
+    pub fn walls(&self) -> impl Iterator<Item = (String, &str, &Wall)> {
+        let one = self.wall.iter().map(|wall| ("wall".to_owned(), wall));
+        let more = self.walls.iter().enumerate();
+        one.chain(more.map(|(i, wall)| (format!("walls.{i}"), wall)))
+            .map(|(path, wall)| (path, wall.name.as_deref().unwrap_or("wall"), wall))
+    }
+
+    /// What is clamped of `[wall]`, if there is such a wall and anything is.
+    pub fn clamped(&self) -> Option<Clamped> {
+        match self.wall.as_ref()?.clamped {
+            Clamping::Unsaid => Some(Clamped::default()),
+            Clamping::Nothing => None,
+            Clamping::Courses(clamped) => Some(clamped),
+        }
     }
 
     /// `name` is asked for at `path`, but `[table.name]` is not there.
@@ -320,6 +352,7 @@ impl PartialEq for Deck {
             && self.materials == other.materials
             && self.interfaces == other.interfaces
             && self.wall == other.wall
+            && self.walls == other.walls
             && self.blocks == other.blocks
             && self.arch == other.arch
             && self.contacts == other.contacts

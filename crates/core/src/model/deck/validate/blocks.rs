@@ -13,23 +13,16 @@ impl Checks<'_> {
     /// A scene of blocks, or what stands where none is.
     pub(super) fn scene(&mut self) {
         let deck = self.deck;
-        let blocks = deck.has_blocks();
-        self.demand(
-            deck.wall.is_none() || !blocks,
-            "wall",
-            || "a scene is either a wall, or blocks and an arch".to_owned(),
-            "take out [wall], or [[blocks]] and [arch]",
-        );
         for (name, given) in [
             ("contacts", !deck.contacts.is_empty()),
             ("supports", !deck.supports.is_empty()),
             ("springs", !deck.springs.is_empty()),
         ] {
             self.demand(
-                blocks || !given || !self.scene_is_known(),
+                deck.has_scene() || !given || !self.scene_is_known(),
                 name,
-                || format!("[[{name}]] belongs to a scene of blocks, and there is none"),
-                "add [[blocks]] or [arch]",
+                || format!("[[{name}]] belongs to a scene, and there is none"),
+                "add [wall], [[walls]], [[blocks]] or [arch]",
             );
         }
         for (i, block) in deck.blocks.iter().enumerate() {
@@ -215,7 +208,7 @@ impl Checks<'_> {
 
     /// Whether it can be told if the scene is a wall or blocks.
     pub(super) fn scene_is_known(&self) -> bool {
-        !["wall", "blocks", "arch"]
+        !["wall", "walls", "blocks", "arch"]
             .iter()
             .any(|name| self.broken.whole(name))
     }

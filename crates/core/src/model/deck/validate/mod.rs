@@ -6,11 +6,11 @@ mod materials;
 mod probes;
 mod references;
 mod steps;
+mod wall;
 
+use super::Deck;
 use super::form::Broken;
-use super::{Deck, Wall};
 use crate::error::ModelError;
-use crate::model::layout;
 use crate::model::quantity::{Number, Quantity};
 
 /// Errors found so far.
@@ -40,9 +40,10 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     for (name, interface) in &deck.interfaces {
         checks.interface(&format!("interfaces.{name}"), interface);
     }
-    if let Some(wall) = &deck.wall {
-        checks.wall(wall);
+    for (path, _, wall) in deck.walls() {
+        checks.wall(&path, wall);
     }
+    checks.walls();
     checks.scene();
     checks.probes();
     for (i, step) in deck.steps.iter().enumerate() {
@@ -120,90 +121,4 @@ impl Checks<'_> {
             &format!("give a value from {low} to {high}"),
         );
     }
-
-    fn wall(&mut self, wall: &Wall) {
-        for (i, size) in wall.unit.into_iter().enumerate() {
-            self.positive(&format!("wall.unit.{i}"), size);
-        }
-        self.positive("wall.bed_joint", wall.bed_joint);
-        self.positive("wall.head_joint", wall.head_joint);
-        self.positive("wall.length", wall.length);
-        self.demand(
-            wall.courses > 0,
-            "wall.courses",
-            || "a wall has at least one course".to_owned(),
-            "courses = 18",
-        );
-        let m = wall.mesh;
-        self.require(
-            m.length >= 2 && m.height >= 2 && m.thickness >= 1,
-            "wall.mesh",
-            || {
-                let [l, h, t] = [m.length, m.height, m.thickness];
-                format!("the subdivision [{l}, {h}, {t}] leaves no element for the unit")
-            },
-            "length and height count one joint element each: at least [2, 2, 1]; the paper's coarse \
-             mesh is [5, 2, 2]",
-        );
-        let (bottom, top) = (wall.clamped.bottom_courses, wall.clamped.top_courses);
-        let courses = wall.courses;
-        if courses > 0 {
-            // Held and driven nodes must differ: neither may be all of them, nor both overlap.
-            let apart = u64::from(bottom) + u64::from(top) <= u64::from(courses);
-            self.require(
-                apart && bottom < courses && top < courses,
-                "wall.clamped",
-                || format!("{bottom} courses held and {top} driven are too many of {courses}"),
-                "clamp fewer courses; 0 holds only the face",
-            );
-        }
-        self.known_material("wall.unit_material", &wall.unit_material);
-        self.known_material("wall.mortar_material", &wall.mortar_material);
-        self.known_interface("wall.interface", &wall.interface);
-        let sizes = [
-            wall.bed_joint,
-            wall.head_joint,
-            wall.length,
-            wall.unit[0],
-            wall.unit[2],
-        ];
-        if sizes.iter().all(|s| s.get() > 0.0)
-            && self.proportions(wall)
-            && let Err(refusal) = layout::course_pattern(wall)
-        {
-            self.require(false, refusal.key, || refusal.message, &refusal.help);
-        }
-    }
-
-    /// Refuses sizes of which no sound element can be made; false if it did. The key is that of the
-    /// size farthest from the others.
-    fn proportions(&mut self, wall: &Wall) -> bool {
-        let mut sizes = [
-            ("wall.unit.0", wall.unit[0].get()),
-            ("wall.unit.1", wall.unit[1].get()),
-            ("wall.unit.2", wall.unit[2].get()),
-            ("wall.bed_joint", wall.bed_joint.get()),
-            ("wall.head_joint", wall.head_joint.get()),
-        ];
-        sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let [smallest, _, middle, _, largest] = sizes;
-        // Divided one by one: the ratio of all may overflow.
-        let (below, above) = (middle.1 / smallest.1, largest.1 / middle.1);
-        let fine = below <= MOST_SLENDER && above <= MOST_SLENDER;
-        let (path, size) = if below > above { smallest } else { largest };
-        self.require(
-            fine,
-            path,
-            || {
-                let beside = middle.1;
-                format!("{size} mm beside {beside} mm: no sound element can be made of these")
-            },
-            "see that the unit of length is right: units and joints differ by a factor of 1000 at most",
-        );
-        fine
-    }
 }
-
-/// Largest ratio of the sizes of units and joints to the middle one: thin joints of stone blocks
-/// reach a hundred.
-const MOST_SLENDER: f64 = 1e3;

@@ -3,6 +3,7 @@
 use super::Checks;
 use crate::model::deck::{DeckPlace, Names};
 use crate::model::keys;
+use crate::model::masonry;
 use crate::model::roll::Roll;
 
 impl Checks<'_> {
@@ -16,14 +17,20 @@ impl Checks<'_> {
             names.into_iter().any(name)
         };
         let deck = self.deck;
-        if !deck.has_blocks()
+        let broken = |path: String| self.broken.section(&path);
+        if !deck.has_scene()
             || !self.scene_is_known()
+            || deck.walls().any(|(path, _, _)| broken(path))
             || (0..deck.blocks.len()).any(unknown)
             || self.broken.holds("arch.voussoirs")
         {
             return; // not all names are known
         }
-        let Some((roll, twice)) = Roll::call(deck) else {
+        // Walls that cannot be laid are refused elsewhere.
+        let Ok(walls) = masonry::lay_all(deck) else {
+            return;
+        };
+        let Some((roll, twice)) = Roll::call(deck, &walls) else {
             return; // far too many
         };
         self.errors.extend(twice);

@@ -1,62 +1,124 @@
-//! A scene of blocks: names, mesh, supports, springs, velocities.
+//! The bodies of a scene: names, mesh, supports, springs, velocities.
 
 use super::arch::{Stones, stones};
+use super::body::Body;
 use super::deck::{Deck, DeckBlock, Names};
-use super::hexahedron::{Corners, Placed, Shape, area_vector, norm};
+use super::hexahedron::{Corners, area_vector, norm};
+use super::masonry::{self, Masonry};
 use super::quantity::Quantity;
 use super::roll::{Place, Roll};
 use super::scene::{Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError};
 
-/// The blocks of a scene in the mesh, and how a deck calls them.
-pub(super) struct Blocks<'a> {
+/// The bodies of a scene in the mesh, and how a deck calls them.
+pub(super) struct Bodies<'a> {
     deck: &'a Deck,
     /// The solids.
     pub(super) mesh: Mesh,
     /// Names of the materials by index.
     pub(super) materials: Vec<String>,
-    /// In the order of the deck, then the arch: voussoirs, left springing, right springing.
-    pub(super) placed: Vec<Placed>,
+    /// In order: units of walls, blocks, the arch: voussoirs, left springing, right springing.
+    pub(super) all: Vec<Body>,
+    /// The walls, whose units are the first bodies.
+    pub(super) walls: Vec<Masonry<'a>>,
     /// Their names.
     roll: Roll,
-    /// Velocity at the beginning [mm/s]. `[node]`
+    /// Velocity at the beginning [mm/s]; empty = rest. `[node]`
     pub(super) velocity: Vec<[f64; 3]>,
 }
 
 /// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
 const MOST_ELEMENTS: f64 = 1e7;
 
-impl<'a> Blocks<'a> {
-    /// Lays all blocks of a deck.
+impl<'a> Bodies<'a> {
+    /// Lays all bodies of a deck.
     ///
     /// # Errors
-    /// Too many elements, names that two blocks have, files of nodes that are none.
+    /// Too many elements, names that two bodies have, walls that cannot be laid, files of nodes that are
+    /// none.
     pub(super) fn new(deck: &'a Deck) -> Result<Self, ModelError> {
-        let mut blocks = Self {
+        let mut bodies = Self {
             deck,
             mesh: Mesh::default(),
             materials: Vec::new(),
-            placed: Vec::new(),
+            all: Vec::new(),
+            walls: Vec::new(),
             roll: Roll::default(),
             velocity: Vec::new(),
         };
-        blocks.require_countable()?;
+        bodies.require_countable()?;
         let mut errors = Errors::default();
-        if let Some((roll, twice)) = Roll::call(deck) {
-            blocks.roll = roll;
+        let walls = masonry::lay_all(deck).map_err(|(path, refusal)| refusal.at(deck, &path))?;
+        if let Some((roll, twice)) = Roll::call(deck, &walls) {
+            bodies.roll = roll;
             for error in twice {
                 errors.push(error);
             }
         }
+        for wall in walls {
+            bodies.lay_wall(wall);
+        }
+        bodies.velocity.resize(bodies.mesh.nodes.len(), [0.0; 3]);
         for (i, block) in deck.blocks.iter().enumerate() {
-            errors.keep(blocks.lay(i, block));
+            errors.keep(bodies.lay(i, block));
         }
-        blocks.lay_arch();
-        if blocks.velocity.iter().all(|v| *v == [0.0; 3]) {
-            blocks.velocity.clear();
+        bodies.lay_arch();
+        if bodies.velocity.iter().all(|v| *v == [0.0; 3]) {
+            bodies.velocity.clear();
         }
-        errors.end(blocks)
+        errors.end(bodies)
+    }
+
+    /// The wall of which body `body` is a unit, if it is one.
+    pub(super) fn wall_of(&self, body: usize) -> Option<&Masonry<'a>> {
+        self.walls.iter().find(|wall| wall.bodies.contains(&body))
+    }
+
+    /// Whether two bodies are units of one wall, or of walls that pass through each other.
+    pub(super) fn in_one_wall(&self, a: usize, b: usize) -> bool {
+        let of = |body: usize| {
+            self.walls
+                .iter()
+                .position(|wall| wall.bodies.contains(&body))
+        };
+        let (Some(a), Some(b)) = (of(a), of(b)) else {
+            return false;
+        };
+        a == b || self.walls[a].joined.contains(&b)
+    }
+
+    /// How a message calls a body.
+    pub(super) fn called(&self, body: usize) -> String {
+        let name = &self.all[body].name;
+        match self.wall_of(body) {
+            Some(wall) => {
+                let unit = &wall.units[body - wall.bodies.start];
+                format!("unit {body} in course {} ({name})", unit.course)
+            }
+            None => name.clone(),
+        }
+    }
+
+    /// Lays the units of a wall.
+    fn lay_wall(&mut self, wall: Masonry<'a>) {
+        let said = wall.wall;
+        let unit = self.material(&said.unit_material);
+        let mortar = said
+            .mortar_material
+            .as_ref()
+            .map(|name| self.material(name));
+        for laid in &wall.units {
+            let own = laid
+                .material
+                .as_ref()
+                .map_or(unit, |name| self.material(name));
+            let name = laid.name(&wall.name);
+            let materials = [own, mortar.unwrap_or(own)];
+            let body = masonry::append(&mut self.mesh, said, laid, name, materials);
+            self.all.push(body);
+        }
+        self.walls.push(wall);
     }
 
     /// Refuses a mesh that is too large before it is made.
@@ -134,10 +196,14 @@ impl<'a> Blocks<'a> {
 
     fn add(&mut self, name: String, shape: Shape, mesh: [u32; 3], material: u16) {
         let cells = mesh.map(|n| n as usize);
-        let placed = Placed::append(&mut self.mesh, name, shape, cells, material);
-        self.placed.push(placed);
+        let mesh = &mut self.mesh;
+        self.all.push(match shape {
+            Shape::Hexahedron(corners) => Body::hexahedron(mesh, name, &corners, cells, material),
+            Shape::Grid(nodes) => Body::grid(mesh, name, &nodes, cells, material),
+        });
     }
 
+    /// Index of a material, added where it is new.
     fn material(&mut self, name: &str) -> u16 {
         let found = self.materials.iter().position(|m| m == name);
         found.unwrap_or_else(|| {
@@ -162,10 +228,13 @@ impl<'a> Blocks<'a> {
     /// Nodes of these places, ascending and each once.
     pub(super) fn nodes(&self, places: &[Place]) -> Vec<u32> {
         let of = |place: &Place| -> Vec<u32> {
-            let block = &self.placed[place.block];
+            let body = &self.all[place.body];
             match place.face {
-                None => block.nodes(),
-                Some(face) => block.facets(face).into_iter().flat_map(|f| f.1).collect(),
+                None => body.nodes.clone().collect(),
+                Some(face) => {
+                    let facets = body.faces[face].facets.iter();
+                    facets.flat_map(|(_, facet)| *facet).collect()
+                }
             }
         };
         let mut nodes: Vec<u32> = places.iter().flat_map(of).collect();
@@ -178,8 +247,8 @@ impl<'a> Blocks<'a> {
     pub(super) fn area(&self, places: &[Place]) -> ([f64; 3], f64) {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for place in places {
-            let block = &self.placed[place.block];
-            for (_, facet) in place.face.map_or_else(Vec::new, |face| block.facets(face)) {
+            let faces = place.face.map(|face| &self.all[place.body].faces[face]);
+            for (_, facet) in faces.into_iter().flat_map(|face| &face.facets) {
                 let area = area_vector(&facet.map(|n| self.mesh.nodes[n as usize]));
                 total += norm(area);
                 (0..3).for_each(|d| sum[d] += area[d]);
@@ -193,7 +262,7 @@ impl<'a> Blocks<'a> {
     /// # Errors
     /// Names of nothing.
     pub(super) fn supports(&self) -> Result<Vec<Support>, ModelError> {
-        let mut supports = Vec::new();
+        let mut supports = masonry::supports(self);
         for (i, support) in self.deck.supports.iter().enumerate() {
             let places = self.places(&format!("supports.{i}.on"), &support.on, false)?;
             let mut fixed = [false; 3];
@@ -232,6 +301,24 @@ impl<'a> Blocks<'a> {
             });
         }
         Ok(springs)
+    }
+}
+
+/// What a block looks like.
+enum Shape {
+    /// Its corners [mm]; all else lies between them.
+    Hexahedron(Corners),
+    /// The nodes of its grid [mm], along ξ first, then η, ζ. `[node][xyz]`
+    Grid(Vec<[f64; 3]>),
+}
+
+impl Shape {
+    /// The same shape elsewhere.
+    fn map(&self, to: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        match self {
+            Self::Hexahedron(corners) => Self::Hexahedron(corners.map(to)),
+            Self::Grid(nodes) => Self::Grid(nodes.iter().copied().map(to).collect()),
+        }
     }
 }
 

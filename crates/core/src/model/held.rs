@@ -1,0 +1,147 @@
+//! Is every body held? A body that nothing holds makes the equations singular.
+
+use super::bodies::Bodies;
+use super::deck::{Deck, DeckStep, Direction, StepKind};
+use super::meeting::Touching;
+use crate::error::ModelError;
+
+/// Refuses a body that floats: one that no chain of contacts joins to the ground when a step seeks
+/// its equilibrium. A dry contact holds if it rubs and something presses.
+pub(super) fn require_held(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    held_nodes: &[u32],
+    touching: &[Touching],
+) -> Result<(), ModelError> {
+    let Some(at_rest) = deck.steps.iter().position(|s| s.kind != StepKind::Free) else {
+        return Ok(()); // all flies
+    };
+    let step = &deck.steps[at_rest];
+    // What flew before may have come to rest.
+    let pressed = presses(deck, step) || at_rest > 0;
+    let mut held = vec![false; bodies.all.len()];
+    let mut body_of = vec![0; bodies.mesh.nodes.len()];
+    for (e, nodes) in bodies.mesh.elements.iter().enumerate() {
+        for n in nodes {
+            body_of[*n as usize] = bodies.mesh.unit[e] as usize;
+        }
+    }
+    for n in held_nodes {
+        held[body_of[*n as usize]] = true;
+    }
+    let joins = |t: &&Touching| {
+        deck.interfaces
+            .get(&t.interface)
+            .is_some_and(|f| !f.is_dry() || (pressed && f.mu.get() > 0.0))
+    };
+    let joints = touching.iter().filter(joins).map(|t| t.bodies);
+    let unheld = unheld_bodies(&held, joints);
+    let Some(&body) = unheld.first() else {
+        return Ok(());
+    };
+    let kind = if body < bodies.walls.last().map_or(0, |wall| wall.bodies.end) {
+        "units"
+    } else {
+        "blocks"
+    };
+    let who = format!(
+        "{} is held by nothing ({} {kind} are)",
+        bodies.called(body),
+        unheld.len()
+    );
+    let touches = |t: &&Touching| [t.bodies.0, t.bodies.1].contains(&(body as u32));
+    let path = format!("steps.{at_rest}");
+    Err(match touching.iter().find(touches) {
+        None => deck.error(
+            &path,
+            format!("{who}: it touches no other block and has no support"),
+            "add [[contacts]] to what it rests on, [[supports]], or begin with kind = \"free\"",
+        ),
+        Some(t)
+            if deck
+                .interfaces
+                .get(&t.interface)
+                .is_some_and(|f| f.mu.get() == 0.0) =>
+        {
+            deck.error(
+                &format!("interfaces.{}", t.interface),
+                format!("{who}: the joint has neither bond nor friction"),
+                "give mu above 0, or f_t and c; or support the block along the joint",
+            )
+        }
+        Some(_) => deck.error(
+            &path,
+            format!("{who}: the joints are dry and no load presses them together"),
+            "begin with kind = \"gravity\", or with a preload",
+        ),
+    })
+}
+
+/// Whether a step presses on joints.
+fn presses(deck: &Deck, step: &DeckStep) -> bool {
+    match step.kind {
+        StepKind::Preload => {
+            let pressures = [step.pressure, step.top_pressure];
+            pressures.into_iter().flatten().any(|p| p.get() > 0.0)
+        }
+        StepKind::Drive if deck.clamped().is_some() && step.face.is_none() => {
+            let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+            axis == 2 && step.displacement.is_some_and(|d| sign * d.get() < 0.0)
+        }
+        StepKind::Drive => step.face.is_some(),
+        StepKind::Gravity | StepKind::Tilt | StepKind::Free => true,
+    }
+}
+
+/// Bodies that no chain of interfaces joins to a held one.
+///
+/// `held`: touched by a support or a beam, `[body]`; `joints`: pairs of bodies whose interface can
+/// carry force in all directions.
+fn unheld_bodies(held: &[bool], joints: impl Iterator<Item = (u32, u32)>) -> Vec<usize> {
+    let ground = held.len();
+    let mut parent: Vec<usize> = (0..=ground).collect();
+    for (body, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+        unite(&mut parent, body, ground);
+    }
+    for (a, b) in joints {
+        unite(&mut parent, a as usize, b as usize);
+    }
+    let root = find(&mut parent, ground);
+    (0..ground)
+        .filter(|&body| find(&mut parent, body) != root)
+        .collect()
+}
+
+fn find(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+fn unite(parent: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b)] = a.min(b);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_from_the_ground_holds() {
+        let held = [true, false, false, false, false];
+        // 0–2–1 hangs on the ground, 3–4 hangs on nothing
+        let joints = [(2, 1), (0, 2), (3, 4)];
+        assert_eq!(unheld_bodies(&held, joints.into_iter()), vec![3, 4]);
+        assert_eq!(
+            unheld_bodies(&held, joints.into_iter().chain([(4, 1)])),
+            Vec::<usize>::new()
+        );
+        assert_eq!(
+            unheld_bodies(&[false, false], [(0, 1)].into_iter()),
+            vec![0, 1]
+        );
+    }
+}

@@ -1,0 +1,315 @@
+//! The joints of walls: which faces of units touch, and the facets and laws of the interfaces there.
+//!
+//! The mortar side is the slave (top of bed joints, far end of head joints, back of collar joints), and of
+//! dry joints the lower, left or front one; the sides that face it are masters.
+
+use super::{Masonry, Unit};
+use crate::error::ModelError;
+use crate::material::ElasticParameters;
+use crate::model::Mesh;
+use crate::model::bodies::Bodies;
+use crate::model::body::Body;
+use crate::model::deck::{Axis, Deck};
+use crate::model::hexahedron::Face;
+use crate::model::joint::{Side, law_between};
+use crate::model::meeting::Touching;
+use crate::model::scene::ContactSurfaces;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Order in which the slave faces of a body come.
+const SLAVES: [Face; 6] = [
+    Face::Top,
+    Face::Right,
+    Face::Back,
+    Face::Left,
+    Face::Front,
+    Face::Bottom,
+];
+/// Order in which its master faces come.
+const MASTERS: [Face; 6] = [
+    Face::Bottom,
+    Face::Left,
+    Face::Front,
+    Face::Right,
+    Face::Back,
+    Face::Top,
+];
+
+/// Faces touch if they overlap by more than this [mm] and are no farther apart.
+const TOUCH: f64 = 1e-6;
+
+/// A face of a unit as a rectangle.
+struct Rectangle {
+    wall: usize,
+    body: usize,
+    face: Face,
+    plane: f64,
+    /// Along the two other axes [mm]. `[axis][low, high]`
+    range: [[f64; 2]; 2],
+    has_mortar: bool,
+}
+
+/// Adds the joints of all walls to the surfaces; tells which bodies touch.
+///
+/// # Errors
+/// No such interface.
+pub(in crate::model) fn joints(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    contact: &mut ContactSurfaces,
+) -> Result<Vec<Touching>, ModelError> {
+    let pairs = touching(&bodies.walls);
+    let mut masters: BTreeMap<(usize, usize), Vec<(usize, Face)>> = BTreeMap::new();
+    let mut met: BTreeSet<(usize, usize)> = BTreeSet::new();
+    let place = |order: &[Face; 6], face: Face| order.iter().position(|f| *f == face).unwrap_or(0);
+    for (slave, master) in pairs {
+        let key = (slave.0, place(&SLAVES, slave.1));
+        masters.entry(key).or_default().push(master);
+        met.insert((master.0, place(&MASTERS, master.1)));
+    }
+    let mut touching = Vec::new();
+    for ((body, face), masters) in &mut masters {
+        masters.sort_by_key(|(b, f)| (*b, *f as usize));
+        let face = SLAVES[*face];
+        slaves(
+            deck,
+            bodies,
+            elastic,
+            (*body, face),
+            masters,
+            contact,
+            &mut touching,
+        )?;
+    }
+    for (body, face) in met {
+        let body = &bodies.all[body];
+        for (_, facet) in &body.faces[MASTERS[face] as usize].facets {
+            contact.master_facets.push(*facet);
+            contact.master_body.push(body.number);
+        }
+    }
+    Ok(touching)
+}
+
+/// Pairs of faces that touch: slave and master.
+fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
+    let mut pairs = Vec::new();
+    for axis in 0..3 {
+        let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);
+        let mut sides = faces.map(|face| sides(walls, face));
+        for side in &mut sides {
+            side.sort_by(|a, b| {
+                let by_plane = a.plane.total_cmp(&b.plane);
+                by_plane.then(a.range[0][0].total_cmp(&b.range[0][0]))
+            });
+        }
+        let [lows, highs] = &sides;
+        let mut first = 0;
+        for high in highs {
+            while first < lows.len() && lows[first].plane < high.plane - TOUCH {
+                first += 1;
+            }
+            let level = lows[first..]
+                .iter()
+                .take_while(|low| low.plane <= high.plane + TOUCH);
+            for low in level {
+                let overlap = |d: usize| {
+                    let (a, b) = (high.range[d], low.range[d]);
+                    a[1].min(b[1]) - a[0].max(b[0])
+                };
+                if low.body == high.body || overlap(0) <= TOUCH || overlap(1) <= TOUCH {
+                    continue;
+                }
+                let joined = low.wall == high.wall || walls[low.wall].joined.contains(&high.wall);
+                if !joined {
+                    continue;
+                }
+                let (a, b) = ((high.body, high.face), (low.body, low.face));
+                pairs.push(if low.has_mortar && !high.has_mortar {
+                    (b, a)
+                } else {
+                    (a, b)
+                });
+            }
+        }
+    }
+    pairs
+}
+
+/// This face of all units.
+fn sides(walls: &[Masonry<'_>], face: Face) -> Vec<Rectangle> {
+    let (axis, high) = face.side();
+    let side = usize::from(high);
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    let mut sides = Vec::new();
+    for (w, wall) in walls.iter().enumerate() {
+        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
+            sides.push(Rectangle {
+                wall: w,
+                body,
+                face,
+                plane: unit.all[axis][side],
+                range: others.map(|d| unit.all[d]),
+                has_mortar: unit.joint(axis, high) > 0.0,
+            });
+        }
+    }
+    sides
+}
+
+/// Facets and laws of one slave face.
+fn slaves(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    (slave, face): (usize, Face),
+    masters: &[(usize, Face)],
+    contact: &mut ContactSurfaces,
+    touching: &mut Vec<Touching>,
+) -> Result<(), ModelError> {
+    let Some(wall) = bodies.wall_of(slave) else {
+        return Ok(());
+    };
+    let unit = &wall.units[slave - wall.bodies.start];
+    let (axis, _) = face.side();
+    let name = interface_at(wall, axis);
+    let Some(interface) = deck.interfaces.get(name) else {
+        return Ok(()); // refused when the deck was read
+    };
+    let mesh = &bodies.mesh;
+    let body = &bodies.all[slave];
+    let others: Vec<Facet> = masters
+        .iter()
+        .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
+        .collect();
+    let mut facets_here = facets(mesh, body, face, axis);
+    if axis == 2 {
+        // Along the wall first, so that points of a joint lie one after the other.
+        let corner = |m: &Facet| (m.range[0][0], m.range[1][0]);
+        facets_here.sort_by(|a, b| {
+            corner(a)
+                .partial_cmp(&corner(b))
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+    }
+    let nominal = joint_thickness(wall, unit, face);
+    for facet in &facets_here {
+        let Some(facing) = most_covering(facet, &others) else {
+            continue; // over an opening
+        };
+        let size = nominal.unwrap_or(facet.size);
+        let here = Side {
+            material: &elastic[usize::from(mesh.material[facet.element])],
+            size,
+        };
+        let there = Side {
+            material: &elastic[usize::from(mesh.material[facing.element])],
+            size: facing.size,
+        };
+        let law = law_between(contact, name, interface, here, there);
+        contact.slave_facets.push(facet.nodes);
+        contact.slave_body.push(body.number);
+        contact.slave_law.push(law);
+        let bodies = (body.number, facing.body);
+        if touching
+            .last()
+            .is_none_or(|t: &Touching| t.bodies != bodies)
+        {
+            touching.push(Touching {
+                bodies,
+                interface: name.to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Interface of the joints normal to an axis.
+fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
+    let along = usize::from(wall.wall.along == Axis::Y);
+    let own = match axis {
+        2 => None,
+        a if a == along => wall.wall.head_interface.as_ref(),
+        _ => wall.wall.collar_interface.as_ref(),
+    };
+    own.unwrap_or(&wall.wall.interface)
+}
+
+/// Thickness of the joint at a face as the deck says it [mm], where it is that; none where there is none.
+fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face) -> Option<f64> {
+    let (axis, high) = face.side();
+    let actual = unit.joint(axis, high);
+    let said = [wall.wall.bed_joint.get(), wall.wall.head_joint.get()];
+    let said = said.into_iter().find(|t| (t - actual).abs() <= 1e-9 * t);
+    (actual > 0.0).then(|| said.unwrap_or(actual))
+}
+
+/// A facet of an axis-parallel face.
+struct Facet {
+    element: usize,
+    nodes: [u32; 4],
+    body: u32,
+    material: u16,
+    plane: f64,
+    /// Along the two other axes [mm], x before y before z. `[axis][low, high]`
+    range: [[f64; 2]; 2],
+    /// Size of the element normal to the face [mm].
+    size: f64,
+}
+
+fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
+    let others: [usize; 2] = match axis {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    let facets = body.faces[face as usize].facets.iter();
+    let facets = facets.map(|(element, nodes)| {
+        let range = |nodes: &[u32], d: usize| {
+            let x = nodes.iter().map(|n| mesh.nodes[*n as usize][d]);
+            x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+                [r[0].min(x), r[1].max(x)]
+            })
+        };
+        let depth = range(&mesh.elements[*element], axis);
+        Facet {
+            element: *element,
+            nodes: *nodes,
+            body: body.number,
+            material: mesh.material[*element],
+            plane: mesh.nodes[nodes[0] as usize][axis],
+            range: others.map(|d| range(nodes, d)),
+            size: depth[1] - depth[0],
+        }
+    });
+    facets.collect()
+}
+
+/// The facet that stands for what covers most of `facet`: elements of one body and material count
+/// together. None if nothing does.
+fn most_covering<'a>(facet: &Facet, others: &'a [Facet]) -> Option<&'a Facet> {
+    let mut parts: Vec<(&'a Facet, f64)> = Vec::new();
+    for other in others {
+        let overlap = |d: usize| {
+            let (a, b) = (facet.range[d], other.range[d]);
+            (a[1].min(b[1]) - a[0].max(b[0])).max(0.0)
+        };
+        let area = overlap(0) * overlap(1);
+        if area <= TOUCH * TOUCH || (facet.plane - other.plane).abs() > TOUCH {
+            continue;
+        }
+        let alike = |m: &Facet| m.body == other.body && m.material == other.material;
+        match parts.iter_mut().find(|(m, _)| alike(m)) {
+            Some((_, sum)) => *sum += area,
+            None => parts.push((other, area)),
+        }
+    }
+    let mut best: Option<(&'a Facet, f64)> = None;
+    for (part, area) in parts {
+        if best.is_none_or(|(_, most)| area > most) {
+            best = Some((part, area));
+        }
+    }
+    best.map(|(part, _)| part)
+}

@@ -1,0 +1,137 @@
+//! Walls: where their units lie, how these are meshed, which joints lie between them, what holds them.
+
+mod clamps;
+mod course;
+mod joints;
+mod layout;
+mod openings;
+mod plan;
+mod representative;
+
+pub use course::{Row, Slot, courses};
+pub use layout::{Kind, Refusal, Unit};
+
+pub(super) use clamps::{level_beam, supports};
+pub(super) use joints::joints;
+pub(super) use representative::append;
+
+use super::deck::{Clamped, Deck, Subdivision, Wall};
+use super::hexahedron::Face;
+use std::ops::Range;
+
+/// A wall that is laid.
+#[derive(Debug)]
+pub(super) struct Masonry<'a> {
+    /// What the deck says of it.
+    pub(super) wall: &'a Wall,
+    /// Where.
+    pub(super) path: String,
+    /// Its name.
+    pub(super) name: String,
+    /// Its units, course by course, in each from front to back and from left to right.
+    pub(super) units: Vec<Unit>,
+    /// Bodies of these units, in the same order.
+    pub(super) bodies: Range<usize>,
+    /// What is clamped of it.
+    pub(super) clamped: Option<Clamped>,
+    /// Walls that pass through it, and that it passes through.
+    pub(super) joined: Vec<usize>,
+}
+
+/// Lays the walls of a deck, of which the units are the first bodies of the scene. What is refused comes
+/// with the path of its wall.
+///
+/// # Errors
+/// Walls that cannot be laid.
+pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)> {
+    let plan = plan::plan(deck)?;
+    let mut first = 0;
+    let mut walls = Vec::new();
+    for (i, (path, name, wall)) in deck.walls().enumerate() {
+        let mut cuts = openings::cuts(wall).map_err(|refusal| (path.clone(), refusal))?;
+        cuts.extend(plan.cuts[i].iter().cloned());
+        require_few(wall).map_err(|refusal| (path.clone(), refusal))?;
+        let units = layout::lay(wall, &cuts).map_err(|refusal| (path.clone(), refusal))?;
+        let bodies = first..first + units.len();
+        first = bodies.end;
+        walls.push(Masonry {
+            wall,
+            path,
+            name: name.to_owned(),
+            clamped: deck.clamped().filter(|_| i == 0 && deck.wall.is_some()),
+            units,
+            bodies,
+            joined: plan.joined[i].clone(),
+        });
+    }
+    Ok(walls)
+}
+
+/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
+const MOST_ELEMENTS: f64 = 1e7;
+
+/// Refuses a wall that is too large before it is laid.
+fn require_few(wall: &Wall) -> Result<(), Refusal> {
+    let sizes = course::Sizes::of(wall);
+    let units =
+        f64::from(wall.leaves) * ((sizes.length + sizes.head) / (sizes.unit + sizes.head)).ceil();
+    let m: Subdivision = wall.mesh;
+    let per_unit = f64::from(m.length) * f64::from(m.height) * f64::from(m.thickness);
+    let elements = units * f64::from(wall.courses) * per_unit;
+    if elements <= MOST_ELEMENTS && u16::try_from(wall.courses).is_ok() {
+        return Ok(());
+    }
+    let courses = wall.courses;
+    let key = if per_unit > 1e5 { "mesh" } else { "courses" };
+    Err(Refusal {
+        key: key.to_owned(),
+        message: format!("{courses} courses of {units} units of {per_unit} elements are too many"),
+        help: "at most 1e7 elements and 65535 courses: coarsen `mesh` or build a part of the wall"
+            .to_owned(),
+    })
+}
+
+impl Masonry<'_> {
+    /// Units whose face lies on that of the whole wall.
+    pub(super) fn on(&self, face: Face) -> Vec<usize> {
+        let (axis, high) = face.side();
+        let plane = |unit: &Unit| unit.all[axis][usize::from(high)];
+        let planes = self.units.iter().map(plane);
+        let outermost = if high {
+            planes.fold(f64::NEG_INFINITY, f64::max)
+        } else {
+            planes.fold(f64::INFINITY, f64::min)
+        };
+        let tolerance = course::TOLERANCE * self.wall.unit[0].get();
+        let on = self.units.iter().zip(self.bodies.clone());
+        on.filter(|(unit, _)| (plane(unit) - outermost).abs() <= tolerance)
+            .map(|(_, body)| body)
+            .collect()
+    }
+
+    /// Shortest unit, and least distance between head joints of neighbouring courses [mm]; infinite
+    /// without any. Small numbers mean slivers and through joints.
+    pub(super) fn bat_and_lap(&self) -> (f64, f64) {
+        let along = usize::from(self.wall.along == super::deck::Axis::Y);
+        let length = |u: &Unit| u.own[along][1] - u.own[along][0];
+        let shortest = self.units.iter().map(length).fold(f64::INFINITY, f64::min);
+        let mut heads: Vec<Vec<f64>> = vec![Vec::new(); self.wall.courses as usize];
+        for unit in &self.units {
+            if unit.joint(along, true) > 0.0 {
+                let middle = 0.5 * (unit.own[along][1] + unit.all[along][1]);
+                heads[usize::from(unit.course)].push(middle);
+            }
+        }
+        // A few courses show the whole bond.
+        let pairs = heads.windows(2).take(MOST_COURSES);
+        let distances = pairs.flat_map(|pair| {
+            let (a, b) = (&pair[0], &pair[1]);
+            a.iter()
+                .flat_map(move |a| b.iter().map(move |b| (a - b).abs()))
+        });
+        (shortest, distances.fold(f64::INFINITY, f64::min))
+    }
+}
+
+/// Courses that are looked at for head joints above each other.
+const MOST_COURSES: usize = 24;

@@ -1,0 +1,124 @@
+//! The mesh of a representative element: a unit and its joints, cut like this,
+//!
+//! ```text
+//!  z  ┌────┬────┬────┬────┬──┐  bed joint (mortar) and, over the head joint, the corner
+//!  │  ├────┼────┼────┼────┼──┤
+//!  │  │  unit   │    │    │  │  head joint (mortar)
+//!  └x └────┴────┴────┴────┴──┘
+//! ```
+//!
+//! with nodes of its own, and the collar joint behind it likewise.
+
+use super::layout::Unit;
+use crate::model::Mesh;
+use crate::model::body::{Body, Grid};
+use crate::model::deck::{Axis, Subdivision, Wall};
+use crate::model::quantity::Quantity;
+
+/// Grid planes along an axis, and which cells between them are of the unit.
+struct Planes {
+    at: Vec<f64>,
+    unit: std::ops::Range<usize>,
+}
+
+impl Planes {
+    fn new(own: [f64; 2], all: [f64; 2], inner: Vec<f64>) -> Self {
+        let before = usize::from(all[0] < own[0]);
+        let cells = inner.len() - 1;
+        let mut at = Vec::with_capacity(inner.len() + 2);
+        at.extend((before > 0).then_some(all[0]));
+        at.extend(inner);
+        at.extend((all[1] > own[1]).then_some(all[1]));
+        Self {
+            at,
+            unit: before..before + cells,
+        }
+    }
+}
+
+/// Appends a unit with its joints to the mesh. `materials`: those of the unit and of the mortar.
+pub(in crate::model) fn append(
+    mesh: &mut Mesh,
+    wall: &Wall,
+    unit: &Unit,
+    name: String,
+    materials: [u16; 2],
+) -> Body {
+    let (along, through) = match wall.along {
+        Axis::Y => (1, 0),
+        Axis::X | Axis::Z => (0, 1),
+    };
+    let counts = elements(wall, unit, along, through);
+    let depth = 0.5 * wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
+    let part_filled = wall.head_filling.get() < 1.0;
+    let planes: [Planes; 3] = [0, 1, 2].map(|d| {
+        let own = unit.own[d];
+        let inner = if d == through && part_filled && depth > 0.0 {
+            let middle = counts[d].saturating_sub(2).max(1);
+            let mut at = vec![own[0]];
+            at.extend(equal(own[0] + depth, own[1] - depth, middle));
+            at.push(own[1]);
+            at
+        } else {
+            equal(own[0], own[1], counts[d])
+        };
+        Planes::new(own, unit.all[d], inner)
+    });
+    let cells = [0, 1, 2].map(|d| planes[d].at.len() - 1);
+    let first_element = mesh.elements.len();
+    let is_empty = |at: [usize; 3]| {
+        // Only the strips along the faces of the unit are filled, and the bed above is whole.
+        let beside = !planes[along].unit.contains(&at[along]) && planes[2].unit.contains(&at[2]);
+        let strips = &planes[through].unit;
+        let deep = at[through] != strips.start && at[through] + 1 != strips.end;
+        part_filled && beside && (deep || depth == 0.0)
+    };
+    let body = Body::new(
+        mesh,
+        name,
+        &Grid {
+            cells,
+            material: &|at| {
+                let unit = (0..3).all(|d| planes[d].unit.contains(&at[d]));
+                let of = if unit { materials[0] } else { materials[1] };
+                (!is_empty(at)).then_some(of)
+            },
+            node: &|at| [0, 1, 2].map(|d| planes[d].at[at[d]]),
+        },
+    );
+    mesh.course[first_element..].fill(unit.course);
+    body
+}
+
+/// Elements of the unit along x, y, z: a bat or a header has its share of those of a whole unit.
+fn elements(wall: &Wall, unit: &Unit, along: usize, through: usize) -> [usize; 3] {
+    let [length, thickness, height] = wall.unit.map(Quantity::get);
+    let own = [0, 1, 2].map(|d| unit.own[d][1] - unit.own[d][0]);
+    let whole = unit_elements(wall);
+    // Halves are rounded up, whatever the last bits of the coordinates.
+    let share = |n: f64, size: f64, of: f64| ((n * size / of + 1e-9).round() as usize).max(1);
+    let mut counts = [1; 3];
+    counts[along] = share(whole[0], own[along], length);
+    counts[through] = share(whole[1], own[through], thickness);
+    counts[2] = share(whole[2], own[2], height);
+    counts
+}
+
+/// Elements of a whole unit along, through and up the wall.
+pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
+    let m = wall.mesh;
+    // Named meshes say how a unit is cut; a written one counts the joints where there are some.
+    let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
+    let joint = |thickness: f64| u32::from(named || thickness > 0.0);
+    [
+        f64::from(m.length - joint(wall.head_joint.get())),
+        f64::from(m.thickness),
+        f64::from(m.height - joint(wall.bed_joint.get())),
+    ]
+}
+
+/// `n` equal intervals from `a` to `b`; both ends exact.
+fn equal(a: f64, b: f64, n: usize) -> Vec<f64> {
+    let inner = |i: usize| a + (b - a) * (i as f64 / n as f64);
+    (0..=n).map(|i| if i == n { b } else { inner(i) }).collect()
+}
