@@ -219,6 +219,7 @@ fn the_physics_is_judged_to_its_end() {
         [
             "materials.brick.tension",
             "materials.brick.compression",
+            "materials.brick.density",
             "materials.mortar.tension",
             "materials.mortar.compression",
             "probes.0.near",

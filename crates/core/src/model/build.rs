@@ -37,19 +37,7 @@ impl Model {
         let springs = errors.keep(bodies.springs()).unwrap_or_default();
         let probes = errors.keep(probes::probes(deck, &bodies));
         let top = masonry::level_beam(&bodies);
-        let (loaded, met) = (
-            loading(deck, &bodies, top, &supports, &springs),
-            surfaces(deck, &bodies),
-        );
-        let (Loading { beams, steps }, surfaces) = match (loaded, met) {
-            (Ok(loaded), Ok(met)) => (loaded, met),
-            // What holds the bodies, or the sizes of the elements, are not known.
-            (Err(error), met) => {
-                errors.keep(met);
-                return Err(errors.and(error));
-            }
-            (Ok(_), Err(error)) => return Err(errors.and(error)),
-        };
+        let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
         let Surfaces {
             parameters,
             meeting:
@@ -58,7 +46,13 @@ impl Model {
                     touching,
                     warnings,
                 },
-        } = surfaces;
+        } = match surfaces(deck, &bodies) {
+            Ok(surfaces) => surfaces,
+            // The sizes of the elements are not known.
+            Err(error) => return Err(errors.and(error)),
+        };
+        let moved = loading.is_some();
+        let Loading { beams, steps } = loading.unwrap_or_default();
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
@@ -69,7 +63,9 @@ impl Model {
             .flatten()
             .copied()
             .collect();
-        errors.keep(require_held(deck, &bodies, &held, &touching));
+        if moved {
+            errors.keep(require_held(deck, &bodies, &held, &touching));
+        }
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let bond = findings::bond(deck, &bodies.walls);

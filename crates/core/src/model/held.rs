@@ -72,7 +72,11 @@ pub(super) fn require_held(
         Some(_) => deck.error(
             &path,
             format!("{who}: the joints are dry and no load presses them together"),
-            "begin with kind = \"gravity\", or with a preload",
+            if deck.clamped().is_some() {
+                "begin with a preload: kind = \"preload\", top_pressure = \"0.3 MPa\""
+            } else {
+                "begin with kind = \"gravity\", or with a preload"
+            },
         ),
     })
 }

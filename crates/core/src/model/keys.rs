@@ -55,7 +55,61 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("head_joint", "head_joint = \"12.5 mm\""),
     ("length", "length = \"990 mm\""),
     ("courses", "courses = 18"),
-    ("bond", "bond = \"stretcher\""),
+    ("walls", "[[walls]]"),
+    ("along", "along = \"x\"  # or \"y\""),
+    ("collar_joint", "collar_joint = \"10 mm\""),
+    (
+        "head_filling",
+        "head_filling = 0.5  # the part that is filled, from both faces of the wall",
+    ),
+    (
+        "bond",
+        "bond = \"stretcher\"  # or \"stack\", \"header\", \"english\", \"english-cross\", \"flemish\", \"pattern\"",
+    ),
+    (
+        "overlap",
+        "overlap = \"70 mm\"  # of the units of neighbouring courses",
+    ),
+    ("leaves", "leaves = 2"),
+    (
+        "header_courses",
+        "header_courses = 6  # one of headers in every six",
+    ),
+    (
+        "pattern",
+        "[[wall.pattern]]  # a course: leaves = [{ units = [\"204 mm\"], offset = 0 }]",
+    ),
+    ("height", "height = \"50 mm\""),
+    (
+        "pattern.leaves",
+        "leaves = [{ units = [\"204 mm\"], offset = 0 }]",
+    ),
+    (
+        "offset",
+        "offset = \"-108 mm\"  # where the first unit begins",
+    ),
+    (
+        "units",
+        "units = [\"204 mm\", \"96 mm\"]  # over and over again",
+    ),
+    (
+        "headers",
+        "headers = [1]  # units that go through all leaves",
+    ),
+    (
+        "openings",
+        "openings = [{ from = \"360 mm\", to = \"630 mm\", sill = 6, courses = 6 }]",
+    ),
+    ("from", "from = \"360 mm\""),
+    ("to", "to = \"630 mm\""),
+    ("sill", "sill = 6  # courses below the opening"),
+    (
+        "lintel",
+        "lintel = { bearing = \"100 mm\", material = \"concrete\" }",
+    ),
+    ("bearing", "bearing = \"100 mm\""),
+    ("head_interface", "head_interface = \"joint\""),
+    ("collar_interface", "collar_interface = \"joint\""),
     ("unit_material", "unit_material = \"brick\""),
     ("mortar_material", "mortar_material = \"mortar\""),
     ("interface", "interface = \"joint\""),
@@ -65,7 +119,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ),
     (
         "clamped",
-        "clamped = { bottom_courses = 1, top_courses = 1 }",
+        "clamped = { bottom_courses = 1, top_courses = 1 }  # or false",
     ),
     ("bottom_courses", "bottom_courses = 1"),
     ("top_courses", "top_courses = 1"),

@@ -10,6 +10,7 @@ use super::scene::{Beam, BeamMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
 
 /// Beams and steps of a scene.
+#[derive(Default)]
 pub(super) struct Loading {
     pub(super) beams: Vec<Beam>,
     pub(super) steps: Vec<Step>,

@@ -72,6 +72,22 @@ impl Sizes {
         TOLERANCE * self.unit
     }
 
+    /// Refuses a course of far too many units.
+    pub(super) fn require_few(&self) -> Result<(), Refusal> {
+        let whole = (self.length / (self.unit.min(self.width) + self.head)).floor();
+        if whole <= MOST_UNITS {
+            return Ok(());
+        }
+        Err(Refusal {
+            key: "length".to_owned(),
+            message: format!(
+                "{} mm are {whole} units of {} mm in a course",
+                self.length, self.unit
+            ),
+            help: format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
+        })
+    }
+
     /// Length of the closer that shifts a course by a quarter of a stretcher and its joint.
     fn closer(&self) -> Result<f64, Refusal> {
         let closer = (self.unit + self.head) / 4.0 - self.head;
@@ -92,15 +108,12 @@ impl Sizes {
 /// Sizes that do not fit together.
 pub fn courses(wall: &Wall) -> Result<Vec<Vec<Row>>, Refusal> {
     let sizes = Sizes::of(wall);
-    if sizes.length / (sizes.unit.min(sizes.width) + sizes.head) > MOST_UNITS {
-        let whole = (sizes.length / (sizes.unit + sizes.head)).floor();
+    sizes.require_few()?;
+    if wall.bond == Bond::Pattern && wall.pattern.iter().all(|c| c.leaves.is_empty()) {
         return Err(Refusal {
-            key: "length".to_owned(),
-            message: format!(
-                "{} mm are {whole} units of {} mm in a course",
-                sizes.length, sizes.unit
-            ),
-            help: format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
+            key: "pattern".to_owned(),
+            message: "the bond is a pattern, and there is none".to_owned(),
+            help: "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course".to_owned(),
         });
     }
     match wall.bond {

@@ -87,15 +87,15 @@ pub(super) struct Cut {
 pub(super) enum Courses {
     /// From the first to before the second.
     Range(u32, u32),
-    /// Every second one, from 0 or from 1.
-    Every(u32),
+    /// Every second one, from the first (0 or 1) to before the second.
+    Every(u32, u32),
 }
 
 impl Courses {
     fn has(self, k: u32) -> bool {
         match self {
             Self::Range(from, to) => (from..to).contains(&k),
-            Self::Every(parity) => k % 2 == parity,
+            Self::Every(first, end) => k % 2 == first && k < end,
         }
     }
 }
@@ -149,11 +149,16 @@ pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
             let standing = higher
                 .iter()
                 .filter(|(j, p)| *j < next && next < *j + p.courses as usize);
+            // Where another wall passes through, it lies on this one.
+            let passing = cuts.iter().any(|cut| {
+                let passes = cut.joint.is_some() && cut.courses.has(next as u32);
+                passes && beside.overlaps(cut.along, piece.along)
+            });
             let covered = above.chain(standing.map(|(_, piece)| *piece)).any(|p| {
                 beside.overlaps(p.along, piece.along) && beside.overlaps(p.through, piece.through)
             });
             let high = levels[next - 1].1;
-            let top = if covered { levels[next].0 } else { high };
+            let top = if covered || passing { levels[next].0 } else { high };
             units.push(unit(wall, piece, [levels[k].0, high, top], k, &beside));
         }
     }

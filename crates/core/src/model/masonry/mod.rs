@@ -73,6 +73,7 @@ const MOST_ELEMENTS: f64 = 1e7;
 /// Refuses a wall that is too large before it is laid.
 fn require_few(wall: &Wall) -> Result<(), Refusal> {
     let sizes = course::Sizes::of(wall);
+    sizes.require_few()?;
     let units =
         f64::from(wall.leaves) * ((sizes.length + sizes.head) / (sizes.unit + sizes.head)).ceil();
     let m: Subdivision = wall.mesh;

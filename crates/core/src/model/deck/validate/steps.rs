@@ -12,8 +12,8 @@ struct Rule<'a> {
     given: bool,
     /// Kinds of steps that know it.
     kinds: &'a [StepKind],
-    /// Scenes that know it: of blocks (true), of a wall (false), both (none).
-    scene: Option<bool>,
+    /// Whether what the step moves knows it.
+    here: bool,
     needed: bool,
 }
 
@@ -242,66 +242,68 @@ impl Checks<'_> {
         use StepKind::{Drive, Free, Gravity, Preload, Tilt};
         let key = |name: &str| format!("{path}.{name}");
         let kind = step.kind;
-        let blocks = self.deck.has_blocks();
+        // Steps of a clamped wall that name no face or spring mean the level beam on its top.
+        let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
         let of_spring = step.spring.is_some();
-        let rule = |name, given, kinds, scene, needed| Rule {
+        let of_face = step.face.is_some();
+        let of_beam = clamped && !of_face && !of_spring;
+        let rule = |name, given, kinds, here, needed| Rule {
             name,
             given,
             kinds,
-            scene,
+            here,
             needed,
         };
-        let (wall, stones) = (Some(false), Some(true));
         let pushes: &[StepKind] = &[Preload, Drive];
         let weighs: &[StepKind] = &[Gravity, Tilt, Free];
+        let given = |name: &str| match name {
+            "top_pressure" => step.top_pressure.is_some(),
+            "pressure" => step.pressure.is_some(),
+            "direction" => step.direction.is_some(),
+            "displacement" => step.displacement.is_some(),
+            "stop" => step.stop.is_some(),
+            "vertical" => step.vertical.is_some(),
+            "free" => step.free.is_some(),
+            "gravity" => step.gravity.is_some(),
+            "angle" => step.angle.is_some(),
+            "axis" => step.axis.is_some(),
+            _ => false,
+        };
         let rules = [
             rule(
                 "top_pressure",
-                step.top_pressure.is_some(),
+                given("top_pressure"),
                 &[Preload],
-                wall,
-                true,
+                of_beam,
+                of_beam,
             ),
             rule(
                 "pressure",
-                step.pressure.is_some(),
+                given("pressure"),
                 &[Preload],
-                stones,
-                true,
+                !of_beam,
+                !of_beam,
             ),
-            rule("direction", step.direction.is_some(), &[Drive], None, true),
-            rule(
-                "displacement",
-                step.displacement.is_some(),
-                &[Drive],
-                None,
-                true,
-            ),
-            rule("stop", step.stop.is_some(), &[Drive], None, false),
-            rule("vertical", step.vertical.is_some(), &[Drive], wall, false),
-            rule("face", step.face.is_some(), pushes, stones, !of_spring),
-            rule("free", step.free.is_some(), pushes, stones, false),
-            rule("spring", step.spring.is_some(), &[Drive], stones, false),
-            rule(
-                "gravity",
-                step.gravity.is_some(),
-                &[Gravity, Free],
-                None,
-                false,
-            ),
-            rule("angle", step.angle.is_some(), weighs, None, kind == Tilt),
-            rule("axis", step.axis.is_some(), weighs, None, false),
+            rule("direction", given("direction"), &[Drive], true, true),
+            rule("displacement", given("displacement"), &[Drive], true, true),
+            rule("stop", given("stop"), &[Drive], true, false),
+            rule("vertical", given("vertical"), &[Drive], of_beam, false),
+            rule("face", of_face, pushes, true, !of_beam && !of_spring),
+            rule("free", given("free"), pushes, !of_beam, false),
+            rule("spring", of_spring, &[Drive], true, false),
+            rule("gravity", given("gravity"), &[Gravity, Free], true, false),
+            rule("angle", given("angle"), weighs, true, kind == Tilt),
+            rule("axis", given("axis"), weighs, true, false),
         ];
         for Rule {
             name,
             given,
             kinds,
-            scene,
+            here,
             needed,
         } in rules
         {
             let known = kinds.contains(&kind);
-            let here = scene.is_none_or(|of_blocks| of_blocks == blocks);
             self.require(
                 !given || known,
                 &key(name),
@@ -316,17 +318,17 @@ impl Checks<'_> {
                 !given || !known || here,
                 &key(name),
                 || {
-                    let other = if blocks {
-                        "a wall"
+                    let other = if of_beam {
+                        "a face, and this step is of the level beam of the wall"
                     } else {
-                        "blocks or an arch"
+                        "the level beam of a clamped wall"
                     };
-                    format!("`{name}` belongs to a scene of {other}")
+                    format!("`{name}` is of {other}")
                 },
-                if blocks {
-                    "of blocks: `face`, `pressure`, `free`"
+                if of_beam {
+                    "of the beam: `top_pressure`, `vertical`; or name a `face`"
                 } else {
-                    "of a wall: `top_pressure`, `vertical`; its beam is the face"
+                    "of faces: `face`, `pressure`, `free`"
                 },
             );
             self.require(
