@@ -100,7 +100,7 @@ fn probes_follow_nodes_faces_and_blocks() {
 }
 
 #[test]
-fn a_wall_has_probes_near_points_and_no_names() {
+fn a_wall_has_probes_near_points_and_on_its_sides() {
     let path = "examples/01_couplet_tension.toml";
     let text = std::fs::read_to_string(path).unwrap();
     let probe = "[[probes]]\nname = \"top\"\nnear = [0, 0, \"1 m\"]\ndirection = \"z\"\n";
@@ -116,10 +116,17 @@ fn a_wall_has_probes_near_points_and_no_names() {
     let highest = model.mesh.nodes.iter().map(|x| x[2]);
     let highest = highest.fold(0.0, f64::max);
     assert_eq!(model.mesh.nodes[node], [0.0, 0.0, highest]);
-    let named = probe.replace("near = [0, 0, \"1 m\"]", "on = \"unit\"");
-    let error = Model::from_deck(&deck(&format!("{text}{named}"))).unwrap_err();
-    assert_eq!(error.key(), "probes.0.on");
-    assert!(error.message().contains("no named blocks"), "{error}");
+    let named = |name: &str| {
+        let named = probe.replace("near = [0, 0, \"1 m\"]", &format!("on = \"{name}\""));
+        Model::from_deck(&deck(&format!("{text}{named}")))
+    };
+    let (model, _) = named("wall.top").unwrap();
+    let nodes = &model.probes[0].nodes;
+    assert!(
+        nodes
+            .iter()
+            .all(|n| model.mesh.nodes[*n as usize][2] == highest)
+    );
 }
 
 #[test]

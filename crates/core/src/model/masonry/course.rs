@@ -113,7 +113,8 @@ pub fn courses(wall: &Wall) -> Result<Vec<Vec<Row>>, Refusal> {
         return Err(Refusal {
             key: "pattern".to_owned(),
             message: "the bond is a pattern, and there is none".to_owned(),
-            help: "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course".to_owned(),
+            help: "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course"
+                .to_owned(),
         });
     }
     match wall.bond {

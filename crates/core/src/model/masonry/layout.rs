@@ -158,7 +158,11 @@ pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
                 beside.overlaps(p.along, piece.along) && beside.overlaps(p.through, piece.through)
             });
             let high = levels[next - 1].1;
-            let top = if covered || passing { levels[next].0 } else { high };
+            let top = if covered || passing {
+                levels[next].0
+            } else {
+                high
+            };
             units.push(unit(wall, piece, [levels[k].0, high, top], k, &beside));
         }
     }
