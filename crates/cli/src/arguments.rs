@@ -365,6 +365,9 @@ pub struct Check {
     /// Print one JSON object, for machines.
     #[arg(long)]
     pub json: bool,
+    /// Draw what will be built, as SVG or PNG by the file's extension.
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
     #[command(flatten)]
     pub with: ModelArguments,
 }

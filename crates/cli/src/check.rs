@@ -1,17 +1,26 @@
 //! `wythe check`: is this model what its author means?
 
 use std::io::Write;
+use std::path::Path;
 
 use serde_json::{Value, json};
+use wythe_core::error::IoError;
+use wythe_core::model::Model;
+use wythe_core::results::plotting::{png, scene};
+use wythe_core::results::summary::write_whole;
 
 use crate::arguments::Check;
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
+use crate::plot::undrawn;
 
 /// Reads and builds the model, and prints what is wrong with it, or what follows from it.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
+    if let (Some(picture), Ok(sound)) = (&arguments.picture, &found) {
+        draw(&sound.model, picture)?;
+    }
     if arguments.json {
         return print_json(path, found);
     }
@@ -26,6 +35,32 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let drawn: String = warnings.iter().map(|w| findings::drawn(w, &text)).collect();
     print(&format!("{drawn}{report}"))
+}
+
+/// Draws what will be built.
+fn draw(model: &Model, picture: &Path) -> Result<(), Failure> {
+    let svg = scene(model);
+    let extension = picture
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    let bytes = match extension.to_ascii_lowercase().as_str() {
+        "svg" => svg.into_bytes(),
+        "png" => png(&svg, 2.0).map_err(|why| undrawn(&why))?,
+        _ => {
+            return Err(Failure::Model(miette::miette!(
+                help = "name it scene.svg or scene.png",
+                "{} is neither an SVG nor a PNG",
+                picture.display()
+            )));
+        }
+    };
+    write_whole(picture, &bytes).map_err(|why| {
+        Failure::from(IoError {
+            path: picture.to_owned(),
+            why,
+        })
+    })
 }
 
 /// One object, whatever was found.

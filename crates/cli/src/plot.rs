@@ -134,7 +134,8 @@ pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, IoError
     Ok(path)
 }
 
-fn undrawn(why: &str) -> Failure {
+/// A picture that came to nothing.
+pub fn undrawn(why: &str) -> Failure {
     Failure::Model(miette::miette!(
         help = "look at history.csv: are there numbers that are none?",
         "the picture cannot be drawn: {why}"

@@ -9,8 +9,8 @@ use wythe_core::error::{ModelError, Warning};
 use wythe_core::model::{self, Deck as CoreDeck, Model};
 use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
 use wythe_core::results::directory::DECK;
-use wythe_core::results::elevation;
 use wythe_core::results::export::inp;
+use wythe_core::results::plotting::scene;
 
 use crate::errors::{self, Text};
 
@@ -187,11 +187,11 @@ impl Deck {
         found.to_string()
     }
 
-    /// The elevation at rest as SVG.
+    /// What will be built, as SVG.
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         let built = self.sound(py)?;
         py.detach(|| match &*built {
-            Ok((model, _)) => Ok(elevation::at_rest(model)),
+            Ok((model, _)) => Ok(scene(model)),
             Err(error) => Err(errors::bug(&error.to_string())),
         })
     }

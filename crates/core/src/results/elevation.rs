@@ -43,18 +43,6 @@ pub fn crack_pattern(model: &Model, frame: &Frame) -> String {
     elevation(&model.title, &model.mesh, frame, &[], "")
 }
 
-/// The elevation of a model before anything has happened.
-pub fn at_rest(model: &Model) -> String {
-    let (nodes, elements) = (model.mesh.nodes.len(), model.mesh.elements.len());
-    let frame = Frame {
-        displacement: vec![[0.0; 3]; nodes],
-        tensile_damage: vec![0.0; elements],
-        compressive_damage: vec![0.0; elements],
-        ..Frame::default()
-    };
-    crack_pattern(model, &frame)
-}
-
 /// The elevation of a run at a frame, with the joints that have failed: open ones red, those that slide
 /// orange. Joints across the drawing are seen as lines, the others not.
 pub fn crack_pattern_of(snapshot: &Snapshot) -> String {
@@ -405,7 +393,8 @@ fn colour(material: usize, damage: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-fn escape(text: &str) -> String {
+/// Text as XML takes it.
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

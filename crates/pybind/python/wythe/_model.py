@@ -293,7 +293,7 @@ class Model:
         )
 
     def picture(self) -> Picture:
-        """The elevation at rest."""
+        """What will be built: elevation, section and plans, with materials and interfaces."""
         return Picture(self._deck.picture())
 
     def to_inp(self) -> str:

@@ -4,7 +4,9 @@
 pub mod chart;
 pub mod deflection;
 pub mod raster;
+pub mod scene;
 
 pub use chart::{Line, load_displacements};
 pub use deflection::{Along, Deflection, deflections};
 pub use raster::png;
+pub use scene::scene;

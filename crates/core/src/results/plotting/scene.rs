@@ -1,0 +1,425 @@
+//! What a model will build, before anything has happened: an elevation, a vertical section and plans.
+//!
+//! ```text
+//!   ┌────────────┐ ┌──┐
+//!   │ elevation  │ │ s│   s: section across the middle of the length; plans through the lowest two
+//!   └────────────┘ └──┘   courses of walls, or at half the height
+//!   ├────────────┤        colours by material, interfaces and supports marked
+//! ```
+
+use std::fmt::Write as _;
+
+use std::collections::HashMap;
+
+use super::super::elevation::escape;
+use crate::element::hex8::FACES;
+use crate::model::{Mesh, Model};
+
+/// Width of the page [px].
+const WIDTH: f64 = 1100.0;
+const MARGIN: f64 = 24.0;
+const HEADER: f64 = 48.0;
+const CAPTION: f64 = 22.0;
+/// Part of the page's width that the elevation and the section share.
+const GAP: f64 = 36.0;
+/// Width of a caption [px].
+const NARROWEST: f64 = 170.0;
+/// Tallest drawing [px].
+const TALLEST: f64 = 900.0;
+
+/// Colours of materials, again from the start if there are more.
+const MATERIALS: [&str; 8] = [
+    "#d6a082", "#e2ded4", "#aab4be", "#c8be96", "#9fb4a0", "#c9a7b8", "#b9c7d8", "#d8c7a7",
+];
+/// Colours of interfaces.
+const INTERFACES: [&str; 6] = [
+    "#c02020", "#2060c0", "#208040", "#a05000", "#8030a0", "#007f8f",
+];
+
+/// A drawing in its own plane [mm].
+struct Panel {
+    caption: String,
+    polygons: Vec<Polygon>,
+    /// `[end][right, up]`, and which interface.
+    lines: Vec<([[f64; 2]; 2], usize)>,
+    /// Held places.
+    dots: Vec<[f64; 2]>,
+}
+
+struct Polygon {
+    corners: Vec<[f64; 2]>,
+    material: usize,
+    /// Farther ones are drawn first.
+    depth: f64,
+}
+
+impl Panel {
+    /// x₀, y₀, x₁, y₁ of what is drawn.
+    fn bounds(&self) -> [f64; 4] {
+        let corners = self.polygons.iter().flat_map(|p| &p.corners);
+        let start = [
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        let found = corners.fold(start, |b, [x, y]| {
+            [b[0].min(*x), b[1].min(*y), b[2].max(*x), b[3].max(*y)]
+        });
+        if found[0] <= found[2] {
+            found
+        } else {
+            [0.0, 0.0, 1.0, 1.0]
+        }
+    }
+}
+
+/// The scene as SVG text.
+pub fn scene(model: &Model) -> String {
+    let names = interface_names(model);
+    let front = elevation(model, &names);
+    let [x0, _, x1, _] = front.bounds();
+    let across = section(model, &names, 0, 0.5 * (x0 + x1));
+    let plans = heights(model)
+        .into_iter()
+        .map(|z| section(model, &names, 2, z));
+    let mut panels = vec![front, across];
+    panels.extend(plans);
+    let mut svg = String::new();
+    let drawn = page(&mut svg, model, &names, &panels);
+    debug_assert!(drawn.is_ok(), "writing to a string does not fail");
+    svg
+}
+
+/// Names of the interfaces, each once, in the order of the laws.
+fn interface_names(model: &Model) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in &model.contact.law_names {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Which of `names` the law of a slave facet has.
+fn interface_of(model: &Model, names: &[&str], facet: usize) -> usize {
+    let law = usize::from(model.contact.slave_law[facet]);
+    let name = model.contact.law_names[law].as_str();
+    names.iter().position(|n| *n == name).unwrap_or(0)
+}
+
+/// Middles of the two lowest courses, or of the whole.
+fn heights(model: &Model) -> Vec<f64> {
+    let mesh = &model.mesh;
+    let range = |of: &dyn Fn(usize) -> bool| {
+        let elements = (0..mesh.elements.len()).filter(|e| of(*e));
+        let z = elements
+            .flat_map(|e| mesh.elements[e])
+            .map(|n| mesh.nodes[n as usize][2]);
+        z.fold([f64::INFINITY, f64::NEG_INFINITY], |r, z| {
+            [r[0].min(z), r[1].max(z)]
+        })
+    };
+    let courses = mesh.course.iter().max().map_or(0, |c| *c);
+    if courses == 0 {
+        let [low, high] = range(&|_| true);
+        return vec![0.5 * (low + high)];
+    }
+    // A little below the middle: above a bed joint half the height would be in the mortar of thin units.
+    let middle = |course: u16| {
+        let [low, high] = range(&|e| mesh.course[e] == course);
+        low + 0.4 * (high - low)
+    };
+    // Blocks count as course 0 and may be taller: the second course tells what a course is.
+    vec![middle(0), middle(1)]
+}
+
+/// Faces that no two elements share, with their elements: counter-clockwise seen from outside.
+fn bare_faces(mesh: &Mesh) -> Vec<(usize, [u32; 4])> {
+    let faces = |e: usize| FACES.map(|face| face.map(|c| mesh.elements[e][c]));
+    let key = |mut face: [u32; 4]| {
+        face.sort_unstable();
+        face
+    };
+    let mut count: HashMap<[u32; 4], u32> = HashMap::new();
+    for face in (0..mesh.elements.len()).flat_map(faces) {
+        *count.entry(key(face)).or_default() += 1;
+    }
+    let all = (0..mesh.elements.len()).flat_map(|e| faces(e).map(|face| (e, face)));
+    all.filter(|(_, face)| count[&key(*face)] == 1).collect()
+}
+
+/// Seen from the front, from −y.
+fn elevation(model: &Model, names: &[&str]) -> Panel {
+    let mesh = &model.mesh;
+    let x = |n: u32| mesh.nodes[n as usize];
+    let flat = |n: u32| [x(n)[0], x(n)[2]];
+    let mut polygons = Vec::new();
+    for (element, facet) in bare_faces(mesh) {
+        let corners = facet.map(flat);
+        // Twice the area, counter-clockwise positive: seen from −y with x to the right and z up.
+        let area: f64 = (0..4)
+            .map(|k| {
+                let ([a, b], [c, d]) = (corners[k], corners[(k + 1) % 4]);
+                a * d - b * c
+            })
+            .sum();
+        if area > 0.0 {
+            polygons.push(Polygon {
+                corners: corners.into(),
+                material: usize::from(mesh.material[element]),
+                depth: facet.iter().map(|n| x(*n)[1]).sum::<f64>() / 4.0,
+            });
+        }
+    }
+    polygons.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+    let front = mesh
+        .nodes
+        .iter()
+        .map(|x| x[1])
+        .fold(f64::INFINITY, f64::min);
+    let back = mesh
+        .nodes
+        .iter()
+        .map(|x| x[1])
+        .fold(f64::NEG_INFINITY, f64::max);
+    let near = front + 1e-6 * (back - front);
+    let mut lines = Vec::new();
+    for (f, facet) in model.contact.slave_facets.iter().enumerate() {
+        for k in 0..4 {
+            let ends = [facet[k], facet[(k + 1) % 4]];
+            if ends.iter().all(|n| x(*n)[1] <= near) {
+                lines.push((ends.map(flat), interface_of(model, names, f)));
+            }
+        }
+    }
+    let held = model.supports.iter().flat_map(|s| &s.nodes);
+    let dots = held
+        .filter(|n| x(**n)[1] <= near)
+        .map(|n| flat(*n))
+        .collect();
+    Panel {
+        caption: "elevation, from the front".to_owned(),
+        polygons,
+        lines,
+        dots,
+    }
+}
+
+/// The section normal to an axis at a place on it [mm].
+fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
+    let mesh = &model.mesh;
+    // Upright sections are seen from +x (y to the right), plans from above.
+    let axes = if axis == 0 { [1, 2] } else { [0, 1] };
+    let x = |n: u32| mesh.nodes[n as usize];
+    let cut = |a: u32, b: u32| {
+        let (p, q) = (x(a), x(b));
+        let (s, t) = (p[axis] - at, q[axis] - at);
+        ((s < 0.0) != (t < 0.0)).then(|| axes.map(|d| p[d] + (q[d] - p[d]) * s / (s - t)))
+    };
+    const EDGES: [[usize; 2]; 12] = [
+        [0, 1],
+        [1, 2],
+        [2, 3],
+        [3, 0],
+        [4, 5],
+        [5, 6],
+        [6, 7],
+        [7, 4],
+        [0, 4],
+        [1, 5],
+        [2, 6],
+        [3, 7],
+    ];
+    let mut polygons = Vec::new();
+    for (e, nodes) in mesh.elements.iter().enumerate() {
+        let mut corners: Vec<[f64; 2]> = EDGES
+            .iter()
+            .filter_map(|[a, b]| cut(nodes[*a], nodes[*b]))
+            .collect();
+        if corners.len() < 3 {
+            continue;
+        }
+        let count = corners.len() as f64;
+        let middle = [0, 1].map(|d| corners.iter().map(|c| c[d]).sum::<f64>() / count);
+        let angle = |c: &[f64; 2]| (c[1] - middle[1]).atan2(c[0] - middle[0]);
+        corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        polygons.push(Polygon {
+            corners,
+            material: usize::from(mesh.material[e]),
+            depth: 0.0,
+        });
+    }
+    let mut lines = Vec::new();
+    for (f, facet) in model.contact.slave_facets.iter().enumerate() {
+        let ends: Vec<[f64; 2]> = (0..4)
+            .filter_map(|k| cut(facet[k], facet[(k + 1) % 4]))
+            .collect();
+        if let [a, b] = ends[..] {
+            lines.push(([a, b], interface_of(model, names, f)));
+        }
+    }
+    let letter = ["x", "y", "z"][axis];
+    let what = if axis == 2 { "plan" } else { "section" };
+    Panel {
+        caption: format!("{what} at {letter} = {at:.1} mm"),
+        polygons,
+        lines,
+        dots: Vec::new(),
+    }
+}
+
+/// Places the panels: elevation and section beside each other, plans below, all to one scale.
+fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> std::fmt::Result {
+    let sizes: Vec<[f64; 2]> = panels
+        .iter()
+        .map(|p| {
+            let [x0, y0, x1, y1] = p.bounds();
+            [
+                (x1 - x0).max(f64::MIN_POSITIVE),
+                (y1 - y0).max(f64::MIN_POSITIVE),
+            ]
+        })
+        .collect();
+    // A narrow section leaves room for its caption.
+    let wide = ((WIDTH - 2.0 * MARGIN - GAP) / (sizes[0][0] + sizes[1][0]))
+        .min((WIDTH - 2.0 * MARGIN - GAP - NARROWEST) / sizes[0][0]);
+    let plans_wide = sizes[2..].iter().map(|s| (WIDTH - 2.0 * MARGIN) / s[0]);
+    let zoom = plans_wide.fold(wide.min(TALLEST / sizes[0][1].max(sizes[1][1])), f64::min);
+    let mut y = HEADER + CAPTION;
+    let tall = sizes[0][1].max(sizes[1][1]) * zoom;
+    let mut places = vec![
+        [MARGIN, y + tall],
+        [MARGIN + sizes[0][0] * zoom + GAP, y + tall],
+    ];
+    y += tall;
+    for size in &sizes[2..] {
+        y += CAPTION + GAP / 2.0 + size[1] * zoom;
+        places.push([MARGIN, y]);
+    }
+    let legend = y + 30.0;
+    let used: Vec<usize> = (0..model.materials.len()).collect();
+    let rows = used.len().max(names.len() + 1) as f64;
+    let height = legend + 20.0 * rows + MARGIN;
+    writeln!(
+        svg,
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:.0}" height="{height:.0}" viewBox="0 0 {WIDTH:.0} {height:.0}" font-family="sans-serif"><rect width="100%" height="100%" fill="#ffffff"/>"##
+    )?;
+    writeln!(
+        svg,
+        r#"<text x="{MARGIN}" y="28" font-size="18">{}</text>"#,
+        escape(&model.title)
+    )?;
+    for (panel, place) in panels.iter().zip(places) {
+        draw(svg, panel, place, zoom)?;
+    }
+    for (i, m) in used.into_iter().enumerate() {
+        let (y, fill) = (legend + 20.0 * i as f64, MATERIALS[m % MATERIALS.len()]);
+        writeln!(
+            svg,
+            r##"<rect x="{MARGIN}" y="{y:.0}" width="14" height="14" fill="{fill}" stroke="#444444" stroke-width="0.5"/><text x="{:.0}" y="{:.0}" font-size="13">{}</text>"##,
+            MARGIN + 22.0,
+            y + 12.0,
+            escape(&model.materials[m].name)
+        )?;
+    }
+    let left = WIDTH / 2.0;
+    for (i, name) in names.iter().enumerate() {
+        let (y, stroke) = (
+            legend + 20.0 * i as f64 + 7.0,
+            INTERFACES[i % INTERFACES.len()],
+        );
+        writeln!(
+            svg,
+            r#"<path d="M{left:.0} {y:.0}h24" stroke="{stroke}" stroke-width="2"/><text x="{:.0}" y="{:.0}" font-size="13">interface {}</text>"#,
+            left + 32.0,
+            y + 5.0,
+            escape(name)
+        )?;
+    }
+    if model.supports.iter().any(|s| !s.nodes.is_empty()) {
+        let y = legend + 20.0 * names.len() as f64 + 7.0;
+        writeln!(
+            svg,
+            r#"<circle cx="{:.0}" cy="{y:.0}" r="2.5"/><text x="{:.0}" y="{:.0}" font-size="13">held</text>"#,
+            left + 12.0,
+            left + 32.0,
+            y + 5.0
+        )?;
+    }
+    writeln!(svg, "</svg>")
+}
+
+/// One panel, its lower left corner at `place` [px].
+fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> std::fmt::Result {
+    let [x0, y0, _, y1] = panel.bounds();
+    let at = |[x, y]: [f64; 2]| (left + (x - x0) * zoom, low - (y - y0) * zoom);
+    writeln!(
+        svg,
+        r#"<text x="{left:.0}" y="{:.0}" font-size="13">{}</text>"#,
+        low - (y1 - y0) * zoom - 7.0,
+        escape(&panel.caption)
+    )?;
+    writeln!(svg, r##"<g stroke="#00000055" stroke-width="0.4">"##)?;
+    for polygon in &panel.polygons {
+        let fill = MATERIALS[polygon.material % MATERIALS.len()];
+        let points: Vec<String> = polygon
+            .corners
+            .iter()
+            .map(|c| at(*c))
+            .map(|(x, y)| format!("{x:.1},{y:.1}"))
+            .collect();
+        writeln!(
+            svg,
+            r#"<polygon points="{}" fill="{fill}"/>"#,
+            points.join(" ")
+        )?;
+    }
+    writeln!(svg, "</g>")?;
+    for (i, stroke) in INTERFACES.iter().enumerate() {
+        let own = panel
+            .lines
+            .iter()
+            .filter(|(_, n)| n % INTERFACES.len() == i);
+        let mut path = String::new();
+        for ([a, b], _) in own {
+            let ((x1, y1), (x2, y2)) = (at(*a), at(*b));
+            write!(path, "M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}")?;
+        }
+        if !path.is_empty() {
+            writeln!(
+                svg,
+                r#"<path d="{path}" stroke="{stroke}" stroke-width="1.2"/>"#
+            )?;
+        }
+    }
+    for dot in &panel.dots {
+        let (x, y) = at(*dot);
+        writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2"/>"#)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::fake;
+
+    /// Two cubes of 100 mm beside each other, 2 mm apart: one square each seen from the front, and only
+    /// one of them in the section across the middle of a gap's side.
+    #[test]
+    fn each_panel_shows_what_it_cuts() {
+        let model = fake::model();
+        let front = elevation(&model, &interface_names(&model));
+        assert_eq!(front.polygons.len(), 2);
+        assert_eq!(front.bounds(), [0.0, 0.0, 202.0, 100.0]);
+        let cut = section(&model, &[], 0, 50.0);
+        assert_eq!(cut.polygons.len(), 1);
+        assert_eq!(cut.polygons[0].corners.len(), 4);
+        assert_eq!(section(&model, &[], 0, 101.0).polygons.len(), 0);
+        assert_eq!(section(&model, &[], 2, 50.0).polygons.len(), 2);
+        let svg = scene(&model);
+        assert!(svg.contains("section at x = 101.0 mm") && svg.contains("Two cubes &amp; a"));
+    }
+}
