@@ -10,6 +10,7 @@ mod findings;
 mod gravity;
 mod held;
 pub mod hexahedron;
+pub mod import;
 mod joint;
 pub mod keys;
 mod loading;
