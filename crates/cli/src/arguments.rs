@@ -211,7 +211,7 @@ pub enum Command {
     /// Tell what is in a folder of results, a file of fields, or a model.
     #[command(after_help = INFO_HELP)]
     Info(Info),
-    /// Write a run in the format of another program.
+    /// Write a run, or a model, in the format of another program.
     #[command(after_help = EXPORT_HELP)]
     Export(Export),
     /// Many runs side by side, judged and told on one page.
