@@ -11,6 +11,7 @@ mod gravity;
 mod held;
 pub mod hexahedron;
 pub mod import;
+mod imported;
 mod joint;
 pub mod keys;
 mod loading;

@@ -108,6 +108,20 @@ impl ImportedMesh {
         outside.iter().filter(all).copied().collect()
     }
 
+    /// Elements of a set of elements, or of an instance.
+    pub fn elements_of(&self, name: &str) -> Option<Vec<u32>> {
+        match get(&self.element_sets, name) {
+            Some(set) => Some(set.clone()),
+            None => self.elements_of_instance(name),
+        }
+    }
+
+    /// Names of sets of elements and of instances.
+    pub fn names_of_elements(&self) -> Vec<&str> {
+        let all = self.element_sets.keys().chain(&self.instances);
+        all.map(String::as_str).collect()
+    }
+
     /// All names of sets, surfaces and instances, each once.
     pub fn names(&self) -> Vec<&str> {
         let sets = self.node_sets.keys().chain(self.element_sets.keys());

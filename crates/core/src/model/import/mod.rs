@@ -4,6 +4,7 @@
 //! materials, bodies) is decided elsewhere. Nothing of a file is taken on trust: labels may be missing or twice, sets
 //! may name what is not there, a file may include itself.
 
+mod as_deck;
 mod check;
 mod facets;
 mod inp;
