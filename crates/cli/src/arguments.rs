@@ -97,8 +97,12 @@ const NEW_HELP: &str = "\
 Writes NAME.toml, a commented deck that runs as it is, and beside it deck.schema.json, by which editors \
 complete and check it (any with a TOML language server, such as taplo or Even Better TOML).
 
+--from writes a deck around a mesh of Abaqus or Gmsh that lies beside it: its materials as tables, its bodies, \
+sets and surfaces in comments, and in comments what is left to say.
+
 Examples:
   wythe new --list
+  wythe new bridge --from bridge.inp --units 'N, m, s'
   wythe new wall --template shear-wall
   wythe new tests/arch --template arch --force";
 
@@ -211,7 +215,7 @@ pub enum Command {
     /// Tell what is in a folder of results, a file of fields, or a model.
     #[command(after_help = INFO_HELP)]
     Info(Info),
-    /// Write a run in the format of another program.
+    /// Write a run, or a model, in the format of another program.
     #[command(after_help = EXPORT_HELP)]
     Export(Export),
     /// Many runs side by side, judged and told on one page.
@@ -315,11 +319,22 @@ pub struct New {
     /// What it describes, see --list.
     #[arg(long, value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(templates::NAMES), default_value = "couplet")]
     pub template: String,
+    /// A mesh that it imports: an .inp of Abaqus or a .msh of Gmsh.
+    #[arg(long, value_name = "FILE", conflicts_with = "template")]
+    pub from: Option<PathBuf>,
+    /// Units of force, length and time in that file.
+    #[arg(
+        long,
+        value_name = "UNITS",
+        default_value = "N, mm, s",
+        requires = "from"
+    )]
+    pub units: String,
     /// Overwrite NAME.toml.
     #[arg(long)]
     pub force: bool,
     /// List the templates.
-    #[arg(long, conflicts_with_all = ["name", "template", "force"])]
+    #[arg(long, conflicts_with_all = ["name", "template", "force", "from"])]
     pub list: bool,
 }
 

@@ -1,6 +1,6 @@
-//! `wythe export`: a run for other programs.
+//! `wythe export`: a run, or a model that was not run, for other programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use wythe_core::model::{Deck, Model};
 use wythe_core::results::directory::DECK;
@@ -18,6 +18,16 @@ const SERIES: &str = "series.pvd";
 
 /// Writes the files and says which.
 pub fn export(arguments: &Export) -> Result<(), Failure> {
+    if arguments.folder.is_file() {
+        return scene(&arguments.folder, arguments);
+    }
+    if !arguments.with.overrides.is_empty() {
+        return Err(Failure::Model(miette::miette!(
+            help = "--set says keys of a model anew: name its TOML file",
+            "{} is a folder of results: what was run stands",
+            arguments.folder.display()
+        )));
+    }
     let folder = RunFolder::open(&arguments.folder)?;
     let out = match &arguments.out {
         Some(out) => out.clone(),
@@ -51,11 +61,41 @@ pub fn export(arguments: &Export) -> Result<(), Failure> {
             written.push(write(&out, SERIES, text.as_bytes())?);
         }
     }
-    let lines: Vec<String> = written
-        .iter()
-        .map(|p| format!("{}\n", p.display()))
-        .collect();
-    print(&lines.concat())
+    tell(&written)
+}
+
+fn tell(written: &[PathBuf]) -> Result<(), Failure> {
+    let lines = written.iter().map(|p| format!("{}\n", p.display()));
+    print(&lines.collect::<String>())
+}
+
+/// A model at rest, without a run.
+fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
+    if arguments.frame.is_some() || arguments.to == Format::Csv {
+        return Err(Failure::Model(miette::miette!(
+            help = "name the folder of a run for frames and tables; of a model there are --to inp and --to vtu",
+            "{} is a model: nothing has moved yet",
+            path.display()
+        )));
+    }
+    let deck = Deck::load(path, &arguments.with.overrides)?;
+    let (model, _) = Model::from_deck(&deck)?;
+    let out = match &arguments.out {
+        Some(out) => out.clone(),
+        None => path.with_extension("export"),
+    };
+    let files = match arguments.to {
+        Format::Vtu => vec![
+            ("model.vtu", vtu::model(&model)),
+            ("model_surfaces.vtu", vtu::surfaces(&model)),
+        ],
+        _ => vec![("model.inp", inp::inp(&model))],
+    };
+    let mut written = Vec::new();
+    for (name, text) in files {
+        written.push(write(&out, name, text.as_bytes())?);
+    }
+    tell(&written)
 }
 
 /// Files of a frame: what comes after its name, and their text.

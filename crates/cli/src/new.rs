@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use wythe_core::error::IoError;
+use wythe_core::model::import::{ImportedMesh, Units};
 use wythe_core::model::schema;
 use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
@@ -19,10 +20,15 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
         let lines = lines.map(|t| format!("{:14}{}\n", t.name, t.about));
         return print(&lines.collect::<String>());
     };
-    // clap has seen that it is one of them.
-    let text = templates::find(&arguments.template).map_or("", |t| t.text);
     let path = deck_of(name);
     let folder = path.parent().unwrap_or(Path::new(""));
+    let text = match &arguments.from {
+        Some(mesh) => around(mesh, &path, folder, &arguments.units)?,
+        // clap has seen that it is one of them.
+        None => templates::find(&arguments.template)
+            .map_or("", |t| t.text)
+            .to_owned(),
+    };
     if !folder.as_os_str().is_empty() {
         std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
     }
@@ -33,9 +39,37 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     std::fs::write(&beside, schema::text()).map_err(unwritable(&beside))?;
     let path = path.display();
     print(&format!(
-        "{path} and, for editors, {} are written\nnext: wythe check {path}, then wythe run {path}\n",
-        beside.display()
+        "{path} and, for editors, {} are written\nnext: {}wythe check {path}, then wythe run {path}\n",
+        beside.display(),
+        if arguments.from.is_some() {
+            "say what is left to say, "
+        } else {
+            ""
+        }
     ))
+}
+
+/// A deck around a mesh.
+fn around(mesh: &Path, deck: &Path, folder: &Path, units: &str) -> Result<String, Failure> {
+    let wrong =
+        |message: String, help: String| Failure::Model(miette::miette!(help = help, "{message}"));
+    let units_of = Units::parse(units).map_err(|why| {
+        wrong(
+            why,
+            "--units \"N, m, s\": of force, length and time".to_owned(),
+        )
+    })?;
+    let read = ImportedMesh::load(mesh, &units_of).and_then(|read| read.check().map(|()| read));
+    let read = read.map_err(|error| wrong(error.to_string(), error.help.clone()))?;
+    // Decks name files from their own folder.
+    let file = mesh
+        .strip_prefix(folder)
+        .unwrap_or(mesh)
+        .display()
+        .to_string();
+    let name = deck.file_stem().unwrap_or_default().to_string_lossy();
+    read.as_deck(&name.replace('.', "-"), &file, units)
+        .map_err(|why| wrong(format!("{file}: {why}"), "mend the file first".to_owned()))
 }
 
 /// NAME.toml, whether the name has the ending or not.

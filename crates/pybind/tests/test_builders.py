@@ -163,3 +163,25 @@ def test_bonded_blocks() -> None:
         ],
     )
     assert made == example("08")
+
+
+def test_an_imported_mesh() -> None:
+    made = build.blocks(
+        [build.block("plate", "stone", [200, 100, 20], mesh=[2, 1, 1])],
+        title="Couplet from Abaqus",
+        points="gauss",
+        imports=[build.mesh("couplet", "50_imported_mesh.inp", at=[0, 0, 20])],
+        materials={"stone": build.elastic("30 GPa", 0.2)},
+        interfaces={"joint": JOINT},
+        contacts=[
+            build.contact("joint", "couplet.UPPER.BED", "couplet.LOWER.TOP"),
+            build.contact("joint"),
+        ],
+        supports=[build.support("plate")],
+        probes=[build.probe("slip", "x", on="couplet.UPPER.BED", minus="couplet.LOWER.TOP")],
+        steps=[
+            build.preload("0.5 MPa", face="couplet.UPPER.TOP"),
+            build.push("0.3 mm", face="couplet.UPPER.TOP", free=["z"]),
+        ],
+    )
+    assert made == example("50")

@@ -20,7 +20,7 @@ STUDIES = ("11_bond_scatter", "12_sensitivity")
 @pytest.fixture
 def copies(tmp_path: Path) -> Path:
     """The examples where they may write."""
-    for pattern in ("*.toml", "*.py", "*.csv"):
+    for pattern in ("*.toml", "*.py", "*.csv", "*.inp"):
         for path in EXAMPLES.glob(pattern):
             shutil.copy(path, tmp_path)
     return tmp_path

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use wythe_core::results::FrameChoice;
 
+use super::ModelArguments;
+
 pub(super) const PLOT_HELP: &str = "\
 Writes curves.svg, cracks_N.svg (deformed, with tensile damage, crushing and failed joints), \
 deflection_height.svg and, of a wall bent out of its plane, deflection_length.svg.
@@ -41,10 +43,16 @@ Examples:
 pub(super) const EXPORT_HELP: &str = "\
   vtu  frame_N.vtu and frame_N_interfaces.vtu for any VTK; of all frames with a series.pvd
   csv  frame_N_nodes.csv, frame_N_elements.csv, frame_N_interfaces.csv [mm, MPa]
-  inp  model.inp for Abaqus, at rest: nodes, C3D8, sets of units, materials, supports and beams, and \
-the materials with their tables. Interfaces and steps are not translated.
+  inp  model.inp for Abaqus, at rest: nodes, C3D8, sets of units, materials, supports and beams, the materials \
+with their tables, surfaces with friction and stiffness, steps. The bond of the interfaces and what else Abaqus has no \
+words for stand in comments.
+
+Of a model that was not run: inp; and vtu, as model.vtu (materials, units, courses, supports, beams) and \
+model_surfaces.vtu (what may meet), into MODEL.export.
 
 Examples:
+  wythe export wall.toml --to inp
+  wythe export wall.toml --to vtu --set wall.mesh=fine
   wythe export wall.out --to vtu --frame all
   wythe export wall.out --to csv --frame peak --out tables
   wythe export wall.out --to inp";
@@ -96,7 +104,8 @@ pub struct Info {
 /// `wythe export`
 #[derive(Debug, Args)]
 pub struct Export {
-    /// Folder of the run.
+    /// Folder of the run, or a model, a TOML file.
+    #[arg(value_name = "DIR|MODEL.toml")]
     pub folder: PathBuf,
     /// What to write.
     #[arg(long, value_name = "FORMAT")]
@@ -104,9 +113,11 @@ pub struct Export {
     /// Frame: its number from 0, peak, last, or all [default: last].
     #[arg(long, value_name = "FRAME")]
     pub frame: Option<Frames>,
-    /// Folder for the files [default: DIR/export].
+    /// Folder for the files [default: DIR/export, MODEL.export].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub with: ModelArguments,
 }
 
 /// Formats of other programs.

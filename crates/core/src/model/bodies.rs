@@ -2,14 +2,17 @@
 
 use super::arch::{Stones, stones};
 use super::body::Body;
-use super::deck::{Deck, DeckBlock, Names};
+use super::deck::{Deck, DeckBlock, Material, Names};
 use super::hexahedron::{Corners, area_vector, norm};
+use super::imported::Imported;
 use super::masonry::{self, Masonry};
 use super::quantity::Quantity;
 use super::roll::{Place, Roll};
 use super::scene::{Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
-use crate::error::{Errors, ModelError};
+use crate::error::{Errors, ModelError, Warning};
+use crate::material::MaterialParameters;
+use std::collections::BTreeMap;
 
 /// The bodies of a scene in the mesh, and how a deck calls them.
 pub(super) struct Bodies<'a> {
@@ -18,10 +21,14 @@ pub(super) struct Bodies<'a> {
     pub(super) mesh: Mesh,
     /// Names of the materials by index.
     pub(super) materials: Vec<String>,
-    /// In order: units of walls, blocks, the arch: voussoirs, left springing, right springing.
+    /// In order: units of walls, blocks, imported bodies, the arch: voussoirs, left springing, right springing.
     pub(super) all: Vec<Body>,
     /// The walls, whose units are the first bodies.
     pub(super) walls: Vec<Masonry<'a>>,
+    /// Materials that imported files bring, by name.
+    brought: BTreeMap<String, Material>,
+    /// What the author should know of imported files.
+    pub(super) warnings: Vec<Warning>,
     /// Their names.
     roll: Roll,
     /// Velocity at the beginning [mm/s]; empty = rest. `[node]`
@@ -44,13 +51,22 @@ impl<'a> Bodies<'a> {
             materials: Vec::new(),
             all: Vec::new(),
             walls: Vec::new(),
+            brought: BTreeMap::new(),
+            warnings: Vec::new(),
             roll: Roll::default(),
             velocity: Vec::new(),
         };
         bodies.require_countable()?;
         let mut errors = Errors::default();
         let walls = masonry::lay_all(deck).map_err(|(path, refusal)| refusal.at(deck, &path))?;
-        if let Some((roll, twice)) = Roll::call(deck, &walls) {
+        let mut imports = Vec::new();
+        for i in 0..deck.imports.len() {
+            imports.extend(errors.keep(Imported::read(deck, i)));
+        }
+        if imports.len() < deck.imports.len() {
+            return errors.end(bodies); // what they hold is not known
+        }
+        if let Some((roll, twice)) = Roll::call(deck, &walls, Some(&imports)) {
             bodies.roll = roll;
             for error in twice {
                 errors.push(error);
@@ -62,6 +78,11 @@ impl<'a> Bodies<'a> {
         bodies.velocity.resize(bodies.mesh.nodes.len(), [0.0; 3]);
         for (i, block) in deck.blocks.iter().enumerate() {
             errors.keep(bodies.lay(i, block));
+        }
+        for (import, said) in imports.into_iter().zip(&deck.imports) {
+            bodies.lay_import(import);
+            let velocity = said.velocity.map(Quantity::get);
+            bodies.velocity.resize(bodies.mesh.nodes.len(), velocity);
         }
         bodies.lay_arch();
         if bodies.velocity.iter().all(|v| *v == [0.0; 3]) {
@@ -171,6 +192,35 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
+    /// Lays the bodies of an import. Materials of its file are called as they are there, or after the import
+    /// too, where another one brings a different material of that name.
+    fn lay_import(&mut self, import: Imported) {
+        let mut index = Vec::with_capacity(import.materials.len());
+        for (name, own) in &import.materials {
+            let name = match (own, self.brought.get(name)) {
+                (Some(own), Some(other)) if own != other => format!("{}.{name}", import.name),
+                _ => name.clone(),
+            };
+            if let Some(own) = own {
+                self.brought.insert(name.clone(), own.clone());
+            }
+            index.push(self.material(&name));
+        }
+        self.all.extend(import.append(&mut self.mesh, &index));
+        self.warnings.extend(import.warnings);
+    }
+
+    /// Parameters of the material `name`, of the deck or of an imported file.
+    ///
+    /// # Errors
+    /// No such material.
+    pub(super) fn parameters(&self, name: &str) -> Result<MaterialParameters, ModelError> {
+        match self.brought.get(name) {
+            Some(material) => Ok(material.parameters()),
+            None => self.deck.material(name),
+        }
+    }
+
     fn lay_arch(&mut self) {
         let Some(arch) = &self.deck.arch else {
             return;
@@ -232,8 +282,9 @@ impl<'a> Bodies<'a> {
             match place.face {
                 None => body.nodes.clone().collect(),
                 Some(face) => {
-                    let facets = body.faces[face].facets.iter();
-                    facets.flat_map(|(_, facet)| *facet).collect()
+                    let face = &body.faces[face];
+                    let facets = face.facets.iter().flat_map(|(_, facet)| *facet);
+                    face.nodes.clone().unwrap_or_else(|| facets.collect())
                 }
             }
         };

@@ -14,8 +14,11 @@ pub struct Body {
     pub number: u32,
     /// Its nodes in the mesh.
     pub nodes: Range<u32>,
-    /// Its faces; of a block and of a unit the six of [`Face::ALL`], in that order.
+    /// Its faces; of a block and of a unit the six of [`Face::ALL`], in that order. Of an imported body
+    /// first those of its skin, then sets of its file, which may lie over them and over each other.
     pub faces: Vec<BodyFace>,
+    /// How many faces are its skin.
+    pub skin: usize,
     /// Its faces may be curved: their outlines are their facets.
     pub curved: bool,
 }
@@ -30,6 +33,8 @@ pub struct BodyFace {
     /// Flat parts that make up the face, counter-clockwise seen from outside [mm].
     /// `[part][corner][xyz]`
     pub outlines: Vec<[[f64; 3]; 4]>,
+    /// Its nodes, where they are not those of its facets: of a set of nodes.
+    pub nodes: Option<Vec<u32>>,
 }
 
 impl BodyFace {
@@ -175,12 +180,14 @@ impl Body {
                 name: Cow::Borrowed(name),
                 outlines: facets.iter().map(outline).collect(),
                 facets,
+                nodes: None,
             }
         });
         Self {
             name,
             number,
             nodes: first_node..mesh.nodes.len() as u32,
+            skin: faces.len(),
             faces: faces.into(),
             curved: false,
         }

@@ -1,7 +1,7 @@
 //! Deck → [`Model`].
 
 use super::bodies::Bodies;
-use super::deck::{Deck, DeckStep, StepKind};
+use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::findings;
 use super::held::require_held;
 use super::loading::{Loading, loading};
@@ -26,15 +26,19 @@ impl Model {
                 "wall",
                 "the table [wall] is missing: there is nothing to load",
                 "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], \
-                 or [arch]",
+                 [[imports]] or [arch]",
             ));
         }
         let mut errors = Errors::default();
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;
         errors.keep(require_mass(deck, &bodies));
-        let supports = errors.keep(bodies.supports()).unwrap_or_default();
-        let springs = errors.keep(bodies.springs()).unwrap_or_default();
+        let (supports, springs) = (
+            errors.keep(bodies.supports()),
+            errors.keep(bodies.springs()),
+        );
+        let is_known = supports.is_some() && springs.is_some();
+        let (supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
         let probes = errors.keep(probes::probes(deck, &bodies));
         let top = masonry::level_beam(&bodies);
         let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
@@ -63,11 +67,12 @@ impl Model {
             .flatten()
             .copied()
             .collect();
-        if moved {
+        if moved && is_known {
             errors.keep(require_held(deck, &bodies, &held, &touching));
         }
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
+        let imported = std::mem::take(&mut bodies.warnings);
         let bond = findings::bond(deck, &bodies.walls);
         let model = Self {
             title: deck.title.clone(),
@@ -88,7 +93,7 @@ impl Model {
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
         };
-        let laid = bond.into_iter().chain(warnings).collect();
+        let laid = imported.into_iter().chain(bond).chain(warnings).collect();
         findings::judged(deck, model, laid, errors)
     }
 }
@@ -102,7 +107,7 @@ struct Surfaces {
 fn surfaces(deck: &Deck, bodies: &Bodies<'_>) -> Result<Surfaces, ModelError> {
     let materials = bodies.materials.iter();
     let parameters = materials
-        .map(|name| deck.material(name))
+        .map(|name| bodies.parameters(name))
         .collect::<Result<Vec<_>, _>>()?;
     let elastic: Vec<_> = parameters.iter().map(|p| *p.elastic()).collect();
     let meeting = meeting(deck, bodies, &elastic)?;
@@ -126,15 +131,18 @@ fn require_steps(deck: &Deck) -> Result<(), ModelError> {
 
 /// Refuses gravity and motion of what has no mass.
 fn require_mass(deck: &Deck, bodies: &Bodies<'_>) -> Result<(), ModelError> {
-    let needs =
-        |s: &DeckStep| matches!(s.kind, StepKind::Gravity | StepKind::Tilt | StepKind::Free);
+    let needs = |s: &DeckStep| {
+        let inertia = [DeckProcedure::QuasiStatic, DeckProcedure::Dynamic];
+        matches!(s.kind, StepKind::Gravity | StepKind::Tilt | StepKind::Free)
+            || (!deck.imports.is_empty() && inertia.contains(&s.procedure))
+    };
     let Some(step) = deck.steps.iter().position(needs) else {
         return Ok(());
     };
     let massless = |name: &&String| {
-        deck.materials
-            .get(*name)
-            .is_some_and(|m| m.density.get() == 0.0)
+        bodies
+            .parameters(name)
+            .is_ok_and(|m| m.elastic().density == 0.0)
     };
     let Some(name) = bodies.materials.iter().find(massless) else {
         return Ok(());

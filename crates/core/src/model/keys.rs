@@ -241,6 +241,19 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "minus = \"base.top\"  # or { near = [0, 0, \"50 mm\"] }",
     ),
     ("quantity", "quantity = \"displacement\"  # or \"velocity\""),
+    ("imports", "[[imports]]"),
+    (
+        "file",
+        "file = \"wall.inp\"  # of Abaqus, or a .msh of Gmsh",
+    ),
+    (
+        "units",
+        "units = \"N, m, s\"  # of force, length and time in the file",
+    ),
+    (
+        "imports.materials",
+        "materials = { BRICKS = \"brick\", JOINTS = \"mortar\" }  # by sets of the file",
+    ),
     ("arch", "[arch]"),
     ("radius", "radius = \"1 m\"  # or span"),
     ("span", "span = \"2 m\"  # or radius"),
@@ -254,8 +267,8 @@ pub const EXAMPLES: &[(&str, &str)] = &[
 ];
 
 /// Sections of which a deck has several, each with a header of its own.
-pub(super) const LISTS: [&str; 7] = [
-    "walls", "blocks", "contacts", "supports", "springs", "probes", "steps",
+pub(super) const LISTS: [&str; 8] = [
+    "walls", "blocks", "imports", "contacts", "supports", "springs", "probes", "steps",
 ];
 
 /// Tables of named tables.

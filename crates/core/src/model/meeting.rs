@@ -189,11 +189,11 @@ fn add_masters(bodies: &Bodies<'_>, pairings: &[Pairing], contact: &mut ContactS
     masters.sort_unstable();
     masters.dedup();
     // Faces that joints of walls have met are there already.
-    let known: HashSet<[u32; 4]> = contact.master_facets.iter().copied().collect();
+    let mut known: HashSet<[u32; 4]> = contact.master_facets.iter().copied().collect();
     for (body, face) in masters {
         let body = &bodies.all[body];
         for (_, facet) in &body.faces[face].facets {
-            if !known.contains(facet) {
+            if known.insert(*facet) {
                 contact.master_facets.push(*facet);
                 contact.master_body.push(body.number);
             }

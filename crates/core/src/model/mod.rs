@@ -10,6 +10,8 @@ mod findings;
 mod gravity;
 mod held;
 pub mod hexahedron;
+pub mod import;
+mod imported;
 mod joint;
 pub mod keys;
 mod loading;

@@ -6,6 +6,7 @@ use super::hexahedron::{Face, area_vector, norm};
 use super::roll::Place;
 use super::touch;
 use crate::error::{Errors, ModelError};
+use std::collections::HashSet;
 
 /// A face of a body. `(body, face)`
 pub(super) type Patch = (usize, usize);
@@ -37,6 +38,7 @@ pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>,
             errors.keep(add_touching(deck, bodies, &mut pairings, contact, &path));
         }
     }
+    errors.keep(require_apart(deck, bodies, &pairings));
     errors.end(pairings)
 }
 
@@ -151,6 +153,42 @@ fn add(
     Ok(())
 }
 
+/// Whether two faces are one, or have facets in common, as sets of an imported body may.
+fn same(bodies: &Bodies<'_>, a: Patch, b: Patch) -> bool {
+    let body = &bodies.all[a.0];
+    if a == b || a.0 != b.0 || body.skin == body.faces.len() {
+        return a == b;
+    }
+    let [a, b] = [a, b].map(|(_, face)| &body.faces[face].facets);
+    let elements: HashSet<[u32; 4]> = a.iter().map(|(_, facet)| *facet).collect();
+    b.iter().any(|(_, facet)| elements.contains(facet))
+}
+
+/// Refuses facets that are slaves of two pairings: sets of an imported body that lie over each other.
+fn require_apart(deck: &Deck, bodies: &Bodies<'_>, pairings: &[Pairing]) -> Result<(), ModelError> {
+    let mut seen = HashSet::new();
+    for pairing in pairings {
+        let body = &bodies.all[pairing.slave.0];
+        if body.skin == body.faces.len() {
+            continue;
+        }
+        let face = &body.faces[pairing.slave.1];
+        for (_, facet) in &face.facets {
+            if !seen.insert(*facet) {
+                return Err(deck.error(
+                    &pairing.path,
+                    format!(
+                        "a facet of {}.{} is in another slave face, too",
+                        body.name, face.name
+                    ),
+                    "let sets that are slaves not overlap, or make one of them the master",
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// All faces that touch at rest and are not yet paired; the finer one is the slave, or else that of
 /// the block which comes first.
 fn add_touching(
@@ -170,7 +208,7 @@ fn add_touching(
     }
     let mut sides = Vec::new();
     for (b, block) in bodies.all.iter().enumerate() {
-        for (f, face) in block.faces.iter().enumerate() {
+        for (f, face) in block.faces[..block.skin].iter().enumerate() {
             let facet_area = face.mean_facet();
             for outline in &face.outlines {
                 let x = outline.map(|x| x[0]);
@@ -211,7 +249,9 @@ fn add_touching(
     found.sort_unstable();
     found.dedup();
     let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
-        let is = |p: &Pairing, a, b| p.slave == a && p.masters.contains(&b);
+        let is = |p: &Pairing, a, b| {
+            same(bodies, p.slave, a) && p.masters.iter().any(|m| same(bodies, *m, b))
+        };
         pairings.iter().any(|p| is(p, a, b) || is(p, b, a))
     };
     let count = found.len();

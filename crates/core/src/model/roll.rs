@@ -2,6 +2,7 @@
 
 use super::deck::{Deck, Names};
 use super::hexahedron::Face;
+use super::imported::Imported;
 use super::keys;
 use super::masonry::Masonry;
 use crate::error::ModelError;
@@ -17,14 +18,29 @@ pub(super) struct Place {
     pub(super) face: Option<usize>,
 }
 
+/// What an import brings.
+#[derive(Debug, Default)]
+struct Brought {
+    /// Its bodies.
+    bodies: Range<usize>,
+    /// What the deck mentions of it: all of it, and facets only. `[name][faces only]`
+    sets: HashMap<String, [Vec<Place>; 2]>,
+    /// All names that it has, for advice.
+    names: Vec<String>,
+    /// Its file was not read: any name may be there.
+    unread: bool,
+}
+
 /// All bodies in the order in which they are laid, by name: units of walls, blocks of the deck with their
-/// copies, then the arch: voussoirs, left springing, right springing.
+/// copies, imported bodies, then the arch: voussoirs, left springing, right springing.
 #[derive(Debug, Default)]
 pub(super) struct Roll {
     /// Bodies that a name stands for.
     bodies: HashMap<String, Range<usize>>,
     /// Units at each side of a wall, by the name of the wall. `[face]`
     sides: HashMap<String, [Vec<usize>; 6]>,
+    /// Imports by name.
+    imports: HashMap<String, Brought>,
     /// Names in order, for advice; those of single units are left out.
     names: Vec<String>,
     /// Number of bodies.
@@ -36,8 +52,12 @@ const MOST_NAMES: f64 = 1e6;
 
 impl Roll {
     /// Calls all names of a deck, with an error for each that is there twice; none if there are far too
-    /// many.
-    pub(super) fn call(deck: &Deck, walls: &[Masonry<'_>]) -> Option<(Self, Vec<ModelError>)> {
+    /// many. `imports`: none if their files are not read.
+    pub(super) fn call(
+        deck: &Deck,
+        walls: &[Masonry<'_>],
+        imports: Option<&[Imported]>,
+    ) -> Option<(Self, Vec<ModelError>)> {
         let copies = deck
             .blocks
             .iter()
@@ -77,6 +97,10 @@ impl Roll {
                 ));
             }
         }
+        for (i, import) in deck.imports.iter().enumerate() {
+            let imported = imports.and_then(|all| all.get(i));
+            roll.add_import(&import.name, imported);
+        }
         if let Some(arch) = &deck.arch {
             let first = roll.count;
             let mut new = true;
@@ -112,6 +136,83 @@ impl Roll {
         let sides = Face::ALL.map(|(_, face)| wall.on(face));
         self.sides.insert(wall.name.clone(), sides);
         self.group(&wall.name, first) && new
+    }
+
+    /// Adds the bodies of an import.
+    fn add_import(&mut self, name: &str, imported: Option<&Imported>) {
+        let first = self.count;
+        let mut brought = Brought {
+            unread: imported.is_none(),
+            ..Brought::default()
+        };
+        if let Some(imported) = imported {
+            self.count += imported.faces.len();
+            let place = |&(body, face): &(usize, Option<usize>)| Place {
+                body: first + body,
+                face,
+            };
+            let places = |of: &Vec<_>| of.iter().map(place).collect();
+            let sets = imported.sets.iter();
+            brought.sets = sets
+                .map(|(set, of)| (set.clone(), of.each_ref().map(places)))
+                .collect();
+            brought.names = imported.names();
+        }
+        brought.bodies = first..self.count;
+        self.names.push(name.to_owned());
+        self.imports.insert(name.to_owned(), brought);
+    }
+
+    /// What a set of an import stands for, or all of it.
+    fn of_import(
+        &self,
+        deck: &Deck,
+        path: &str,
+        name: &str,
+        faces: bool,
+    ) -> Option<Result<Vec<Place>, ModelError>> {
+        let (import, set) = name.split_once('.').unwrap_or((name, ""));
+        let brought = self.imports.get(import)?;
+        if brought.unread {
+            return Some(Ok(Vec::new()));
+        }
+        let known = || brought.names.iter().map(String::as_str);
+        if set.is_empty() {
+            let all = brought
+                .bodies
+                .clone()
+                .map(|body| Place { body, face: None });
+            return Some(if faces {
+                let some: Vec<&str> = known().take(8).collect();
+                let help = format!("say which of its sets: {}", some.join(", "));
+                Err(deck.error(path, format!("`{name}` is no face"), &help))
+            } else {
+                Ok(all.collect())
+            });
+        }
+        let Some(places) = brought.sets.get(set) else {
+            let help = keys::nearest(set, known()).map_or_else(
+                || format!("it has {}", known().take(8).collect::<Vec<_>>().join(", ")),
+                |near| format!("did you mean `{import}.{near}`?"),
+            );
+            let message = format!("`{name}`: the file of {import} has no set named `{set}`");
+            return Some(Err(deck.error(path, message, &help)));
+        };
+        let places = &places[usize::from(faces)];
+        Some(if places.is_empty() {
+            let what = if faces {
+                "no side of an element outside"
+            } else {
+                "no node of an element"
+            };
+            Err(deck.error(
+                path,
+                format!("`{name}`: there is {what} in this set"),
+                "take a surface, or a set of all nodes of a face",
+            ))
+        } else {
+            Ok(places.clone())
+        })
     }
 
     /// Adds a block; false if its name is taken.
@@ -158,6 +259,9 @@ impl Roll {
         name: &str,
         faces: bool,
     ) -> Result<Vec<Place>, ModelError> {
+        if let Some(places) = self.of_import(deck, path, name, faces) {
+            return places;
+        }
         let (body, face) = match name.rsplit_once('.') {
             None if faces => {
                 return Err(deck.error(

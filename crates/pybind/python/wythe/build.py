@@ -28,6 +28,7 @@ __all__ = [
     "free",
     "gravity",
     "joint",
+    "mesh",
     "preload",
     "probe",
     "push",
@@ -327,6 +328,28 @@ def block(
     )
 
 
+def mesh(
+    name: str,
+    file: str,
+    *,
+    units: str | None = None,
+    at: Sequence[Quantity] | None = None,
+    rotate: Mapping[str, Quantity] | None = None,
+    materials: Mapping[str, str] | None = None,
+    velocity: Sequence[Quantity] | None = None,
+) -> Part:
+    """A mesh of Abaqus (.inp) or Gmsh (.msh), its materials by sets where the file does not say them."""
+    return _part(
+        name=name,
+        file=file,
+        units=units,
+        at=at,
+        rotate=rotate,
+        materials=materials,
+        velocity=velocity,
+    )
+
+
 def contact(
     interface: str,
     slave: str | Sequence[str] | None = None,
@@ -500,11 +523,12 @@ def blocks(
     steps: Sequence[Mapping[str, Any]],
     springs: Sequence[Mapping[str, Any]] = (),
     probes: Sequence[Mapping[str, Any]] = (),
+    imports: Sequence[Mapping[str, Any]] = (),
     points: str = "corner",
     title: str = "blocks",
     **tables: Value,
 ) -> Model:
-    """A scene of blocks.
+    """A scene of blocks and imported meshes.
 
     Parameters
     ----------
@@ -514,6 +538,8 @@ def blocks(
         By the names that blocks and contacts use.
     contacts, supports, springs, probes, steps
         :func:`contact`, :func:`support`, :func:`spring`, :func:`probe`, and steps in order.
+    imports
+        :func:`mesh`.
     points
         ``"corner"`` for blocks that rock and slide, ``"gauss"`` for bonded ones.
     tables
@@ -526,6 +552,7 @@ def blocks(
             "interfaces": dict(interfaces),
             "contact": {"points": points},
             "blocks": list(blocks),
+            "imports": list(imports),
             "contacts": list(contacts),
             "supports": list(supports),
             "springs": list(springs),

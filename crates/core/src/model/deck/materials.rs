@@ -80,6 +80,26 @@ fn one() -> Number {
 }
 
 impl Material {
+    /// A linear elastic material; all else as where a deck says nothing.
+    pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
+        Self {
+            E: modulus,
+            nu,
+            density,
+            tension: Vec::new(),
+            compression: Vec::new(),
+            dilation_angle: dilation_angle(),
+            eccentricity: eccentricity(),
+            fb0_fc0: fb0_fc0(),
+            K_c: k_c(),
+            tension_recovery: Number::default(),
+            compression_recovery: one(),
+            viscosity: Time::default(),
+            reference_length: None,
+            interpolation: Interpolation::default(),
+        }
+    }
+
     /// Parameters of the law: elastic without tables, else concrete damaged plasticity.
     pub fn parameters(&self) -> MaterialParameters {
         let elastic = ElasticParameters {

@@ -7,6 +7,7 @@ mod blocks;
 mod form;
 mod grid;
 mod ground;
+mod imports;
 mod interfaces;
 mod materials;
 mod output;
@@ -16,11 +17,12 @@ mod resumed;
 mod rows;
 mod stand_in;
 mod steps;
-mod validate;
+pub(super) mod validate;
 mod wall;
 
 pub use arch::DeckArch;
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
+pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
@@ -69,6 +71,9 @@ pub struct Deck {
     /// Single blocks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub blocks: Vec<DeckBlock>,
+    /// Meshes of other programs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub imports: Vec<DeckImport>,
     /// An arch of voussoirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<DeckArch>,
@@ -296,9 +301,9 @@ impl Deck {
         self.source.warning(path, message)
     }
 
-    /// Whether there are blocks or an arch in the scene.
+    /// Whether there are blocks, imported bodies or an arch in the scene.
     pub fn has_blocks(&self) -> bool {
-        !self.blocks.is_empty() || self.arch.is_some()
+        !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()
     }
 
     /// Whether there is anything in the scene.
@@ -354,6 +359,7 @@ impl PartialEq for Deck {
             && self.wall == other.wall
             && self.walls == other.walls
             && self.blocks == other.blocks
+            && self.imports == other.imports
             && self.arch == other.arch
             && self.contacts == other.contacts
             && self.supports == other.supports

@@ -8,6 +8,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
+use crate::model::Model;
 use crate::results::Snapshot;
 
 /// VTK's kinds of cells.
@@ -41,6 +42,56 @@ pub fn solids(snapshot: &Snapshot) -> String {
     xml.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
     xml.close("CellData");
     xml.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
+    xml.end()
+}
+
+/// The solids of a model at rest: what each element belongs to.
+pub fn model(model: &Model) -> String {
+    let mesh = &model.mesh;
+    let mut xml = Xml::begin(mesh.nodes.len(), mesh.elements.len(), 0.0);
+    xml.open("PointData");
+    // 1, 2, 4: held in x, y, z.
+    let mut held = vec![0_u8; mesh.nodes.len()];
+    for support in &model.supports {
+        for n in &support.nodes {
+            for (d, fixed) in support.fixed.iter().enumerate() {
+                held[*n as usize] |= u8::from(*fixed) << d;
+            }
+        }
+    }
+    xml.small("support", held.into_iter());
+    // 0 of no beam, else its number from 1.
+    let mut beam_of = vec![0_i64; mesh.nodes.len()];
+    for (b, beam) in model.beams.iter().enumerate() {
+        for n in &beam.nodes {
+            beam_of[*n as usize] = b as i64 + 1;
+        }
+    }
+    xml.whole("beam", beam_of.into_iter());
+    xml.close("PointData");
+    xml.open("CellData");
+    xml.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
+    xml.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));
+    xml.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
+    xml.close("CellData");
+    xml.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
+    xml.end()
+}
+
+/// The facets that may meet, slaves first: their law (-1 of a master), the body that they belong to.
+pub fn surfaces(model: &Model) -> String {
+    let (mesh, contact) = (&model.mesh, &model.contact);
+    let (slaves, masters) = (&contact.slave_facets, &contact.master_facets);
+    let facets: Vec<[u32; 4]> = slaves.iter().chain(masters).copied().collect();
+    let mut xml = Xml::begin(mesh.nodes.len(), facets.len(), 0.0);
+    xml.open("CellData");
+    let of_slaves = contact.slave_law.iter().map(|&l| i64::from(l));
+    let of_masters = std::iter::repeat_n(-1, masters.len());
+    xml.whole("law", of_slaves.chain(of_masters));
+    let bodies = contact.slave_body.iter().chain(&contact.master_body);
+    xml.whole("unit", bodies.map(|&b| i64::from(b)));
+    xml.close("CellData");
+    xml.cells(&mesh.nodes, facets.as_flattened(), 4, QUAD);
     xml.end()
 }
 
@@ -160,6 +211,23 @@ fn of(components: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_model_at_rest_has_what_its_elements_belong_to() {
+        let mut fake = crate::results::fake::model();
+        let text = model(&fake);
+        for name in ["material", "unit", "course", "support", "beam"] {
+            assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
+        }
+        fake.contact.slave_facets = vec![[4, 5, 6, 7]];
+        (fake.contact.slave_body, fake.contact.slave_law) = (vec![0], vec![0]);
+        let text = surfaces(&fake);
+        let masters = fake.contact.master_facets.len();
+        assert!(
+            text.contains(&format!("NumberOfCells=\"{}\"", 1 + masters)),
+            "{text}"
+        );
+    }
 
     #[test]
     fn every_field_is_there_with_its_length() {

@@ -1,6 +1,7 @@
 //! Ranges of a deck, and what its keys demand of each other. Every error is found, not the first.
 
 mod blocks;
+mod imports;
 mod interfaces;
 mod materials;
 mod probes;
@@ -8,8 +9,8 @@ mod references;
 mod steps;
 mod wall;
 
-use super::Deck;
 use super::form::Broken;
+use super::{Deck, Material};
 use crate::error::ModelError;
 use crate::model::quantity::{Number, Quantity};
 
@@ -45,6 +46,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     }
     checks.walls();
     checks.scene();
+    checks.imports();
     checks.probes();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
@@ -65,6 +67,22 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
         checks.positive("contact.search_radius", radius);
     }
     checks.references();
+    checks.errors
+}
+
+/// Checks a material that a file brings, as if it stood at `path` of the deck.
+pub(in crate::model) fn imported_material(
+    deck: &Deck,
+    path: &str,
+    material: &Material,
+) -> Vec<ModelError> {
+    let broken = Broken::default();
+    let mut checks = Checks {
+        deck,
+        broken: &broken,
+        errors: Vec::new(),
+    };
+    checks.material(path, material);
     checks.errors
 }
 

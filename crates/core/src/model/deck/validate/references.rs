@@ -22,6 +22,7 @@ impl Checks<'_> {
             || !self.scene_is_known()
             || deck.walls().any(|(path, _, _)| broken(path))
             || (0..deck.blocks.len()).any(unknown)
+            || (0..deck.imports.len()).any(|i| broken(format!("imports.{i}.name")))
             || self.broken.holds("arch.voussoirs")
         {
             return; // not all names are known
@@ -30,7 +31,7 @@ impl Checks<'_> {
         let Ok(walls) = masonry::lay_all(deck) else {
             return;
         };
-        let Some((roll, twice)) = Roll::call(deck, &walls) else {
+        let Some((roll, twice)) = Roll::call(deck, &walls, None) else {
             return; // far too many
         };
         self.errors.extend(twice);

@@ -1,9 +1,12 @@
-//! `model.inp`: the model for Abaqus: nodes, elements, sets and materials. Steps, beams and interfaces
-//! are not translated; what is left to say stands in comments.
+//! `model.inp`: the model for Abaqus: nodes, elements, sets, materials, surfaces, contact, steps. What Abaqus has
+//! no words for stands in comments, first of all the bond of the interfaces.
+
+mod contact;
+mod materials;
+mod steps;
 
 use std::fmt::Write as _;
 
-use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
 use crate::model::Model;
 
 /// Numbers a line, as Abaqus allows.
@@ -27,7 +30,7 @@ fn write(text: &mut String, model: &Model) -> std::fmt::Result {
     )?;
     writeln!(
         text,
-        "** Not translated: interfaces, steps, the tie of each beam. Sets: UNIT_, MATERIAL_, SUPPORT_, BEAM_."
+        "** Sets: UNIT_, MATERIAL_, SUPPORT_, BEAM_. Comments say what is not translated."
     )?;
     writeln!(text, "*NODE, NSET=ALL_NODES")?;
     for (n, [x, y, z]) in mesh.nodes.iter().enumerate() {
@@ -86,18 +89,10 @@ fn write(text: &mut String, model: &Model) -> std::fmt::Result {
                 "*SOLID SECTION, ELSET=MATERIAL_{name}, MATERIAL={name}"
             )?;
         }
-        write_material(text, name, &material.parameters)?;
+        materials::material(text, name, &material.parameters)?;
     }
-    if supports.is_empty() {
-        return Ok(());
-    }
-    writeln!(text, "*BOUNDARY")?;
-    for (support, name) in model.supports.iter().zip(&supports) {
-        for (i, _) in support.fixed.iter().enumerate().filter(|(_, held)| **held) {
-            writeln!(text, "SUPPORT_{name}, {0}, {0}", i + 1)?;
-        }
-    }
-    Ok(())
+    contact::contact(text, model)?;
+    steps::steps(text, model, &supports, &beams)
 }
 
 /// A set of nodes or elements, counted from 1; empty ones are none.
@@ -114,72 +109,6 @@ fn set(
     writeln!(text, "*{kind}, {kind}={name}")?;
     for line in members.chunks(A_LINE) {
         writeln!(text, "{}", line.join(", "))?;
-    }
-    Ok(())
-}
-
-fn write_material(text: &mut String, name: &str, of: &MaterialParameters) -> std::fmt::Result {
-    let elastic = of.elastic();
-    writeln!(text, "*MATERIAL, NAME={name}")?;
-    if elastic.density > 0.0 {
-        writeln!(text, "*DENSITY\n{:?}", elastic.density)?;
-    }
-    writeln!(text, "*ELASTIC\n{:?}, {:?}", elastic.E, elastic.nu)?;
-    match of {
-        MaterialParameters::Elastic(_) => Ok(()),
-        MaterialParameters::DamagePlasticity(p) => damage_plasticity(text, p),
-    }
-}
-
-fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::fmt::Result {
-    if let Some(length) = p.reference_length {
-        writeln!(
-            text,
-            "** Tables for elements {length:?} mm long; wythe scales the strains beyond the peak to each \
-             element, Abaqus does not."
-        )?;
-    }
-    writeln!(text, "*CONCRETE DAMAGED PLASTICITY")?;
-    writeln!(
-        text,
-        "{:?}, {:?}, {:?}, {:?}, {:?}",
-        p.dilation_angle.to_degrees(),
-        p.eccentricity,
-        p.fb0_fc0,
-        p.k_c,
-        p.viscosity
-    )?;
-    rows(
-        text,
-        "*CONCRETE COMPRESSION HARDENING",
-        &p.compression,
-        |r| r.stress,
-    )?;
-    rows(text, "*CONCRETE TENSION STIFFENING", &p.tension, |r| {
-        r.stress
-    })?;
-    // Abaqus names the recovery of the other side beside each table.
-    let compression = format!(
-        "*CONCRETE COMPRESSION DAMAGE, TENSION RECOVERY={:?}",
-        p.tension_recovery
-    );
-    rows(text, &compression, &p.compression, |r| r.damage)?;
-    let tension = format!(
-        "*CONCRETE TENSION DAMAGE, COMPRESSION RECOVERY={:?}",
-        p.compression_recovery
-    );
-    rows(text, &tension, &p.tension, |r| r.damage)
-}
-
-fn rows(
-    text: &mut String,
-    keyword: &str,
-    table: &[TableRow],
-    value: impl Fn(&TableRow) -> f64,
-) -> std::fmt::Result {
-    writeln!(text, "{keyword}")?;
-    for row in table {
-        writeln!(text, "{:?}, {:?}", value(row), row.inelastic_strain)?;
     }
     Ok(())
 }

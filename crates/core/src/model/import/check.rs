@@ -1,0 +1,108 @@
+//! What a mesh must be before anything can be computed with it.
+
+use super::{ImportError, ImportedMesh};
+use crate::model::hexahedron::{PLACES, cross, difference, dot, is_upright};
+use crate::model::mesh::CORNERS;
+
+/// How many of many elements are named.
+const NAMED: usize = 5;
+
+impl ImportedMesh {
+    /// Sees that every element is sound: eight different nodes, a positive volume at each of its corners, no
+    /// side in common with more than one other.
+    ///
+    /// # Errors
+    /// The first element that is not, its file and line, its place in space, and what the others are.
+    pub fn check(&self) -> Result<(), ImportError> {
+        if self.elements.is_empty() {
+            return Err(ImportError {
+                file: self.files.first().cloned().unwrap_or_default(),
+                line: None,
+                message: "there are no hexahedra in it".to_owned(),
+                help: "elements of 8 nodes are read: C3D8 of Abaqus, type 5 of Gmsh".to_owned(),
+            });
+        }
+        self.refuse(
+            |e| has_repeated(&self.elements[e]),
+            |_| "has a node more than once".to_owned(),
+            "a hexahedron has eight nodes: wedges and pyramids must be meshed as hexahedra",
+        )?;
+        self.refuse(
+            |e| !is_upright(&self.corners(e)),
+            |e| self.fold(e),
+            "nodes 1 to 4 run counter-clockwise seen from 5 to 8; let no corner be pushed through",
+        )?;
+        if let Err(e) = self.exterior() {
+            return Err(self.wrong_element(
+                e as usize,
+                "has a side in common with two other elements",
+                "take out elements that are there twice",
+            ));
+        }
+        Ok(())
+    }
+
+    fn corners(&self, e: usize) -> [[f64; 3]; 8] {
+        self.elements[e].map(|n| self.nodes[n as usize])
+    }
+
+    fn refuse(
+        &self,
+        wrong: impl Fn(usize) -> bool,
+        message: impl Fn(usize) -> String,
+        help: &str,
+    ) -> Result<(), ImportError> {
+        let mut found = (0..self.elements.len()).filter(|e| wrong(*e));
+        let Some(first) = found.next() else {
+            return Ok(());
+        };
+        let others: Vec<u64> = found.map(|e| self.element_labels[e]).collect();
+        let mut message = message(first);
+        if !others.is_empty() {
+            let some: Vec<String> = others.iter().take(NAMED).map(u64::to_string).collect();
+            let rest = if others.len() > NAMED { ", ..." } else { "" };
+            message += &format!(
+                "; so have {} others: {}{rest}",
+                others.len(),
+                some.join(", ")
+            );
+        }
+        Err(self.wrong_element(first, &message, help))
+    }
+
+    /// What is wrong with the volume of an element.
+    fn fold(&self, e: usize) -> String {
+        let x = self.corners(e);
+        let volumes = PLACES.map(|place| corner_volume(&x, place));
+        if volumes.iter().all(|v| *v < 0.0) {
+            return "has its nodes in the wrong order: it is turned inside out, with a negative volume"
+                .to_owned();
+        }
+        // `PLACES` are in the order of the nodes.
+        let n = volumes.iter().position(|v| v.is_nan() || *v <= 0.0);
+        let n = n.unwrap_or_default();
+        let label = self.node_labels[self.elements[e][n] as usize];
+        format!("has no positive volume at its node {label}: it is flat or folded there")
+    }
+}
+
+/// Triple product of the three edges that meet in a corner, along ξ, η, ζ.
+fn corner_volume(x: &[[f64; 3]; 8], place: [usize; 3]) -> f64 {
+    let sign = |high: usize| if high == 1 { 1.0 } else { -1.0 };
+    let at = |place: [usize; 3]| {
+        let corner = CORNERS.iter().position(|c| *c == place.map(sign));
+        x[corner.unwrap_or_default()]
+    };
+    let edge = |d: usize| {
+        let (mut from, mut to) = (place, place);
+        (from[d], to[d]) = (0, 1);
+        difference(at(to), at(from))
+    };
+    dot(cross(edge(0), edge(1)), edge(2))
+}
+
+fn has_repeated(nodes: &[u32; 8]) -> bool {
+    let mut sorted = *nodes;
+    sorted.sort_unstable();
+    sorted.windows(2).any(|pair| pair[0] == pair[1])
+}

@@ -1,0 +1,212 @@
+//! Supports, beams and steps. A beam is a rigid body that does not turn, moved by a node of its own.
+
+use std::fmt::Write as _;
+
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Gravity, Procedure, Step};
+
+/// Beams as rigid bodies, supports, initial velocities, then the steps.
+pub(super) fn steps(
+    text: &mut String,
+    model: &Model,
+    supports: &[String],
+    beams: &[String],
+) -> std::fmt::Result {
+    let first = model.mesh.nodes.len() + 1;
+    for (b, (beam, name)) in model.beams.iter().zip(beams).enumerate() {
+        let count = beam.nodes.len().max(1) as f64;
+        let middle = [0, 1, 2].map(|d| {
+            let x = beam.nodes.iter().map(|n| model.mesh.nodes[*n as usize][d]);
+            x.sum::<f64>() / count
+        });
+        let [x, y, z] = middle;
+        writeln!(text, "** What moves the beam {name}")?;
+        writeln!(
+            text,
+            "*NODE, NSET=REFERENCE_{name}\n{}, {x:?}, {y:?}, {z:?}",
+            first + b
+        )?;
+        writeln!(
+            text,
+            "*RIGID BODY, REF NODE={}, TIE NSET=BEAM_{name}",
+            first + b
+        )?;
+    }
+    for spring in &model.springs {
+        writeln!(
+            text,
+            "** Not translated: the spring {}, {:?} N/mm on the mean displacement of {} nodes",
+            spring.name.replace('\n', " "),
+            spring.stiffness,
+            spring.nodes.len()
+        )?;
+    }
+    if model.initial_velocity.iter().any(|v| *v != [0.0; 3]) {
+        writeln!(text, "*INITIAL CONDITIONS, TYPE=VELOCITY")?;
+        for (n, velocity) in model.initial_velocity.iter().enumerate() {
+            for (d, v) in velocity.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                writeln!(text, "{}, {}, {v:?}", n + 1, d + 1)?;
+            }
+        }
+    }
+    if !supports.is_empty() || !beams.is_empty() {
+        writeln!(text, "*BOUNDARY")?;
+        held(text, model, supports, beams)?;
+    }
+    // Where each beam stands, as long as it is known. `[beam][xyz]`
+    let mut at = vec![[Some(0.0); 3]; beams.len()];
+    for step in &model.steps {
+        write_step(text, model, step, supports, beams, &mut at)?;
+    }
+    Ok(())
+}
+
+/// What holds throughout: supports, and that beams do not turn.
+fn held(
+    text: &mut String,
+    model: &Model,
+    supports: &[String],
+    beams: &[String],
+) -> std::fmt::Result {
+    for (support, name) in model.supports.iter().zip(supports) {
+        for (i, _) in support.fixed.iter().enumerate().filter(|(_, held)| **held) {
+            writeln!(text, "SUPPORT_{name}, {0}, {0}", i + 1)?;
+        }
+    }
+    for name in beams {
+        writeln!(text, "REFERENCE_{name}, 4, 6")?;
+    }
+    Ok(())
+}
+
+fn write_step(
+    text: &mut String,
+    model: &Model,
+    step: &Step,
+    supports: &[String],
+    beams: &[String],
+    at: &mut [[Option<f64>; 3]],
+) -> std::fmt::Result {
+    let name = step.name.replace(['\n', '"', ','], " ");
+    writeln!(text, "*STEP, NAME=\"{name}\", NLGEOM=YES, INC=100000")?;
+    procedure(text, step)?;
+    writeln!(text, "*BOUNDARY, OP=NEW")?;
+    held(text, model, supports, beams)?;
+    let mut locked = String::new();
+    let mut velocities = String::new();
+    let mut forces = String::new();
+    for (b, name) in beams.iter().enumerate() {
+        let motions = step
+            .motion
+            .get(b)
+            .copied()
+            .unwrap_or([BeamMotion::Locked; 3]);
+        for (d, motion) in motions.into_iter().enumerate() {
+            let direction = d + 1;
+            match (motion, at[b][d]) {
+                (BeamMotion::Locked, Some(known)) => {
+                    writeln!(
+                        text,
+                        "REFERENCE_{name}, {direction}, {direction}, {known:?}"
+                    )?;
+                }
+                (BeamMotion::Locked, None) => {
+                    writeln!(locked, "REFERENCE_{name}, {direction}, {direction}")?;
+                }
+                (BeamMotion::Driven(by), Some(known)) => {
+                    let to = known + by;
+                    at[b][d] = Some(to);
+                    writeln!(text, "REFERENCE_{name}, {direction}, {direction}, {to:?}")?;
+                }
+                (BeamMotion::Driven(by), None) => {
+                    let speed = by / step.duration;
+                    writeln!(
+                        velocities,
+                        "REFERENCE_{name}, {direction}, {direction}, {speed:?}"
+                    )?;
+                }
+                (BeamMotion::Force(force), _) => {
+                    at[b][d] = None;
+                    writeln!(forces, "REFERENCE_{name}, {direction}, {force:?}")?;
+                }
+            }
+        }
+    }
+    if !locked.is_empty() {
+        writeln!(
+            text,
+            "** Held where the step before left them\n*BOUNDARY, OP=NEW, FIXED"
+        )?;
+        *text += &locked;
+    }
+    if !velocities.is_empty() {
+        writeln!(text, "*BOUNDARY, OP=NEW, TYPE=VELOCITY")?;
+        *text += &velocities;
+    }
+    if !forces.is_empty() {
+        writeln!(text, "*CLOAD, OP=NEW")?;
+        *text += &forces;
+    }
+    loads(text, model, step)?;
+    writeln!(text, "*END STEP")
+}
+
+/// The procedure and its increments. Searches along paths of equilibrium are Abaqus' own.
+fn procedure(text: &mut String, step: &Step) -> std::fmt::Result {
+    let keyword = match step.procedure {
+        Procedure::Dynamic { alpha, .. } => {
+            writeln!(
+                text,
+                "** Rayleigh damping, if any, belongs to the materials"
+            )?;
+            format!("*DYNAMIC, ALPHA={alpha:?}")
+        }
+        Procedure::QuasiStatic => "*DYNAMIC, APPLICATION=QUASI-STATIC".to_owned(),
+        Procedure::ArcLength | Procedure::Dissipation | Procedure::DisplacementControl => {
+            writeln!(
+                text,
+                "** Of wythe's procedures the nearest is *STATIC, RIKS"
+            )?;
+            "*STATIC".to_owned()
+        }
+        Procedure::Auto | Procedure::Static | Procedure::Implex => "*STATIC".to_owned(),
+    };
+    let (of, total) = (&step.increments, step.duration);
+    let [initial, least, most] = [of.initial, of.min, of.max].map(|part| part * total);
+    writeln!(
+        text,
+        "{keyword}\n{initial:?}, {total:?}, {least:?}, {most:?}"
+    )
+}
+
+fn loads(text: &mut String, model: &Model, step: &Step) -> std::fmt::Result {
+    if let Gravity::Turning { angle, .. } = step.gravity {
+        let degrees = angle.to_degrees();
+        writeln!(
+            text,
+            "** Gravity turns evenly by {degrees:?} deg in this step; its components at the end are"
+        )?;
+    }
+    let gravity = step.gravity.at(1.0);
+    let size = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    if size > 0.0 {
+        let [x, y, z] = gravity.map(|g| g / size);
+        writeln!(
+            text,
+            "*DLOAD, OP=NEW\nALL_ELEMENTS, GRAV, {size:?}, {x:?}, {y:?}, {z:?}"
+        )?;
+    }
+    if step.ground.acceleration.iter().any(|rows| !rows.is_empty()) {
+        writeln!(text, "** Not translated: the acceleration of the ground")?;
+    }
+    for (spring, by) in model.springs.iter().zip(&step.springs) {
+        if *by != [0.0; 3] {
+            let name = spring.name.replace('\n', " ");
+            writeln!(
+                text,
+                "** Not translated: the far end of {name} moves by {by:?} mm"
+            )?;
+        }
+    }
+    Ok(())
+}
