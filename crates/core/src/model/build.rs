@@ -5,6 +5,7 @@ use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
 use super::gravity::GravityNow;
 use super::layout;
+use super::loads;
 use super::probes;
 use super::scatter;
 use super::scene::{Beam, BeamMotion, Model, NamedMaterial, Step};
@@ -54,6 +55,8 @@ impl Model {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
         errors.keep(scatter::scatter(deck, &mut contact));
+        let mut steps = errors.keep(steps(deck, &beams[0])).unwrap_or_default();
+        let named = errors.keep(loads::of_wall(deck, &mesh)).unwrap_or_default();
         let model = Self {
             title: deck.title.clone(),
             materials: names
@@ -67,7 +70,8 @@ impl Model {
             formulation: deck.element.formulation,
             contact,
             supports,
-            steps: errors.keep(steps(deck, &beams[0])).unwrap_or_default(),
+            loads: named.assign(&mut steps),
+            steps,
             beams,
             initial_velocity: Vec::new(),
             springs: Vec::new(),
@@ -121,6 +125,7 @@ fn require_countable(deck: &Deck, wall: &Wall, units: usize) -> Result<(), Model
 fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
     let mut gravity = GravityNow::none();
     let mut load = 0.0; // vertical force on the beam [N], upwards
+    let mut vertical = BeamMotion::Force(0.0);
     let mut steps = Vec::with_capacity(deck.steps.len());
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
@@ -138,14 +143,19 @@ fn steps(deck: &Deck, beam: &Beam) -> Result<Vec<Step>, ModelError> {
                 if step.vertical == Some(Vertical::Free) {
                     motion[2] = BeamMotion::Force(load);
                 }
-                let displacement = step.displacement.map_or(0.0, super::quantity::Length::get);
-                motion[axis] = BeamMotion::Driven(sign * displacement);
+                motion[axis] = BeamMotion::Driven(sign * step.drive());
             }
+            // The beam is left as it is.
+            StepKind::Load => motion[2] = vertical,
             // The beam stays under its load and moves vertically.
             StepKind::Gravity | StepKind::Tilt | StepKind::Free => {
                 motion[2] = BeamMotion::Force(load);
             }
         }
+        vertical = match motion[2] {
+            BeamMotion::Driven(_) => BeamMotion::Locked,
+            other => other,
+        };
         // A preload is told in the direction of the drive that follows, so that the history keeps
         // one meaning of displacement and force.
         let axis = deck.steps[i..]

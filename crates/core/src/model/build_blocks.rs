@@ -5,6 +5,7 @@ use super::build::require_steps;
 use super::deck::{Deck, DeckStep, StepKind};
 use super::findings;
 use super::loading::{Loading, loading};
+use super::loads;
 use super::meeting::{Meeting, Touching, meeting};
 use super::probes;
 use super::quantity::Quantity;
@@ -30,7 +31,8 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         loading(deck, &blocks, &supports, &springs),
         surfaces(deck, &blocks),
     );
-    let (Loading { beams, steps }, surfaces) = match (loaded, met) {
+    let named = errors.keep(loads::of_blocks(deck, &blocks)).unwrap_or_default();
+    let (Loading { beams, mut steps }, surfaces) = match (loaded, met) {
         (Ok(loaded), Ok(met)) => (loaded, met),
         // What holds the blocks, or the sizes of the elements, are not known.
         (Err(error), met) => {
@@ -75,6 +77,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         initial_velocity,
         springs,
         probes: probes.unwrap_or_default(),
+        loads: named.assign(&mut steps),
         steps,
         output: deck.output()?,
     };
@@ -143,7 +146,7 @@ fn require_held(
     let pressed = match step.kind {
         StepKind::Preload => step.pressure.is_some_and(|p| p.get() > 0.0),
         StepKind::Drive => step.face.is_some(),
-        StepKind::Gravity | StepKind::Tilt | StepKind::Free => true,
+        StepKind::Gravity | StepKind::Tilt | StepKind::Free | StepKind::Load => true,
     };
     let pressed = pressed || at_rest > 0; // what flew before may have come to rest
     let mut held = vec![false; blocks.placed.len()];

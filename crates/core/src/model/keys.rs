@@ -81,7 +81,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("name", "name = \"push\""),
     (
         "kind",
-        "kind = \"preload\"  # or \"drive\", \"gravity\", \"tilt\", \"free\"",
+        "kind = \"preload\"  # or \"drive\", \"gravity\", \"tilt\", \"free\", \"load\"",
     ),
     ("top_pressure", "top_pressure = \"2.12 MPa\""),
     (
@@ -89,6 +89,34 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "direction = \"x\"  # or \"y\", \"z\", \"-x\", \"-y\", \"-z\"",
     ),
     ("displacement", "displacement = \"4 mm\""),
+    (
+        "cycles",
+        "cycles = { amplitudes = [\"1 mm\", \"2 mm\"], repeat = 2 }  # each forth and back",
+    ),
+    (
+        "amplitudes",
+        "amplitudes = [\"1 mm\", \"2 mm\", \"4 mm\"]",
+    ),
+    ("repeat", "repeat = 2"),
+    (
+        "amplitude",
+        "amplitude = [[0, 0], [0.25, 1], [0.75, -1], [1, 0]]  # or a file: \"protocol.csv\"",
+    ),
+    ("loads", "[[steps.loads]]"),
+    (
+        "steps.on",
+        "on = \"wall.front\"  # or a list of faces; a force may act on blocks, too",
+    ),
+    ("from", "from = [0, 0, \"500 mm\"]  # a line begins"),
+    ("to", "to = [\"1 m\", 0, \"500 mm\"]  # it ends"),
+    ("within", "within = \"1 mm\"  # of the line"),
+    (
+        "follower",
+        "follower = true  # turns with the faces; false: as they were at rest",
+    ),
+    ("traction", "traction = [0, 0, \"-0.1 MPa\"]"),
+    ("force", "force = [\"1 kN\", 0, 0]  # in all"),
+    ("line_force", "line_force = [0, 0, \"-2 kN/m\"]"),
     ("vertical", "vertical = \"locked\"  # or \"free\""),
     (
         "increments",

@@ -1,5 +1,6 @@
 //! Steps of a scene of blocks: which faces move as one, and how.
 
+use super::amplitude::Amplitude;
 use super::blocks::Blocks;
 use super::deck::{Deck, DeckStep, Direction, Names, StepKind};
 use super::gravity::GravityNow;
@@ -49,7 +50,7 @@ pub(super) fn loading(
         }
         let mut far_ends = vec![[0.0; 3]; springs.len()];
         let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-        let displacement = sign * step.displacement.map_or(0.0, Quantity::get);
+        let displacement = sign * step.drive();
         let beam = beam_of(step);
         if let Some(b) = beam {
             let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
@@ -126,12 +127,14 @@ pub(super) fn rules(
     let control = errors.keep(probes::control(deck, i, step)).flatten();
     let gravity = errors.keep(gravity.step(deck, i, step));
     let ground = errors.keep(deck.ground_motion(i));
+    let amplitude = errors.keep(deck.amplitude(i)).flatten();
+    let steepest = amplitude.as_ref().map_or(1.0, Amplitude::steepest);
     errors.end(Step {
         name: step.name().to_owned(),
         duration: step.duration.get(),
         motion: Vec::new(),
         driven: None,
-        increments: step.increments(),
+        increments: step.increments_of(steepest),
         viscosity: step.viscosity.get(),
         procedure: step.procedure.with(step.alpha, step.rayleigh),
         tangent: step.tangent,
@@ -144,6 +147,8 @@ pub(super) fn rules(
         gravity: gravity.unwrap_or_default(),
         ground: ground.unwrap_or_default(),
         springs: Vec::new(),
+        loads: Vec::new(),
+        amplitude,
     })
 }
 

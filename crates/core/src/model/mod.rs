@@ -1,5 +1,6 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
+pub mod amplitude;
 mod arch;
 mod blocks;
 pub mod build;
@@ -13,6 +14,7 @@ mod joint;
 pub mod keys;
 pub mod layout;
 mod loading;
+pub mod loads;
 mod meeting;
 pub mod mesh;
 mod overrides;

@@ -27,6 +27,10 @@ pub type FractureEnergy = Quantity<0, 1, -2, 0>;
 pub type InterfaceStiffness = Quantity<-2, 1, -2, 0>;
 /// Stiffness of a spring [N/mm].
 pub type SpringStiffness = Quantity<0, 1, -2, 0>;
+/// Force [N].
+pub type Force = Quantity<1, 1, -2, 0>;
+/// Force over a length [N/mm].
+pub type LineForce = Quantity<0, 1, -2, 0>;
 /// Velocity [mm/s].
 pub type Velocity = Quantity<1, 0, -1, 0>;
 /// Time [s].

@@ -24,7 +24,7 @@ impl Newton<'_> {
     /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
     pub(super) fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
-        let loads = self.loads.rate(self.step, system, self.load_factor);
+        let loads = self.loads.rate(self.step, system, self.load_factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
         self.by_load.clear();
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod interfaces;
+mod loads;
 mod materials;
 mod probes;
 mod references;
@@ -9,6 +10,7 @@ mod steps;
 
 use super::form::Broken;
 use super::{Deck, Wall};
+pub(in crate::model) use loads::misfit;
 use crate::error::ModelError;
 use crate::model::layout;
 use crate::model::quantity::{Number, Quantity};
@@ -45,6 +47,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     }
     checks.scene();
     checks.probes();
+    checks.loads();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }

@@ -68,6 +68,12 @@ impl Checks<'_> {
                 &keys::example("angle"),
             );
         }
+        self.require(
+            step.cycles.is_none() || step.displacement.is_none(),
+            &key("displacement"),
+            || "`cycles` say how far the step drives".to_owned(),
+            "leave out `displacement`, or `cycles`",
+        );
         if let Some(displacement) = step.displacement {
             self.demand(
                 displacement.get() != 0.0,
@@ -77,6 +83,7 @@ impl Checks<'_> {
             );
         }
         self.inertia(path, step);
+        self.course(path, step);
         self.procedure(path, step);
         self.stop(path, step);
         let sizes = step.increments();
@@ -200,7 +207,7 @@ impl Checks<'_> {
                 step.kind != StepKind::Free,
                 &key("control"),
                 || "a free step has no load to steer".to_owned(),
-                "steer a preload, gravity, a tilt, or a drive",
+                "steer a preload, gravity, a tilt, a drive, or a load",
             );
         }
     }
@@ -223,10 +230,12 @@ impl Checks<'_> {
                 "the part of its peak to which the force falls: below_peak = 0.8",
             );
         }
-        if let (Some(by), Some(whole)) = (stop.displacement, step.displacement) {
-            let (by, whole) = (by.get(), whole.get().abs());
+        if let Some(by) = stop.displacement
+            && step.kind == StepKind::Drive
+        {
+            let (by, whole) = (by.get(), step.drive().abs());
             self.require(
-                by > 0.0 && by <= whole,
+                by > 0.0 && (by <= whole || step.amplitude.is_some()),
                 &key(".displacement"),
                 || format!("{by} mm is not above 0 and within the {whole} mm of the step"),
                 "how far this step drives, without sign: displacement = \"3 mm\"",
@@ -239,7 +248,7 @@ impl Checks<'_> {
         if !self.scene_is_known() {
             return;
         }
-        use StepKind::{Drive, Free, Gravity, Preload, Tilt};
+        use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
         let key = |name: &str| format!("{path}.{name}");
         let kind = step.kind;
         let blocks = self.deck.has_blocks();
@@ -275,9 +284,10 @@ impl Checks<'_> {
                 step.displacement.is_some(),
                 &[Drive],
                 None,
-                true,
+                step.cycles.is_none(),
             ),
-            rule("stop", step.stop.is_some(), &[Drive], None, false),
+            rule("cycles", step.cycles.is_some(), &[Drive], None, false),
+            rule("stop", step.stop.is_some(), &[Drive, Load], None, false),
             rule("vertical", step.vertical.is_some(), &[Drive], wall, false),
             rule("face", step.face.is_some(), pushes, stones, !of_spring),
             rule("free", step.free.is_some(), pushes, stones, false),
