@@ -48,7 +48,9 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
              [0.5, 1], [0.65, -1], [0.8, 1], [0.95, -1], [1, 0]]",
         ] {
             // Slow: the block's mass is a kilogram, its period a millisecond.
-            let text = slider(&format!("{drive}\nprocedure = \"{procedure}\"\nduration = 100"));
+            let text = slider(&format!(
+                "{drive}\nprocedure = \"{procedure}\"\nduration = 100\nincrements = {{ initial = 1e-4, max = 2e-3 }}"
+            ));
             let model = model(&text);
             let recording = completed(&model);
             let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
@@ -67,22 +69,57 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
             let error = last.interface_dissipation_J / exact - 1.0;
             let open = gap(last) / last.external_work_J;
             println!("{procedure}: {} rows, loops {error:.1e}, balance {open:.1e}", rows.len());
-            // The block's elasticity, 1e-3 of that of the contact, and the tolerance of forces; inertia
-            // adds what is left of its motion.
-            assert!(error.abs() < 2e-3, "{procedure}: {error:e}");
-            assert!(open.abs() < 2e-3, "{procedure}: {open:e}");
+            // By the trapezoidal rule the first increment after each of eight turning points counts nothing:
+            // 2.4 µm less 2u of 24 mm; the rest is the tolerance of forces, and what inertia leaves.
+            assert!(error.abs() < 1e-3, "{procedure}: {error:e}");
+            assert!(open.abs() < 1e-3, "{procedure}: {open:e}");
             let most = rows.iter().map(|r| r.force_kN.abs()).fold(0.0, f64::max);
             assert!((most / (1e-3 * force) - 1.0).abs() < 5e-3, "{procedure}: {most}");
         }
     }
 }
 
-/// The golden path of the law in mode II, one increment a row, by a joint between two blocks.
+/// The golden path of the law in mode II under 0.5 MPa, an increment a row, by a joint of 100 × 100 mm
+/// between two blocks.
 #[test]
 fn a_joint_follows_the_golden_cyclic_path() {
     let golden = common::csv("golden/itf_T1_mode2_cyclic.csv");
-    let names: Vec<&String> = golden.keys().collect();
-    println!("{names:?}");
+    let (ways, shear) = (&golden["d1_mm"], &golden["tau1_be_MPa"]);
+    let law = "f_t = 0.28\nc = 0.87\ntan_phi = 1.01\nmu = 0.73\nzeta = 4.38\nxi = 1.1\nu_k = 0.2\ndelta_k = 0.4\n\
+         normal_stiffness = 99000\nshear_stiffness = 43043.47826086957\n";
+    let most = ways.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+    // The way begins at rest; a row that stays where the last one was is none.
+    let mut rows = vec![[0.0, 0.0]];
+    let mut places = Vec::new();
+    for (way, shear) in ways.iter().zip(shear) {
+        let factor = way / most;
+        if factor != rows[rows.len() - 1][1] {
+            rows.push([rows.len() as f64, factor]);
+            places.push(*shear);
+        }
+    }
+    let last = rows.len() as f64 - 1.0;
+    let table: Vec<String> = rows.iter().map(|[t, f]| format!("[{}, {f}]", t / last)).collect();
+    let step = format!(
+        "displacement = {most}\namplitude = [{}]\nincrements = {{ initial = 1, max = 1 }}\n\
+         procedure = \"static\"\ntangent = \"direct\"\ntolerance = {{ residual = 1e-5 }}",
+        table.join(", ")
+    );
+    let text = slider(&step);
+    let (head, tail) = text.split_once("[interfaces.dry]").unwrap();
+    let (_, tail) = tail.split_once("[[blocks]]").unwrap();
+    let text = format!("{head}[interfaces.dry]\n{law}[[blocks]]{tail}");
+    let text = text.replace(&format!("pressure = {PRESSURE}"), "pressure = 0.5");
+    let recording = completed(&model(&text));
+    let found: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
+    assert_eq!(found.len(), places.len(), "an increment a row");
+    let mut worst = 0.0_f64;
+    for (row, shear) in found.iter().zip(&places) {
+        worst = worst.max((row.force_kN * 1e3 / 1e4 - shear).abs());
+    }
+    println!("{} rows, off by {worst:.1e} MPa", places.len());
+    // The blocks give way by 2e-6 mm, which the softening makes 1e-5 MPa of; and the tolerance of forces.
+    assert!(worst < 5e-5, "{worst:e}");
 }
 
 #[test]

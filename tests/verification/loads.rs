@@ -83,6 +83,35 @@ fn a_pressure_on_a_flat_face_pushes_against_its_normal() {
     }
 }
 
+/// Where nothing has moved a pressure that follows and one that does not are the same, and a traction
+/// against the normal.
+#[test]
+fn a_dead_pressure_is_that_of_the_faces_at_rest() {
+    let follower = cube("\"cube.top\"", "");
+    let dead = follower.replace("pressure = 2", "pressure = 2\nfollower = false");
+    let traction = follower.replace("pressure = 2", "traction = [0, 0, -2]");
+    let mut random = Random(5);
+    let rest = model(&follower).mesh.nodes;
+    let mut x = rest.clone();
+    for x in x.iter_mut().flatten() {
+        *x += random.signed();
+    }
+    let of = |text: &str, value: [f64; 3], x: &[[f64; 3]]| {
+        let system = System::new(&model(text)).unwrap();
+        let mut force = vec![[0.0; 3]; x.len()];
+        system.outside.add(0, value, x, &mut force);
+        force
+    };
+    let at_rest = of(&follower, [2.0, 0.0, 0.0], &rest);
+    for (text, value) in [(dead, [2.0, 0.0, 0.0]), (traction, [0.0, 0.0, -2.0])] {
+        for (found, exact) in of(&text, value, &x).iter().zip(&at_rest) {
+            for i in 0..3 {
+                assert!((found[i] - exact[i]).abs() < 1e-11, "{found:?} {exact:?}"); // rounding
+            }
+        }
+    }
+}
+
 /// The stiffness in the cells is minus the derivative of the forces, its symmetric part of a closed surface
 /// all of it.
 #[test]
@@ -224,7 +253,11 @@ fn elastica_dead(length: f64, bending: f64, q: f64) -> [f64; 2] {
     let (mut low, mut high) = (0.0, 1.5);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if shoot(middle)[2] < 0.0 { low = middle } else { high = middle }
+        if shoot(middle)[2] > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
     let y = shoot(low);
     // s runs inwards: x falls along it.
@@ -239,10 +272,12 @@ fn a_strip_under_pressure_bends_as_the_elastica() {
     let pressure = q / 10.0;
     let (follower, dead) = (elastica(400.0, bending, q), elastica_dead(400.0, bending, q));
     assert!(follower[1] > 1.05 * dead[1], "{follower:?} {dead:?}");
-    for (follows, exact) in [(true, follower), (false, dead)] {
-        let loads = format!(
-            "[[steps.loads]]\nname = \"bag\"\non = \"strip.bottom\"\npressure = {pressure}\nfollower = {follows}\n"
-        );
+    // What keeps its direction acts half above and half below the axis, or its arm would grow by the turn.
+    let half = 0.5 * pressure;
+    let traction = format!("on = [\"strip.bottom\", \"strip.top\"]\ntraction = [0, 0, {half}]");
+    let bag = format!("on = \"strip.bottom\"\npressure = {pressure}");
+    for (follows, exact, load) in [(true, follower, bag), (false, dead, traction)] {
+        let loads = format!("[[steps.loads]]\nname = \"bag\"\n{load}\n");
         for tangent in ["secant", "consistent", "direct"] {
             let rules = format!("{SMALL}\nprocedure = \"static\"\ntangent = \"{tangent}\"");
             let recording = completed(&strip(&rules, &loads));
