@@ -157,3 +157,35 @@ fn cycles_stop_where_they_have_gone_far_enough() {
     let last = recording.rows.last().unwrap().displacement_mm;
     assert!((1.5..1.6).contains(&last), "{last}");
 }
+
+/// The example runs to its end with the loops that it promises.
+#[test]
+fn the_cyclic_example_dissipates_what_it_says() {
+    let deck = common::examples::load("41_cyclic_block", &[]);
+    let (model, warnings) = Model::from_deck(&deck).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let last = completed(&model).rows.last().unwrap().interface_dissipation_J;
+    // 4 · 1440 N (2 · 1 mm + 2 · 2 mm) = 34.6 J, a hundredth less for what is elastic and the increments.
+    assert!((last / 34.56 - 1.0).abs() < 2e-2, "{last}");
+}
+
+/// A probe goes out and comes back: the load that this takes is found.
+#[test]
+fn a_steered_displacement_may_turn_back() {
+    let amplitude = ("steps.1.amplitude", "[[0, 0], [0.5, 1], [1, 0.2]]");
+    for tangent in ["secant", "consistent"] {
+        let deck = common::examples::load(
+            "40_airbag",
+            &[("steps.1.control.displacement", "2"), ("steps.1.tangent", tangent), amplitude],
+        );
+        let recording = completed(&Model::from_deck(&deck).unwrap().0);
+        let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
+        let before = recording.rows.iter().rfind(|r| r.step == 0).unwrap().displacement_mm;
+        let farthest = rows.iter().map(|r| r.displacement_mm).fold(0.0, f64::max);
+        let last = rows.last().unwrap();
+        assert!((farthest - before - 2.0).abs() < 1e-9, "{farthest}");
+        assert!((last.displacement_mm - before - 0.4).abs() < 1e-9, "{last:?}");
+        let work = rows.iter().map(|r| r.external_work_J).fold(0.0, f64::max);
+        assert!(gap(last).abs() < 5e-3 * work, "{tangent}: {}", gap(last) / work);
+    }
+}

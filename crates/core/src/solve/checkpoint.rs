@@ -20,7 +20,7 @@ use std::cell::OnceCell;
 use serde::{Deserialize, Serialize};
 
 use super::course::Course;
-use super::drive::{Run, RunError};
+use super::drive::{Run, RunError, steered};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
 use super::ladder::Ladder;
@@ -229,6 +229,7 @@ impl<'m> Run<'m> {
         let slots = run.system.dofs.slots;
         run.state = state;
         run.system.bulk.stabilise(step.viscosity);
+        run.system.steered = steered(model, step);
         let mut newton = Newton::new(model, step, &run.system, &run.state);
         let stopped = mark.is_stopped_in(step);
         if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {

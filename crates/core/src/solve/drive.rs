@@ -15,10 +15,10 @@ use super::state::State;
 use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
 use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
-use crate::system::{System, Trial};
+use crate::system::{Steered, System, Trial};
 
 /// A run that could not begin, or could not be recorded.
 #[derive(Debug, thiserror::Error)]
@@ -179,6 +179,7 @@ impl<'m> Run<'m> {
     fn begin(&mut self, index: usize) -> Result<Course<'m>, RunError> {
         let model = self.model;
         let step = &model.steps[index];
+        self.system.steered = steered(model, step);
         let newton = Newton::new(model, step, &self.system, &self.state);
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
         self.system.bulk.stabilise(step.viscosity);
@@ -538,6 +539,13 @@ impl<'m> Run<'m> {
             self.output_seconds,
         ];
     }
+}
+
+/// Stiffness along what steers the load of a step, which secant tangents want.
+pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
+    let controls = step.procedure == Procedure::DisplacementControl;
+    let control = step.control.filter(|_| controls && step.tangent == Tangent::Secant)?;
+    Steered::new(model, control)
 }
 
 /// Part of the energy that an increment takes in or gives back, from which on what it dissipates

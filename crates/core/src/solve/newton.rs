@@ -41,6 +41,8 @@ pub struct Newton<'m> {
     pub(super) residual: Vec<f64>,
     /// What the last commit left out of balance [N].
     pub(super) left: Vec<f64>,
+    /// What joins −r on the right-hand side of the next solve [N] `[equation]`; empty = nothing.
+    pub(super) pull: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
     pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
@@ -89,6 +91,7 @@ impl<'m> Newton<'m> {
             direction: vec![0.0; n],
             residual: vec![0.0; n],
             left: vec![0.0; n],
+            pull: Vec::new(),
             by_load: Vec::new(),
             load_factor: 0.0,
             moment: 0.0,
@@ -342,6 +345,7 @@ impl<'m> Newton<'m> {
             }
             // A start in balance needs no solve, only its tractions taken over.
             if !balanced || !on_path {
+                self.pull_along(system, state, attempt.advance);
                 self.solve(system, trial)?;
                 if attempt.advance == Advance::Load {
                     solves.one_more();
@@ -406,6 +410,9 @@ impl<'m> Newton<'m> {
         });
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
+        }
+        for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
+            *d += pull;
         }
         self.clock.factorisations += 1;
         timed(&mut self.clock.factorise, || linear.factorise(&self.values))

@@ -13,6 +13,7 @@ pub mod pattern;
 mod patterns;
 mod rounding;
 mod springs;
+mod steered;
 
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
@@ -22,6 +23,7 @@ pub use mass::Mass;
 pub use outside::Outside;
 pub use pattern::Gather;
 pub use springs::Springs;
+pub use steered::Steered;
 
 use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
 use crate::model::Model;
@@ -199,6 +201,8 @@ pub struct System {
     pub springs: Springs,
     /// Loads with a name.
     pub outside: Outside,
+    /// Stiffness along the displacement that steers the load of a step, where one does.
+    pub steered: Option<Steered>,
     /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
     pub rounding_force: f64,
     gather: Option<Gather>,
@@ -219,6 +223,7 @@ impl System {
             contact: Contact::new(model),
             springs: Springs::new(model),
             outside: Outside::new(model),
+            steered: None,
             rounding_force: rounding::force(model),
             gather: None,
             analysed_version: 0,
@@ -315,6 +320,7 @@ impl System {
         cells.extend(self.contact.cells());
         cells.extend(self.springs.cells());
         cells.extend(self.outside.cells());
+        cells.extend(self.steered_cells());
         let gather = Gather::new(&cells, &self.dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
@@ -378,7 +384,8 @@ impl System {
         let n_elements = self.bulk.elements.len();
         let n_loaded = n_elements + self.contact.cell_count();
         let n_sprung = n_loaded + self.springs.cells().len();
-        let n_cells = n_sprung + self.outside.cells().len();
+        let n_pressed = n_sprung + self.outside.cells().len();
+        let n_cells = n_pressed + self.steered_cells().len();
         self.place(trial, q);
         trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.resize(n_cells * CELL, 0.0);
@@ -414,16 +421,20 @@ impl System {
             }
         }
         let turns = setting.tangent && setting.turning != Turning::Ignored;
-        if turns && n_cells > n_sprung && !trial.loads.is_empty() {
+        if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
             self.outside.write_stiffness(
                 &trial.loads,
                 &trial.x,
                 setting.turning == Turning::Symmetric,
-                &mut trial.cells[n_sprung * CELL..n_cells * CELL],
-                &mut trial.active[n_sprung..n_cells],
+                &mut trial.cells[n_sprung * CELL..n_pressed * CELL],
+                &mut trial.active[n_sprung..n_pressed],
             );
         } else if setting.tangent {
-            trial.active[n_sprung..n_cells].fill(false);
+            trial.active[n_sprung..n_pressed].fill(false);
+        }
+        if let (Some(steered), true) = (&self.steered, setting.tangent) {
+            steered.write(&mut trial.cells[n_pressed * CELL..n_cells * CELL]);
+            trial.active[n_pressed..n_cells].fill(true);
         }
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);
@@ -434,6 +445,10 @@ impl System {
             .sum();
         trial.mean_nodal_force = magnitude / (8 * n_elements.max(1)) as f64;
         Ok(())
+    }
+
+    fn steered_cells(&self) -> &[[u32; 8]] {
+        self.steered.as_ref().map_or(&[], Steered::cells)
     }
 
     /// Elastic energy of solids, interfaces and springs at the trial's positions [N mm].
@@ -490,6 +505,7 @@ impl System {
         let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
         let connectivity = connectivity.chain(self.springs.cells());
         let connectivity = connectivity.chain(self.outside.cells());
+        let connectivity = connectivity.chain(self.steered_cells());
         for (c, nodes) in connectivity.enumerate() {
             if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
                 continue;
