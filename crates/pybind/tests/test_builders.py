@@ -84,7 +84,6 @@ def test_a_strip_under_an_airbag() -> None:
                 build.load("airbag", "unit.front", pressure="5 kPa"),
                 name="airbag",
                 procedure="displacement_control",
-                tangent="consistent",
                 control={"probe": "middle", "displacement": "5 mm"},
             ),
         ],

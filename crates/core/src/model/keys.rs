@@ -167,7 +167,15 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("ground", "ground = { x = \"record.csv\" }"),
     (
         "ground_unit",
-        "ground_unit = \"9.81 m/s^2\"  # of 1 in the records",
+        "ground_unit = \"g\"  # of 1 in the records; or such as \"1 m/s^2\"",
+    ),
+    (
+        "ground_factor",
+        "ground_factor = { x = 1.2 }  # times the records",
+    ),
+    (
+        "ground_start",
+        "ground_start = \"3 s\"  # of the records, where the step begins",
     ),
     ("x", "x = \"record.csv\""),
     ("y", "y = \"record.csv\""),

@@ -7,7 +7,7 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::scene::{Beam, BeamMotion, Spring, Step, Stop, Support};
+use super::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
 
 /// Beams and steps of a scene of blocks.
@@ -128,13 +128,14 @@ pub(super) fn rules(
     let gravity = errors.keep(gravity.step(deck, i, step));
     let ground = errors.keep(deck.ground_motion(i));
     let amplitude = errors.keep(deck.amplitude(i)).flatten();
+    let finest = ground.as_ref().map_or(f64::INFINITY, GroundMotion::spacing);
     let steepest = amplitude.as_ref().map_or(1.0, Amplitude::steepest);
     errors.end(Step {
         name: step.name().to_owned(),
         duration: step.duration.get(),
         motion: Vec::new(),
         driven: None,
-        increments: step.increments_of(steepest),
+        increments: step.increments_of(steepest, finest / step.duration.get()),
         viscosity: step.viscosity.get(),
         procedure: step.procedure.with(step.alpha, step.rayleigh),
         tangent: step.tangent,

@@ -319,6 +319,15 @@ pub struct GroundMotion {
 }
 
 impl GroundMotion {
+    /// Smallest mean distance of the rows of a record [s]; infinite without any.
+    pub fn spacing(&self) -> f64 {
+        let records = self.acceleration.iter().filter(|rows| rows.len() > 1);
+        let spacing = |rows: &Vec<[f64; 2]>| {
+            (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64
+        };
+        records.map(spacing).fold(f64::INFINITY, f64::min)
+    }
+
     /// Acceleration at a time since the step began [mm/s²].
     pub fn at(&self, time: f64) -> [f64; 3] {
         [0, 1, 2].map(|i| interpolate(&self.acceleration[i], time))

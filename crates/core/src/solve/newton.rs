@@ -188,11 +188,11 @@ impl<'m> Newton<'m> {
         trial.loads.clone_from(&self.loads.values);
     }
 
-    /// What of follower pressures a tangent holds: the secant one nothing, as it holds no geometric
-    /// stiffness of anything (docs/decisions.md).
+    /// What of follower pressures a tangent holds: the secant one nothing, and stays symmetric and
+    /// positive definite (docs/decisions.md).
     pub(super) fn turning(&self) -> Turning {
         if self.tangent == Tangent::Secant {
-            SECANT_TURNING
+            Turning::Ignored
         } else {
             Turning::Exact
         }
@@ -550,9 +550,6 @@ pub(super) fn along(setting: Evaluation) -> Evaluation {
         ..setting
     }
 }
-
-/// What secant tangents hold of follower pressures.
-const SECANT_TURNING: Turning = Turning::Ignored;
 
 /// Part of the tolerance within which a start is equilibrium without a solve.
 const START: f64 = 0.1;

@@ -53,9 +53,7 @@ pub enum Turning {
     /// Nothing.
     #[default]
     Ignored,
-    /// The symmetric part of their stiffness.
-    Symmetric,
-    /// All of it.
+    /// Their stiffness, which is unsymmetric.
     Exact,
 }
 
@@ -420,12 +418,11 @@ impl System {
                 trial.active[n_loaded..n_sprung].fill(true);
             }
         }
-        let turns = setting.tangent && setting.turning != Turning::Ignored;
+        let turns = setting.tangent && setting.turning == Turning::Exact;
         if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
             self.outside.write_stiffness(
                 &trial.loads,
                 &trial.x,
-                setting.turning == Turning::Symmetric,
                 &mut trial.cells[n_sprung * CELL..n_pressed * CELL],
                 &mut trial.active[n_sprung..n_pressed],
             );

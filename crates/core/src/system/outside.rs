@@ -70,13 +70,12 @@ impl Outside {
         }
     }
 
-    /// Writes −∂F/∂x of the follower pressures at `x` into the cells [N/mm] `[cell][CELL]`, or its symmetric
-    /// part, and which of them count.
+    /// Writes −∂F/∂x of the follower pressures at `x` into the cells [N/mm] `[cell][CELL]`, and which of
+    /// them count.
     pub fn write_stiffness(
         &self,
         values: &[[f64; 3]],
         x: &[[f64; 3]],
-        symmetric: bool,
         cells: &mut [f64],
         active: &mut [bool],
     ) {
@@ -94,9 +93,7 @@ impl Outside {
                     let to = &mut cell[(a * 8 + b) * 9..][..9];
                     for i in 0..3 {
                         for j in 0..3 {
-                            let (here, across) = (turning[a][b][i][j], turning[b][a][j][i]);
-                            let slope = if symmetric { 0.5 * (here + across) } else { here };
-                            to[3 * i + j] = p * slope;
+                            to[3 * i + j] = p * turning[a][b][i][j];
                         }
                     }
                 }

@@ -58,6 +58,8 @@ class MotionOptions(TypedDict, total=False):
     rayleigh: Mapping[str, Quantity]
     ground: Mapping[str, str]
     ground_unit: Quantity
+    ground_factor: Mapping[str, float]
+    ground_start: Quantity
     loads: Sequence[Part]
     amplitude: Rows | str
     increments: Mapping[str, float]

@@ -1,7 +1,7 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
 use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
-use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
+use super::procedure::{DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Tangent, Tolerance};
@@ -89,6 +89,12 @@ pub struct DeckStep {
     /// What 1 in these records means [mm/s²]; 1 mm/s² if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_unit: Option<Acceleration>,
+    /// By what they are multiplied, direction by direction; 1 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_factor: Option<DeckGroundFactor>,
+    /// Where in the records the step begins [s]; at their time 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_start: Option<Time>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
     pub increments: DeckIncrements,
@@ -228,12 +234,13 @@ impl DeckStep {
     /// is gravity; what tilts or moves freely is to be seen in a hundred pictures. Loads may break what
     /// they act on; where a displacement steers them they go on as a drive does.
     pub fn increments(&self) -> Increments {
-        self.increments_of(1.0)
+        self.increments_of(1.0, f64::INFINITY)
     }
 
     /// The same where an amplitude moves up to so many times as fast as the step would without: what
-    /// the deck does not say goes as far in an increment as ever.
-    pub fn increments_of(&self, steepest: f64) -> Increments {
+    /// the deck does not say goes as far in an increment as ever. Nor is it larger than `finest`, the part of the
+    /// step from row to row of the ground's records.
+    pub fn increments_of(&self, steepest: f64, finest: f64) -> Increments {
         let steered = self.procedure == DeckProcedure::DisplacementControl;
         let [initial, max, min] = match self.kind {
             StepKind::Preload | StepKind::Gravity => [0.25, 0.5, 1e-4],
@@ -242,12 +249,12 @@ impl DeckStep {
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
         let faster = steepest.max(1.0);
-        let (initial, max) = (initial / faster, max / faster);
+        let (initial, max) = (initial / faster, (max / faster).min(finest));
         let first = self.increments.initial.map(Number::get);
         // A default yields to what is said: never a first increment above the largest.
         let max = match (self.increments.max, first) {
             (Some(max), _) => max.get(),
-            (None, Some(first)) if steepest > 1.0 => max.max(first),
+            (None, Some(first)) if steepest > 1.0 || finest < 1.0 => max.max(first),
             (None, _) => max,
         };
         let initial = first.unwrap_or(initial.min(max));

@@ -136,6 +136,17 @@ impl Checks<'_> {
             || "there is no record whose unit this would be".to_owned(),
             &keys::example("ground"),
         );
+        for (name, given) in [
+            ("ground_factor", step.ground_factor.is_some()),
+            ("ground_start", step.ground_start.is_some()),
+        ] {
+            self.require(
+                !given || step.ground.is_some(),
+                &key(name),
+                || "there is no record that it could change".to_owned(),
+                &keys::example("ground"),
+            );
+        }
         if let Some(alpha) = step.alpha {
             let value = alpha.get();
             self.demand(
