@@ -16,7 +16,7 @@ use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
 use wythe::model::scene::Formulation;
 use wythe::system::bulk::{self, ElementSlot};
 use wythe::system::pattern::CELL;
-use wythe::system::{Evaluation, Solids};
+use wythe::system::{Evaluation, Solids, Turning};
 
 fn element(c: &mut Criterion) {
     let (law, _) = DamagePlasticity::new(&brick(), None).expect("the tables are sound");
@@ -61,6 +61,7 @@ fn element(c: &mut Criterion) {
                 solids,
                 shifted: true,
                 tangent,
+                turning: Turning::Ignored,
             };
             group.bench_function(format!("{name}/{kind}"), |b| {
                 b.iter(|| {

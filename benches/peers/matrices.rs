@@ -4,7 +4,7 @@ use std::path::Path;
 use wythe::model::{Deck, Model};
 use wythe::solve::Clock;
 use wythe::system::linear::{Backend, LinearSolver, Options, Pattern};
-use wythe::system::{Equations, Evaluation, Solids, System, Trial};
+use wythe::system::{Equations, Evaluation, Solids, System, Trial, Turning};
 
 /// A structurally symmetric matrix.
 pub struct Matrix {
@@ -53,6 +53,7 @@ fn wall(set: &[(&str, &str)]) -> Matrix {
         solids: Solids::Implicit,
         shifted: true,
         tangent: true,
+        turning: Turning::Ignored,
     };
     let clock = &mut Clock::default();
     system

@@ -5,7 +5,7 @@ use wythe::model::{Deck, Model};
 use wythe::results::{Frame, HistoryRow, Recorder};
 use wythe::solve::{Clock, State};
 use wythe::system::linear::{Backend, LinearSolver};
-use wythe::system::{Equations, Evaluation, Solids, System, Trial};
+use wythe::system::{Equations, Evaluation, Solids, System, Trial, Turning};
 
 /// Displacement of the top that the benches start from [mm].
 const PUSHED: f64 = 0.4;
@@ -41,6 +41,7 @@ pub fn setting(tangent: bool) -> Evaluation {
         },
         shifted: true,
         tangent,
+        turning: Turning::Ignored,
     }
 }
 

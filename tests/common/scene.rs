@@ -111,6 +111,7 @@ pub fn empty() -> Model {
         initial_velocity: Vec::new(),
         springs: Vec::new(),
         probes: Vec::new(),
+        loads: Vec::new(),
         steps: Vec::new(),
         warnings: Vec::new(),
         output: Output {
@@ -248,6 +249,8 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
         gravity: Gravity::None,
         ground: GroundMotion::default(),
         springs: Vec::new(),
+        loads: Vec::new(),
+        amplitude: None,
     }
 }
 

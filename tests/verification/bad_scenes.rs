@@ -295,6 +295,246 @@ fn bad_scenes_name_the_key_and_the_fix() {
     refuses(&format!("{HEAD}{PAIR}{GRAVITY}"), BAD);
 }
 
+/// A load on the upper block.
+const LOAD: &str =
+    "[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\non = \"top.top\"\npressure = 1\n";
+
+const BAD_LOADS: &[Bad] = &[
+    (
+        "name = \"a\"",
+        "name = \"a b\"",
+        "steps.1.loads.0.name",
+        "no name for a column",
+        "a letter",
+    ),
+    (
+        "name = \"a\"",
+        "name = \"force\"\n# ",
+        "steps.1.loads.0.name",
+        "two columns named `force_kN`",
+        "of its own",
+    ),
+    (
+        "name = \"a\"\n",
+        "",
+        "steps.1.loads.0.name",
+        "missing",
+        "name = ",
+    ),
+    ("pressure = 1", "", "steps.1.loads.0", "no value", "one of"),
+    (
+        "pressure = 1",
+        "pressure = 1\nforce = [1, 0, 0]",
+        "steps.1.loads.0",
+        "2 values",
+        "one of",
+    ),
+    (
+        "pressure = 1",
+        "pressure = \"1 N\"",
+        "steps.1.loads.0.pressure",
+        "expected a pressure",
+        "pressure =",
+    ),
+    (
+        "pressure = 1",
+        "force = [\"1 MPa\", 0, 0]",
+        "steps.1.loads.0.force.0",
+        "expected a force",
+        "force =",
+    ),
+    (
+        "on = \"top.top\"",
+        "on = \"top\"",
+        "steps.1.loads.0.on",
+        "is no face",
+        "top.top",
+    ),
+    (
+        "on = \"top.top\"",
+        "on = \"tip.top\"",
+        "steps.1.loads.0.on",
+        "no block named `tip`",
+        "`top`",
+    ),
+    (
+        "on = \"top.top\"\n",
+        "",
+        "steps.1.loads.0.on",
+        "missing",
+        "on =",
+    ),
+    (
+        "on = \"top.top\"",
+        "on = \"top.top\"\nnear = [0, 0, 0]",
+        "steps.1.loads.0",
+        "acts on faces",
+        "force = [..]",
+    ),
+    (
+        "on = \"top.top\"\npressure = 1",
+        "force = [1, 0, 0]",
+        "steps.1.loads.0.on",
+        "neither `on`, `near`",
+        "near =",
+    ),
+    (
+        "on = \"top.top\"\npressure = 1",
+        "near = [1e5, 0, 0]\nforce = [1, 0, 0]",
+        "steps.1.loads.0.near",
+        "farther than the model",
+        "unit of length",
+    ),
+    (
+        "on = \"top.top\"\npressure = 1",
+        "on = [\"top\", \"top.left\"]\nforce = [1, 0, 0]",
+        "steps.1.loads.0.on",
+        "faces and blocks",
+        "alone",
+    ),
+    (
+        "on = \"top.top\"\npressure = 1",
+        "from = [0, 0, 0]\nline_force = [1, 0, 0]",
+        "steps.1.loads.0.to",
+        "two ends",
+        "to =",
+    ),
+    (
+        "on = \"top.top\"\npressure = 1",
+        "from = [0, 3, 0]\nto = [200, 3, 0]\nline_force = [1, 0, 0]",
+        "steps.1.loads.0.from",
+        "0 nodes lie within",
+        "within =",
+    ),
+    (
+        "pressure = 1",
+        "pressure = 1\n[[steps.loads]]\nname = \"a\"\npressure = 2",
+        "steps.1.loads.1.name",
+        "two loads named `a`",
+        "one value",
+    ),
+    (
+        "pressure = 1",
+        "pressure = 1\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\nforce = [1, 0, 0]",
+        "steps.2.loads.0",
+        "another kind of load in steps.1.loads.0",
+        "name of its own",
+    ),
+    (
+        "pressure = 1",
+        "pressure = 1\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\non = \"top.left\"\npressure = 1",
+        "steps.2.loads.0",
+        "acts elsewhere",
+        "stays where it is",
+    ),
+    (
+        "[[steps.loads]]\nname = \"a\"\non = \"top.top\"\npressure = 1\n",
+        "",
+        "steps.1.loads",
+        "loads nothing",
+        "[[steps.loads]]",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\namplitude = [[0, 0], [0.5, 1], [0.5, 0], [1, 1]]",
+        "steps.1.amplitude.2",
+        "does not ascend",
+        "rows of",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\namplitude = [[0, 0], [0.5, 1]]",
+        "steps.1.amplitude.1",
+        "ends at 0.5",
+        "rows of",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\namplitude = 3",
+        "steps.1.amplitude",
+        "expected rows",
+        "amplitude =",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\namplitude = \"nowhere.csv\"",
+        "steps.1.amplitude",
+        "nowhere.csv",
+        "CSV file",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\nprocedure = \"arc_length\"\namplitude = [[0, 0], [0.5, 1], [1, 0]]",
+        "steps.1.amplitude",
+        "turns back",
+        "displacement_control",
+    ),
+    (
+        "kind = \"load\"",
+        "kind = \"load\"\ncycles = { amplitudes = [1] }",
+        "steps.1.cycles",
+        "belongs to a drive",
+        "leave it out",
+    ),
+];
+
+#[test]
+fn bad_loads_name_the_key_and_the_fix() {
+    refuses(&format!("{HEAD}{PAIR}{GRAVITY}{LOAD}"), BAD_LOADS);
+}
+
+#[test]
+fn bad_cycles_name_the_key_and_the_fix() {
+    let drive = "[[steps]]\nkind = \"drive\"\nface = \"top.top\"\ndirection = \"x\"\ncycles = { amplitudes = [1, 2] }\n";
+    refuses(
+        &format!("{HEAD}{PAIR}{GRAVITY}{drive}"),
+        &[
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = []",
+                "steps.1.cycles",
+                "above 0",
+                "amplitudes =",
+            ),
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = [1, -2]",
+                "steps.1.cycles",
+                "above 0",
+                "amplitudes =",
+            ),
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = [1], repeat = 0",
+                "steps.1.cycles",
+                "once at least",
+                "repeat =",
+            ),
+            (
+                "cycles =",
+                "displacement = 1\ncycles =",
+                "steps.1.displacement",
+                "how far",
+                "leave out",
+            ),
+            (
+                "cycles =",
+                "amplitude = [[0, 0], [1, 1]]\ncycles =",
+                "steps.1.cycles",
+                "`amplitude` is given",
+                "one of them",
+            ),
+            (
+                "cycles =",
+                "procedure = \"dissipation\"\ncycles =",
+                "steps.1.cycles",
+                "cannot turn it round",
+                "static",
+            ),
+        ],
+    );
+}
+
 #[test]
 fn faces_that_share_nodes_cannot_be_driven_apart() {
     let steps = "[[steps]]\nkind = \"drive\"\nface = \"top.top\"\ndirection = \"x\"\ndisplacement = 1\n\

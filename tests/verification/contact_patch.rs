@@ -9,7 +9,7 @@ use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
 use wythe::solve::{Clock, State};
-use wythe::system::{Evaluation, Solids, System, Trial};
+use wythe::system::{Evaluation, Solids, System, Trial, Turning};
 
 const SIDE: f64 = 120.0;
 const HEIGHT: f64 = 60.0;
@@ -126,6 +126,7 @@ fn nodal_forces(model: &Model, state: &State, block: &Block) -> Vec<[f64; 3]> {
         solids: Solids::Implicit,
         shifted: false,
         tangent: false,
+        turning: Turning::Ignored,
     };
     let mut clock = Clock::default();
     system

@@ -427,3 +427,89 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
     // It comes to rest.
     assert!(rows.last().unwrap().kinetic_energy_J < 0.01 * most);
 }
+
+/// A deck of blocks beside a record of the ground.
+fn shaken(scene: &str, record: &str, step: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("record.csv"), record).unwrap();
+    let text = format!("{}{scene}{step}", blocks::HEAD);
+    let file = folder.path().join("deck.toml");
+    let deck = Deck::from_str(&text, &file.display().to_string()).unwrap();
+    Model::from_deck(&deck).unwrap().0
+}
+
+/// Under gravity a block on a ground that accelerates by 1 g slides with (1 - μ) g against it; by 0.3 g it stays.
+/// The record is in g, twice as strong and 0.1 s late.
+#[test]
+fn a_block_slides_on_a_shaken_ground() {
+    for (factor, slides) in [(2.0, true), (0.6, false)] {
+        let step = format!(
+            "{}[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 0.1\n\
+             ground = {{ x = \"record.csv\" }}\nground_unit = \"g\"\nground_factor = {{ x = {factor} }}\n\
+             ground_start = \"100 ms\"\n",
+            blocks::GRAVITY
+        );
+        let record = "t,a\n0,9\n0.1,0.5\n0.15,0.5\n0.2,0.5\n0.3,0.5\n";
+        let scene = blocks::PAIR.replace("velocity = [\"1 m/s\", 0, 0]\n", "");
+        let model = shaken(&scene, record, &step);
+        assert_eq!(model.steps[1].ground.at(0.0)[0], 0.5 * factor * 9810.0);
+        assert!(model.steps[1].increments.max <= 0.01);
+        let recording = completed(&model);
+        let last = recording.states.last().unwrap();
+        let mut u = vec![[0.0; 3]; model.mesh.nodes.len()];
+        wythe::system::DofMap::new(&model).spread(&last.q, &mut u);
+        let way = u.iter().map(|u| u[0]).fold(0.0, f64::min);
+        let exact = if slides {
+            -0.5 * (1.0 - 0.4) * 9810.0 * 0.01
+        } else {
+            0.0
+        };
+        println!("{way} {exact}");
+        // Half an increment of the first one, in which friction is not yet there, and the sway of the block.
+        assert!((way - exact).abs() < 0.3, "{way} {exact}");
+        let row = recording.rows.last().unwrap();
+        let most = recording
+            .rows
+            .iter()
+            .map(|r| r.external_work_J.abs())
+            .fold(0.0, f64::max);
+        assert!(!slides || gap(row).abs() < 2e-3 * most, "{row:?}");
+    }
+}
+
+/// Slowly accelerated by 0.1 g along x and weighed by gravity, a wall asks of its supports its mass times both.
+#[test]
+fn a_wall_on_an_accelerating_ground_asks_for_its_mass_times_that() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ramp.csv"), "0,0\n20,0.1\n").unwrap();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("examples/03_shear_wall_j7d.toml")).unwrap();
+    let (head, _) = text.split_once("[[steps]]").unwrap();
+    let steps = "[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 20\n\
+         rayleigh = { mass = \"50 s^-1\" }\nincrements = { initial = 0.05, max = 0.05 }\n\
+         ground = { x = \"ramp.csv\" }\nground_unit = \"g\"\n";
+    let overrides = [
+        ("wall.courses", "4"),
+        ("wall.length", "420.5 mm"),
+        ("materials.brick.density", "1900 kg/m^3"),
+        ("materials.mortar.density", "1900 kg/m^3"),
+    ];
+    let overrides = overrides.map(|(k, v)| (k.to_owned(), v.to_owned()));
+    let file = folder.path().join("wall.toml").display().to_string();
+    let deck = Deck::from_str_with(&format!("{head}{steps}"), &file, &overrides).unwrap();
+    let model = Model::from_deck(&deck).unwrap().0;
+    let recording = completed(&model);
+    let last = recording.rows.last().unwrap();
+    let sum = |i: usize| last.reactions.iter().map(|r| r[i]).sum::<f64>();
+    let mass: f64 = (0..model.mesh.elements.len())
+        .map(|e| 1.9e-9 * model.mesh.volume(e))
+        .sum();
+    // The beam is fixed along x, free along z: its weight is that of the wall. Slow: a thousandth of sway.
+    for (i, exact) in [(0, 0.1 * 9810.0 * mass), (2, 9810.0 * mass)] {
+        assert!(
+            (sum(i) / exact - 1.0).abs() < 5e-3,
+            "{i}: {} {exact}",
+            sum(i)
+        );
+    }
+}

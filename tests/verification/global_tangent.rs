@@ -11,7 +11,7 @@ use wythe::material::MaterialParameters;
 use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Formulation};
 use wythe::solve::{Clock, State};
-use wythe::system::{Evaluation, Solids, System, Trial};
+use wythe::system::{Evaluation, Solids, System, Trial, Turning};
 
 /// Two blocks of 60 × 40 × 20 mm, one on the other, 2 × 2 facets below and 3 × 2 above.
 fn two_blocks(material: &MaterialParameters, law: InterfaceLaw) -> Model {
@@ -134,6 +134,7 @@ const DIRECT: Evaluation = Evaluation {
     solids: Solids::Implicit,
     shifted: false,
     tangent: false,
+    turning: Turning::Ignored,
 };
 
 const SHIFTED: Evaluation = Evaluation {

@@ -61,6 +61,7 @@ fn model() -> Model {
             sign: 1.0,
             quantity: ProbeQuantity::Displacement,
         }],
+        loads: Vec::new(),
         steps: vec![Step {
             name: "drive".to_owned(),
             duration: 2.0,
@@ -87,6 +88,8 @@ fn model() -> Model {
             gravity: Gravity::None,
             ground: GroundMotion::default(),
             springs: Vec::new(),
+            loads: Vec::new(),
+            amplitude: None,
         }],
         warnings: Vec::new(),
         output: Output {

@@ -335,6 +335,8 @@ fn the_examples_build() {
         "examples/06_tilted_column",
         "examples/07_arch",
         "examples/08_block_couplet",
+        "examples/40_airbag",
+        "examples/41_cyclic_block",
         "tests/data/scenes/stick_slip",
     ] {
         let path = root.join(name).with_extension("toml");

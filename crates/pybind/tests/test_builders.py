@@ -57,6 +57,50 @@ def test_a_wall_that_cracks(rows: type) -> None:
     assert made == example("03")
 
 
+def test_a_strip_under_an_airbag() -> None:
+    joint = build.joint(
+        "0.20 MPa", "0.30 MPa", 0.75, 0.75, zeta=4.38, xi=1.1, G_I="10 N/m", G_II="30 N/m", penalty_factor=50
+    )
+    made = build.blocks(
+        title="Strip under an airbag",
+        materials={"unit": build.elastic("5 GPa", 0.15)},
+        interfaces={"joint": joint},
+        blocks=[
+            build.block(
+                "unit", "unit", [100, 100, 100], mesh=[1, 4, 2], copies=[1, 1, 8], pitch=[0, 0, 100]
+            )
+        ],
+        contacts=[build.contact("joint")],
+        supports=[
+            build.support("unit-0-0-0.bottom", ["x", "y"]),
+            build.support("unit-0-0-7.top", ["x", "y"]),
+        ],
+        springs=[build.spring("foot", "unit-0-0-0.bottom", [0, 0, "1 MN/mm"])],
+        probes=[build.probe("middle", "y", near=[50, 100, 400])],
+        points="gauss",
+        steps=[
+            build.loading(build.load("roof", "unit-0-0-7.top", force=[0, 0, "-1 kN"]), name="roof"),
+            build.loading(
+                build.load("airbag", "unit.front", pressure="5 kPa"),
+                name="airbag",
+                procedure="displacement_control",
+                control={"probe": "middle", "displacement": "5 mm"},
+            ),
+        ],
+    )
+    assert made == example("40")
+
+
+def test_cycles_and_lines() -> None:
+    push = build.push(cycles={"amplitudes": ["1 mm", "2 mm"], "repeat": 2}, face="block.top", free=["z"])
+    (step,) = example("41").to_dict()["steps"][1:]
+    assert {key: step[key] for key in push if key != "cycles"} == {
+        key: push[key] for key in push if key != "cycles"
+    }
+    line = build.load("wind", line=([0, 0, 0], [9, 0, 0]), line_force=[0, 1, 0])
+    assert line == {"name": "wind", "from": [0, 0, 0], "to": [9, 0, 0], "line_force": [0, 1, 0]}
+
+
 def test_a_couplet() -> None:
     brick, mortar = build.elastic("16700 MPa", 0.15), build.elastic("2970 MPa", 0.15)
     template = wythe.templates.couplet()

@@ -1,5 +1,6 @@
 //! The hex8: strains, forces and stiffness in the rotated frame, and the frame.
 
+pub mod facet;
 pub mod hex8;
 pub mod kinematics;
 mod tangent;

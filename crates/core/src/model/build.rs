@@ -5,6 +5,7 @@ use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::findings;
 use super::held::require_held;
 use super::loading::{Loading, loading};
+use super::loads;
 use super::masonry;
 use super::meeting::{Meeting, meeting};
 use super::probes;
@@ -56,7 +57,7 @@ impl Model {
             Err(error) => return Err(errors.and(error)),
         };
         let moved = loading.is_some();
-        let Loading { beams, steps } = loading.unwrap_or_default();
+        let Loading { beams, mut steps } = loading.unwrap_or_default();
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
@@ -74,6 +75,7 @@ impl Model {
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
         let bond = findings::bond(deck, &bodies.walls);
+        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
         let model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,
@@ -84,6 +86,7 @@ impl Model {
                 .collect(),
             formulation: deck.element.formulation,
             contact,
+            loads: named.assign(&mut steps),
             beams,
             supports,
             initial_velocity,

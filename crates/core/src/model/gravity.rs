@@ -1,12 +1,9 @@
 //! What gravity does in each step of a deck.
 
 use super::deck::{Deck, DeckStep, StepKind};
-use super::quantity::Quantity;
+use super::quantity::{GRAVITY, Quantity};
 use super::scene::{Gravity, turned};
 use crate::error::ModelError;
-
-/// Acceleration of gravity where a deck does not say it [mm/s²].
-const STANDARD: f64 = 9810.0;
 
 /// Gravity as the steps before left it.
 pub(super) struct GravityNow {
@@ -97,7 +94,7 @@ impl GravityNow {
         let usual = if self.magnitude > 0.0 {
             self.magnitude
         } else {
-            STANDARD
+            GRAVITY
         };
         self.magnitude = step.gravity.map_or(usual, Quantity::get);
         self.axis = step.axis.map_or(self.axis, unit);

@@ -93,7 +93,7 @@ fn presses(deck: &Deck, step: &DeckStep) -> bool {
             axis == 2 && step.displacement.is_some_and(|d| sign * d.get() < 0.0)
         }
         StepKind::Drive => step.face.is_some(),
-        StepKind::Gravity | StepKind::Tilt | StepKind::Free => true,
+        StepKind::Gravity | StepKind::Tilt | StepKind::Free | StepKind::Load => true,
     }
 }
 

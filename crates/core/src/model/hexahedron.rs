@@ -106,11 +106,11 @@ pub(super) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Area vector of a quadrilateral, half the cross product of its diagonals [mm²].
-pub(super) fn area_vector(q: &[[f64; 3]; 4]) -> [f64; 3] {
+pub(crate) fn area_vector(q: &[[f64; 3]; 4]) -> [f64; 3] {
     cross(difference(q[2], q[0]), difference(q[3], q[1])).map(|x| 0.5 * x)
 }
 
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -118,15 +118,15 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn norm(a: [f64; 3]) -> f64 {
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 

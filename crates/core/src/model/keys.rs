@@ -135,7 +135,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("name", "name = \"push\""),
     (
         "kind",
-        "kind = \"preload\"  # or \"drive\", \"gravity\", \"tilt\", \"free\"",
+        "kind = \"preload\"  # or \"drive\", \"gravity\", \"tilt\", \"free\", \"load\"",
     ),
     ("top_pressure", "top_pressure = \"2.12 MPa\""),
     (
@@ -143,6 +143,31 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "direction = \"x\"  # or \"y\", \"z\", \"-x\", \"-y\", \"-z\"",
     ),
     ("displacement", "displacement = \"4 mm\""),
+    (
+        "cycles",
+        "cycles = { amplitudes = [\"1 mm\", \"2 mm\"], repeat = 2 }  # each forth and back",
+    ),
+    ("amplitudes", "amplitudes = [\"1 mm\", \"2 mm\", \"4 mm\"]"),
+    ("repeat", "repeat = 2"),
+    (
+        "amplitude",
+        "amplitude = [[0, 0], [0.25, 1], [0.75, -1], [1, 0]]  # or a file: \"protocol.csv\"",
+    ),
+    ("loads", "[[steps.loads]]"),
+    (
+        "steps.on",
+        "on = \"wall.front\"  # or a list of faces; a force may act on blocks, too",
+    ),
+    ("from", "from = [0, 0, \"500 mm\"]  # a line begins"),
+    ("to", "to = [\"1 m\", 0, \"500 mm\"]  # it ends"),
+    ("within", "within = \"1 mm\"  # of the line"),
+    (
+        "follower",
+        "follower = true  # turns with the faces; false: as they were at rest",
+    ),
+    ("traction", "traction = [0, 0, \"-0.1 MPa\"]"),
+    ("force", "force = [\"1 kN\", 0, 0]  # in all"),
+    ("line_force", "line_force = [0, 0, \"-2 kN/m\"]"),
     ("vertical", "vertical = \"locked\"  # or \"free\""),
     (
         "increments",
@@ -193,7 +218,15 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("ground", "ground = { x = \"record.csv\" }"),
     (
         "ground_unit",
-        "ground_unit = \"9.81 m/s^2\"  # of 1 in the records",
+        "ground_unit = \"g\"  # of 1 in the records; or such as \"1 m/s^2\"",
+    ),
+    (
+        "ground_factor",
+        "ground_factor = { x = 1.2 }  # times the records",
+    ),
+    (
+        "ground_start",
+        "ground_start = \"3 s\"  # of the records, where the step begins",
     ),
     ("x", "x = \"record.csv\""),
     ("y", "y = \"record.csv\""),

@@ -1,12 +1,13 @@
 //! Steps: which faces move as one, and how.
 
+use super::amplitude::Amplitude;
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
 use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::scene::{Beam, BeamMotion, Spring, Step, Stop, Support};
+use super::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
 
 /// Beams and steps of a scene.
@@ -57,12 +58,12 @@ pub(super) fn loading(
         }
         let mut far_ends = vec![[0.0; 3]; springs.len()];
         let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-        let displacement = sign * step.displacement.map_or(0.0, Quantity::get);
+        let displacement = sign * step.drive();
         let beam = beam_of(step);
         if let Some(b) = beam.filter(|_| step.face.is_none()) {
             let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
             load[b][2] = force.unwrap_or(load[b][2]);
-            now[b] = level_beam(step, load[b][2]);
+            now[b] = level_beam(step, load[b][2], now[b][2]);
         } else if let Some(b) = beam {
             let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
             if step.kind == StepKind::Preload {
@@ -107,15 +108,18 @@ pub(super) fn loading(
 }
 
 /// What the level beam of a wall does in a step: pressed, it moves vertically and no other way; driven, it
-/// stays level; else it stays under its load [N] and moves vertically.
-fn level_beam(step: &DeckStep, load: f64) -> [BeamMotion; 3] {
+/// stays level; a step of loads leaves it vertically as it was; else it stays under its load [N] and moves
+/// vertically.
+fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 3] {
     let mut motion = [BeamMotion::Locked; 3];
-    if step.kind != StepKind::Drive || step.vertical == Some(Vertical::Free) {
+    if step.kind == StepKind::Load {
+        motion[2] = vertical;
+    } else if step.kind != StepKind::Drive || step.vertical == Some(Vertical::Free) {
         motion[2] = BeamMotion::Force(load);
     }
     if step.kind == StepKind::Drive {
         let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-        motion[axis] = BeamMotion::Driven(sign * step.displacement.map_or(0.0, Quantity::get));
+        motion[axis] = BeamMotion::Driven(sign * step.drive());
     }
     motion
 }
@@ -154,12 +158,15 @@ pub(super) fn rules(
     let control = errors.keep(probes::control(deck, i, step)).flatten();
     let gravity = errors.keep(gravity.step(deck, i, step));
     let ground = errors.keep(deck.ground_motion(i));
+    let amplitude = errors.keep(deck.amplitude(i)).flatten();
+    let finest = ground.as_ref().map_or(f64::INFINITY, GroundMotion::spacing);
+    let steepest = amplitude.as_ref().map_or(1.0, Amplitude::steepest);
     errors.end(Step {
         name: step.name().to_owned(),
         duration: step.duration.get(),
         motion: Vec::new(),
         driven: None,
-        increments: step.increments(),
+        increments: step.increments_of(steepest, finest / step.duration.get()),
         viscosity: step.viscosity.get(),
         procedure: step.procedure.with(step.alpha, step.rayleigh),
         tangent: step.tangent,
@@ -172,6 +179,8 @@ pub(super) fn rules(
         gravity: gravity.unwrap_or_default(),
         ground: ground.unwrap_or_default(),
         springs: Vec::new(),
+        loads: Vec::new(),
+        amplitude,
     })
 }
 

@@ -1,5 +1,6 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
+pub mod amplitude;
 mod arch;
 mod bodies;
 pub mod body;
@@ -15,6 +16,7 @@ mod imported;
 mod joint;
 pub mod keys;
 mod loading;
+pub mod loads;
 pub mod masonry;
 mod meeting;
 pub mod mesh;

@@ -27,6 +27,10 @@ pub type FractureEnergy = Quantity<0, 1, -2, 0>;
 pub type InterfaceStiffness = Quantity<-2, 1, -2, 0>;
 /// Stiffness of a spring [N/mm].
 pub type SpringStiffness = Quantity<0, 1, -2, 0>;
+/// Force [N].
+pub type Force = Quantity<1, 1, -2, 0>;
+/// Force over a length [N/mm].
+pub type LineForce = Quantity<0, 1, -2, 0>;
 /// Velocity [mm/s].
 pub type Velocity = Quantity<1, 0, -1, 0>;
 /// Time [s].
@@ -37,6 +41,9 @@ pub type Frequency = Quantity<0, 0, -1, 0>;
 pub type Acceleration = Quantity<1, 0, -2, 0>;
 /// Angle [deg].
 pub type Angle = Quantity<0, 0, 0, 1>;
+
+/// g, as a deck takes it where it says no other [mm/s²].
+pub const GRAVITY: f64 = 9810.0;
 
 impl<const L: i8, const M: i8, const T: i8, const A: i8> Quantity<L, M, T, A> {
     const DIMENSION: Dimension = Dimension([L, M, T, A]);
@@ -91,6 +98,9 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> Visitor<'_>
 
     fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
         let wanted = Quantity::<L, M, T, A>::DIMENSION;
+        if wanted == Acceleration::DIMENSION && text.trim() == "g" {
+            return Ok(Quantity(GRAVITY));
+        }
         match unit::parse(text) {
             Ok((value, found)) if found == wanted => self.visit_f64(value),
             Ok((_, found)) => Err(E::custom(format_args!(
@@ -129,9 +139,11 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> JsonSchema for Quantity
         } else {
             r"\s*[^\s0-9.+-].*"
         };
-        json_schema!({
-            "type": ["number", "string"],
-            "pattern": format!("^\\s*{number}{unit}$"),
-        })
+        let pattern = if Self::DIMENSION == Acceleration::DIMENSION {
+            format!("^\\s*({number}{unit}|g\\s*)$")
+        } else {
+            format!("^\\s*{number}{unit}$")
+        };
+        json_schema!({ "type": ["number", "string"], "pattern": pattern })
     }
 }

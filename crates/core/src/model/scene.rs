@@ -1,6 +1,8 @@
 //! The frozen model: mesh, laws, contact surfaces, supports and steps.
 
 use super::Mesh;
+use super::amplitude::{Amplitude, Branch};
+use super::loads::Load;
 use super::probes::Probe;
 use crate::error::Warning;
 use crate::experiment::Experiment;
@@ -29,6 +31,8 @@ pub struct Model {
     pub springs: Vec<Spring>,
     /// Places that the history follows, a column each.
     pub probes: Vec<Probe>,
+    /// Loads from outside with a name.
+    pub loads: Vec<Load>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// What is written, and how often.
@@ -38,6 +42,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// Columns of the history beside those that every history has: the probes, then the loads.
+    pub fn columns(&self) -> Vec<String> {
+        let probes = self.probes.iter().map(|probe| probe.column.clone());
+        let loads = self.loads.iter().flat_map(|load| load.columns.clone());
+        probes.chain(loads).collect()
+    }
+
     /// Whether inertia may act in any step: everything has mass, and a procedure may use it.
     pub fn may_move(&self) -> bool {
         let density = |m: &NamedMaterial| m.parameters.elastic().density;
@@ -227,6 +238,34 @@ pub struct Step {
     /// How far the far end of each spring moves during the step, linearly; empty = nowhere [mm].
     /// `[spring][xyz]`
     pub springs: Vec<[f64; 3]>,
+    /// Value of each load at the end of the step, none where it stays as it is; empty = all stay.
+    /// `[load]`
+    pub loads: Vec<Option<[f64; 3]>>,
+    /// Which part of all this acts when; evenly if none.
+    pub amplitude: Option<Amplitude>,
+}
+
+impl Step {
+    /// How many branches the amplitude has.
+    pub fn branches(&self) -> usize {
+        self.amplitude.as_ref().map_or(1, Amplitude::branches)
+    }
+
+    /// One of them.
+    pub fn branch(&self, i: usize) -> Branch {
+        let branch = |amplitude: &Amplitude| amplitude.branch(i);
+        self.amplitude.as_ref().map_or(Branch::WHOLE, branch)
+    }
+
+    /// Fastest change of what is driven and loaded, over that of a step without an amplitude.
+    pub fn steepest(&self) -> f64 {
+        self.amplitude.as_ref().map_or(1.0, Amplitude::steepest)
+    }
+
+    /// Whether the drive or a load turns back.
+    pub fn turns(&self) -> bool {
+        self.amplitude.as_ref().is_some_and(|a| !a.rises())
+    }
 }
 
 /// Acceleration of gravity during a step [mm/s²].
@@ -283,6 +322,14 @@ pub struct GroundMotion {
 }
 
 impl GroundMotion {
+    /// Smallest mean distance of the rows of a record [s]; infinite without any.
+    pub fn spacing(&self) -> f64 {
+        let records = self.acceleration.iter().filter(|rows| rows.len() > 1);
+        let spacing =
+            |rows: &Vec<[f64; 2]>| (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
+        records.map(spacing).fold(f64::INFINITY, f64::min)
+    }
+
     /// Acceleration at a time since the step began [mm/s²].
     pub fn at(&self, time: f64) -> [f64; 3] {
         [0, 1, 2].map(|i| interpolate(&self.acceleration[i], time))

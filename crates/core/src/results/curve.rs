@@ -83,13 +83,62 @@ impl Curve {
         best.map(|(_, peak)| peak)
     }
 
+    /// Whether the drive goes to and fro: back by more than half of the whole range.
+    pub fn turns_back(&self) -> bool {
+        let ways = || {
+            std::iter::once(&self.start)
+                .chain(&self.points)
+                .map(|p| p.0)
+        };
+        let range = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
+        let returns = |sign: f64| {
+            let mut farthest = f64::NEG_INFINITY;
+            ways().any(|d| {
+                farthest = farthest.max(sign * d);
+                sign * d < farthest - 0.5 * range
+            })
+        };
+        // The first way out is back for one of the signs.
+        returns(1.0) && returns(-1.0)
+    }
+
+    /// The largest force along the motion on the other side of where driving began than the peak; none if
+    /// nothing went there.
+    pub fn opposite_peak(&self) -> Option<Peak> {
+        let peak = self.peak()?;
+        let side = (peak.displacement - self.start.0).signum();
+        let there = self.points.iter().enumerate();
+        let there = there.filter(|(_, p)| side * (p.0 - self.start.0) < 0.0);
+        let most = there.max_by(|a, b| (-side * a.1.1).total_cmp(&(-side * b.1.1)));
+        most.map(|(index, &(displacement, force))| Peak {
+            index,
+            displacement,
+            force,
+        })
+    }
+
     /// Displacement after the peak at which the force has first fallen to 0.8 of it, linear between
-    /// increments [mm]; none if it never falls that far.
+    /// increments [mm]; none if it never falls that far. Where the drive goes to and fro that is a displacement as
+    /// far out as any before on the side of the peak: what falls on the way back is no loss.
     pub fn displacement_at_80_percent(&self) -> Option<f64> {
         let peak = self.peak()?;
         let target = 0.8 * peak.force;
         let sign = peak.force.signum();
         let after = &self.points[peak.index..];
+        if self.turns_back() {
+            let side = (peak.displacement - self.start.0).signum();
+            let out = |p: &(f64, f64)| side * (p.0 - self.start.0);
+            let mut farthest = self.points[..peak.index]
+                .iter()
+                .map(out)
+                .fold(0.0, f64::max);
+            let down = after.iter().find(|p| {
+                let outermost = out(p) >= farthest * (1.0 - 1e-9); // sums of increments are rounded
+                farthest = farthest.max(out(p));
+                outermost && sign * p.1 <= sign * target
+            });
+            return down.map(|p| p.0);
+        }
         let i = after.iter().position(|p| sign * p.1 <= sign * target)?;
         Some(crossing(after[i.checked_sub(1)?], after[i], target))
     }
@@ -104,7 +153,15 @@ impl Curve {
     /// The same up to where the force has risen by another part of what it rises [kN/mm].
     pub fn secant_stiffness(&self, part: f64) -> Option<f64> {
         let (d0, f0) = self.start;
-        let rise = part * (self.peak()?.force - f0);
+        let mut rise = part * (self.peak()?.force - f0);
+        if self.turns_back() {
+            // Whichever way it begins.
+            let first = self
+                .points
+                .iter()
+                .find(|p| (p.1 - f0).abs() >= rise.abs())?;
+            rise = rise.abs() * (first.1 - f0).signum();
+        }
         let sign = rise.signum();
         let i = self
             .points
@@ -174,6 +231,36 @@ mod tests {
             max_relative = 1e-14
         );
         assert_eq!(wall.final_displacement(), Some(4.0));
+    }
+
+    /// Out to 2 mm, back to −2 mm, out to 3 mm: what falls on the way back is no loss of strength.
+    #[test]
+    fn loops_are_read_along_their_envelope() {
+        let loops = [
+            (1.0, 40.0),
+            (2.0, 50.0),
+            (1.0, 5.0),
+            (-1.0, -30.0),
+            (-2.0, -45.0),
+            (0.0, 0.0),
+            (2.0, 44.0),
+            (2.5, 41.0),
+            (3.0, 38.0),
+            (0.0, -10.0),
+        ];
+        let wall = curve(&[(0.0, 0.0)], &loops);
+        assert!(wall.turns_back());
+        assert!(!curve(&[], &WALL).turns_back());
+        assert_eq!(wall.peak().unwrap().force, 50.0);
+        let other = wall.opposite_peak().unwrap();
+        assert_eq!((other.displacement, other.force), (-2.0, -45.0));
+        assert_eq!(wall.displacement_at_80_percent(), Some(3.0));
+        // 5 kN at 0.125 mm, as it began.
+        assert_relative_eq!(
+            wall.initial_stiffness().unwrap(),
+            40.0,
+            max_relative = 1e-14
+        );
     }
 
     #[test]

@@ -202,7 +202,7 @@ impl RunDirectory {
             messages,
             curve: Curve::default(),
             energy: EnergyBalance::default(),
-            probes: vec![ProbeRange::default(); model.probes.len()],
+            probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
             deck: None,
             deck_folder: None,
@@ -269,8 +269,9 @@ impl RunDirectory {
 
     /// Takes a row into what the summary tells.
     fn count(&mut self, model: &Model, row: &HistoryRow) {
+        let step = model.steps.get(row.step);
         self.curve
-            .push(row, model.steps.get(row.step).is_some_and(drives));
+            .push(row, step.is_some_and(|step| is_driven(model, step)));
         self.energy.push(row);
         for (range, value) in self.probes.iter_mut().zip(&row.probes) {
             range.push(*value);
@@ -324,7 +325,7 @@ impl RunDirectory {
                 write_whole(file, svg.as_bytes())
             })?;
         }
-        let columns = model.probes.iter().map(|p| p.column.clone());
+        let columns = model.columns().into_iter();
         let summary = SummaryFile::new(
             run,
             &Measured {
@@ -395,6 +396,14 @@ pub(super) fn writing<T>(
 ) -> Result<T, OutputError> {
     let path = folder.join(name);
     write(&path).map_err(|why| OutputError::Write { path, why })
+}
+
+/// Whether a step is part of the load-displacement curve: it drives, or it loads in a model that drives
+/// nothing.
+fn is_driven(model: &Model, step: &Step) -> bool {
+    let springs = |step: &Step| step.springs.iter().flatten().any(|by| *by != 0.0);
+    let loads = step.loads.iter().any(Option::is_some);
+    drives(step) || (loads && !model.steps.iter().any(|step| drives(step) || springs(step)))
 }
 
 /// A step drives if its beam moves. A preload merely names the direction in which it is told.

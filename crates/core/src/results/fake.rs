@@ -55,6 +55,8 @@ pub fn model() -> Model {
         gravity: Gravity::None,
         ground: GroundMotion::default(),
         springs: Vec::new(),
+        loads: Vec::new(),
+        amplitude: None,
     };
     Model {
         title: "Two cubes & a <gap>".to_owned(),
@@ -67,6 +69,7 @@ pub fn model() -> Model {
         initial_velocity: Vec::new(),
         springs: Vec::new(),
         probes: Vec::new(),
+        loads: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),

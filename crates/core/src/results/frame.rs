@@ -65,11 +65,12 @@ pub struct HistoryRow {
     pub load_factor: f64,
     /// What solved the increment.
     pub procedure: Method,
-    /// Values of the model's probes, columns of their own after these [mm, mm/s]. `[probe]`
+    /// Values of the model's probes, then of its loads: columns of their own after these, see
+    /// [`Model::columns`](crate::model::Model::columns).
     #[serde(skip)]
     pub probes: Vec<f64>,
-    /// Forces from outside: on each beam, then on each support [N]; in `results.vtkhdf` only.
-    /// `[beam, support][xyz]`
+    /// Forces from outside: on each beam, then on each support, then those of each load [N]; in
+    /// `results.vtkhdf` only. `[beam, support, load][xyz]`
     #[serde(skip)]
     pub reactions: Vec<[f64; 3]>,
 }
@@ -113,9 +114,10 @@ pub struct Frame {
     pub crack_width: Vec<f64>,
     /// What the points of the interfaces do.
     pub interfaces: InterfaceFrame,
-    /// Forces from outside: on each beam, then on each support [N]. `[beam, support][xyz]`
+    /// Forces from outside: on each beam, then on each support, then those of each load [N].
+    /// `[beam, support, load][xyz]`
     pub reactions: Vec<[f64; 3]>,
-    /// Values of the model's probes [mm, mm/s]. `[probe]`
+    /// Values of the model's probes and loads, see [`Model::columns`]. `[column]`
     pub probes: Vec<f64>,
 }
 

@@ -8,7 +8,7 @@ use super::HistoryRow;
 use crate::model::Model;
 
 /// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
-/// probes.
+/// probes and loads.
 ///
 /// Each row goes to the file whole and at once: whoever reads while a run goes on, or after it was
 /// killed, never sees half of one. Numbers are the shortest decimals which read back to the same
@@ -18,7 +18,7 @@ pub struct HistoryWriter {
     file: File,
     /// Bytes of whole rows, the header included.
     whole: u64,
-    /// Number of probes, a column each.
+    /// Number of the model's own columns, see [`Model::columns`].
     probes: usize,
 }
 
@@ -31,7 +31,7 @@ impl HistoryWriter {
         let mut history = Self {
             file: File::create(path)?,
             whole: 0,
-            probes: model.probes.len(),
+            probes: model.columns().len(),
         };
         history.write(header(model).as_bytes())?;
         Ok(history)
@@ -64,7 +64,7 @@ impl HistoryWriter {
         Ok(Self {
             file,
             whole,
-            probes: model.probes.len(),
+            probes: model.columns().len(),
         })
     }
 
@@ -113,8 +113,7 @@ impl HistoryWriter {
 
 /// The first line of the history of a model.
 fn header(model: &Model) -> String {
-    let probes = model.probes.iter().map(|p| p.column.clone());
-    let columns: Vec<String> = fixed_columns().into_iter().chain(probes).collect();
+    let columns: Vec<String> = fixed_columns().into_iter().chain(model.columns()).collect();
     format!("{}\n", columns.join(","))
 }
 

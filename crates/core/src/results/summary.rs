@@ -63,7 +63,16 @@ pub struct SummaryFile {
     pub warnings: Vec<String>,
     /// Where the procedure changed, and why.
     pub log: Vec<String>,
-    /// Probes by their columns in the history; absent without any.
+    /// All that was dissipated [J].
+    #[serde(default)]
+    pub dissipated_energy_J: f64,
+    /// Largest force along the motion on the other side, of a drive to and fro [kN].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opposite_peak_force_kN: Option<f64>,
+    /// Displacement there [mm].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_at_opposite_peak_mm: Option<f64>,
+    /// Probes and loads by their columns in the history; absent without any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
 }
@@ -131,6 +140,8 @@ pub struct EnergyBalance {
     gap: f64,
     /// maxᵢ |W|ᵢ [J].
     work: f64,
+    /// ΣD of the last increment [J].
+    dissipated: f64,
 }
 
 impl EnergyBalance {
@@ -143,8 +154,14 @@ impl EnergyBalance {
             + row.kinetic_energy_J
             + row.damping_dissipation_J
             + row.numerical_dissipation_J;
+        self.dissipated = inside - row.elastic_energy_J - row.kinetic_energy_J;
         self.gap = larger(self.gap, (row.external_work_J - inside).abs());
         self.work = larger(self.work, row.external_work_J.abs());
+    }
+
+    /// All that was dissipated [J].
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated
     }
 
     /// The error [-]; zero before any work is done.
@@ -185,6 +202,8 @@ impl SummaryFile {
     /// Puts together what the solver knows and what was measured beside it.
     pub fn new(run: &Summary, measured: &Measured<'_>) -> Self {
         let peak = measured.curve.peak();
+        let turns = measured.curve.turns_back();
+        let opposite = measured.curve.opposite_peak().filter(|_| turns);
         let warnings = measured
             .model_warnings
             .iter()
@@ -218,6 +237,9 @@ impl SummaryFile {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             warnings,
             log: run.log.clone(),
+            dissipated_energy_J: measured.energy.dissipated(),
+            opposite_peak_force_kN: opposite.map(|p| p.force),
+            displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
             probes: measured.probes.clone(),
         }
     }
@@ -334,6 +356,7 @@ mod tests {
             "version",
             "warnings",
             "log",
+            "dissipated_energy_J",
         ];
         let mut rest = text.as_str();
         for key in keys {

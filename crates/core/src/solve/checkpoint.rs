@@ -4,7 +4,7 @@
 //! |---|---|
 //! | displacements, rates, histories, pairs, energies | [`State`] |
 //! | where candidates of contact were last searched: they are the pattern, and with it the order of elimination | `searched_at` |
-//! | how far the step has come, the size of the next increment | `Schedule` |
+//! | how far the step has come, the size of the next increment | `Schedule`, `row` of its amplitude |
 //! | by which method, and what it must show before it is left | `Ladder` |
 //! | by what the path is measured | `Trail` |
 //! | what a step counts its loads and drives from | `Starts` |
@@ -20,7 +20,7 @@ use std::cell::OnceCell;
 use serde::{Deserialize, Serialize};
 
 use super::course::Course;
-use super::drive::{Run, RunError};
+use super::drive::{Run, RunError, steered};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
 use super::ladder::Ladder;
@@ -60,6 +60,7 @@ struct Mark {
     schedule: Schedule,
     ladder: Ladder,
     trail: Trail,
+    row: usize,
     load: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
@@ -185,6 +186,7 @@ impl<'m> Run<'m> {
                 schedule: course.schedule.clone(),
                 ladder: course.ladder.clone(),
                 trail: course.trail.clone(),
+                row: course.row,
                 load: course.load,
                 beyond: course.beyond,
                 watch: course.watch.clone(),
@@ -227,6 +229,7 @@ impl<'m> Run<'m> {
         let slots = run.system.dofs.slots;
         run.state = state;
         run.system.bulk.stabilise(step.viscosity);
+        run.system.steered = steered(model, step);
         let mut newton = Newton::new(model, step, &run.system, &run.state);
         let stopped = mark.is_stopped_in(step);
         if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {
@@ -236,7 +239,11 @@ impl<'m> Run<'m> {
         let Some(ladder) = mark.ladder.of_step(model, step, has_mass) else {
             return unfit("the step has other methods");
         };
-        newton.rejoin(ladder.rung(), &run.system, &run.state);
+        if mark.row >= step.branches() {
+            return unfit("the amplitude of the step has fewer rows");
+        }
+        let branch = step.branch(mark.row);
+        newton.rejoin(ladder.rung(), branch.slope(), &run.system, &run.state);
         let mut course = Course::new(newton, ladder, mark.index, step);
         course.steer(model, &run.system);
         course.schedule = mark.schedule.within(step.increments);
@@ -245,6 +252,7 @@ impl<'m> Run<'m> {
         };
         course.trail = trail;
         (course.load, course.beyond) = (mark.load, mark.beyond);
+        (course.row, course.branch) = (mark.row, branch);
         course.watch = Watch::new(step, 0.0);
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),
@@ -276,7 +284,7 @@ fn same_sizes(a: &State, b: &State) -> bool {
             &s.applied,
             &s.damping,
         ];
-        let springs = [s.spring_ends.len(), s.spring_forces.len()];
+        let springs = [s.spring_ends.len(), s.spring_forces.len(), s.loads.len()];
         let points = [s.material.len(), s.interface.len(), s.pairs.len()];
         (slots.map(Vec::len), springs, points)
     };

@@ -4,7 +4,6 @@ use super::drive::{Run, RunError};
 use super::method::Method;
 use super::newton::Newton;
 use super::outcome::Report;
-use super::probes::probes;
 use super::state::LastIncrement;
 use crate::model::scene::Step;
 use crate::results::{HistoryRow, Recorder};
@@ -64,17 +63,19 @@ impl Run<'_> {
         dq
     }
 
-    /// The row of the last commit.
+    /// The row of the last commit, at part `moment` of the time of its step.
     pub(super) fn row(
         &self,
         step: usize,
         method: Method,
         report: Report,
+        moment: f64,
         solves: usize,
         cutbacks: usize,
     ) -> HistoryRow {
-        let (state, trial, dofs) = (&self.state, &self.trial, &self.system.dofs);
+        let (state, trial) = (&self.state, &self.trial);
         let (displacement, force, reaction) = self.driven(step);
+        let reactions = self.reactions(step, report.load_factor, moment);
         let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let e = &state.energies;
@@ -105,43 +106,9 @@ impl Run<'_> {
             contact_area_mm2: self.system.contact.pressed_area(&state.interface),
             load_factor: report.load_factor,
             procedure: method,
-            probes: probes(self.model, dofs, state),
-            reactions: self.reactions(step, report.load_factor),
+            probes: self.columns(&reactions),
+            reactions,
         }
-    }
-
-    /// Displacement of what is driven [mm], its force along the drive, and that normal to its face,
-    /// compression positive [N], at the last commit.
-    pub(super) fn driven(&self, step: usize) -> (f64, f64, f64) {
-        let (state, dofs) = (&self.state, &self.system.dofs);
-        let driven = self.model.steps[step]
-            .driven
-            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
-        let Some((beam, direction)) = driven else {
-            return self.driven_spring(step);
-        };
-        let slot = dofs.beam_slot(beam, direction);
-        let normal = self.model.beams[beam].normal;
-        let along: f64 = (0..3)
-            .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
-            .sum();
-        (state.q[slot], state.applied[slot], -along)
-    }
-
-    /// Displacement of the driven end of a spring [mm] and its force along the drive [N], where a step
-    /// drives one and no face.
-    fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
-        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
-        let driven = steps
-            .flat_map(|step| step.springs.iter().enumerate())
-            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)));
-        driven.map_or((0.0, 0.0, 0.0), |(s, i)| {
-            (
-                self.state.spring_ends[s][i],
-                self.state.spring_forces[s][i],
-                0.0,
-            )
-        })
     }
 
     /// Hands the commit to the recorder; false asks to stop.

@@ -7,6 +7,7 @@ use super::path::{Advance, Trail};
 use super::schedule::{Increment, Schedule};
 use super::stop::Watch;
 use crate::model::Model;
+use crate::model::amplitude::Branch;
 use crate::model::scene::{Procedure, Step};
 use crate::system::System;
 
@@ -19,6 +20,9 @@ pub(super) struct Course<'m> {
     pub(super) ladder: Ladder,
     pub(super) trail: Trail,
     pub(super) control: Option<Steering>,
+    /// Which branch of the amplitude, and what it is.
+    pub(super) row: usize,
+    pub(super) branch: Branch,
     /// Part of the step's loads that act now.
     pub(super) load: f64,
     /// Linear solves and cut-backs since the last commit.
@@ -53,16 +57,17 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// How far the leg goes.
+    /// How far the leg goes. Where a displacement steers the load, that goes by `part` of its way.
     pub(super) fn advance<'a>(
         &self,
         trail: &'a Trail,
         control: Option<&'a Steering>,
+        part: f64,
     ) -> Advance<'a> {
         match (self.method, control) {
             (Method::DisplacementControl, Some(control)) => Advance::Along {
                 gradient: &control.gradient,
-                by: self.increment.size * control.way,
+                by: part * control.way,
             },
             (method, _) if method.follows_path() => trail.advance(),
             _ => Advance::Load,
@@ -77,13 +82,15 @@ impl<'m> Course<'m> {
             index,
             step,
             newton,
-            schedule: Schedule::new(step.increments),
+            schedule: Schedule::new(step.increments, step.branch(0).to[0]),
             ladder,
             trail: Trail::new(
-                step.increments.max * longest_drive(step),
+                step.increments.max * step.steepest() * longest_drive(step),
                 step.increments.max,
             ),
             control: None,
+            row: 0,
+            branch: step.branch(0),
             load: 0.0,
             solves: 0,
             cutbacks: 0,
@@ -115,6 +122,39 @@ impl<'m> Course<'m> {
         });
     }
 
+    /// Part of what a step drives and loads that a leg adds, where that is prescribed.
+    pub(super) fn part(&self, leg: &Leg) -> f64 {
+        let (start, size) = (leg.increment.start, leg.increment.size);
+        match self.step.amplitude {
+            None => size,
+            Some(_) => self.branch.factor(start + size) - self.branch.factor(start),
+        }
+    }
+
+    /// 1 where loads and drives grow, −1 where they go back.
+    pub(super) fn sense(&self) -> f64 {
+        self.branch.slope().signum()
+    }
+
+    /// The last increment has come to the end of its branch of the amplitude.
+    pub(super) fn is_at_row(&self) -> bool {
+        self.schedule.next().is_none()
+    }
+
+    /// The step is done.
+    pub(super) fn is_whole(&self) -> bool {
+        self.is_at_row() && self.row + 1 == self.step.branches()
+    }
+
+    /// How far the step has come, in words.
+    pub(super) fn progress(&self) -> String {
+        if self.step.amplitude.is_some() {
+            format!("{:.3} % of its time", 100.0 * self.schedule.done())
+        } else {
+            format!("{:.3} % of its loads", 100.0 * self.load)
+        }
+    }
+
     /// The increment to try now; none when the step is done.
     pub(super) fn next(&self) -> Option<Leg> {
         if self.stopped {
@@ -131,15 +171,16 @@ impl<'m> Course<'m> {
                 increment,
             });
         }
-        let start = self.load;
+        let start = self.branch.time(self.load);
         let (size, adds) = self.trail.next();
-        // The rest of the step by its loads, so that it ends there.
-        if adds > 0.0 && start + adds >= 1.0 && !self.end_refused {
+        let (sense, [end, most]) = (self.sense(), self.branch.to);
+        // The rest of the step, or of a branch, by its loads, so that it ends there.
+        if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_refused {
             return Some(Leg {
                 method: Method::Static,
                 increment: Increment {
                     start,
-                    size: 1.0 - start,
+                    size: end - start,
                 },
             });
         }

@@ -15,10 +15,10 @@ use super::state::State;
 use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
 use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
-use crate::system::{System, Trial};
+use crate::system::{Steered, System, Trial};
 
 /// A run that could not begin, or could not be recorded.
 #[derive(Debug, thiserror::Error)]
@@ -132,6 +132,7 @@ impl<'m> Run<'m> {
         while let Some(leg) = course.next() {
             let (before, time) = (course.solves, self.state.time);
             let index = course.index;
+            let part = course.part(&leg);
             let mut tell = |count| recorder.progress(index, time, before + count);
             let outcome = course.newton.converge(
                 &mut self.system,
@@ -140,8 +141,9 @@ impl<'m> Run<'m> {
                 Attempt {
                     increment: leg.increment,
                     load: course.load,
+                    load_end: course.branch.factor(leg.increment.end()),
                     repeat: course.repeat,
-                    advance: leg.advance(&course.trail, course.control.as_ref()),
+                    advance: leg.advance(&course.trail, course.control.as_ref(), part),
                 },
                 Solves::new(&mut tell),
             );
@@ -177,6 +179,7 @@ impl<'m> Run<'m> {
     fn begin(&mut self, index: usize) -> Result<Course<'m>, RunError> {
         let model = self.model;
         let step = &model.steps[index];
+        self.system.steered = steered(model, step);
         let newton = Newton::new(model, step, &self.system, &self.state);
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
         self.system.bulk.stabilise(step.viscosity);
@@ -195,7 +198,7 @@ impl<'m> Run<'m> {
         }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
-        course.watch = Watch::new(step, self.driven(index).0);
+        course.watch = Watch::new(step, self.watched(index)[0]);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
         } else if !course.ladder.method().has_inertia() {
@@ -232,7 +235,8 @@ impl<'m> Run<'m> {
         }
         let dq = self.commit(&mut course.newton, course.step, size, added);
         course.load = report.load_factor;
-        let row = self.row(course.index, leg.method, report, solves, course.cutbacks);
+        let (index, cuts) = (course.index, course.cutbacks);
+        let row = self.row(index, leg.method, report, leg.increment.end(), solves, cuts);
         match leg.method {
             // What the ladder leaves to inertia moves; what is to be quasi-static should not.
             Method::QuasiStatic if course.step.procedure == Procedure::QuasiStatic => {
@@ -243,7 +247,7 @@ impl<'m> Run<'m> {
         }
         let growth = growth(leg, report, course.ladder.floor());
         if leg.method.follows_path() {
-            course.schedule.reach(course.load);
+            course.schedule.reach(course.branch.time(course.load));
         } else if leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto {
             let hurry = self.state.energies.kinetic / before.kinetic;
             course
@@ -264,8 +268,9 @@ impl<'m> Run<'m> {
                 course.trail.forget();
             }
         }
-        let why = course.watch.as_mut().and_then(|watch| watch.take(&row));
-        let whole = course.schedule.next().is_none();
+        let seen = self.watched(course.index);
+        let why = course.watch.as_mut().and_then(|watch| watch.take(seen));
+        let whole = course.is_whole();
         let end = whole || why.is_some();
         if let (Some(why), false) = (&why, whole) {
             self.stop(course, why, recorder);
@@ -275,23 +280,30 @@ impl<'m> Run<'m> {
         self.summary.iterations += solves;
         (course.cutbacks, course.solves) = (0, 0);
         (course.repeat, course.end_refused) = (true, false);
-        if leg.method == Method::Static || course.beyond.is_some_and(|load| load <= course.load) {
+        let done = course.schedule.done();
+        if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
             course.beyond = None;
         }
         let moving = self.state.energies.moving();
-        if course.ladder.descend(report, moving, added, course.load) {
+        let sense = course.sense();
+        let forth = (sense * added, sense * course.load);
+        if course.ladder.descend(report, moving, forth.0, forth.1) {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
                 self.state.last = None;
             }
             if leg.method.follows_path() {
                 // The pace of the path is none of the load.
-                course.schedule.resume(added.max(course.ladder.floor()));
+                let pace = forth.0 / course.branch.slope().abs();
+                course.schedule.resume(pace.max(course.ladder.floor()));
                 self.state.last = None;
             }
             self.adopt(course);
             let why = format!("{} has passed the trouble", leg.method.name());
             self.note(course, &why, recorder);
+        }
+        if !end && course.is_at_row() {
+            self.turn(course);
         }
         self.tally(&course.newton);
         let all_done = end && course.index + 1 == self.model.steps.len();
@@ -302,6 +314,33 @@ impl<'m> Run<'m> {
             "stopped by the user".clone_into(&mut self.summary.message);
         }
         Ok(keep)
+    }
+
+    /// Goes on along the next branch of the amplitude.
+    fn turn(&mut self, course: &mut Course<'m>) {
+        let before = course.branch.slope();
+        course.row += 1;
+        course.branch = course.step.branch(course.row);
+        course.schedule.turn(course.branch);
+        let slope = course.branch.slope();
+        course
+            .newton
+            .turn(slope, &mut self.system, &mut self.state, &mut self.trial);
+        if before * slope > 0.0 {
+            // The same way at another rate.
+            if let Some(last) = &mut self.state.last {
+                last.dt *= before / slope;
+            }
+            return;
+        }
+        // Where loads turn round the last increment says nothing of the next.
+        self.state.last = None;
+        course.trail.forget();
+        course.schedule.begin_small();
+        course.beyond = None;
+        if course.ladder.turn() {
+            self.adopt(course);
+        }
     }
 
     /// Chooses what to try after a refusal; false if nothing is left.
@@ -352,11 +391,13 @@ impl<'m> Run<'m> {
                     explain::why(self.model, course.step, refusal)
                 );
                 loop {
-                    course.ladder.climb(refusal, course.load);
+                    course.ladder.climb(refusal, course.sense() * course.load);
                     let next = course.ladder.method();
+                    // Where loads stay there is no path of theirs.
+                    let stays = course.branch.slope() == 0.0;
                     if !next.follows_path()
-                        || course.trail.leads(next)
-                        || self.guess(course, next, size)
+                        || (!stays && course.trail.leads(next))
+                        || (!stays && self.guess(course, next, size))
                     {
                         break;
                     }
@@ -371,7 +412,7 @@ impl<'m> Run<'m> {
                     Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
                     // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
                     Method::Static if course.ladder.is_last() => {
-                        let beyond = course.beyond.map(|load| load - course.load);
+                        let beyond = course.beyond.map(|at| at - course.schedule.done());
                         let jump = beyond.unwrap_or(course.step.increments.max);
                         course.schedule.resume(jump);
                     }
@@ -385,8 +426,12 @@ impl<'m> Run<'m> {
                 self.summary.iterations += course.solves;
                 self.tally(&course.newton);
                 self.summary.status = Status::NotConverged;
+                let done = match course.step.amplitude {
+                    None => course.load,
+                    Some(_) => course.schedule.done(),
+                };
                 self.summary.message =
-                    explain::explain(self.model, course.index, leg, course.load, refusal);
+                    explain::explain(self.model, course.index, leg, done, refusal);
                 false
             }
         }
@@ -413,10 +458,10 @@ impl<'m> Run<'m> {
     /// Tells of a change of method.
     fn note(&mut self, course: &Course, why: &str, recorder: &mut dyn Recorder) {
         let text = format!(
-            "step {} ({}), {:.3} % of its loads: {why}; goes on by {}",
+            "step {} ({}), {}: {why}; goes on by {}",
             course.index,
             course.step.name,
-            100.0 * course.load,
+            course.progress(),
             course.ladder.method().name()
         );
         recorder.note(&text);
@@ -427,10 +472,10 @@ impl<'m> Run<'m> {
     fn stop(&mut self, course: &mut Course, why: &str, recorder: &mut dyn Recorder) {
         course.stopped = true;
         let text = format!(
-            "step {} ({}) ends at {:.3} % of its loads: {why}",
+            "step {} ({}) ends at {}: {why}",
             course.index,
             course.step.name,
-            100.0 * course.load
+            course.progress()
         );
         recorder.note(&text);
         self.summary.log.push(text);
@@ -494,6 +539,15 @@ impl<'m> Run<'m> {
             self.output_seconds,
         ];
     }
+}
+
+/// Stiffness along what steers the load of a step, which secant tangents want.
+pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
+    let controls = step.procedure == Procedure::DisplacementControl;
+    let control = step
+        .control
+        .filter(|_| controls && step.tangent == Tangent::Secant)?;
+    Steered::new(model, control)
 }
 
 /// Part of the energy that an increment takes in or gives back, from which on what it dissipates

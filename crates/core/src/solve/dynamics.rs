@@ -107,12 +107,14 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The motion of a step solved by `method`, none if that knows no inertia.
+    /// The motion of a step solved by `method`, none if that knows no inertia. What is driven goes `slope`
+    /// times as fast as it would without an amplitude.
     pub fn new(
         step: &Step,
         method: Method,
         system: &System,
         equations: &Equations,
+        slope: f64,
     ) -> Option<Self> {
         if !method.has_inertia() {
             return None;
@@ -123,17 +125,10 @@ impl Motion {
         };
         let slots = system.dofs.slots;
         let mut prescribed = vec![Some(0.0); slots];
-        for (b, motion) in step.motion.iter().enumerate() {
-            for (i, motion) in motion.iter().enumerate() {
-                if let BeamMotion::Driven(by) = motion {
-                    prescribed[system.dofs.beam_slot(b, i)] = Some(by / step.duration);
-                }
-            }
-        }
         for &slot in &equations.slot_of {
             prescribed[slot as usize] = None;
         }
-        Some(Self {
+        let mut motion = Self {
             of_step: scheme,
             scheme,
             shock: false,
@@ -145,7 +140,21 @@ impl Motion {
             velocity: vec![0.0; slots],
             acceleration: vec![0.0; slots],
             damping_force: vec![0.0; slots],
-        })
+        };
+        motion.drive_at(step, system, slope);
+        Some(motion)
+    }
+
+    /// What is driven goes `slope` times as fast as it would without an amplitude.
+    pub fn drive_at(&mut self, step: &Step, system: &System, slope: f64) {
+        for (b, motion) in step.motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                if let BeamMotion::Driven(by) = motion {
+                    let velocity = slope * (by / step.duration);
+                    self.prescribed[system.dofs.beam_slot(b, i)] = Some(velocity);
+                }
+            }
+        }
     }
 
     /// Velocities and damping with which the step begins. What is driven jumps to its velocity; the

@@ -3,7 +3,6 @@
 use nalgebra::Vector6;
 
 use super::drive::Run;
-use super::probes::probes;
 use crate::material::{ElasticParameters, MaterialHistory};
 use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 use crate::sym6;
@@ -30,7 +29,7 @@ impl Run<'_> {
             },
             interfaces: self.interface_frame(),
             reactions: row.reactions.clone(),
-            probes: probes(model, dofs, state),
+            probes: row.probes.clone(),
             ..Frame::default()
         };
         for (e, points) in state.material.chunks_exact(8).enumerate() {
@@ -68,15 +67,33 @@ impl Run<'_> {
         frame
     }
 
-    /// Forces from outside on the beams, then on the supports, with what gravity and the ground do to
-    /// their own nodes [N].
-    pub(super) fn reactions(&self, step: usize, load_factor: f64) -> Vec<[f64; 3]> {
+    /// Forces from outside on the beams, then on the supports, with what gravity, the ground and loads do to
+    /// their own nodes; then those of the loads with a name [N]. `load_factor`: part of the step's loads,
+    /// at part `moment` of its time.
+    pub(super) fn reactions(&self, step: usize, load_factor: f64, moment: f64) -> Vec<[f64; 3]> {
         let (model, state, dofs) = (self.model, &self.state, &self.system.dofs);
         let step = &model.steps[step];
         let gravity = step.gravity.at(load_factor);
-        let ground = step.ground.at(load_factor * step.duration);
+        let ground = step.ground.at(moment * step.duration);
+        let (outside, nodes) = (&self.system.outside, model.mesh.nodes.len());
+        let mut loaded = vec![[0.0; 3]; if outside.is_empty() { 0 } else { nodes }];
+        let mut resultants = Vec::with_capacity(model.loads.len());
+        for (l, value) in state.loads.iter().enumerate() {
+            let mut own = vec![[0.0; 3]; nodes];
+            outside.add(l, *value, &self.trial.x, &mut own);
+            let mut resultant = [0.0; 3];
+            for (all, own) in loaded.iter_mut().zip(own) {
+                for i in 0..3 {
+                    all[i] += own[i];
+                    resultant[i] += own[i];
+                }
+            }
+            resultants.push(resultant);
+        }
         let held = |n: usize, i: usize| {
-            self.trial.node_force[n][i] - self.system.mass.node[n] * (gravity[i] - ground[i])
+            let body = self.system.mass.node[n] * (gravity[i] - ground[i]);
+            let own = self.trial.node_force[n][i] - body;
+            loaded.get(n).map_or(own, |loaded| own - loaded[i])
         };
         let beams =
             (0..model.beams.len()).map(|b| [0, 1, 2].map(|i| state.applied[dofs.beam_slot(b, i)]));
@@ -84,7 +101,7 @@ impl Run<'_> {
             let sum = |i: usize| support.nodes.iter().map(|&n| held(n as usize, i)).sum();
             [0, 1, 2].map(|i| if support.fixed[i] { sum(i) } else { 0.0 })
         });
-        beams.chain(supports).collect()
+        beams.chain(supports).chain(resultants).collect()
     }
 }
 

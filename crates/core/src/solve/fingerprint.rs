@@ -17,7 +17,7 @@ pub(super) struct Fingerprint {
 }
 
 /// The parts of a model beside its steps.
-const PARTS: [&str; 7] = [
+const PARTS: [&str; 8] = [
     "the mesh",
     "the materials",
     "the interfaces",
@@ -25,6 +25,7 @@ const PARTS: [&str; 7] = [
     "the springs",
     "the initial velocities",
     "the probes",
+    "the loads",
 ];
 
 impl Fingerprint {
@@ -38,6 +39,7 @@ impl Fingerprint {
             &model.springs,
             &model.initial_velocity,
             &model.probes,
+            &model.loads,
         ];
         Self {
             parts: parts.into_iter().map(digest).collect(),

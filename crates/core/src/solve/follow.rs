@@ -21,10 +21,29 @@ impl Newton<'_> {
         rate
     }
 
+    /// α c (s − c·Δq) of the stiffness along the displacement that steers the load, for the next solve (see
+    /// [`crate::system::Steered`]).
+    pub(super) fn pull_along(&mut self, system: &System, state: &State, advance: Advance<'_>) {
+        let (Some(steered), Advance::Along { gradient, by }) = (&system.steered, advance) else {
+            return;
+        };
+        let ways = self.q.iter().zip(&state.q);
+        let gone: f64 = gradient
+            .iter()
+            .zip(ways)
+            .map(|(c, (q, s))| c * (q - s))
+            .sum();
+        let pull = steered.stiffness * (by - gone);
+        let slots = self.equations.slot_of.iter();
+        self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
+    }
+
     /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
     pub(super) fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
-        let loads = self.loads.rate(self.step, system, self.load_factor);
+        let loads = self
+            .loads
+            .rate(self.step, system, self.load_factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
         self.by_load.clear();
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);

@@ -69,8 +69,29 @@ impl Run<'_> {
             return false;
         }
         let (system, trial) = (&self.system, &self.trial);
-        let stored = system.elastic_energy(trial, &system.spring_forces(trial));
-        stored < (1.0 - RELEASE) * self.state.energies.elastic
+        let springs = system.spring_forces(trial);
+        let stored = system.elastic_energy(trial, &springs);
+        let before = self.state.energies.elastic;
+        let released = stored < (1.0 - RELEASE) * before;
+        // What goes back to what loads and drives is set free by nothing.
+        released && stored < (1.0 - RELEASE) * before + self.work_done(course, &springs).min(0.0)
+    }
+
+    /// Work done on the bodies in the increment that the trial ends, by the trapezoidal rule [N mm].
+    fn work_done(&self, course: &Course, springs: &[[f64; 3]]) -> f64 {
+        let (state, trial) = (&self.state, &self.trial);
+        let forces = state.force.iter().zip(&trial.force);
+        let ways = course.newton.q().iter().zip(&state.q);
+        let work =
+            |((f0, f1), (q, start)): ((&f64, &f64), (&f64, &f64))| 0.5 * (f0 + f1) * (q - start);
+        let mut sum: f64 = forces.zip(ways).map(work).sum();
+        for (s, force) in springs.iter().enumerate() {
+            for i in 0..3 {
+                let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
+                sum += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
+            }
+        }
+        sum
     }
 
     /// Whether the increment that the trial ends has left the path that it should follow.

@@ -18,6 +18,8 @@ pub struct Starts {
     spring_ends: Vec<[f64; 3]>,
     /// Forces on the beams then [N]. `[slot]`
     applied: Vec<f64>,
+    /// Values of the loads with a name then. `[load]`
+    loads: Vec<[f64; 3]>,
 }
 
 /// What the last commit left to the next increments.
@@ -36,18 +38,24 @@ impl Newton<'_> {
             q: self.q_start.clone(),
             spring_ends: self.ends_start.clone(),
             applied: self.loads.applied_start.clone(),
+            loads: self.loads.values_start.clone(),
         }
     }
 
     /// Counts from where the step once began; false if that was in another model.
     pub fn begin_from(&mut self, starts: Starts) -> bool {
         let sizes = [starts.q.len(), starts.applied.len()];
-        if sizes != [self.q.len(); 2] || starts.spring_ends.len() != self.ends_start.len() {
+        let fits = sizes == [self.q.len(); 2]
+            && starts.spring_ends.len() == self.ends_start.len()
+            && starts.loads.len() == self.loads.values.len();
+        if !fits {
             return false;
         }
         (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
         self.loads.applied_start.clone_from(&starts.applied);
         self.loads_start.applied_start = starts.applied;
+        self.loads.values_start.clone_from(&starts.loads);
+        self.loads_start.values_start = starts.loads;
         true
     }
 
@@ -68,10 +76,11 @@ impl Newton<'_> {
         true
     }
 
-    /// Goes on by the method and the tangents that led to `state`.
-    pub fn rejoin(&mut self, rung: Rung, system: &System, state: &State) {
+    /// Goes on by the method, the tangents and the rate that led to `state`.
+    pub fn rejoin(&mut self, rung: Rung, slope: f64, system: &System, state: &State) {
         (self.method, self.tangent) = (rung.method, rung.tangent);
-        self.motion = Motion::new(self.step, self.method, system, &self.equations);
+        self.slope = slope;
+        self.motion = Motion::new(self.step, self.method, system, &self.equations, slope);
         if let Some(motion) = &mut self.motion {
             motion.rejoin(state);
         }

@@ -168,6 +168,16 @@ impl Ladder {
         self.left_at *= part;
     }
 
+    /// Loads turn round: back to the first method from a path, which is none of the way back. Whether that
+    /// changes anything.
+    pub fn turn(&mut self) -> bool {
+        let leaves = self.at > 0 && self.method().follows_path();
+        if leaves {
+            (self.at, self.calm) = (0, 0);
+        }
+        leaves
+    }
+
     /// Begins with inertia, if it may.
     pub fn go_on_moving(&mut self) {
         self.at = self.inertia().unwrap_or(0);

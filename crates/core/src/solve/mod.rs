@@ -27,6 +27,7 @@ mod schedule;
 pub mod state;
 mod stop;
 mod tally;
+mod told;
 
 pub use checkpoint::{Checkpoint, CheckpointError, resume};
 pub use drive::{RunError, run};

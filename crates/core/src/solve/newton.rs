@@ -24,7 +24,7 @@ use super::state::State;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step, Tangent};
 use crate::system::linear::{Backend, LinearError, LinearSolver};
-use crate::system::{Equations, Evaluation, Solids, System, Trial};
+use crate::system::{Equations, Evaluation, Solids, System, Trial, Turning};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -41,10 +41,16 @@ pub struct Newton<'m> {
     pub(super) residual: Vec<f64>,
     /// What the last commit left out of balance [N].
     pub(super) left: Vec<f64>,
+    /// What joins −r on the right-hand side of the next solve [N] `[equation]`; empty = nothing.
+    pub(super) pull: Vec<f64>,
     /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
     pub(super) by_load: Vec<f64>,
     /// λ: part of the step's loads at the last iterate.
     pub(super) load_factor: f64,
+    /// Part of the step's time at the end of the increment.
+    pub(super) moment: f64,
+    /// How fast λ grows with the part of the time where it is prescribed.
+    pub(super) slope: f64,
     pub(super) q: Vec<f64>,
     pub(super) q_start: Vec<f64>,
     /// Ends of the springs when the step began [mm]. `[spring][xyz]`
@@ -85,8 +91,11 @@ impl<'m> Newton<'m> {
             direction: vec![0.0; n],
             residual: vec![0.0; n],
             left: vec![0.0; n],
+            pull: Vec::new(),
             by_load: Vec::new(),
             load_factor: 0.0,
+            moment: 0.0,
+            slope: step.branch(0).slope(),
             q: state.q.clone(),
             q_start: state.q.clone(),
             ends_start: state.spring_ends.clone(),
@@ -106,8 +115,18 @@ impl<'m> Newton<'m> {
         if self.backend() != before {
             self.linear = None;
         }
-        self.motion = Motion::new(self.step, self.method, system, &self.equations);
+        self.motion = Motion::new(self.step, self.method, system, &self.equations, self.slope);
         if let Some(motion) = &mut self.motion {
+            system.search(trial, &state.q);
+            motion.begin(system, state, trial);
+        }
+    }
+
+    /// Goes on at another rate; with inertia what is driven jumps to its velocity.
+    pub fn turn(&mut self, slope: f64, system: &mut System, state: &mut State, trial: &mut Trial) {
+        self.slope = slope;
+        if let Some(motion) = &mut self.motion {
+            motion.drive_at(self.step, system, slope);
             system.search(trial, &state.q);
             motion.begin(system, state, trial);
         }
@@ -151,7 +170,7 @@ impl<'m> Newton<'m> {
         self.tangent != Tangent::Direct
     }
 
-    /// Loads, prescribed displacements and ends of the springs at fraction `s` of the step.
+    /// Loads, prescribed displacements and ends of the springs at part `s` of those of the step.
     pub(super) fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
         self.load_factor = s;
         for (b, motion) in self.step.motion.iter().enumerate() {
@@ -165,7 +184,18 @@ impl<'m> Newton<'m> {
             }
         }
         self.drive_springs(trial, s);
-        self.loads.at(self.step, system, s);
+        self.loads.at(self.step, system, s, self.moment);
+        trial.loads.clone_from(&self.loads.values);
+    }
+
+    /// What of follower pressures a tangent holds: the secant one nothing, and stays symmetric and
+    /// positive definite (docs/decisions.md).
+    pub(super) fn turning(&self) -> Turning {
+        if self.tangent == Tangent::Secant {
+            Turning::Ignored
+        } else {
+            Turning::Exact
+        }
     }
 
     /// Ends of the springs at fraction `s` of the step.
@@ -230,6 +260,7 @@ impl<'m> Newton<'m> {
             solids,
             shifted: self.shifted(),
             tangent: true,
+            turning: self.turning(),
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
         let most = self.step.tolerance.max_iterations;
@@ -314,6 +345,7 @@ impl<'m> Newton<'m> {
             }
             // A start in balance needs no solve, only its tractions taken over.
             if !balanced || !on_path {
+                self.pull_along(system, state, attempt.advance);
                 self.solve(system, trial)?;
                 if attempt.advance == Advance::Load {
                     solves.one_more();
@@ -342,6 +374,7 @@ impl<'m> Newton<'m> {
         system
             .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
             .map_err(|(element, why)| Refusal::Local { element, why })?;
+        self.loads.follow(system, &trial.x);
         let loads = &self.loads.total;
         for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
             *r = trial.force[slot as usize] - loads[slot as usize];
@@ -377,6 +410,9 @@ impl<'m> Newton<'m> {
         });
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
+        }
+        for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
+            *d += pull;
         }
         self.clock.factorisations += 1;
         timed(&mut self.clock.factorise, || linear.factorise(&self.values))
@@ -452,6 +488,7 @@ impl<'m> Newton<'m> {
             solids: Solids::Implicit,
             shifted: self.shifted(),
             tangent: false,
+            turning: Turning::Ignored,
         };
         let solved = trial.force.clone();
         let mut left = self.residual.clone();
@@ -470,14 +507,15 @@ impl<'m> Newton<'m> {
     /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
     /// `dq` are the displacements of the increment [mm]. `[slot]`
     pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
-        state.energies.external += self.loads.work_of_bodies(&self.loads_start, dq);
+        state.energies.external += self.loads.work(&self.loads_start, dq);
+        state.loads.clone_from(&self.loads.values);
         state.energies.numerical += system.contact.crossing_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
-            let body = self.loads.body[slot];
+            let given = self.loads.given(slot);
             let applied = match &self.motion {
-                Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - body,
-                Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], body),
-                None => trial.force[slot] - body,
+                Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - given,
+                Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], given),
+                None => trial.force[slot] - given,
             };
             state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];
             state.applied[slot] = applied;

@@ -51,6 +51,8 @@ pub struct Attempt<'a> {
     pub increment: Increment,
     /// Part of the step's loads that act at its start.
     pub load: f64,
+    /// Part that acts at its end, where that is prescribed.
+    pub load_end: f64,
     /// Start from the last increment again, or else from the tangent.
     pub repeat: bool,
     /// How far to go.

@@ -27,11 +27,14 @@ impl Newton<'_> {
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;
         let end = match (attempt.advance, last) {
-            (Advance::Load, _) => attempt.increment.end(),
+            (Advance::Load, _) => attempt.load_end,
             (_, Some(last)) => start + setting.dt / last.dt * last.load,
             (_, None) => start,
         };
-        self.loads_start.at(self.step, system, start);
+        self.moment = attempt.increment.end();
+        let begin = attempt.increment.start;
+        self.loads_start.at(self.step, system, start, begin);
+        self.loads_start.follow(system, &trial.x);
         self.load_to(end, system, trial);
         if let Some(motion) = &mut self.motion {
             motion.start(state, setting.dt, &self.loads_start.total);
@@ -75,8 +78,9 @@ impl Newton<'_> {
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
         }
-        if self.loads.mean > 0.0 && setting.shifted {
-            // Weight presses joints that nothing pressed before: without the pressure of this start they
+        let pressed = self.loads.mean > 0.0 || self.loads.values.iter().any(|v| *v != [0.0; 3]);
+        if pressed && setting.shifted {
+            // Weight, or a load, presses joints that nothing pressed before: without the pressure of this start they
             // would have no friction to hold them in the next iterate.
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             let start = Evaluation {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::amplitude::{Branch, ROUNDING};
 use crate::model::scene::Increments;
 
 /// One increment: from `start` to `start + size`, as fractions of the step.
@@ -26,29 +27,44 @@ pub struct Schedule {
     limits: Increments,
     done: f64,
     size: f64,
+    /// Where the next row of the amplitude stands, or the end: an increment ends there.
+    until: f64,
 }
 
 /// The step is refused: the next increment would be smaller than allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooSmall;
 
-/// A remainder below this fraction of the step is rounding.
-const ROUNDING: f64 = 1e-12;
-
 impl Schedule {
-    /// Starts a step.
-    pub fn new(limits: Increments) -> Self {
+    /// Starts a step whose amplitude has its second row at `until`, 1 if that is its end.
+    pub fn new(limits: Increments, until: f64) -> Self {
         Self {
             limits,
             done: 0.0,
             size: limits.initial.min(limits.max),
+            until,
         }
     }
 
-    /// The increment to try now, none when the step is done. A remainder that would be a sliver is
-    /// shared with the last increment.
+    /// How much of the step is done.
+    pub fn done(&self) -> f64 {
+        self.done
+    }
+
+    /// Goes on along a branch of the amplitude, from its beginning.
+    pub fn turn(&mut self, branch: Branch) {
+        (self.done, self.until) = (branch.from[0], branch.to[0]);
+    }
+
+    /// Begins as the step did.
+    pub fn begin_small(&mut self) {
+        self.size = self.size.min(self.limits.initial);
+    }
+
+    /// The increment to try now, none at the end of the step or of a branch of its amplitude. A remainder
+    /// that would be a sliver is shared with the last increment.
     pub fn next(&self) -> Option<Increment> {
-        let left = 1.0 - self.done;
+        let left = self.until - self.done;
         if left <= ROUNDING {
             return None;
         }
@@ -118,11 +134,14 @@ mod tests {
 
     #[test]
     fn a_step_is_covered_whole() {
-        let mut schedule = Schedule::new(Increments {
-            initial: 0.07,
-            max: 0.2,
-            min: 1e-6,
-        });
+        let mut schedule = Schedule::new(
+            Increments {
+                initial: 0.07,
+                max: 0.2,
+                min: 1e-6,
+            },
+            1.0,
+        );
         let mut end = 0.0;
         while let Some(increment) = schedule.next() {
             assert_eq!(increment.start, end);
@@ -134,12 +153,37 @@ mod tests {
     }
 
     #[test]
+    fn increments_end_on_the_rows_of_an_amplitude() {
+        let limits = Increments {
+            initial: 0.03,
+            max: 0.07,
+            min: 1e-6,
+        };
+        let rows = [0.0, 0.25, 0.3, 0.75, 1.0];
+        let mut schedule = Schedule::new(limits, rows[1]);
+        for pair in rows.windows(2) {
+            schedule.turn(Branch {
+                from: [pair[0], 0.0],
+                to: [pair[1], 1.0],
+            });
+            while let Some(increment) = schedule.next() {
+                assert!(increment.end() <= pair[1] + ROUNDING);
+                schedule.accept(increment, 1.5);
+            }
+            assert!((schedule.done() - pair[1]).abs() <= ROUNDING);
+        }
+    }
+
+    #[test]
     fn cutting_below_the_smallest_increment_is_refused() {
-        let mut schedule = Schedule::new(Increments {
-            initial: 0.1,
-            max: 0.2,
-            min: 0.03,
-        });
+        let mut schedule = Schedule::new(
+            Increments {
+                initial: 0.1,
+                max: 0.2,
+                min: 0.03,
+            },
+            1.0,
+        );
         let Some(first) = schedule.next() else {
             panic!("a step has an increment")
         };

@@ -89,6 +89,8 @@ pub struct State {
     pub spring_ends: Vec<[f64; 3]>,
     /// Forces of the springs on their nodes [N]. `[spring][xyz]`
     pub spring_forces: Vec<[f64; 3]>,
+    /// Values of the loads with a name. `[load]`
+    pub loads: Vec<[f64; 3]>,
     /// Forces that act on the beams from outside at the last commit [N]; zero at nodes. `[slot]`
     pub applied: Vec<f64>,
     /// Forces of the Rayleigh damping at the last commit [N]. `[slot]`

@@ -3,26 +3,29 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::scene::{BeamMotion, Step, Stop};
-use crate::results::HistoryRow;
 
-/// Watches the history of a step for what ends it.
+/// Watches what a step drives or loads for what ends it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Watch {
     stop: Stop,
     /// Of the drive.
     sign: f64,
+    /// Whether the drive turns back.
+    turns: bool,
     /// Where the step began [mm].
     start: f64,
-    /// Largest force along the drive in this step so far [kN].
-    most: f64,
+    /// Largest force along the drive in this step so far, and against it [kN].
+    most: [f64; 2],
+    /// Farthest along the drive so far, and against it [mm].
+    farthest: [f64; 2],
 }
 
 /// A displacement counts as reached within this part of it: sums of increments are rounded.
 const ROUNDING: f64 = 1e-9;
 
 impl Watch {
-    /// Of a step whose driven displacement begins at `start` [mm]; none if it drives nothing. What nothing
-    /// stops is watched, too: who resumes may stop it.
+    /// Of a step whose displacement begins at `start` [mm]; none if it drives and loads nothing. What
+    /// nothing stops is watched, too: who resumes may stop it.
     pub(super) fn new(step: &Step, start: f64) -> Option<Self> {
         let stop = step.stop.unwrap_or_default();
         let of_beam = step
@@ -32,18 +35,22 @@ impl Watch {
                 _ => None,
             });
         let of_spring = || step.springs.iter().flatten().copied().find(|by| *by != 0.0);
-        let by = of_beam.or_else(of_spring)?;
+        let loads = step.loads.iter().any(Option::is_some);
+        let of_load = || loads.then(|| step.control.map_or(1.0, |control| control.displacement));
+        let by = of_beam.or_else(of_spring).or_else(of_load)?;
         Some(Self {
             stop,
             sign: by.signum(),
+            turns: step.turns(),
             start,
-            most: 0.0,
+            most: [0.0; 2],
+            farthest: [0.0; 2],
         })
     }
 
     /// What this watch of an earlier run has seen, for what stops the step now.
     pub(super) fn go_on(&mut self, earlier: &Self) {
-        (self.start, self.most) = (earlier.start, earlier.most);
+        (self.start, self.most, self.farthest) = (earlier.start, earlier.most, earlier.farthest);
     }
 
     /// Whether two watches end a step at the same place.
@@ -51,22 +58,33 @@ impl Watch {
         self.stop == step.stop.unwrap_or_default()
     }
 
-    /// Takes a row of the step; why the step ends with it, if it does.
-    pub(super) fn take(&mut self, row: &HistoryRow) -> Option<String> {
-        let force = self.sign * row.force_kN;
-        self.most = self.most.max(force);
-        let way = self.sign * (row.displacement_mm - self.start);
+    /// Takes the displacement [mm] and the force [kN] of an increment; why the step ends with it, if it
+    /// does.
+    ///
+    /// A drive that turns back has a peak either way, and what falls while it goes back is none of it: the
+    /// force counts where the drive is as far out as it ever was, at the tips of its loops at least.
+    pub(super) fn take(&mut self, [displacement, force]: [f64; 2]) -> Option<String> {
+        let way = self.sign * (displacement - self.start);
+        let side = usize::from(self.turns && way < 0.0);
+        let sense = if side == 1 { -self.sign } else { self.sign };
+        let force = sense * force;
+        self.most[side] = self.most[side].max(force);
+        let most = self.most[side];
+        let out = if self.turns { way.abs() } else { way };
         if let Some(by) = self.stop.displacement
-            && way >= by * (1.0 - ROUNDING)
+            && out >= by * (1.0 - ROUNDING)
         {
             return Some(format!(
                 "it has moved by {way:.4} mm, and stop.displacement is {by} mm"
             ));
         }
+        let outermost = out >= self.farthest[side] * (1.0 - ROUNDING);
+        self.farthest[side] = self.farthest[side].max(out);
         // A step that begins under load against its drive has no peak before it is along it.
         let part = self.stop.below_peak?;
-        (self.most > 0.0 && force <= part * self.most).then(|| {
-            let (percent, most) = (100.0 * force / self.most, self.most);
+        let counts = outermost || !self.turns;
+        (counts && most > 0.0 && force <= part * most).then(|| {
+            let percent = 100.0 * force / most;
             format!(
                 "the force is down to {percent:.1} % of its peak of {most:.3} kN, and stop.below_peak is {part}"
             )
@@ -77,6 +95,7 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::amplitude::Amplitude;
     use crate::results::fake;
 
     fn watch(stop: Stop, by: f64, start: f64) -> Watch {
@@ -106,15 +125,9 @@ mod tests {
                 (1.0, 10.0),
                 (1.5, 8.1),
             ] {
-                assert_eq!(
-                    watch.take(&fake::row(1, 1, sign * d, sign * f)),
-                    None,
-                    "{f}"
-                );
+                assert_eq!(watch.take([sign * d, sign * f]), None, "{f}");
             }
-            let why = watch
-                .take(&fake::row(1, 1, sign * 2.0, sign * 8.0))
-                .unwrap();
+            let why = watch.take([sign * 2.0, sign * 8.0]).unwrap();
             assert!(why.contains("80.0 % of its peak of 10.000 kN"), "{why}");
         }
     }
@@ -127,9 +140,9 @@ mod tests {
         };
         // Driven back from 2 mm: 0.1 three times is not quite 0.3.
         let mut watch = watch(stop, -4.0, 2.0);
-        assert_eq!(watch.take(&fake::row(1, 1, 1.8, 1.0)), None);
+        assert_eq!(watch.take([1.8, 1.0]), None);
         let there = 2.0 - (0.1 + 0.1 + 0.1);
-        assert!(watch.take(&fake::row(1, 1, there, 1.0)).is_some());
+        assert!(watch.take([there, 1.0]).is_some());
     }
 
     #[test]
@@ -139,7 +152,43 @@ mod tests {
         assert!(Watch::new(&steps[0], 0.0).is_none());
         let mut watch = watch(Stop::default(), 3.0, 0.0);
         for force in [1.0, 9.0, 0.1] {
-            assert_eq!(watch.take(&fake::row(1, 1, 5.0, force)), None);
+            assert_eq!(watch.take([5.0, force]), None);
         }
+    }
+
+    /// Loops of 1 mm and 2 mm: the way back ends nothing, a tip that has lost a fifth of its peak does.
+    #[test]
+    fn a_cyclic_step_ends_at_the_tip_of_a_loop_that_is_down() {
+        let mut step = fake::model().steps.remove(1);
+        step.motion = vec![[
+            BeamMotion::Driven(2.0),
+            BeamMotion::Locked,
+            BeamMotion::Locked,
+        ]];
+        step.stop = Some(Stop {
+            below_peak: Some(0.8),
+            displacement: None,
+        });
+        step.amplitude = Some(Amplitude::cycles(&[1.0, 2.0], 2).unwrap());
+        let mut watch = Watch::new(&step, 0.0).unwrap();
+        let loops = [
+            (0.5, 5.0),
+            (1.0, 10.0),
+            (0.5, 1.0),
+            (0.0, -4.0),
+            (-1.0, -9.0),
+            (0.0, 4.0),
+            (1.0, 9.0),
+            (0.0, -3.0),
+            (-1.0, -7.5), // 0.83 of the peak on this side
+            (0.9, 7.0),   // not as far out as before
+        ];
+        for (d, f) in loops {
+            assert_eq!(watch.take([d, f]), None, "{d} {f}");
+        }
+        let why = watch.take([1.0, 8.0]).unwrap();
+        assert!(why.contains("80.0 % of its peak of 10.000 kN"), "{why}");
+        assert!(watch.take([-1.0, -7.3]).is_none());
+        assert!(watch.take([-2.0, -7.0]).is_some());
     }
 }

@@ -246,7 +246,7 @@ fn solved(
         status: summary.status,
         message: summary.message.clone(),
         tolerances: model.steps.iter().map(|s| s.tolerance.residual).collect(),
-        probes: model.probes.iter().map(|p| p.column.clone()).collect(),
+        probes: model.columns(),
         energy: kept.balance.error(),
         rows: kept.rows,
     };

@@ -10,7 +10,6 @@ use super::expect::{Expectation, Measure, Wanted};
 use super::history::History;
 use crate::error::ModelError;
 use crate::model::Deck;
-use crate::model::deck::DeckProbe;
 use crate::model::source::Source;
 
 /// The serde mirror of `case.toml`.
@@ -193,8 +192,8 @@ impl CaseFile {
             });
         }
         let deck = Deck::load(folder.join(&self.deck), &[])?;
-        let probes = deck.probes.iter().map(DeckProbe::column);
-        let columns: Vec<String> = History::names().into_iter().chain(probes).collect();
+        let own = deck.columns();
+        let columns: Vec<String> = History::names().into_iter().chain(own).collect();
         let mut expect = Vec::new();
         for (i, written) in self.expect.into_iter().enumerate() {
             let checker = Checker {

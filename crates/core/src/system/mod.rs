@@ -8,18 +8,22 @@ pub mod dofs;
 pub mod linear;
 mod mass;
 mod numerical;
+mod outside;
 pub mod pattern;
 mod patterns;
 mod rounding;
 mod springs;
+mod steered;
 
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
 pub use damping::StiffnessDamping;
 pub use dofs::{DofMap, Equations};
 pub use mass::Mass;
+pub use outside::Outside;
 pub use pattern::Gather;
 pub use springs::Springs;
+pub use steered::Steered;
 
 use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
 use crate::model::Model;
@@ -39,6 +43,18 @@ pub struct Evaluation {
     pub shifted: bool,
     /// Tangents wanted.
     pub tangent: bool,
+    /// What of follower pressures is among them.
+    pub turning: Turning,
+}
+
+/// What the matrix knows of follower pressures, which turn with what they press.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turning {
+    /// Nothing.
+    #[default]
+    Ignored,
+    /// Their stiffness, which is unsymmetric.
+    Exact,
 }
 
 /// Largest factor of the numerical stiffness.
@@ -92,6 +108,8 @@ pub struct Trial {
     pub sticks: bool,
     /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
     pub spring_ends: Vec<[f64; 3]>,
+    /// Values of the loads with a name. `[load]`
+    pub loads: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
     pub inertia: f64,
     /// What each point did in the last iterate. `[point]`
@@ -179,6 +197,10 @@ pub struct System {
     pub mass: Mass,
     /// Springs to the ground.
     pub springs: Springs,
+    /// Loads with a name.
+    pub outside: Outside,
+    /// Stiffness along the displacement that steers the load of a step, where one does.
+    pub steered: Option<Steered>,
     /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
     pub rounding_force: f64,
     gather: Option<Gather>,
@@ -198,6 +220,8 @@ impl System {
             bulk,
             contact: Contact::new(model),
             springs: Springs::new(model),
+            outside: Outside::new(model),
+            steered: None,
             rounding_force: rounding::force(model),
             gather: None,
             analysed_version: 0,
@@ -215,6 +239,7 @@ impl System {
             force: vec![0.0; self.dofs.slots],
             spring_ends: vec![[0.0; 3]; model.springs.len()],
             spring_forces: vec![[0.0; 3]; model.springs.len()],
+            loads: vec![[0.0; 3]; model.loads.len()],
             applied: vec![0.0; self.dofs.slots],
             damping: vec![0.0; self.dofs.slots],
             material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
@@ -292,6 +317,8 @@ impl System {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
         cells.extend(self.springs.cells());
+        cells.extend(self.outside.cells());
+        cells.extend(self.steered_cells());
         let gather = Gather::new(&cells, &self.dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
@@ -354,7 +381,9 @@ impl System {
         let nodes = self.bulk.reference.len();
         let n_elements = self.bulk.elements.len();
         let n_loaded = n_elements + self.contact.cell_count();
-        let n_cells = n_loaded + self.springs.cells().len();
+        let n_sprung = n_loaded + self.springs.cells().len();
+        let n_pressed = n_sprung + self.outside.cells().len();
+        let n_cells = n_pressed + self.steered_cells().len();
         self.place(trial, q);
         trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.resize(n_cells * CELL, 0.0);
@@ -385,9 +414,24 @@ impl System {
             if setting.tangent {
                 let from = n_loaded * CELL;
                 self.springs
-                    .write_stiffness(&mut trial.cells[from..n_cells * CELL]);
-                trial.active[n_loaded..n_cells].fill(true);
+                    .write_stiffness(&mut trial.cells[from..n_sprung * CELL]);
+                trial.active[n_loaded..n_sprung].fill(true);
             }
+        }
+        let turns = setting.tangent && setting.turning == Turning::Exact;
+        if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
+            self.outside.write_stiffness(
+                &trial.loads,
+                &trial.x,
+                &mut trial.cells[n_sprung * CELL..n_pressed * CELL],
+                &mut trial.active[n_sprung..n_pressed],
+            );
+        } else if setting.tangent {
+            trial.active[n_sprung..n_pressed].fill(false);
+        }
+        if let (Some(steered), true) = (&self.steered, setting.tangent) {
+            steered.write(&mut trial.cells[n_pressed * CELL..n_cells * CELL]);
+            trial.active[n_pressed..n_cells].fill(true);
         }
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);
@@ -398,6 +442,10 @@ impl System {
             .sum();
         trial.mean_nodal_force = magnitude / (8 * n_elements.max(1)) as f64;
         Ok(())
+    }
+
+    fn steered_cells(&self) -> &[[u32; 8]] {
+        self.steered.as_ref().map_or(&[], Steered::cells)
     }
 
     /// Elastic energy of solids, interfaces and springs at the trial's positions [N mm].
@@ -426,6 +474,25 @@ impl System {
         p
     }
 
+    /// Forces on the unknowns, and on what is prescribed, of loads of these values that do not turn [N].
+    /// `[slot]`
+    pub fn dead_loads(&self, values: &[[f64; 3]]) -> Vec<f64> {
+        self.on_slots(|force| self.outside.add_dead(values, force))
+    }
+
+    /// The same of follower pressures, where nodes are at `x` [mm] [N]. `[slot]`
+    pub fn follower_loads(&self, values: &[[f64; 3]], x: &[[f64; 3]]) -> Vec<f64> {
+        self.on_slots(|force| self.outside.add_followers(values, x, force))
+    }
+
+    fn on_slots(&self, add: impl FnOnce(&mut [[f64; 3]])) -> Vec<f64> {
+        let mut force = vec![[0.0; 3]; self.bulk.reference.len()];
+        add(&mut force);
+        let mut slots = vec![0.0; self.dofs.slots];
+        self.dofs.collect(&force, &mut slots);
+        slots
+    }
+
     /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`
     pub fn multiply(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
         let nodes = self.bulk.reference.len();
@@ -434,6 +501,8 @@ impl System {
         let mut force = vec![[0.0; 3]; nodes];
         let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
         let connectivity = connectivity.chain(self.springs.cells());
+        let connectivity = connectivity.chain(self.outside.cells());
+        let connectivity = connectivity.chain(self.steered_cells());
         for (c, nodes) in connectivity.enumerate() {
             if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
                 continue;

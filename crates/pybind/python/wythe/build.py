@@ -28,6 +28,8 @@ __all__ = [
     "free",
     "gravity",
     "joint",
+    "load",
+    "loading",
     "mesh",
     "preload",
     "probe",
@@ -57,6 +59,10 @@ class MotionOptions(TypedDict, total=False):
     rayleigh: Mapping[str, Quantity]
     ground: Mapping[str, str]
     ground_unit: Quantity
+    ground_factor: Mapping[str, float]
+    ground_start: Quantity
+    loads: Sequence[Part]
+    amplitude: Rows | str
     increments: Mapping[str, float]
     tolerance: Mapping[str, float]
 
@@ -223,9 +229,10 @@ def preload(
 
 
 def push(
-    displacement: Quantity,
+    displacement: Quantity | None = None,
     direction: str = "x",
     *,
+    cycles: Mapping[str, Any] | None = None,
     face: str | Sequence[str] | None = None,
     spring: str | None = None,
     vertical: str | None = None,
@@ -238,9 +245,11 @@ def push(
     Parameters
     ----------
     displacement
-        How far, in this step.
+        How far, in this step; or ``cycles``.
     direction
         ``"x"`` along the wall, ``"y"`` through it, ``"z"`` up, each with ``-`` the other way.
+    cycles
+        To and fro: ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
     face, spring
         What is driven in a scene of blocks.
     vertical
@@ -255,10 +264,55 @@ def push(
     return {
         "kind": "drive",
         "direction": direction,
-        "displacement": displacement,
+        **_part(displacement=displacement, cycles=cycles),
         **_part(face=face, spring=spring, vertical=vertical, free=free, stop=stop),
         **options,
     }
+
+
+def load(
+    name: str,
+    on: str | Sequence[str] | None = None,
+    *,
+    near: Sequence[Quantity] | None = None,
+    line: tuple[Sequence[Quantity], Sequence[Quantity]] | None = None,
+    within: Quantity | None = None,
+    pressure: Quantity | None = None,
+    follower: bool | None = None,
+    traction: Sequence[Quantity] | None = None,
+    force: Sequence[Quantity] | None = None,
+    line_force: Sequence[Quantity] | None = None,
+) -> Part:
+    """A load of a step, one of ``loads``: where it acts and its value at the end of the step.
+
+    Parameters
+    ----------
+    name
+        By which later steps say its value anew.
+    on
+        Faces; of a ``force`` blocks, too.
+    near, line, within
+        The node nearest to a point; the nodes along the line from one point to another, so near to it [mm].
+    pressure, follower
+        On faces [MPa], compression positive; it turns with them unless ``follower`` is false.
+    traction
+        On the area of faces at rest [MPa].
+    force
+        In all [N].
+    line_force
+        Over the length of the line [N/mm].
+    """
+    begin, end = line if line is not None else (None, None)
+    place = _part(on=on, near=near, to=end, within=within) | ({} if begin is None else {"from": begin})
+    value = _part(pressure=pressure, follower=follower, traction=traction, force=force, line_force=line_force)
+    return {"name": name, **place, **value}
+
+
+def loading(
+    *loads: Part, stop: Mapping[str, Quantity] | None = None, **options: Unpack[StepOptions]
+) -> Part:
+    """A step that changes nothing but loads: those of :func:`load`."""
+    return {"kind": "load", "loads": list(loads), **_part(stop=stop), **options}
 
 
 def gravity(

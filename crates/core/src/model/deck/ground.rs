@@ -1,13 +1,13 @@
 //! Records of the ground: a file of times and accelerations a direction.
 //!
 //! A record is a CSV file: `#` comments, perhaps a line of names, then a time [s] and an acceleration
-//! a line, times ascending. What 1 in it means is the step's `ground_unit`. Its name is relative to the
-//! deck's folder.
+//! a line, times ascending. What 1 in it means is the step's `ground_unit`; `ground_factor` multiplies it, and
+//! the step begins at its time `ground_start`. Its name is relative to the deck's folder.
 
 use super::Deck;
 use super::rows::rows;
 use crate::error::ModelError;
-use crate::model::quantity::Acceleration;
+use crate::model::quantity::{Acceleration, Number, Time};
 use crate::model::scene::GroundMotion;
 
 impl Deck {
@@ -22,6 +22,9 @@ impl Deck {
             return Ok(motion);
         };
         let unit = of.ground_unit.map_or(1.0, Acceleration::get);
+        let factor = of.ground_factor.unwrap_or_default();
+        let factors = [factor.x, factor.y, factor.z].map(Number::get);
+        let begin = of.ground_start.map_or(0.0, Time::get);
         for (i, file) in ground.files().into_iter().enumerate() {
             let Some(file) = file else { continue };
             let key = format!("steps.{step}.ground.{}", ["x", "y", "z"][i]);
@@ -34,13 +37,16 @@ impl Deck {
                     "name a CSV file, relative to the deck's folder",
                 )
             })?;
-            motion.acceleration[i] = record(&text, unit).map_err(|(line, why)| {
+            motion.acceleration[i] = record(&text, unit * factors[i]).map_err(|(line, why)| {
                 self.error(
                     &key,
                     format!("{} line {line}: {why}", path.display()),
                     "a record has a time [s] and an acceleration a line, such as 0.02, 0.113",
                 )
             })?;
+            for row in &mut motion.acceleration[i] {
+                row[0] -= begin;
+            }
         }
         Ok(motion)
     }

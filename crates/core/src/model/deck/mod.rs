@@ -9,6 +9,7 @@ mod grid;
 mod ground;
 mod imports;
 mod interfaces;
+mod loads;
 mod materials;
 mod output;
 mod probes;
@@ -24,9 +25,12 @@ pub use arch::DeckArch;
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
+pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
-pub use procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
+pub use procedure::{
+    DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
+};
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{

@@ -75,6 +75,29 @@ pub struct DeckGround {
     pub z: Option<String>,
 }
 
+/// `ground_factor` of a step: by what the records are multiplied.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckGroundFactor {
+    /// That of the record along the wall.
+    pub x: Number,
+    /// Through the wall.
+    pub y: Number,
+    /// Upwards.
+    pub z: Number,
+}
+
+impl Default for DeckGroundFactor {
+    fn default() -> Self {
+        let one = Number::new(1.0);
+        Self {
+            x: one,
+            y: one,
+            z: one,
+        }
+    }
+}
+
 /// α where the deck says none: enough to quiet what the increments do not resolve, 0.1 % of damping
 /// at ten increments a period.
 const ALPHA: f64 = -0.05;

@@ -107,6 +107,9 @@ impl Deck {
         if old.control.is_some() {
             return refuse("a step that a probe steers has no other length".to_owned());
         }
+        if old.amplitude.is_some() {
+            return refuse("a step with an amplitude has no other length".to_owned());
+        }
         let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * a.abs();
         let duration = old.duration.get() / part;
         if step.kind != StepKind::Free && step.duration == old.duration {
@@ -141,7 +144,7 @@ fn length(step: &DeckStep) -> Option<(&'static str, f64)> {
         StepKind::Drive => step.displacement.map(|d| ("displacement", d.get())),
         StepKind::Tilt => step.angle.map(|a| ("angle", a.get())),
         StepKind::Free => Some(("duration", step.duration.get())),
-        StepKind::Preload | StepKind::Gravity => None,
+        StepKind::Preload | StepKind::Gravity | StepKind::Load => None,
     }
 }
 

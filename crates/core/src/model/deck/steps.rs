@@ -1,6 +1,9 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
-use super::procedure::{DeckControl, DeckGround, DeckProcedure, DeckRayleigh, DeckStop};
+use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
+use super::procedure::{
+    DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
+};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Tangent, Tolerance};
@@ -31,6 +34,9 @@ pub struct DeckStep {
     /// Preload, drive of blocks: the faces that move as one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face: Option<Names>,
+    /// Drive: how far forth and back, instead of `displacement`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cycles: Option<DeckCycles>,
     /// Preload of blocks: pressure on the face [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
@@ -49,6 +55,12 @@ pub struct DeckStep {
     /// Gravity, tilt, free: horizontal axis about which the ground is turned, right-handed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Direction>,
+    /// Loads with a name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<DeckLoad>,
+    /// Part of what the step drives and loads over the parts of its time; evenly if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<DeckAmplitude>,
     /// Duration [s]; viscosity is measured in it.
     #[serde(default = "one_second")]
     pub duration: Time,
@@ -79,6 +91,12 @@ pub struct DeckStep {
     /// What 1 in these records means [mm/s²]; 1 mm/s² if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_unit: Option<Acceleration>,
+    /// By what they are multiplied, direction by direction; 1 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_factor: Option<DeckGroundFactor>,
+    /// Where in the records the step begins [s]; at their time 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_start: Option<Time>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
     pub increments: DeckIncrements,
@@ -101,6 +119,8 @@ pub enum StepKind {
     Tilt,
     /// Nothing changes but time: for motion under inertia.
     Free,
+    /// Nothing changes but the loads with a name.
+    Load,
 }
 
 impl StepKind {
@@ -112,6 +132,7 @@ impl StepKind {
             Self::Gravity => "gravity",
             Self::Tilt => "tilt",
             Self::Free => "free",
+            Self::Load => "load",
         }
     }
 }
@@ -212,19 +233,33 @@ impl DeckStep {
     ///
     /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area
     /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic, and so
-    /// is gravity; what tilts or moves freely is to be seen in a hundred pictures.
+    /// is gravity; what tilts or moves freely is to be seen in a hundred pictures. Loads may break what
+    /// they act on; where a displacement steers them they go on as a drive does.
     pub fn increments(&self) -> Increments {
+        self.increments_of(1.0, f64::INFINITY)
+    }
+
+    /// The same where an amplitude moves up to so many times as fast as the step would without: what
+    /// the deck does not say goes as far in an increment as ever. Nor is it larger than `finest`, the part of the
+    /// step from row to row of the ground's records.
+    pub fn increments_of(&self, steepest: f64, finest: f64) -> Increments {
+        let steered = self.procedure == DeckProcedure::DisplacementControl;
         let [initial, max, min] = match self.kind {
             StepKind::Preload | StepKind::Gravity => [0.25, 0.5, 1e-4],
-            StepKind::Drive => [0.005, 0.0125, 1e-6],
+            StepKind::Load if !steered => [0.05, 0.1, 1e-6],
+            StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
-        let max = self.increments.max.map_or(max, Number::get);
+        let faster = steepest.max(1.0);
+        let (initial, max) = (initial / faster, (max / faster).min(finest));
+        let first = self.increments.initial.map(Number::get);
         // A default yields to what is said: never a first increment above the largest.
-        let initial = self
-            .increments
-            .initial
-            .map_or(initial.min(max), Number::get);
+        let max = match (self.increments.max, first) {
+            (Some(max), _) => max.get(),
+            (None, Some(first)) if steepest > 1.0 || finest < 1.0 => max.max(first),
+            (None, _) => max,
+        };
+        let initial = first.unwrap_or(initial.min(max));
         let min = self.increments.min.map_or(min.min(initial), Number::get);
         Increments { initial, max, min }
     }

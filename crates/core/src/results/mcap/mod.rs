@@ -83,15 +83,18 @@ struct Step<'a> {
     #[serde(flatten)]
     row: &'a HistoryRow,
     #[serde(flatten)]
-    probes: BTreeMap<&'a str, f64>,
+    probes: BTreeMap<String, f64>,
 }
 
 impl<'a> Step<'a> {
-    fn new(model: &'a Model, row: &'a HistoryRow) -> Self {
-        let names = model.probes.iter().map(|p| p.column.as_str());
+    fn new(model: &Model, row: &'a HistoryRow) -> Self {
         Self {
             row,
-            probes: names.zip(row.probes.iter().copied()).collect(),
+            probes: model
+                .columns()
+                .into_iter()
+                .zip(row.probes.iter().copied())
+                .collect(),
         }
     }
 }
@@ -317,7 +320,7 @@ fn open_topics<W: io::Write + io::Seek>(
 /// Topics and their schemas.
 fn channels(model: &Model) -> io::Result<[(&'static str, Schema); 6]> {
     let row = HistoryRow {
-        probes: vec![0.0; model.probes.len()],
+        probes: vec![0.0; model.columns().len()],
         ..HistoryRow::default()
     };
     let step = serde_json::to_value(Step::new(model, &row)).map_err(io::Error::other)?;

@@ -65,9 +65,11 @@ fn as_map(row: &HistoryRow) -> Map<String, Value> {
 
 /// Unit of a column, as its name ends.
 fn unit_of(column: &str) -> &'static str {
-    const ENDS: [(&str, &str); 5] = [
+    const ENDS: [(&str, &str); 7] = [
         ("_mm_per_s", "mm/s"),
+        ("_N_per_mm", "N/mm"),
         ("_mm2", "mm2"),
+        ("_MPa", "MPa"),
         ("_mm", "mm"),
         ("_kN", "kN"),
         ("_J", "J"),
@@ -83,8 +85,9 @@ fn unit_of(column: &str) -> &'static str {
 fn reaction_names(model: &Model) -> Vec<String> {
     let beams = model.beams.iter().map(|b| ("beams", &b.name));
     let supports = model.supports.iter().map(|s| ("supports", &s.name));
+    let loads = model.loads.iter().map(|l| ("loads", &l.name));
     let mut names: Vec<String> = Vec::new();
-    for (group, name) in beams.chain(supports) {
+    for (group, name) in beams.chain(supports).chain(loads) {
         let plain = name.replace(['/', '\0'], "_");
         let plain = if plain.trim_matches('.').is_empty() {
             "_"
@@ -112,6 +115,9 @@ impl History {
         for name in ["beams", "supports"] {
             group.create_group(name)?;
         }
+        if !model.loads.is_empty() {
+            group.create_group("loads")?;
+        }
         let mut history = Self {
             columns: Vec::new(),
             probes: Vec::new(),
@@ -134,9 +140,9 @@ impl History {
             mark_unit(&series, unit_of(&name))?;
             history.columns.push((name, kind, series));
         }
-        for probe in &model.probes {
-            let series = reals(&group, &probe.column)?;
-            mark_unit(&series, unit_of(&probe.column))?;
+        for column in model.columns() {
+            let series = reals(&group, &column)?;
+            mark_unit(&series, unit_of(&column))?;
             history.probes.push(series);
         }
         for name in reaction_names(model) {
@@ -168,9 +174,9 @@ impl History {
                 .map(|(name, kind)| series(&name, rows).map(|s| (name, kind, s)))
                 .collect::<hdf5::Result<_>>()?,
             probes: model
-                .probes
+                .columns()
                 .iter()
-                .map(|probe| series(&probe.column, rows))
+                .map(|column| series(column, rows))
                 .collect::<hdf5::Result<_>>()?,
             reactions: reaction_names(model)
                 .iter()

@@ -109,7 +109,8 @@ impl WorkFile {
         let mesh = &model.mesh;
         let ids = mesh.elements.as_flattened();
         let moves = model.may_move();
-        let series: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
+        let columns = model.columns();
+        let series: Vec<&str> = columns.iter().map(String::as_str).collect();
         let solids = Meshed {
             geometry: &Geometry {
                 points: mesh.nodes.clone(),

@@ -3,6 +3,7 @@
 mod blocks;
 mod imports;
 mod interfaces;
+mod loads;
 mod materials;
 mod probes;
 mod references;
@@ -13,6 +14,7 @@ use super::form::Broken;
 use super::{Deck, Material};
 use crate::error::ModelError;
 use crate::model::quantity::{Number, Quantity};
+pub(in crate::model) use loads::misfit;
 
 /// Errors found so far.
 struct Checks<'a> {
@@ -48,6 +50,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.scene();
     checks.imports();
     checks.probes();
+    checks.loads();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }

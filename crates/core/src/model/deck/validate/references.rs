@@ -56,6 +56,11 @@ impl Checks<'_> {
         }
         for (i, step) in deck.steps.iter().enumerate() {
             self.places(&roll, &format!("steps.{i}.face"), step.face.as_ref(), true);
+            for (l, load) in step.loads.iter().enumerate() {
+                let faces = load.pressure.is_some() || load.traction.is_some();
+                let path = format!("steps.{i}.loads.{l}.on");
+                self.places(&roll, &path, load.on.as_ref(), faces);
+            }
         }
     }
 

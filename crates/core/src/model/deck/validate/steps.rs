@@ -68,6 +68,12 @@ impl Checks<'_> {
                 &keys::example("angle"),
             );
         }
+        self.require(
+            step.cycles.is_none() || step.displacement.is_none(),
+            &key("displacement"),
+            || "`cycles` say how far the step drives".to_owned(),
+            "leave out `displacement`, or `cycles`",
+        );
         if let Some(displacement) = step.displacement {
             self.demand(
                 displacement.get() != 0.0,
@@ -77,6 +83,7 @@ impl Checks<'_> {
             );
         }
         self.inertia(path, step);
+        self.course(path, step);
         self.procedure(path, step);
         self.stop(path, step);
         let sizes = step.increments();
@@ -129,6 +136,17 @@ impl Checks<'_> {
             || "there is no record whose unit this would be".to_owned(),
             &keys::example("ground"),
         );
+        for (name, given) in [
+            ("ground_factor", step.ground_factor.is_some()),
+            ("ground_start", step.ground_start.is_some()),
+        ] {
+            self.require(
+                !given || step.ground.is_some(),
+                &key(name),
+                || "there is no record that it could change".to_owned(),
+                &keys::example("ground"),
+            );
+        }
         if let Some(alpha) = step.alpha {
             let value = alpha.get();
             self.demand(
@@ -200,7 +218,7 @@ impl Checks<'_> {
                 step.kind != StepKind::Free,
                 &key("control"),
                 || "a free step has no load to steer".to_owned(),
-                "steer a preload, gravity, a tilt, or a drive",
+                "steer a preload, gravity, a tilt, a drive, or a load",
             );
         }
     }
@@ -223,10 +241,12 @@ impl Checks<'_> {
                 "the part of its peak to which the force falls: below_peak = 0.8",
             );
         }
-        if let (Some(by), Some(whole)) = (stop.displacement, step.displacement) {
-            let (by, whole) = (by.get(), whole.get().abs());
+        if let Some(by) = stop.displacement
+            && step.kind == StepKind::Drive
+        {
+            let (by, whole) = (by.get(), step.drive().abs());
             self.require(
-                by > 0.0 && by <= whole,
+                by > 0.0 && (by <= whole || step.amplitude.is_some()),
                 &key(".displacement"),
                 || format!("{by} mm is not above 0 and within the {whole} mm of the step"),
                 "how far this step drives, without sign: displacement = \"3 mm\"",
@@ -239,7 +259,7 @@ impl Checks<'_> {
         if !self.scene_is_known() {
             return;
         }
-        use StepKind::{Drive, Free, Gravity, Preload, Tilt};
+        use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
         let key = |name: &str| format!("{path}.{name}");
         let kind = step.kind;
         // Steps of a clamped wall that name no face or spring mean the level beam on its top.
@@ -285,8 +305,15 @@ impl Checks<'_> {
                 !of_beam,
             ),
             rule("direction", given("direction"), &[Drive], true, true),
-            rule("displacement", given("displacement"), &[Drive], true, true),
-            rule("stop", given("stop"), &[Drive], true, false),
+            rule(
+                "displacement",
+                given("displacement"),
+                &[Drive],
+                true,
+                step.cycles.is_none(),
+            ),
+            rule("cycles", step.cycles.is_some(), &[Drive], true, false),
+            rule("stop", given("stop"), &[Drive, Load], true, false),
             rule("vertical", given("vertical"), &[Drive], of_beam, false),
             rule("face", of_face, pushes, true, !of_beam && !of_spring),
             rule("free", given("free"), pushes, !of_beam, false),

@@ -1,0 +1,99 @@
+//! A stiffness along the displacement that steers a load, so that what only this displacement holds is
+//! held in the matrix, too.
+//!
+//! With c·Δq = s prescribed, the iterates d of K d = −r − δλ ∂r/∂λ that satisfy it are those of
+//!
+//! ```text
+//! (K + α c cᵀ) d = −r − δλ ∂r/∂λ + α c (s − c·Δq)
+//! ```
+//!
+//! whatever α, because α c (c·d) stands on both sides. Secant tangents know no geometric stiffness: two
+//! halves of a wall that rock about their hinges have none, and K alone would be singular.
+
+use super::pattern::CELL;
+use crate::model::Model;
+use crate::model::scene::Control;
+
+/// Nodes of half a cell.
+const HALF: usize = 4;
+/// Nodes of a probe above which it would couple too many: its displacement is not stiffened.
+const MOST: usize = 64;
+
+/// The stiffness of one step.
+#[derive(Clone, Debug)]
+pub struct Steered {
+    /// α [N/mm].
+    pub stiffness: f64,
+    axis: usize,
+    /// c of the nodes.
+    weights: Vec<(u32, f64)>,
+    cells: Vec<[u32; 8]>,
+    /// Halves of each cell, as groups of `weights`.
+    halves: Vec<[usize; 2]>,
+}
+
+impl Steered {
+    /// That of a controlled step; none of a probe of very many nodes.
+    pub fn new(model: &Model, control: Control) -> Option<Self> {
+        let probe = &model.probes[control.probe];
+        let mut weights: Vec<(u32, f64)> = Vec::new();
+        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+            weights.extend(nodes.iter().map(|&n| (n, sign / nodes.len() as f64)));
+        }
+        if weights.is_empty() || weights.len() > MOST {
+            return None;
+        }
+        let groups: Vec<&[(u32, f64)]> = weights.chunks(HALF).collect();
+        let (mut cells, mut halves) = (Vec::new(), Vec::new());
+        for i in 0..groups.len() {
+            for j in i..groups.len() {
+                let mut cell = [groups[i][0].0; 8];
+                for (half, group) in [i, j].into_iter().enumerate() {
+                    for (a, (n, _)) in groups[group].iter().enumerate() {
+                        cell[HALF * half + a] = *n;
+                    }
+                }
+                cells.push(cell);
+                halves.push([i, j]);
+            }
+        }
+        // E h of an element at the probe: as stiff as what it holds.
+        let (mesh, node) = (&model.mesh, weights[0].0);
+        let element = mesh.elements.iter().position(|e| e.contains(&node))?;
+        let material = &model.materials[mesh.material[element] as usize].parameters;
+        Some(Self {
+            stiffness: material.elastic().E * mesh.volume(element).cbrt(),
+            axis: probe.axis,
+            weights,
+            cells,
+            halves,
+        })
+    }
+
+    /// Cells of eight nodes.
+    pub fn cells(&self) -> &[[u32; 8]] {
+        &self.cells
+    }
+
+    /// Writes α c cᵀ into the cells [N/mm]. `[cell][CELL]`
+    pub fn write(&self, cells: &mut [f64]) {
+        cells.fill(0.0);
+        let group = |g: usize| self.weights.chunks(HALF).nth(g).unwrap_or_default();
+        for (cell, &[i, j]) in cells.chunks_exact_mut(CELL).zip(&self.halves) {
+            // A group with itself fills the first quarter of the cell, two groups the second and third.
+            let column = if i == j { 0 } else { HALF };
+            for (a, (_, first)) in group(i).iter().enumerate() {
+                for (b, (_, second)) in group(j).iter().enumerate() {
+                    let value = self.stiffness * first * second;
+                    let mut add = |a: usize, b: usize| {
+                        cell[(a * 8 + b) * 9 + 4 * self.axis] = value;
+                    };
+                    add(a, column + b);
+                    if i != j {
+                        add(column + b, a);
+                    }
+                }
+            }
+        }
+    }
+}
