@@ -308,6 +308,31 @@ impl<'a> Bodies<'a> {
         (sum, total)
     }
 
+    /// Nodes of these places that lie in the box of support `i`, if it has one.
+    ///
+    /// # Errors
+    /// A box with nothing in it.
+    fn nodes_within(&self, i: usize, places: &[Place]) -> Result<Vec<u32>, ModelError> {
+        let mut nodes = self.nodes(places);
+        let Some([low, high]) = self.deck.supports[i].within else {
+            return Ok(nodes);
+        };
+        let (low, high) = (low.map(Quantity::get), high.map(Quantity::get));
+        // Decks round to 0.01 mm.
+        nodes.retain(|n| {
+            let x = self.mesh.nodes[*n as usize];
+            (0..3).all(|d| low[d] - BESIDE <= x[d] && x[d] <= high[d] + BESIDE)
+        });
+        if nodes.is_empty() {
+            return Err(self.deck.error(
+                &format!("supports.{i}.box"),
+                "there is no node in this box",
+                "lower and upper corner at rest; nodes lie on the lines of the mesh",
+            ));
+        }
+        Ok(nodes)
+    }
+
     /// Supports of the deck and of the springings.
     ///
     /// # Errors
@@ -322,7 +347,7 @@ impl<'a> Bodies<'a> {
             }
             supports.push(Support {
                 name: support.on.0.join(", "),
-                nodes: self.nodes(&places),
+                nodes: self.nodes_within(i, &places)?,
                 fixed,
             });
         }
@@ -354,6 +379,9 @@ impl<'a> Bodies<'a> {
         Ok(springs)
     }
 }
+
+/// How far beside a box nodes count as in it [mm].
+const BESIDE: f64 = 0.01;
 
 /// What a block looks like.
 enum Shape {

@@ -262,6 +262,10 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("supports", "[[supports]]"),
     ("on", "on = \"base\"  # a block, or a face: \"base.bottom\""),
     ("fixed", "fixed = [\"x\", \"y\", \"z\"]"),
+    (
+        "box",
+        "box = [[0, 53, 0], [795, 53, 0]]  # only the nodes in it: lower and upper corner",
+    ),
     ("springs", "[[springs]]"),
     (
         "springs.stiffness",

@@ -75,6 +75,9 @@ pub struct DeckContact {
 pub struct DeckSupport {
     /// Blocks (`"base"`) or faces (`"base.bottom"`).
     pub on: Names,
+    /// Only nodes in this box: lower and upper corner at rest [mm].
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub within: Option<[[Length; 3]; 2]>,
     /// Held directions.
     #[serde(default = "all_axes")]
     pub fixed: Vec<Axis>,
