@@ -3,6 +3,7 @@
 use super::build_blocks;
 use super::deck::{Deck, DeckStep, Direction, StepKind, Vertical, Wall};
 use super::findings;
+use super::general;
 use super::gravity::GravityNow;
 use super::layout;
 use super::probes;
@@ -54,7 +55,7 @@ impl Model {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(super::quantity::Length::get);
         errors.keep(scatter::scatter(deck, &mut contact));
-        let model = Self {
+        let mut model = Self {
             title: deck.title.clone(),
             materials: names
                 .into_iter()
@@ -77,6 +78,7 @@ impl Model {
             mesh,
             output: errors.keep(deck.output()).unwrap_or_default(),
         };
+        model.contact.general = errors.keep(general::general(deck, &model)).flatten();
         findings::judged(deck, model, errors)
     }
 }

@@ -4,6 +4,7 @@ use super::blocks::Blocks;
 use super::build::require_steps;
 use super::deck::{Deck, DeckStep, StepKind};
 use super::findings;
+use super::general;
 use super::loading::{Loading, loading};
 use super::meeting::{Meeting, Touching, meeting};
 use super::probes;
@@ -60,7 +61,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
     errors.keep(require_held(deck, &blocks, &held, &touching));
     let names = std::mem::take(&mut blocks.materials);
     let initial_velocity = std::mem::take(&mut blocks.velocity);
-    let model = Model {
+    let mut model = Model {
         title: deck.title.clone(),
         mesh: blocks.mesh,
         materials: names
@@ -78,6 +79,7 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         steps,
         output: deck.output()?,
     };
+    model.contact.general = errors.keep(general::general(deck, &model)).flatten();
     findings::judged(deck, model, errors)
 }
 
@@ -140,6 +142,9 @@ fn require_held(
         return Ok(()); // all flies
     };
     let step = &deck.steps[at_rest];
+    if deck.contact.general.is_some() {
+        return Ok(()); // anything may rest on anything; what falls needs inertia, and says so
+    }
     let pressed = match step.kind {
         StepKind::Preload => step.pressure.is_some_and(|p| p.get() > 0.0),
         StepKind::Drive => step.face.is_some(),

@@ -1,6 +1,7 @@
 //! The frozen model: mesh, laws, contact surfaces, supports and steps.
 
 use super::Mesh;
+use super::general::GeneralContact;
 use super::probes::Probe;
 use crate::experiment::Experiment;
 use wythe_contact::{InterfaceLaw, Surface};
@@ -123,6 +124,8 @@ pub struct ContactSurfaces {
     /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
     /// [mm]; none = the solver chooses.
     pub search_radius: Option<f64>,
+    /// Whether every face may meet any other body's, and by which law.
+    pub general: Option<GeneralContact>,
 }
 
 impl ContactSurfaces {

@@ -134,7 +134,7 @@ impl<'m> Newton<'m> {
         let scheme = self.motion.as_ref().map_or(0.0, |motion| {
             motion.dissipations(&system.mass, state, trial, &dq, &self.loads.total)[0]
         });
-        scheme + system.contact.crossing_work(self.model, state, trial)
+        scheme + system.crossing_work(self.model, state, trial)
     }
 
     /// Which solver the tangents need.
@@ -471,7 +471,7 @@ impl<'m> Newton<'m> {
     /// `dq` are the displacements of the increment [mm]. `[slot]`
     pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
         state.energies.external += self.loads.work_of_bodies(&self.loads_start, dq);
-        state.energies.numerical += system.contact.crossing_work(self.model, state, trial);
+        state.energies.numerical += system.crossing_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
             let body = self.loads.body[slot];
             let applied = match &self.motion {
