@@ -119,3 +119,52 @@ fn cubes_collide_face_edge_and_corner_first() {
         }
     }
 }
+
+/// A floor of 100 mm thickness, held.
+fn floor(model: &mut Model, size: f64) -> Block {
+    let solid = scene::heavy(E, 0.2, DENSITY);
+    let low = [-0.5 * size, -0.5 * size, -100.0];
+    let block = scene::block(model, low, [size, size, 100.0], [1, 1, 1], &solid);
+    scene::hold(model, block.nodes(), [true; 3]);
+    block
+}
+
+const DOWN: [f64; 3] = [0.0, 0.0, -G];
+
+#[test]
+fn a_block_falls_on_the_floor_and_comes_to_rest() {
+    for (name, turns) in [
+        ("flat", vec![]),
+        ("on an edge", vec![([0.0, 1.0, 0.0], 20.0_f64)]),
+        ("on a corner", vec![([0.0, 1.0, 0.0], 20.0), ([1.0, 0.0, 0.0], 15.0)]),
+    ] {
+        for procedure in ["dynamic", "quasi_static", "auto"] {
+            let mut model = scene::empty();
+            floor(&mut model, 1000.0);
+            let solid = scene::heavy(E, 0.2, DENSITY);
+            let block = scene::block(&mut model, [-50.0, -50.0, 60.0], [100.0; 3], [1, 1, 1], &solid);
+            for (axis, angle) in &turns {
+                scene::turn(&mut model, &block, [0.0, 0.0, 110.0], *axis, angle.to_radians());
+            }
+            scene::general(&mut model, 0.5);
+            let mut step = scene::set_free(Gravity::Constant(DOWN), 1.0, 400, 5e-3, -0.05);
+            match procedure {
+                "quasi_static" => step.procedure = Procedure::QuasiStatic,
+                "auto" => step.procedure = Procedure::Auto,
+                _ => {}
+            }
+            model.steps = vec![step];
+            println!("{name}, {procedure}");
+            let recording = scene::completed(&model);
+            if std::env::var("ROWS").is_ok() {
+                for r in &recording.rows {
+                    println!("    {:.6} solves {} cuts {} T {:.3e} E {:.3e} open {} slide {} area {:.0} res {:.1e} fr {:.2e} num {:.3e}", r.time, r.iterations, r.cutbacks, r.kinetic_energy_J, r.elastic_energy_J, r.open_points, r.sliding_points, r.contact_area_mm2, r.residual, r.interface_dissipation_J, r.numerical_dissipation_J);
+                }
+            }
+            let deep = tell(&model, &recording);
+            let x = positions(&model, &recording, recording.frames.len() - 1);
+            let top = block.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MIN, f64::max);
+            println!("  top at {top}");
+        }
+    }
+}

@@ -280,7 +280,7 @@ impl<'m> Newton<'m> {
             let mut balanced = balance.holds(part, tolerance.residual);
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
-            let settled = iteration > 0 || !setting.shifted;
+            let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
             // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
             let loaded = scale > ROUNDINGS * system.rounding_force;
             if balanced && loaded && attempt.advance == Advance::Load {
@@ -405,6 +405,9 @@ impl<'m> Newton<'m> {
         let setting = along(setting);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
+        if trial.may_meet() {
+            search = search.to_impact();
+        }
         let origin: Vec<f64> = self
             .equations
             .slot_of

@@ -132,6 +132,16 @@ impl Trial {
         self.touch_loss = 0.0;
     }
 
+    /// Whether the tractions of the last iterate are those of what touches.
+    pub fn is_settled(&self) -> bool {
+        self.touches.iter().all(|one| one.settled)
+    }
+
+    /// Whether anything near does not touch now.
+    pub fn may_meet(&self) -> bool {
+        self.touches.iter().any(Live::is_open)
+    }
+
     /// The normal tractions of the last iterate bound the shear of the next one.
     fn bound_by_traction(&mut self) {
         self.bounding.clear();

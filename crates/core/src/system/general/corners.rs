@@ -236,25 +236,26 @@ impl General {
             at: foot.xi,
             gap: 0.0,
         };
-        if foot.gap >= 0.0 {
-            return over.then(|| (0.0, make(idle, false)));
-        }
         let to = Place {
             at: foot.xi,
             gap: foot.gap,
         };
         let flush = self.flush(size, [self.body(slave), self.body(facet)]);
-        if let Some(entry) = entry(&from, &to, [-1.0, 1.0], flush) {
-            return Some((-foot.gap, make(entry, true)));
-        }
-        // What was found in an earlier iterate stays, so that iterates do not lose it on a rim.
-        let known = before.binary_search_by_key(&key, Live::key).ok()?;
-        let known = &before[known];
-        (over && known.claims).then(|| {
+        let entry = entry(&from, &to, [-1.0, 1.0], flush);
+        // What was found in an earlier iterate stays, so that iterates do not lose it on a rim, and slips
+        // from where it met the face then: the converged way ends where the gap closes.
+        let known = before.binary_search_by_key(&key, Live::key).ok();
+        if let Some(known) = known.map(|k| &before[k]).filter(|k| k.claims)
+            && (over || entry.is_some())
+        {
             let mut same = make(idle, true);
             same.keep_start(known);
-            (-foot.gap, same)
-        })
+            return Some(((-foot.gap).max(0.0), same));
+        }
+        if foot.gap >= 0.0 {
+            return over.then(|| (0.0, make(idle, false)));
+        }
+        entry.map(|entry| (-foot.gap, make(entry, true)))
     }
 
     /// Whether planned contact holds a corner on the body of a facet, or that facet on the corner's.

@@ -158,24 +158,24 @@ impl General {
             at: seen.at,
             gap: 0.0,
         };
-        if seen.gap >= 0.0 {
-            return over.then(|| make(idle, false));
-        }
         let to = Place {
             at: seen.at,
             gap: seen.gap,
         };
         // Over the rim an edge comes as deep as its slope makes it.
-        if let Some(entry) = entry(&from, &to, range, 3.0 * flush) {
-            return Some(make(entry, true));
-        }
-        let known = before.binary_search_by_key(&key, Live::key).ok()?;
-        let known = &before[known];
-        (over && known.claims).then(|| {
+        let entry = entry(&from, &to, range, 3.0 * flush);
+        let known = before.binary_search_by_key(&key, Live::key).ok();
+        if let Some(known) = known.map(|k| &before[k]).filter(|k| k.claims)
+            && (over || entry.is_some())
+        {
             let mut same = make(idle, true);
             same.keep_start(known);
-            same
-        })
+            return Some(same);
+        }
+        if seen.gap >= 0.0 {
+            return over.then(|| make(idle, false));
+        }
+        entry.map(|entry| make(entry, true))
     }
 
     /// Whether planned contact holds a face of one edge on the body of the other.

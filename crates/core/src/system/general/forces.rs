@@ -146,6 +146,15 @@ impl General {
         }
         let way = self.way(one.touch.facets, [x0, x]);
         one.note_approach(&sight, &response.traction, &way);
+        if one.turns && setting.shifted && response.status == PointStatus::Slip {
+            // From one limit to the other and back: the secant of the friction.
+            let across = response.tangent[(1, 1)] + response.tangent[(2, 2)];
+            for i in 1..3 {
+                for j in 1..3 {
+                    response.tangent[(i, j)] = if i == j { across } else { 0.0 };
+                }
+            }
+        }
         one.touch.at = sight.at;
         one.touch.history = response.history;
         one.energy = [

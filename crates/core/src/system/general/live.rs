@@ -50,8 +50,21 @@ pub struct Live {
     /// What it does, and did in the last iterate.
     pub status: PointStatus,
     pub(super) status_before: PointStatus,
+    /// Whether `last` is its traction.
+    pub(in crate::system) settled: bool,
+    /// Whether its slip has turned round between iterates.
+    pub(super) turns: bool,
     /// Elastic energy and dissipation [N mm].
     pub energy: [f64; 2],
+}
+
+/// What a touch does by its history.
+fn open(history: &InterfaceHistory) -> PointStatus {
+    if history.traction[0] < 0.0 {
+        PointStatus::Stick
+    } else {
+        PointStatus::Open
+    }
 }
 
 /// What the law sees of a touch.
@@ -84,8 +97,10 @@ impl Live {
             last: traction,
             bounding: traction[0],
             swing: 0.0,
-            status: PointStatus::default(),
-            status_before: PointStatus::default(),
+            settled: true,
+            turns: false,
+            status: open(&touch.history),
+            status_before: open(&touch.history),
             energy: [0.0; 2],
             touch,
         }
@@ -135,6 +150,8 @@ impl Live {
         }
     }
 
+    /// dbg
+    pub fn claims(&self) -> bool { self.claims }
     pub(super) fn key(&self) -> (Kind, u32, u32) {
         self.key
     }
@@ -146,12 +163,18 @@ impl Live {
         self.touch.offset = earlier.touch.offset;
     }
 
+    /// Whether it does not touch in this iterate.
+    pub(in crate::system) fn is_open(&self) -> bool {
+        self.status == PointStatus::Open
+    }
+
     /// Takes over what iterations have come to.
     pub(super) fn go_on_from(&mut self, earlier: &Self) {
         self.last = earlier.last;
         self.bounding = earlier.bounding;
         self.swing = earlier.swing;
         self.status = earlier.status;
+        (self.settled, self.turns) = (earlier.settled, earlier.turns);
         self.status_before = earlier.status_before;
     }
 
@@ -163,8 +186,18 @@ impl Live {
     /// The traction of this iterate becomes that of the last, as those of planned contact do; whether it
     /// does what it did.
     pub(in crate::system) fn keep_traction(&mut self) -> bool {
-        self.last = self.touch.history.traction;
-        let change = self.last[0] - self.bounding;
+        let traction = self.touch.history.traction;
+        let was_open = self.status_before == PointStatus::Open;
+        let is_open = self.status == PointStatus::Open;
+        // Where bodies have just met, the traction of a line search along free flight would stop all of a
+        // body in one place: it is that of the soft stiffness, until the iterates have come to rest on it.
+        self.settled = is_open || !was_open;
+        if self.settled {
+            let [_, s, t] = self.last;
+            self.turns |= traction[1] * s + traction[2] * t < 0.0;
+            self.last = traction;
+        }
+        let change = traction[0] - self.bounding;
         let part = if change * self.swing < 0.0 { 0.5 } else { 1.0 };
         self.bounding += part * change;
         self.swing = change;
