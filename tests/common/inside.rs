@@ -8,6 +8,11 @@ use wythe::model::mesh::CORNERS;
 /// Deepest point of any body in another [mm]: of a lattice of `n`³ points an element, faces, edges and
 /// corners among them, the distance to the nearest face of the element that it is in.
 pub fn deepest(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> f64 {
+    deepest_point(mesh, x, n).0
+}
+
+/// The same, with the point's element and parameters, and the element that it is in.
+pub fn deepest_point(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> (f64, usize, [f64; 3], usize) {
     let boxes: Vec<[Vector3<f64>; 2]> = (0..mesh.elements.len())
         .map(|e| {
             let corners = corners(mesh, x, e);
@@ -16,7 +21,7 @@ pub fn deepest(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> f64 {
             [low, high]
         })
         .collect();
-    let mut worst = 0.0_f64;
+    let mut worst = (0.0_f64, 0, [0.0; 3], 0);
     for e in 0..mesh.elements.len() {
         let others: Vec<usize> = (0..mesh.elements.len())
             .filter(|&o| mesh.unit[o] != mesh.unit[e])
@@ -32,7 +37,10 @@ pub fn deepest(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> f64 {
             let at = [p % n, p / n % n, p / n / n].map(|i| 2.0 * i as f64 / (n - 1) as f64 - 1.0);
             let point = map(&own, at);
             for &o in &others {
-                worst = worst.max(depth(&corners(mesh, x, o), &point));
+                let depth = depth(&corners(mesh, x, o), &point);
+                if depth > worst.0 {
+                    worst = (depth, e, at, o);
+                }
             }
         }
     }

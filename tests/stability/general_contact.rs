@@ -22,7 +22,10 @@ fn positions(model: &Model, recording: &Recording, at: usize) -> Vec<[f64; 3]> {
 
 /// Deepest point of a body in another at any commit [mm].
 fn penetration(model: &Model, recording: &Recording) -> f64 {
-    (0..recording.frames.len())
+    let frames = recording.frames.len();
+    let every = frames / 200 + 1;
+    (0..frames)
+        .filter(|k| (frames - 1 - k).is_multiple_of(every))
         .map(|k| deepest(&model.mesh, &positions(model, recording, k), 9))
         .fold(0.0, f64::max)
 }
@@ -55,8 +58,32 @@ fn velocity(model: &Model, recording: &Recording, block: &Block) -> [f64; 3] {
     })
 }
 
+/// Where a body was first this deep in another.
+fn first_deep(model: &Model, recording: &Recording, limit: f64) {
+    for k in 0..recording.frames.len() {
+        let x = positions(model, recording, k);
+        let (deep, e, at, o) = common::inside::deepest_point(&model.mesh, &x, 5);
+        if deep > limit {
+            println!("  frame {k} {:?}: {deep} mm, element {e} at {at:?} in {o}", recording.rows[k].time);
+            for j in k.saturating_sub(3)..=k {
+                let x = positions(model, recording, j);
+                println!("   {:?} {:?}", recording.rows[j].time, common::inside::deepest_point(&model.mesh, &x, 5));
+                println!("   e {:?}\n   o {:?}", model.mesh.elements[e].map(|n| x[n as usize].map(|v| (v * 1e3).round() * 1e-3)), model.mesh.elements[o].map(|n| x[n as usize].map(|v| (v * 1e3).round() * 1e-3)));
+                let of = |t: &&wythe::system::Touch| { let g = model.contact.general.as_ref().unwrap(); let b = t.facets.map(|f| g.skin.body[f as usize] as usize); b == [e, o] || b == [o, e] };
+                for t in recording.states[j].touches.iter().filter(of) {
+                    println!("     {:?} {} {} facets {:?} at {:?} o {:.2e} g {:.2e} t {:?}", t.kind, t.first, t.second, t.facets, t.at, t.offset, t.history.opening, t.history.traction);
+                }
+            }
+            return;
+        }
+    }
+}
+
 fn tell(model: &Model, recording: &Recording) -> f64 {
     let deep = penetration(model, recording);
+    if deep > 0.15 {
+        first_deep(model, recording, 0.15);
+    }
     let last = recording.rows.last().unwrap();
     println!(
         "  deepest {deep:.2e} mm, balance {:.1e}, gain {:.1e}, kinetic {:.3e} of {:.3e} J, friction {:.2e}, numerical {:.2e}",
@@ -120,6 +147,15 @@ fn cubes_collide_face_edge_and_corner_first() {
     }
 }
 
+fn rows(recording: &Recording) {
+    if std::env::var("ROWS").is_err() {
+        return;
+    }
+    for r in &recording.rows {
+        println!("    {:.6} {:?} solves {} cuts {} T {:.3e} E {:.3e} open {} slide {} area {:.0} res {:.1e} fr {:.2e} num {:.3e}", r.time, r.procedure, r.iterations, r.cutbacks, r.kinetic_energy_J, r.elastic_energy_J, r.open_points, r.sliding_points, r.contact_area_mm2, r.residual, r.interface_dissipation_J, r.numerical_dissipation_J);
+    }
+}
+
 /// A floor of 100 mm thickness, held.
 fn floor(model: &mut Model, size: f64) -> Block {
     let solid = scene::heavy(E, 0.2, DENSITY);
@@ -156,15 +192,115 @@ fn a_block_falls_on_the_floor_and_comes_to_rest() {
             model.steps = vec![step];
             println!("{name}, {procedure}");
             let recording = scene::completed(&model);
-            if std::env::var("ROWS").is_ok() {
-                for r in &recording.rows {
-                    println!("    {:.6} solves {} cuts {} T {:.3e} E {:.3e} open {} slide {} area {:.0} res {:.1e} fr {:.2e} num {:.3e}", r.time, r.iterations, r.cutbacks, r.kinetic_energy_J, r.elastic_energy_J, r.open_points, r.sliding_points, r.contact_area_mm2, r.residual, r.interface_dissipation_J, r.numerical_dissipation_J);
-                }
-            }
+            rows(&recording);
             let deep = tell(&model, &recording);
             let x = positions(&model, &recording, recording.frames.len() - 1);
             let top = block.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MIN, f64::max);
             println!("  top at {top}");
         }
+    }
+}
+
+fn by(step: &mut wythe::model::scene::Step, procedure: &str) {
+    match procedure {
+        "quasi_static" => step.procedure = Procedure::QuasiStatic,
+        "auto" => step.procedure = Procedure::Auto,
+        _ => {}
+    }
+}
+
+fn run_as(model: &mut Model, time: f64, increments: usize, procedure: &str) -> Recording {
+    let mut step = scene::set_free(Gravity::Constant(DOWN), time, increments, 5e-3, -0.05);
+    by(&mut step, procedure);
+    step.increments.min *= 1e-2;
+    model.steps = vec![step];
+    let begin = std::time::Instant::now();
+    let recording = scene::completed(model);
+    println!("  {:.2} s", begin.elapsed().as_secs_f64());
+    rows(&recording);
+    recording
+}
+
+#[test]
+fn dominoes_fall_one_on_the_other() {
+    for procedure in ["quasi_static", "dynamic", "auto"] {
+        let mut model = scene::empty();
+        floor(&mut model, 2000.0);
+        let solid = scene::heavy(E, 0.2, DENSITY);
+        let mut stones = Vec::new();
+        for i in 0..6 {
+            let x = 60.0 * f64::from(i);
+            stones.push(scene::block(&mut model, [x, 0.0, 0.0], [20.0, 50.0, 100.0], [1, 1, 1], &solid));
+        }
+        scene::turn(&mut model, &stones[0], [20.0, 0.0, 0.0], [0.0, 1.0, 0.0], 15.0_f64.to_radians());
+        scene::general(&mut model, 0.4);
+        println!("{procedure}");
+        let recording = run_as(&mut model, 1.2, 600, procedure);
+        tell(&model, &recording);
+        let x = positions(&model, &recording, recording.frames.len() - 1);
+        for s in &stones {
+            let top = s.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MIN, f64::max);
+            print!(" {top:.2}");
+        }
+        println!();
+    }
+}
+
+#[test]
+fn a_stack_topples_and_comes_to_rest() {
+    for procedure in ["quasi_static", "dynamic", "auto"] {
+        let mut model = scene::empty();
+        floor(&mut model, 2000.0);
+        let solid = scene::heavy(E, 0.2, DENSITY);
+        let mut stones = Vec::new();
+        for i in 0..5 {
+            let z = 60.0 * f64::from(i);
+            stones.push(scene::block(&mut model, [0.0, 0.0, z], [80.0, 80.0, 60.0], [1, 1, 1], &solid));
+        }
+        for (i, s) in stones.iter().enumerate() {
+            scene::throw(&mut model, s, [250.0 * i as f64, 20.0 * i as f64, 0.0]);
+        }
+        scene::general(&mut model, 0.6);
+        println!("{procedure}");
+        let recording = run_as(&mut model, 1.5, 600, procedure);
+        tell(&model, &recording);
+        let x = positions(&model, &recording, recording.frames.len() - 1);
+        for s in &stones {
+            let top = s.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MIN, f64::max);
+            print!(" {top:.2}");
+        }
+        println!();
+    }
+}
+
+#[test]
+fn a_heap_of_blocks_is_thrown_together() {
+    for procedure in ["quasi_static", "auto", "dynamic"] {
+        let mut model = scene::empty();
+        floor(&mut model, 3000.0);
+        let solid = scene::heavy(E, 0.2, DENSITY);
+        let mut random = common::Random(7);
+        let mut stones = Vec::new();
+        for i in 0..20 {
+            let size = [0, 1, 2].map(|_| 60.0 + 60.0 * random.uniform());
+            let at = [80.0 * random.signed(), 80.0 * random.signed(), 120.0 + 170.0 * f64::from(i)];
+            let s = scene::block(&mut model, at, size, [1, 1, 1], &solid);
+            let axis = [random.signed(), random.signed(), random.signed()];
+            let centre = [0, 1, 2].map(|d| at[d] + 0.5 * size[d]);
+            scene::turn(&mut model, &s, centre, axis, 3.0 * random.uniform());
+            scene::throw(&mut model, &s, [200.0 * random.signed(), 200.0 * random.signed(), -1000.0]);
+            stones.push(s);
+        }
+        scene::general(&mut model, 0.6);
+        println!("{procedure}");
+        let recording = run_as(&mut model, 1.5, 750, procedure);
+        tell(&model, &recording);
+        let x = positions(&model, &recording, recording.frames.len() - 1);
+        for s in &stones {
+            let top = s.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MIN, f64::max);
+            let low = s.nodes().iter().map(|&n| x[n as usize][2]).fold(f64::MAX, f64::min);
+            print!(" {low:.1}-{top:.1}");
+        }
+        println!();
     }
 }

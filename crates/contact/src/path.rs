@@ -24,10 +24,11 @@ pub struct Entry {
     pub gap: f64,
 }
 
-/// The part of the way `[from, to]` on which the parameters are within `[low, high]`, if any.
-fn within(start: &Place, end: &Place, low: f64, high: f64) -> Option<[f64; 2]> {
+/// The part of the way `[from, to]` on which the parameters are within their `[low, high]`, if any.
+fn within(start: &Place, end: &Place, range: &[[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for i in 0..2 {
+        let [low, high] = range[i];
         let (a, way) = (start.at[i], end.at[i] - start.at[i]);
         if way == 0.0 {
             if !(low..=high).contains(&a) {
@@ -42,16 +43,17 @@ fn within(start: &Place, end: &Place, low: f64, high: f64) -> Option<[f64; 2]> {
     (from <= to).then_some([from, to])
 }
 
-/// Whether the way from `start` to `end` leads through a face whose parameters lie within `[low, high]`.
+/// Whether the way from `start` to `end` leads through a face whose parameters lie within their
+/// `[low, high]`.
 ///
 /// It does where the gap closes over the face, or where the way comes over the face no more than `behind`
 /// [mm] below it: what lies flush, or was pressed in by so much, slides on instead of being caught by the
 /// face at the side.
-pub fn entry(start: &Place, end: &Place, [low, high]: [f64; 2], behind: f64) -> Option<Entry> {
+pub fn entry(start: &Place, end: &Place, range: &[[f64; 2]; 2], behind: f64) -> Option<Entry> {
     if end.gap >= 0.0 || start.gap < -behind {
         return None;
     }
-    let [over, off] = within(start, end, low, high)?;
+    let [over, off] = within(start, end, range)?;
     let gap_at = |time: f64| start.gap + time * (end.gap - start.gap);
     let closes = if start.gap > 0.0 {
         start.gap / (start.gap - end.gap)
@@ -78,11 +80,11 @@ pub fn entry(start: &Place, end: &Place, [low, high]: [f64; 2], behind: f64) -> 
 mod tests {
     use super::*;
 
-    const FACE: [f64; 2] = [-1.0, 1.0];
+    const FACE: [[f64; 2]; 2] = [[-1.0, 1.0]; 2];
 
     fn way(from: [f64; 3], to: [f64; 3]) -> Option<Entry> {
         let place = |[s, t, gap]: [f64; 3]| Place { at: [s, t], gap };
-        entry(&place(from), &place(to), FACE, 0.1)
+        entry(&place(from), &place(to), &FACE, 0.1)
     }
 
     #[test]

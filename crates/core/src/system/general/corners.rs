@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use wythe_contact::{Entry, Place, entry, extend};
 
 use super::live::{Live, Start};
-use super::{General, Kind, NEAR, STAY, Touch};
+use super::{General, Kind, LOST, NEAR, STAY, Touch};
 
 /// A face is come upon by a corner of which a face looks at it by this much (cosine).
 const FACING: f64 = -0.1;
@@ -24,6 +24,8 @@ pub(super) struct Watch {
     corner: usize,
     /// Where it is when the increment begins.
     from: Place,
+    /// Whether it is within the body then, nearest to this face.
+    lost: bool,
 }
 
 impl General {
@@ -40,7 +42,13 @@ impl General {
             let point = self.corner_point(slave, corner, x0);
             let foot = extend(&point, &self.surface.corners(facet as usize, x0), [0.0; 2])?;
             let bodies = [self.body(slave), self.body(facet)];
-            (foot.gap >= -self.flush(self.pair_size(node, facet), bodies)).then_some(Watch {
+            let size = self.pair_size(node, facet);
+            let lost = foot.gap < -self.flush(size, bodies);
+            if lost && !self.is_lost(&point, facet, foot.gap, LOST * size, x0) {
+                return None;
+            }
+            Some(Watch {
+                lost,
                 node,
                 facet,
                 slave,
@@ -52,6 +60,27 @@ impl General {
             })
         })
         .collect()
+    }
+
+    /// Whether a point lies in the element behind a facet, nearer to it than to all other faces of its skin,
+    /// and no deeper than `most` [mm].
+    fn is_lost(&self, point: &Vector3<f64>, facet: u32, gap: f64, most: f64, x: &[[f64; 3]]) -> bool {
+        let Some(of) = &self.of else { return false };
+        if gap < -most {
+            return false;
+        }
+        let element = of.skin.element[facet as usize];
+        // Facets of one element stand together.
+        let first = (facet as usize).saturating_sub(5);
+        let last = (facet as usize + 6).min(of.skin.facets.len());
+        (first..last)
+            .filter(|&f| of.skin.element[f] == element)
+            .all(|f| {
+                let corners = self.surface.corners(f, x);
+                let centre = corners.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() * 0.25;
+                let depth = self.normal(f as u32, x).dot(&(point - centre));
+                f == facet as usize || depth <= gap
+            })
     }
 
     /// The facet at a node that looks most against a direction, and the cosine.
@@ -209,6 +238,7 @@ impl General {
             slave,
             corner,
             from,
+            lost,
         } = *watch;
         let size = self.pair_size(node, facet);
         let master = self.surface.corners(facet as usize, x);
@@ -241,7 +271,7 @@ impl General {
             gap: foot.gap,
         };
         let flush = self.flush(size, [self.body(slave), self.body(facet)]);
-        let entry = entry(&from, &to, [-1.0, 1.0], flush);
+        let entry = entry(&from, &to, &[[-1.0, 1.0]; 2], flush);
         // What was found in an earlier iterate stays, so that iterates do not lose it on a rim, and slips
         // from where it met the face then: the converged way ends where the gap closes.
         let known = before.binary_search_by_key(&key, Live::key).ok();
@@ -255,6 +285,14 @@ impl General {
         if foot.gap >= 0.0 {
             return over.then(|| (0.0, make(idle, false)));
         }
+        let entry = entry.or_else(|| {
+            // It was within the body when the increment began: it goes no further.
+            (lost && over).then_some(Entry {
+                time: 0.0,
+                at: from.at,
+                gap: from.gap,
+            })
+        });
         entry.map(|entry| (-foot.gap, make(entry, true)))
     }
 

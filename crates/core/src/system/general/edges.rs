@@ -11,6 +11,8 @@ use crate::model::skin::SharpEdge;
 
 /// How far the common normal of two edges may lie outside the angle between the faces of each (sine).
 const SLACK: f64 = 0.02;
+/// A face looks along the normal of two edges by this much (cosine): it is flat to the other one.
+const FLAT: f64 = 0.9;
 /// The same for edges that touch already.
 const HOLD: f64 = 0.3;
 
@@ -127,10 +129,15 @@ impl General {
         let bodies = facets.map(|f| self.body(f));
         let flush = self.flush(size, bodies);
         let length = |ends: &[[f64; 3]; 2]| (point_on(ends, 1.0) - point_on(ends, 0.0)).norm();
-        // Where an end is no farther than that from the other edge it is on a face.
+        // Where no more than that of an edge reaches over a face of the other body, its end is on that face.
         let rim = (flush / length(&one).min(length(&other))).min(0.1);
-        let range = [rim, 1.0 - rim];
-        let over = seen.at.iter().all(|s| (range[0]..=range[1]).contains(s));
+        let tips = [
+            self.tip_is_over(seen.at[0], &one, &second, &seen.normal, x),
+            self.tip_is_over(seen.at[1], &other, &first, &-seen.normal, x),
+        ];
+        let inset = |over: bool| if over { rim } else { 0.0 };
+        let range = tips.map(|over| [inset(over), 1.0 - inset(over)]);
+        let over = (0..2).all(|i| (range[i][0]..=range[i][1]).contains(&seen.at[i]));
         let side = self.size[facets[0] as usize].min(self.size[facets[1] as usize]);
         let (from_one, from_other) = (self.ends(a, x0), self.ends(b, x0));
         let from = Place {
@@ -163,8 +170,9 @@ impl General {
             gap: seen.gap,
         };
         // Over the rim an edge comes as deep as its slope makes it.
-        let entry = entry(&from, &to, range, 3.0 * flush);
+        let entry = entry(&from, &to, &range, 3.0 * flush);
         let known = before.binary_search_by_key(&key, Live::key).ok();
+        let lost = over && entry.is_none() && from.gap < 0.0 && from.gap >= -super::LOST * size;
         if let Some(known) = known.map(|k| &before[k]).filter(|k| k.claims)
             && (over || entry.is_some())
         {
@@ -175,7 +183,46 @@ impl General {
         if seen.gap >= 0.0 {
             return over.then(|| make(idle, false));
         }
+        let entry = entry.or_else(|| {
+            // They were across one another when the increment began: they go no further.
+            lost.then_some(Entry {
+                time: 0.0,
+                at: from.at,
+                gap: from.gap,
+            })
+        });
         entry.map(|entry| make(entry, true))
+    }
+
+    /// Whether the nearer end of an edge that crosses `other` reaches over the face of that which looks along
+    /// `n`: over a flat face, not down the other side.
+    fn tip_is_over(
+        &self,
+        s: f64,
+        ends: &[[f64; 3]; 2],
+        other: &SharpEdge,
+        n: &Vector3<f64>,
+        x: &[[f64; 3]],
+    ) -> bool {
+        let [p, q] = other.facets;
+        let cosines = [p, q].map(|f| self.normal(f, x).dot(n));
+        let (facet, cosine) = if cosines[1] > cosines[0] {
+            (q, cosines[1])
+        } else {
+            (p, cosines[0])
+        };
+        if cosine < FLAT {
+            return false;
+        }
+        let corners = self.surface.corners(facet as usize, x);
+        let centre = corners.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() * 0.25;
+        let [b0, b1] = other.nodes.map(|n| Vector3::from(x[n as usize]));
+        let along = (b1 - b0).normalize();
+        let inwards = centre - b0;
+        let inwards = inwards - along * along.dot(&inwards);
+        let tip = point_on(ends, 1.0) - point_on(ends, 0.0);
+        let tip = if s < 0.5 { -tip } else { tip };
+        tip.dot(&inwards) > 0.0
     }
 
     /// Whether planned contact holds a face of one edge on the body of the other.

@@ -31,6 +31,9 @@ const NEAR: f64 = 0.06;
 /// What is behind a face by less than this, over the same, lies on it: decks round, and faces that are
 /// flush do so to what presses them in.
 const FLUSH: f64 = 1e-3;
+/// What is found deeper than that within a body without having been met is held where it is, up to this depth,
+/// over the same: nothing comes to lie there but by an error, and it shall not go through.
+const LOST: f64 = 0.1;
 /// How far beyond the rim of its facet a corner stays on it (of the half facet).
 const STAY: f64 = 1e-3;
 
