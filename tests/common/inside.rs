@@ -52,7 +52,9 @@ fn corners(mesh: &Mesh, x: &[[f64; 3]], e: usize) -> [Vector3<f64>; 8] {
 }
 
 fn weight(a: usize, at: [f64; 3]) -> f64 {
-    (0..3).map(|i| 0.5 * (1.0 + CORNERS[a][i] * at[i])).product()
+    (0..3)
+        .map(|i| 0.5 * (1.0 + CORNERS[a][i] * at[i]))
+        .product()
 }
 
 fn map(corners: &[Vector3<f64>; 8], at: [f64; 3]) -> Vector3<f64> {

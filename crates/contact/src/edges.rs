@@ -47,11 +47,7 @@ pub fn crossing(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> Option<Crossing> {
 }
 
 /// Where two edges cross seen along any direction `n`; none if they run side by side in that view.
-pub fn crossing_along(
-    a: &[[f64; 3]; 2],
-    b: &[[f64; 3]; 2],
-    n: &Vector3<f64>,
-) -> Option<[f64; 2]> {
+pub fn crossing_along(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2], n: &Vector3<f64>) -> Option<[f64; 2]> {
     let ([a0, a1], [b0, b1]) = (ends(a), ends(b));
     let (d, e) = (a1 - a0, b1 - b0);
     let det = d.cross(&e).dot(n);

@@ -118,15 +118,13 @@ mod tests {
         for (body, (low, cells)) in of.iter().enumerate() {
             let first = mesh.nodes.len();
             let [a, b, c] = *cells;
-            let node = |i: usize, j: usize, k: usize| {
-                (first + i + (a + 1) * (j + (b + 1) * k)) as u32
-            };
+            let node =
+                |i: usize, j: usize, k: usize| (first + i + (a + 1) * (j + (b + 1) * k)) as u32;
             for k in 0..=c {
                 for j in 0..=b {
                     for i in 0..=a {
                         let at = [i, j, k];
-                        mesh.nodes
-                            .push([0, 1, 2].map(|d| low[d] + at[d] as f64));
+                        mesh.nodes.push([0, 1, 2].map(|d| low[d] + at[d] as f64));
                     }
                 }
             }

@@ -78,7 +78,10 @@ impl Run<'_> {
         let (displacement, force, reaction) = self.driven(step);
         // Of general contact, what touches counts.
         let touching = |status: PointStatus| {
-            let pressed = trial.touches.iter().filter(|t| t.touch.history.traction[0] < 0.0);
+            let pressed = trial
+                .touches
+                .iter()
+                .filter(|t| t.touch.history.traction[0] < 0.0);
             pressed.filter(|t| t.status == status).count()
         };
         let count = |status: PointStatus| {

@@ -308,7 +308,8 @@ impl System {
 
     /// True if the candidates of contact changed since the last analysis.
     pub fn pattern_changed(&self) -> bool {
-        self.gather.is_none() || self.analysed_version != self.contact.version()
+        self.gather.is_none()
+            || self.analysed_version != self.contact.version()
             || self.analysed_pairs != self.general.pairs()
     }
 

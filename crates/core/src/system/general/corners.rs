@@ -64,7 +64,14 @@ impl General {
 
     /// Whether a point lies in the element behind a facet, nearer to it than to all other faces of its skin,
     /// and no deeper than `most` [mm].
-    fn is_lost(&self, point: &Vector3<f64>, facet: u32, gap: f64, most: f64, x: &[[f64; 3]]) -> bool {
+    fn is_lost(
+        &self,
+        point: &Vector3<f64>,
+        facet: u32,
+        gap: f64,
+        most: f64,
+        x: &[[f64; 3]],
+    ) -> bool {
         let Some(of) = &self.of else { return false };
         if gap < -most {
             return false;
@@ -77,7 +84,11 @@ impl General {
             .filter(|&f| of.skin.element[f] == element)
             .all(|f| {
                 let corners = self.surface.corners(f, x);
-                let centre = corners.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() * 0.25;
+                let centre = corners
+                    .iter()
+                    .map(|c| Vector3::from(*c))
+                    .sum::<Vector3<f64>>()
+                    * 0.25;
                 let depth = self.normal(f as u32, x).dot(&(point - centre));
                 f == facet as usize || depth <= gap
             })
@@ -202,9 +213,7 @@ impl General {
             let facet = one.touch.second;
             let rival = |other: &Live| {
                 let of = other.touch.second;
-                other.claims
-                    && self.body(of) == self.body(facet)
-                    && !self.is_inner(of, facet, x)
+                other.claims && self.body(of) == self.body(facet) && !self.is_inner(of, facet, x)
             };
             if depth == 0.0 || !kept.iter().any(rival) {
                 kept.push(one);
@@ -217,7 +226,11 @@ impl General {
     fn is_inner(&self, a: u32, b: u32, x: &[[f64; 3]]) -> bool {
         let centre = |f: u32| {
             let corners = self.surface.corners(f as usize, x);
-            corners.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() * 0.25
+            corners
+                .iter()
+                .map(|c| Vector3::from(*c))
+                .sum::<Vector3<f64>>()
+                * 0.25
         };
         let way = centre(b) - centre(a);
         let least = super::FLUSH * way.norm();

@@ -64,8 +64,7 @@ impl General {
         if !between(&normal, &second, slack) || !between(&-normal, &first, slack) {
             return None;
         }
-        let gap =
-            normal.dot(&(point_on(&one, crossed.at[0]) - point_on(&other, crossed.at[1])));
+        let gap = normal.dot(&(point_on(&one, crossed.at[0]) - point_on(&other, crossed.at[1])));
         Some(Seen {
             at: crossed.at,
             normal,
@@ -142,9 +141,9 @@ impl General {
         let (from_one, from_other) = (self.ends(a, x0), self.ends(b, x0));
         let from = Place {
             at: crossing_along(&from_one, &from_other, &seen.normal).unwrap_or(seen.at),
-            gap: seen.normal.dot(
-                &(point_on(&from_one, seen.at[0]) - point_on(&from_other, seen.at[1])),
-            ),
+            gap: seen
+                .normal
+                .dot(&(point_on(&from_one, seen.at[0]) - point_on(&from_other, seen.at[1]))),
         };
         let key = (Kind::Edges, a, b);
         let make = |entry: Entry, claims: bool| Live {
@@ -215,7 +214,11 @@ impl General {
             return false;
         }
         let corners = self.surface.corners(facet as usize, x);
-        let centre = corners.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() * 0.25;
+        let centre = corners
+            .iter()
+            .map(|c| Vector3::from(*c))
+            .sum::<Vector3<f64>>()
+            * 0.25;
         let [b0, b1] = other.nodes.map(|n| Vector3::from(x[n as usize]));
         let along = (b1 - b0).normalize();
         let inwards = centre - b0;

@@ -68,7 +68,9 @@ impl General {
         active.fill(false);
         let mut of_cell: Vec<Vec<usize>> = vec![Vec::new(); count];
         for (t, (one, share)) in trial.touches.iter().zip(&shares).enumerate() {
-            let stiff = share.as_ref().is_some_and(|s| s.response.tangent != nalgebra::Matrix3::zeros());
+            let stiff = share
+                .as_ref()
+                .is_some_and(|s| s.response.tangent != nalgebra::Matrix3::zeros());
             if let (true, Ok(cell)) = (stiff, self.cells.binary_search(&one.cell)) {
                 of_cell[cell].push(t);
             }
@@ -157,10 +159,7 @@ impl General {
         }
         one.touch.at = sight.at;
         one.touch.history = response.history;
-        one.energy = [
-            response.elastic_energy * area,
-            response.dissipation * area,
-        ];
+        one.energy = [response.elastic_energy * area, response.dissipation * area];
         one.status = response.status;
         Some(Share { sight, response })
     }

@@ -150,8 +150,6 @@ impl Live {
         }
     }
 
-    /// dbg
-    pub fn claims(&self) -> bool { self.claims }
     pub(super) fn key(&self) -> (Kind, u32, u32) {
         self.key
     }
@@ -279,7 +277,10 @@ impl Live {
                 let pair = EdgePair::new(&a, &b, &of.outwards(second, x), self.anchor.1)?;
                 let mut weights = [0.0; 8];
                 let [s, t] = pair.at;
-                let parts = [(first, facets[0], 0, s, 1.0), (second, facets[1], 4, t, -1.0)];
+                let parts = [
+                    (first, facets[0], 0, s, 1.0),
+                    (second, facets[1], 4, t, -1.0),
+                ];
                 for (edge, facet, from, s, sign) in parts {
                     let [p, q] = of.sharp(edge).nodes;
                     for (a, &n) in of.surface.facets[facet as usize].iter().enumerate() {
@@ -342,7 +343,12 @@ impl Live {
 
     /// Notes what the trapezoidal rule makes of the way before bodies met: their forces at the end of the
     /// increment act in it, too. `sight` and `traction` are those of now, `way` that of the nodes of its facets.
-    pub(super) fn note_approach(&mut self, sight: &Sight, traction: &[f64; 3], way: &[[f64; 3]; 8]) {
+    pub(super) fn note_approach(
+        &mut self,
+        sight: &Sight,
+        traction: &[f64; 3],
+        way: &[[f64; 3]; 8],
+    ) {
         if !self.fresh {
             return;
         }
