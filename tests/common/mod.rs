@@ -3,6 +3,7 @@
 
 pub mod blocks;
 pub mod examples;
+pub mod inside;
 pub mod scene;
 
 use std::collections::HashMap;

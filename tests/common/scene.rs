@@ -2,6 +2,7 @@
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::material::{ElasticParameters, MaterialParameters};
+use wythe::model::general::GeneralContact;
 pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
     Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion,
@@ -201,6 +202,33 @@ pub fn master(model: &mut Model, block: &Block, face: Face) {
     for facet in block.facets(face) {
         model.contact.master_facets.push(facet);
         model.contact.master_body.push(block.body);
+    }
+}
+
+/// Lets every body meet every other: a dry law of 500 E/h.
+pub fn general(model: &mut Model, mu: f64) {
+    let of = GeneralContact::new("dry", &model.mesh, &model.materials, mu, 500.0, None);
+    model.contact.general = Some(of);
+}
+
+/// Gives a block a velocity [mm/s].
+pub fn throw(model: &mut Model, block: &Block, velocity: [f64; 3]) {
+    model
+        .initial_velocity
+        .resize(model.mesh.nodes.len(), [0.0; 3]);
+    for n in block.nodes() {
+        model.initial_velocity[n as usize] = velocity;
+    }
+}
+
+/// Turns a block about a point by an angle [rad] about a unit axis.
+pub fn turn(model: &mut Model, block: &Block, about: [f64; 3], axis: [f64; 3], angle: f64) {
+    let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::from(axis));
+    let rotation = nalgebra::Rotation3::from_axis_angle(&axis, angle);
+    let centre = nalgebra::Vector3::from(about);
+    for n in block.nodes() {
+        let x = nalgebra::Vector3::from(model.mesh.nodes[n as usize]) - centre;
+        model.mesh.nodes[n as usize] = (centre + rotation * x).into();
     }
 }
 

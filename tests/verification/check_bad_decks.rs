@@ -178,6 +178,13 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "begin with a preload",
     ),
     (
+        "bonded_general_contact",
+        "contact.general",
+        "general = \"joint\"",
+        "joint is bonded, and bodies that meet later have nothing between them",
+        "f_t = 0 and c = 0",
+    ),
+    (
         "unknown_material",
         "wall.mortar_material",
         "mortar_material = \"morter\"",

@@ -335,6 +335,7 @@ fn the_examples_build() {
         "examples/06_tilted_column",
         "examples/07_arch",
         "examples/08_block_couplet",
+        "examples/30_toppling_stack",
         "examples/40_airbag",
         "examples/41_cyclic_block",
         "tests/data/scenes/stick_slip",

@@ -7,9 +7,11 @@
 pub mod aabb;
 pub mod bvh;
 mod cohesive;
+pub mod edges;
 mod friction;
 pub mod law;
 pub mod pairs;
+pub mod path;
 pub mod projection;
 pub mod shifted;
 pub mod softening;
@@ -18,8 +20,10 @@ pub mod surface;
 
 pub use aabb::Aabb;
 pub use bvh::Bvh;
+pub use edges::EdgePair;
 pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
 pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
+pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};
 pub use shifted::Shift;
 pub use stencil::{

@@ -85,6 +85,11 @@ fn regular_frame(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Option<[Vector3<f64>;
     Some([n, t1, n.cross(&t1)])
 }
 
+/// Weights of a facet's corners at (ξ, η).
+pub fn weights_at(xi: [f64; 2]) -> [f64; 4] {
+    shape(xi).0
+}
+
 /// Point of a facet at (ξ, η) [mm].
 pub fn point_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Vector3<f64> {
     blend(&shape(xi).0, corners)

@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::findings;
+use super::general;
 use super::held::require_held;
 use super::loading::{Loading, loading};
 use super::loads;
@@ -76,7 +77,7 @@ impl Model {
         let imported = std::mem::take(&mut bodies.warnings);
         let bond = findings::bond(deck, &bodies.walls);
         let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
-        let model = Self {
+        let mut model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,
             materials: names
@@ -96,6 +97,7 @@ impl Model {
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
         };
+        model.contact.general = errors.keep(general::general(deck, &model)).flatten();
         let laid = imported.into_iter().chain(bond).chain(warnings).collect();
         findings::judged(deck, model, laid, errors)
     }

@@ -17,6 +17,9 @@ pub(super) fn require_held(
         return Ok(()); // all flies
     };
     let step = &deck.steps[at_rest];
+    if deck.contact.general.is_some() {
+        return Ok(()); // anything may rest on anything; what falls needs inertia, and says so
+    }
     // What flew before may have come to rest.
     let pressed = presses(deck, step) || at_rest > 0;
     let mut held = vec![false; bodies.all.len()];

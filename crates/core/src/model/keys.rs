@@ -131,6 +131,10 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("contact", "[contact]"),
     ("points", "points = \"gauss\"  # or \"corner\""),
     ("search_radius", "search_radius = \"5 mm\""),
+    (
+        "general",
+        "general = \"dry\"  # an interface with f_t = 0 and c = 0",
+    ),
     ("steps", "[[steps]]"),
     ("name", "name = \"push\""),
     (

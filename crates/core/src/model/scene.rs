@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::amplitude::{Amplitude, Branch};
+use super::general::GeneralContact;
 use super::loads::Load;
 use super::probes::Probe;
 use crate::error::Warning;
@@ -137,6 +138,8 @@ pub struct ContactSurfaces {
     /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
     /// [mm]; none = the solver chooses.
     pub search_radius: Option<f64>,
+    /// Whether every face may meet any other body's, and by which law.
+    pub general: Option<GeneralContact>,
 }
 
 impl ContactSurfaces {

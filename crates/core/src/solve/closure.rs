@@ -50,8 +50,8 @@ impl Newton<'_> {
         let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
         let solids = trial.element_energy.iter();
         let dissipated = solids.map(|e| e.plastic_damage + e.viscous).sum::<f64>()
-            + trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
-        let mut work = -system.contact.crossing_work(self.model, state, trial);
+            + system.interface_dissipation(trial);
+        let mut work = -system.crossing_work(self.model, state, trial);
         for (slot, (q, start)) in self.q.iter().zip(&state.q).enumerate() {
             work += 0.5 * (state.force[slot] + trial.force[slot]) * (q - start);
         }

@@ -44,7 +44,7 @@ impl Run<'_> {
             .map(|e| e.plastic_damage)
             .sum::<f64>();
         energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
-        energies.interface += trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        energies.interface += self.system.interface_dissipation(trial);
         let dt = size * step.duration;
         state.time += dt;
         state.increments += 1;
@@ -53,6 +53,7 @@ impl Run<'_> {
         state.material.copy_from_slice(&trial.material);
         state.interface.copy_from_slice(&trial.interface);
         state.pairs.copy_from_slice(&trial.pairs);
+        state.touches = self.system.general.committed(trial);
         state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
         state.last = Some(LastIncrement {
             dq: dq.clone(),
@@ -76,7 +77,18 @@ impl Run<'_> {
         let (state, trial) = (&self.state, &self.trial);
         let (displacement, force, reaction) = self.driven(step);
         let reactions = self.reactions(step, report.load_factor, moment);
-        let count = |status: PointStatus| trial.status.iter().filter(|s| **s == status).count();
+        // Of general contact, what touches counts.
+        let touching = |status: PointStatus| {
+            let pressed = trial
+                .touches
+                .iter()
+                .filter(|t| t.touch.history.traction[0] < 0.0);
+            pressed.filter(|t| t.status == status).count()
+        };
+        let count = |status: PointStatus| {
+            let points = trial.status.iter().filter(|s| **s == status);
+            points.count() + touching(status)
+        };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let e = &state.energies;
         HistoryRow {
@@ -103,7 +115,7 @@ impl Run<'_> {
             kinetic_energy_J: e.kinetic * 1e-3,
             damping_dissipation_J: e.damping * 1e-3,
             numerical_dissipation_J: e.numerical * 1e-3,
-            contact_area_mm2: self.system.contact.pressed_area(&state.interface),
+            contact_area_mm2: self.system.pressed_area(state),
             load_factor: report.load_factor,
             procedure: method,
             probes: self.columns(&reactions),

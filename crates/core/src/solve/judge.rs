@@ -31,7 +31,28 @@ impl Run<'_> {
             after += usize::from(new);
             changed += usize::from(old != new);
         }
+        let (held, new, parted) = self.touches_changed();
+        before += held + parted;
+        after += held + new;
+        changed += new + parted;
         changed as f64 > IMPACT * before.max(after) as f64
+    }
+
+    /// Touches of general contact that press at both ends of the increment that the trial ends, at its end
+    /// only, at its start only.
+    fn touches_changed(&self) -> (usize, usize, usize) {
+        let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
+        let (mut held, mut new) = (0, 0);
+        for one in &self.trial.touches {
+            if presses(&one.touch.history) {
+                let old = presses(&one.old);
+                held += usize::from(old);
+                new += usize::from(!old);
+            }
+        }
+        let touches = self.state.touches.iter();
+        let before = touches.filter(|touch| presses(&touch.history)).count();
+        (held, new, before - held.min(before))
     }
 
     /// Whether to try the increment that the trial ends again, smaller, because bodies meet or part in
@@ -39,13 +60,24 @@ impl Run<'_> {
     pub(super) fn try_as_shock(&self, course: &mut Course, leg: Leg) -> bool {
         let dynamic = leg.method == Method::Dynamic;
         let carried = leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
-        if !(dynamic || carried) || !self.is_shock() {
+        if !(dynamic || carried) {
             return false;
+        }
+        let (_, met, parted) = self.touches_changed();
+        if !self.is_shock() {
+            // A few of many that meet are no blow to all, but HHT makes energy of them, too.
+            return met + parted > 0 && self.makes_energy(course, dynamic);
         }
         let smallest = course.ladder.floor().max(course.step.increments.min / CUT);
         if leg.increment.size > smallest {
             return course.schedule.cut(leg.increment, CUT).is_ok();
         }
+        self.makes_energy(course, dynamic)
+    }
+
+    /// Whether HHT has made energy of the increment that the trial ends, and backward Euler is yet to be
+    /// tried.
+    fn makes_energy(&self, course: &mut Course, dynamic: bool) -> bool {
         let (system, state, trial) = (&self.system, &self.state, &self.trial);
         let taken = course.newton.numerical_dissipation(system, state, trial);
         let makes_energy = dynamic && taken < -GAIN * state.energies.kinetic;

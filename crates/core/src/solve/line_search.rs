@@ -21,6 +21,8 @@ pub struct LineSearch {
     high: Option<(f64, f64)>,
     evaluations: usize,
     side: i8,
+    most: usize,
+    smallest: f64,
 }
 
 /// Accepted fall of the slope: a looser root takes more solves, a tighter one saves none
@@ -36,6 +38,9 @@ const LONGER: f64 = 4.0;
 const MOST: usize = 6;
 /// Smallest step: below it, the direction is bad and a new tangent is due.
 const SMALLEST: f64 = 0.02;
+/// The same where bodies may meet.
+const MOST_TO_IMPACT: usize = 16;
+const SMALLEST_TO_IMPACT: f64 = 1e-6;
 
 impl LineSearch {
     /// Starts from the slope at η = 0 (negative for a direction of descent).
@@ -46,6 +51,18 @@ impl LineSearch {
             high: None,
             evaluations: 0,
             side: 0,
+            most: MOST,
+            smallest: SMALLEST,
+        }
+    }
+
+    /// Searches where bodies in free flight may meet: the root is where they do, however near, and a step
+    /// beyond it would press one corner with the weight of the whole flight.
+    pub fn to_impact(self) -> Self {
+        Self {
+            most: MOST_TO_IMPACT,
+            smallest: SMALLEST_TO_IMPACT,
+            ..self
         }
     }
 
@@ -58,7 +75,7 @@ impl LineSearch {
         // Still descending: the next tangent goes on from there, unless most of the slope is left. Then the
         // tangent knows nothing of what softens along the direction, and would take many such steps.
         if slope.is_finite() && slope * self.start > 0.0 && self.high.is_none() {
-            let far = eta >= FARTHEST || self.evaluations >= MOST;
+            let far = eta >= FARTHEST || self.evaluations >= self.most;
             if far || slope.abs() <= MUCH * self.start.abs() {
                 return Probe::Accept(eta);
             }
@@ -72,7 +89,7 @@ impl LineSearch {
             self.low = (eta, slope);
             return Probe::Try(root.min(LONGER * eta).min(FARTHEST));
         }
-        if self.evaluations >= MOST || eta <= SMALLEST {
+        if self.evaluations >= self.most || eta <= self.smallest {
             return Probe::Accept(eta);
         }
         if slope.is_finite() && slope * self.start > 0.0 {
@@ -103,7 +120,7 @@ impl LineSearch {
         Probe::Try(
             secant
                 .clamp(self.low.0 + 0.05 * width, high.0 - 0.05 * width)
-                .max(SMALLEST),
+                .max(self.smallest),
         )
     }
 }

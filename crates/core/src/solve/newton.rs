@@ -153,7 +153,7 @@ impl<'m> Newton<'m> {
         let scheme = self.motion.as_ref().map_or(0.0, |motion| {
             motion.dissipations(&system.mass, state, trial, &dq, &self.loads.total)[0]
         });
-        scheme + system.contact.crossing_work(self.model, state, trial)
+        scheme + system.crossing_work(self.model, state, trial)
     }
 
     /// Which solver the tangents need.
@@ -311,7 +311,7 @@ impl<'m> Newton<'m> {
             let mut balanced = balance.holds(part, tolerance.residual);
             // The tractions of the last iterate have just been taken over, so that the residual holds
             // their change as the nodes feel it. The start has taken over nothing yet.
-            let settled = iteration > 0 || !setting.shifted;
+            let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
             // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
             let loaded = scale > ROUNDINGS * system.rounding_force;
             if balanced && loaded && attempt.advance == Advance::Load {
@@ -441,6 +441,9 @@ impl<'m> Newton<'m> {
         let setting = along(setting);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
+        if trial.may_meet() {
+            search = search.to_impact();
+        }
         let origin: Vec<f64> = self
             .equations
             .slot_of
@@ -509,7 +512,7 @@ impl<'m> Newton<'m> {
     pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
         state.energies.external += self.loads.work(&self.loads_start, dq);
         state.loads.clone_from(&self.loads.values);
-        state.energies.numerical += system.contact.crossing_work(self.model, state, trial);
+        state.energies.numerical += system.crossing_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
             let given = self.loads.given(slot);
             let applied = match &self.motion {

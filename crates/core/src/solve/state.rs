@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, PointPair};
 
 use crate::material::MaterialHistory;
+use crate::system::Touch;
 
 /// Energies since the start [N mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -101,6 +102,8 @@ pub struct State {
     pub interface: Vec<InterfaceHistory>,
     /// Which master facet each contact point faces. `[slave facet][point]`
     pub pairs: Vec<PointPair>,
+    /// Where bodies touch by general contact.
+    pub touches: Vec<Touch>,
     /// Last increment, none after a change of the boundary conditions.
     pub last: Option<LastIncrement>,
     /// Largest mean nodal force of any commit [N]: what is left of it when all forces vanish scales

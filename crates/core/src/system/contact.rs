@@ -12,7 +12,7 @@ use wythe_contact::{
     write_stiffness,
 };
 
-use super::numerical::numerical_stiffness;
+use super::numerical::{FIRM, WELL_WITHIN, numerical_stiffness};
 use super::pattern::CELL;
 use super::{Evaluation, Trial};
 use crate::model::Model;
@@ -31,12 +31,6 @@ const SKIN: f64 = 0.03;
 /// elastic bodies step by. One that is deeper has come from the side, and its penalty would throw bodies
 /// about.
 const BEHIND: f64 = 1e-5;
-
-/// A point whose shear is below this part of its limit is in no danger of chatter, and takes
-/// [`FIRM`] times the numerical stiffness (docs/decisions.md).
-const WELL_WITHIN: f64 = 0.85;
-/// Factor of the numerical stiffness of such a point.
-const FIRM: f64 = 3.0;
 
 /// Surfaces, points and candidates.
 #[derive(Clone, Debug)]
@@ -143,6 +137,11 @@ impl Contact {
     /// The law of a point.
     pub fn law<'m>(&self, model: &'m Model, point: usize) -> &'m InterfaceLaw {
         &model.contact.laws[self.law_of[point / 4] as usize]
+    }
+
+    /// The body that a point faces, if it faces one.
+    pub(super) fn faced_body(&self, pair: &PointPair) -> Option<u32> {
+        pair.facet.map(|facet| self.master.body[facet as usize])
     }
 
     /// Counts the searches of candidates.

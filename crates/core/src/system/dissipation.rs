@@ -8,8 +8,7 @@ impl System {
     pub fn work_turned_over(&self, trial: &Trial, dq: &[f64]) -> f64 {
         let mut way = vec![[0.0; 3]; self.bulk.reference.len()];
         self.dofs.spread(dq, &mut way);
-        let cells = self.bulk.elements.iter().chain(self.contact.cells());
-        cells
+        self.loaded_cells()
             .zip(&trial.cell_force)
             .map(|(nodes, force)| work(nodes, force, &way).abs())
             .sum()

@@ -5,6 +5,7 @@ pub mod contact;
 mod damping;
 mod dissipation;
 pub mod dofs;
+mod general;
 pub mod linear;
 mod mass;
 mod numerical;
@@ -19,6 +20,7 @@ pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
 pub use damping::StiffnessDamping;
 pub use dofs::{DofMap, Equations};
+pub use general::{General, Kind, Live, Touch};
 pub use mass::Mass;
 pub use outside::Outside;
 pub use pattern::Gather;
@@ -112,6 +114,10 @@ pub struct Trial {
     pub loads: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
     pub inertia: f64,
+    /// What touches by general contact, or is near.
+    pub touches: Vec<Live>,
+    /// Energy that touches set free which are no more [N mm].
+    pub touch_loss: f64,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -140,6 +146,18 @@ impl Trial {
         self.cell_force.clear();
         self.element_energy.clear();
         self.point_energy.clear();
+        self.touches.clear();
+        self.touch_loss = 0.0;
+    }
+
+    /// Whether the tractions of the last iterate are those of what touches.
+    pub fn is_settled(&self) -> bool {
+        self.touches.iter().all(|one| one.settled)
+    }
+
+    /// Whether anything near does not touch now.
+    pub fn may_meet(&self) -> bool {
+        self.touches.iter().any(Live::is_open)
     }
 
     /// The normal tractions of the last iterate bound the shear of the next one.
@@ -148,6 +166,7 @@ impl Trial {
         self.bounding.extend(self.traction.iter().map(|t| t[0]));
         self.swing.clear();
         self.swing.resize(self.traction.len(), 0.0);
+        self.touches.iter_mut().for_each(Live::bound_by_traction);
     }
 
     /// The tractions of this iterate become those of the last, but those of some points others.
@@ -175,7 +194,10 @@ impl Trial {
             self.bounding[p] += part * change;
             self.swing[p] = change;
         }
-        let steady = self.before == self.status;
+        let mut steady = self.before == self.status;
+        for one in &mut self.touches {
+            steady &= one.keep_traction();
+        }
         self.stiffening = if steady {
             (2.0 * self.stiffening).min(STIFFEST)
         } else {
@@ -193,6 +215,8 @@ pub struct System {
     pub bulk: Bulk,
     /// Interfaces.
     pub contact: Contact,
+    /// General contact.
+    pub general: General,
     /// Masses.
     pub mass: Mass,
     /// Springs to the ground.
@@ -205,6 +229,7 @@ pub struct System {
     pub rounding_force: f64,
     gather: Option<Gather>,
     analysed_version: usize,
+    analysed_pairs: Vec<[u32; 2]>,
 }
 
 impl System {
@@ -214,8 +239,10 @@ impl System {
     /// [`bulk::BulkError`] if an element or its material cannot be prepared.
     pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
         let (dofs, bulk) = (DofMap::new(model), Bulk::new(model)?);
+        let mass = Mass::new(model, &bulk, &dofs);
         Ok(Self {
-            mass: Mass::new(model, &bulk, &dofs),
+            general: General::new(model, &mass),
+            mass,
             dofs,
             bulk,
             contact: Contact::new(model),
@@ -225,6 +252,7 @@ impl System {
             rounding_force: rounding::force(model),
             gather: None,
             analysed_version: 0,
+            analysed_pairs: Vec::new(),
         })
     }
 
@@ -245,6 +273,7 @@ impl System {
             material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
             interface: self.contact.virgin(model),
             pairs: vec![PointPair::default(); self.contact.points.len()],
+            touches: Vec::new(),
             last: None,
             largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
@@ -258,16 +287,18 @@ impl System {
     }
 
     /// Begins an increment from the committed state.
-    pub fn start(&self, trial: &mut Trial, state: &State) {
+    pub fn start(&mut self, trial: &mut Trial, state: &State) {
         trial.start(state);
         self.place(trial, &state.q);
         trial.x_start.clone_from(&trial.x);
+        self.general.begin(&self.contact, state);
     }
 
     /// Pairs the contact points with master facets at generalised displacements `q`.
     pub fn search(&mut self, trial: &mut Trial, q: &[f64]) {
         self.place(trial, q);
         self.contact.search(trial);
+        self.general.search(trial);
     }
 
     /// Starts the tractions of an increment where the last one would lead, `ratio` times its size.
@@ -302,7 +333,9 @@ impl System {
 
     /// True if the candidates of contact changed since the last analysis.
     pub fn pattern_changed(&self) -> bool {
-        self.gather.is_none() || self.analysed_version != self.contact.version()
+        self.gather.is_none()
+            || self.analysed_version != self.contact.version()
+            || self.analysed_pairs != self.general.pairs()
     }
 
     /// Orders and analyses the matrix of the present candidates; returns its number of entries.
@@ -316,6 +349,7 @@ impl System {
     ) -> Result<(usize, LinearSolver), LinearError> {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
+        cells.extend(self.general.cells());
         cells.extend(self.springs.cells());
         cells.extend(self.outside.cells());
         cells.extend(self.steered_cells());
@@ -343,6 +377,8 @@ impl System {
         let entries = gather.row_idx.len();
         self.gather = Some(gather);
         self.analysed_version = self.contact.version();
+        self.analysed_pairs.clear();
+        self.analysed_pairs.extend_from_slice(self.general.pairs());
         Ok((entries, solver))
     }
 
@@ -380,7 +416,8 @@ impl System {
     ) -> Result<(), (usize, LocalFailure)> {
         let nodes = self.bulk.reference.len();
         let n_elements = self.bulk.elements.len();
-        let n_loaded = n_elements + self.contact.cell_count();
+        let n_contact = n_elements + self.contact.cell_count();
+        let n_loaded = n_contact + self.general.cells().len();
         let n_sprung = n_loaded + self.springs.cells().len();
         let n_pressed = n_sprung + self.outside.cells().len();
         let n_cells = n_pressed + self.steered_cells().len();
@@ -394,13 +431,14 @@ impl System {
         let middle = std::time::Instant::now();
         self.contact
             .evaluate(model, state, trial, setting, n_elements);
+        self.general.evaluate(trial, setting, n_contact);
         clock.contact += middle.elapsed().as_secs_f64();
         clock.elements += (middle - begin).as_secs_f64();
 
         // Nodal sums in cell order.
         trial.node_force.clear();
         trial.node_force.resize(nodes, [0.0; 3]);
-        let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
+        let connectivity = self.loaded_cells();
         for (nodes, force) in connectivity.zip(&trial.cell_force) {
             for (&n, f) in nodes.iter().zip(force) {
                 for i in 0..3 {
@@ -444,6 +482,43 @@ impl System {
         Ok(())
     }
 
+    /// Cells that have nodal forces: elements, planned contact, general contact.
+    fn loaded_cells(&self) -> impl Iterator<Item = &[u32; 8]> {
+        let solids = self.bulk.elements.iter();
+        solids
+            .chain(self.contact.cells())
+            .chain(self.general.cells())
+    }
+
+    /// Area at rest of what presses at a commit [mm²].
+    pub fn pressed_area(&self, state: &State) -> f64 {
+        let planned = self.contact.pressed_area(&state.interface);
+        if self.general.is_absent() {
+            return planned;
+        }
+        let touches = state.touches.iter();
+        let pressed = touches.filter(|touch| touch.history.traction[0] < 0.0);
+        planned + pressed.map(|touch| touch.area).sum::<f64>()
+    }
+
+    /// Dissipation of the interfaces in the increment that `trial` ends [N mm].
+    pub fn interface_dissipation(&self, trial: &Trial) -> f64 {
+        let planned = trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        if self.general.is_absent() {
+            return planned;
+        }
+        planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss
+    }
+
+    /// What the trapezoidal rule makes of what opens or closes in the increment that `trial` ends [N mm].
+    pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
+        let planned = self.contact.crossing_work(model, state, trial);
+        if self.general.is_absent() {
+            return planned;
+        }
+        planned + self.general.crossing_work(trial)
+    }
+
     fn steered_cells(&self) -> &[[u32; 8]] {
         self.steered.as_ref().map_or(&[], Steered::cells)
     }
@@ -452,6 +527,7 @@ impl System {
     pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
         trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
             + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
+            + trial.touches.iter().map(|t| t.energy[0]).sum::<f64>()
             + self.springs.energy(spring_forces.iter().copied())
     }
 
@@ -499,8 +575,7 @@ impl System {
         let mut du = vec![[0.0; 3]; nodes];
         self.dofs.spread(dq, &mut du);
         let mut force = vec![[0.0; 3]; nodes];
-        let connectivity = self.bulk.elements.iter().chain(self.contact.cells());
-        let connectivity = connectivity.chain(self.springs.cells());
+        let connectivity = self.loaded_cells().chain(self.springs.cells());
         let connectivity = connectivity.chain(self.outside.cells());
         let connectivity = connectivity.chain(self.steered_cells());
         for (c, nodes) in connectivity.enumerate() {

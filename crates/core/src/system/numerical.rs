@@ -11,6 +11,12 @@ use crate::model::Model;
 /// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough not to
 /// chatter; it grows where nothing does (docs/decisions.md).
 const NUMERICAL_PENALTY: f64 = 1.0;
+/// A point whose shear is below this part of its limit is in no danger of chatter, and takes [`FIRM`]
+/// times the numerical stiffness (docs/decisions.md).
+pub(super) const WELL_WITHIN: f64 = 0.85;
+/// Factor of the numerical stiffness of such a point.
+pub(super) const FIRM: f64 = 3.0;
+
 /// Least numerical stiffness over the steepest softening of the law, so that the return converges.
 const LEAST_OVER_SOFTENING: f64 = 4.0;
 

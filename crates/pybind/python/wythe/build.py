@@ -572,13 +572,14 @@ def blocks(
     *,
     materials: Mapping[str, Mapping[str, Any]],
     interfaces: Mapping[str, Mapping[str, Any]],
-    contacts: Sequence[Mapping[str, Any]],
+    contacts: Sequence[Mapping[str, Any]] = (),
     supports: Sequence[Mapping[str, Any]],
     steps: Sequence[Mapping[str, Any]],
     springs: Sequence[Mapping[str, Any]] = (),
     probes: Sequence[Mapping[str, Any]] = (),
     imports: Sequence[Mapping[str, Any]] = (),
     points: str = "corner",
+    general: str | None = None,
     title: str = "blocks",
     **tables: Value,
 ) -> Model:
@@ -596,6 +597,9 @@ def blocks(
         :func:`mesh`.
     points
         ``"corner"`` for blocks that rock and slide, ``"gauss"`` for bonded ones.
+    general
+        A dry interface by which any face may meet any other body's; if absent only those of
+        ``contacts`` meet.
     tables
         Further tables of the deck: ``element``, ``output``.
     """
@@ -604,7 +608,7 @@ def blocks(
             "title": title,
             "materials": dict(materials),
             "interfaces": dict(interfaces),
-            "contact": {"points": points},
+            "contact": {"points": points} | ({"general": general} if general else {}),
             "blocks": list(blocks),
             "imports": list(imports),
             "contacts": list(contacts),

@@ -118,7 +118,7 @@ pub struct Element {
 }
 
 /// `[contact]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// Where an interface is sampled on a slave facet.
@@ -126,6 +126,10 @@ pub struct Contact {
     /// How far a point looks for its master facet [mm]; the solver chooses if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search_radius: Option<Length>,
+    /// The dry interface by which any face of a body may meet any other body's; none but those that are
+    /// paired meet if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub general: Option<String>,
 }
 
 /// `[output]`.

@@ -340,7 +340,7 @@ impl JsonSchema for Subdivision {
                 { "enum": ["coarse", "fine"] },
                 {
                     "type": "array",
-                    "items": [count(2), count(2), count(1)],
+                    "items": [count(1), count(1), count(1)],
                     "minItems": 3,
                     "maxItems": 3,
                 },

@@ -69,6 +69,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     if let Some(radius) = deck.contact.search_radius {
         checks.positive("contact.search_radius", radius);
     }
+    checks.general_contact();
     checks.references();
     checks.errors
 }
@@ -140,6 +141,25 @@ impl Checks<'_> {
             path,
             || format!("{value} is not between {low} and {high}"),
             &format!("give a value from {low} to {high}"),
+        );
+    }
+
+    /// The interface of general contact: one that is there, and dry.
+    fn general_contact(&mut self) {
+        let deck = self.deck;
+        let (path, Some(name)) = ("contact.general", &deck.contact.general) else {
+            return;
+        };
+        self.known_interface(path, name);
+        let bonded = deck.interfaces.get(name).is_some_and(|f| !f.is_dry());
+        let broken = self.broken.holds(&format!("interfaces.{name}.f_t"))
+            || self.broken.holds(&format!("interfaces.{name}.c"));
+        self.demand(
+            !bonded || broken,
+            path,
+            || format!("{name} is bonded, and bodies that meet later have nothing between them that could bond"),
+            "name an interface with f_t = 0 and c = 0; bonds are those of joints that touch at rest: \
+             [[contacts]], the joints of a wall or of an arch",
         );
     }
 }
