@@ -8,7 +8,9 @@ use wythe::model::{Deck, Model};
 use wythe::results::{HistoryRow, Status};
 
 fn built(text: &str) -> Result<Model, wythe::error::ModelError> {
-    Deck::from_str(text, "scene.toml").and_then(|deck| Model::from_deck(&deck)).map(|m| m.0)
+    Deck::from_str(text, "scene.toml")
+        .and_then(|deck| Model::from_deck(&deck))
+        .map(|m| m.0)
 }
 
 fn model(text: &str) -> Model {
@@ -60,7 +62,11 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
                 rows.iter().filter(met).count()
             };
             for way in [1.0, -1.0, 2.0, -2.0] {
-                assert!(tips(way) >= 2, "{procedure}: {way} mm is met {} times", tips(way));
+                assert!(
+                    tips(way) >= 2,
+                    "{procedure}: {way} mm is met {} times",
+                    tips(way)
+                );
             }
             let last = rows.last().unwrap();
             assert!(last.displacement_mm.abs() < 1e-12, "{last:?}");
@@ -68,13 +74,19 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
             let exact = 1e-3 * force * (4.0 * cycles - elastic);
             let error = last.interface_dissipation_J / exact - 1.0;
             let open = gap(last) / last.external_work_J;
-            println!("{procedure}: {} rows, loops {error:.1e}, balance {open:.1e}", rows.len());
+            println!(
+                "{procedure}: {} rows, loops {error:.1e}, balance {open:.1e}",
+                rows.len()
+            );
             // By the trapezoidal rule the first increment after each of eight turning points counts nothing:
             // 2.4 µm less 2u of 24 mm; the rest is the tolerance of forces, and what inertia leaves.
             assert!(error.abs() < 1e-3, "{procedure}: {error:e}");
             assert!(open.abs() < 1e-3, "{procedure}: {open:e}");
             let most = rows.iter().map(|r| r.force_kN.abs()).fold(0.0, f64::max);
-            assert!((most / (1e-3 * force) - 1.0).abs() < 5e-3, "{procedure}: {most}");
+            assert!(
+                (most / (1e-3 * force) - 1.0).abs() < 5e-3,
+                "{procedure}: {most}"
+            );
         }
     }
 }
@@ -99,7 +111,10 @@ fn a_joint_follows_the_golden_cyclic_path() {
         }
     }
     let last = rows.len() as f64 - 1.0;
-    let table: Vec<String> = rows.iter().map(|[t, f]| format!("[{}, {f}]", t / last)).collect();
+    let table: Vec<String> = rows
+        .iter()
+        .map(|[t, f]| format!("[{}, {f}]", t / last))
+        .collect();
     let step = format!(
         "displacement = {most}\namplitude = [{}]\nincrements = {{ initial = 1, max = 1 }}\n\
          procedure = \"static\"\ntangent = \"direct\"\ntolerance = {{ residual = 1e-5 }}",
@@ -138,11 +153,15 @@ fn along_a_path_an_amplitude_must_rise() {
 /// Half of the displacement in the first tenth of the time, and a rest at the end.
 #[test]
 fn rows_are_met_at_their_times() {
-    let rows = "displacement = 2\namplitude = [[0, 0], [0.1, 0.5], [0.9, 1], [1, 1]]\nduration = 10";
+    let rows =
+        "displacement = 2\namplitude = [[0, 0], [0.1, 0.5], [0.9, 1], [1, 1]]\nduration = 10";
     let recording = completed(&model(&slider(rows)));
     for (time, way) in [(1.0, 1.0), (9.0, 2.0), (10.0, 2.0)] {
         // After the preload, which takes 1 s.
-        let row = recording.rows.iter().find(|r| (r.time - 1.0 - time).abs() < 1e-9);
+        let row = recording
+            .rows
+            .iter()
+            .find(|r| (r.time - 1.0 - time).abs() < 1e-9);
         let row = row.unwrap_or_else(|| panic!("no increment ends at {time} s"));
         assert!((row.displacement_mm - way).abs() < 1e-12, "{row:?}");
     }
@@ -164,7 +183,11 @@ fn the_cyclic_example_dissipates_what_it_says() {
     let deck = common::examples::load("41_cyclic_block", &[]);
     let (model, warnings) = Model::from_deck(&deck).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
-    let last = completed(&model).rows.last().unwrap().interface_dissipation_J;
+    let last = completed(&model)
+        .rows
+        .last()
+        .unwrap()
+        .interface_dissipation_J;
     // 4 · 1440 N (2 · 1 mm + 2 · 2 mm) = 34.6 J, a hundredth less for what is elastic and the increments.
     assert!((last / 34.56 - 1.0).abs() < 2e-2, "{last}");
 }
@@ -176,16 +199,52 @@ fn a_steered_displacement_may_turn_back() {
     for tangent in ["secant", "consistent"] {
         let deck = common::examples::load(
             "40_airbag",
-            &[("steps.1.control.displacement", "2"), ("steps.1.tangent", tangent), amplitude],
+            &[
+                ("steps.1.control.displacement", "2"),
+                ("steps.1.tangent", tangent),
+                amplitude,
+            ],
         );
         let recording = completed(&Model::from_deck(&deck).unwrap().0);
         let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
-        let before = recording.rows.iter().rfind(|r| r.step == 0).unwrap().displacement_mm;
+        let before = recording
+            .rows
+            .iter()
+            .rfind(|r| r.step == 0)
+            .unwrap()
+            .displacement_mm;
         let farthest = rows.iter().map(|r| r.displacement_mm).fold(0.0, f64::max);
         let last = rows.last().unwrap();
         assert!((farthest - before - 2.0).abs() < 1e-9, "{farthest}");
-        assert!((last.displacement_mm - before - 0.4).abs() < 1e-9, "{last:?}");
+        assert!(
+            (last.displacement_mm - before - 0.4).abs() < 1e-9,
+            "{last:?}"
+        );
         let work = rows.iter().map(|r| r.external_work_J).fold(0.0, f64::max);
-        assert!(gap(last).abs() < 5e-3 * work, "{tangent}: {}", gap(last) / work);
+        assert!(
+            gap(last).abs() < 5e-3 * work,
+            "{tangent}: {}",
+            gap(last) / work
+        );
     }
+}
+
+/// The wallette of the example: tips are met, energies close, loops are wide.
+#[test]
+fn a_wallette_is_sheared_to_and_fro() {
+    let deck = common::examples::load("42_cyclic_wall", &[]);
+    let recording = completed(&Model::from_deck(&deck).unwrap().0);
+    let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
+    for way in [0.3, -0.3, 0.6, -0.6, 0.0] {
+        assert!(rows.iter().any(|r| (r.displacement_mm - way).abs() < 1e-12), "{way} mm");
+    }
+    let last = rows.last().unwrap();
+    let open = recording.rows.iter().map(|r| gap(r).abs()).fold(0.0, f64::max);
+    println!("open {:.1e}", open / last.external_work_J);
+    assert!(open < 1e-2 * last.external_work_J); // theory F
+    // Rubbing at μ N of 2.12 MPa on 420.5 × 49 mm along most of 3.6 mm.
+    let rubbing = 1e-3 * 0.75 * 2.12 * 420.5 * 49.0 * 3.6;
+    println!("{} of {rubbing}", last.interface_dissipation_J);
+    assert!(last.interface_dissipation_J > 0.5 * rubbing);
+    assert!(last.interface_dissipation_J < 1.1 * rubbing);
 }

@@ -303,19 +303,74 @@ fn bad_scenes_name_the_key_and_the_fix() {
 }
 
 /// A load on the upper block.
-const LOAD: &str = "[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\non = \"top.top\"\npressure = 1\n";
+const LOAD: &str =
+    "[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\non = \"top.top\"\npressure = 1\n";
 
 const BAD_LOADS: &[Bad] = &[
-    ("name = \"a\"", "name = \"a b\"", "steps.1.loads.0.name", "no name for a column", "a letter"),
-    ("name = \"a\"", "name = \"force\"\n# ", "steps.1.loads.0.name", "two columns named `force_kN`", "of its own"),
-    ("name = \"a\"\n", "", "steps.1.loads.0.name", "missing", "name = "),
+    (
+        "name = \"a\"",
+        "name = \"a b\"",
+        "steps.1.loads.0.name",
+        "no name for a column",
+        "a letter",
+    ),
+    (
+        "name = \"a\"",
+        "name = \"force\"\n# ",
+        "steps.1.loads.0.name",
+        "two columns named `force_kN`",
+        "of its own",
+    ),
+    (
+        "name = \"a\"\n",
+        "",
+        "steps.1.loads.0.name",
+        "missing",
+        "name = ",
+    ),
     ("pressure = 1", "", "steps.1.loads.0", "no value", "one of"),
-    ("pressure = 1", "pressure = 1\nforce = [1, 0, 0]", "steps.1.loads.0", "2 values", "one of"),
-    ("pressure = 1", "pressure = \"1 N\"", "steps.1.loads.0.pressure", "expected a pressure", "pressure ="),
-    ("pressure = 1", "force = [\"1 MPa\", 0, 0]", "steps.1.loads.0.force.0", "expected a force", "force ="),
-    ("on = \"top.top\"", "on = \"top\"", "steps.1.loads.0.on", "is no face", "top.top"),
-    ("on = \"top.top\"", "on = \"tip.top\"", "steps.1.loads.0.on", "no block named `tip`", "`top`"),
-    ("on = \"top.top\"\n", "", "steps.1.loads.0.on", "missing", "on ="),
+    (
+        "pressure = 1",
+        "pressure = 1\nforce = [1, 0, 0]",
+        "steps.1.loads.0",
+        "2 values",
+        "one of",
+    ),
+    (
+        "pressure = 1",
+        "pressure = \"1 N\"",
+        "steps.1.loads.0.pressure",
+        "expected a pressure",
+        "pressure =",
+    ),
+    (
+        "pressure = 1",
+        "force = [\"1 MPa\", 0, 0]",
+        "steps.1.loads.0.force.0",
+        "expected a force",
+        "force =",
+    ),
+    (
+        "on = \"top.top\"",
+        "on = \"top\"",
+        "steps.1.loads.0.on",
+        "is no face",
+        "top.top",
+    ),
+    (
+        "on = \"top.top\"",
+        "on = \"tip.top\"",
+        "steps.1.loads.0.on",
+        "no block named `tip`",
+        "`top`",
+    ),
+    (
+        "on = \"top.top\"\n",
+        "",
+        "steps.1.loads.0.on",
+        "missing",
+        "on =",
+    ),
     (
         "on = \"top.top\"",
         "on = \"top.top\"\nnear = [0, 0, 0]",
@@ -441,10 +496,34 @@ fn bad_cycles_name_the_key_and_the_fix() {
     refuses(
         &format!("{HEAD}{PAIR}{GRAVITY}{drive}"),
         &[
-            ("amplitudes = [1, 2]", "amplitudes = []", "steps.1.cycles", "above 0", "amplitudes ="),
-            ("amplitudes = [1, 2]", "amplitudes = [1, -2]", "steps.1.cycles", "above 0", "amplitudes ="),
-            ("amplitudes = [1, 2]", "amplitudes = [1], repeat = 0", "steps.1.cycles", "once at least", "repeat ="),
-            ("cycles =", "displacement = 1\ncycles =", "steps.1.displacement", "how far", "leave out"),
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = []",
+                "steps.1.cycles",
+                "above 0",
+                "amplitudes =",
+            ),
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = [1, -2]",
+                "steps.1.cycles",
+                "above 0",
+                "amplitudes =",
+            ),
+            (
+                "amplitudes = [1, 2]",
+                "amplitudes = [1], repeat = 0",
+                "steps.1.cycles",
+                "once at least",
+                "repeat =",
+            ),
+            (
+                "cycles =",
+                "displacement = 1\ncycles =",
+                "steps.1.displacement",
+                "how far",
+                "leave out",
+            ),
             (
                 "cycles =",
                 "amplitude = [[0, 0], [1, 1]]\ncycles =",

@@ -459,12 +459,20 @@ fn a_block_slides_on_a_shaken_ground() {
         let mut u = vec![[0.0; 3]; model.mesh.nodes.len()];
         wythe::system::DofMap::new(&model).spread(&last.q, &mut u);
         let way = u.iter().map(|u| u[0]).fold(0.0, f64::min);
-        let exact = if slides { -0.5 * (1.0 - 0.4) * 9810.0 * 0.01 } else { 0.0 };
+        let exact = if slides {
+            -0.5 * (1.0 - 0.4) * 9810.0 * 0.01
+        } else {
+            0.0
+        };
         println!("{way} {exact}");
         // Half an increment of the first one, in which friction is not yet there, and the sway of the block.
         assert!((way - exact).abs() < 0.3, "{way} {exact}");
         let row = recording.rows.last().unwrap();
-        let most = recording.rows.iter().map(|r| r.external_work_J.abs()).fold(0.0, f64::max);
+        let most = recording
+            .rows
+            .iter()
+            .map(|r| r.external_work_J.abs())
+            .fold(0.0, f64::max);
         assert!(!slides || gap(row).abs() < 2e-3 * most, "{row:?}");
     }
 }
@@ -493,9 +501,15 @@ fn a_wall_on_an_accelerating_ground_asks_for_its_mass_times_that() {
     let recording = completed(&model);
     let last = recording.rows.last().unwrap();
     let sum = |i: usize| last.reactions.iter().map(|r| r[i]).sum::<f64>();
-    let mass: f64 = (0..model.mesh.elements.len()).map(|e| 1.9e-9 * model.mesh.volume(e)).sum();
+    let mass: f64 = (0..model.mesh.elements.len())
+        .map(|e| 1.9e-9 * model.mesh.volume(e))
+        .sum();
     // The beam is fixed along x, free along z: its weight is that of the wall. Slow: a thousandth of sway.
     for (i, exact) in [(0, 0.1 * 9810.0 * mass), (2, 9810.0 * mass)] {
-        assert!((sum(i) / exact - 1.0).abs() < 5e-3, "{i}: {} {exact}", sum(i));
+        assert!(
+            (sum(i) / exact - 1.0).abs() < 5e-3,
+            "{i}: {} {exact}",
+            sum(i)
+        );
     }
 }

@@ -367,7 +367,10 @@ fn another_model_is_refused() {
 /// row of a table only changes the speed.
 #[test]
 fn loads_and_amplitudes() {
-    let cycles = [("steps.1.increments.max", "0.01"), ("steps.1.increments.initial", "0.002")];
+    let cycles = [
+        ("steps.1.increments.max", "0.01"),
+        ("steps.1.increments.initial", "0.002"),
+    ];
     for procedure in ["auto", "dynamic"] {
         let overrides = [&cycles[..], &[("steps.1.procedure", procedure)]].concat();
         let model = deck("examples/41_cyclic_block.toml", &overrides);
@@ -375,14 +378,20 @@ fn loads_and_amplitudes() {
         assert!(rows.last().unwrap().displacement_mm.abs() < 1e-9);
     }
     for tangent in ["secant", "consistent"] {
-        let airbag = [("steps.1.tangent", tangent), ("steps.1.control.displacement", "1")];
+        let airbag = [
+            ("steps.1.tangent", tangent),
+            ("steps.1.control.displacement", "1"),
+        ];
         let model = deck("examples/40_airbag.toml", &airbag);
         goes_on_as_if_nothing_had_happened(&model, tangent, 29);
     }
     let rows = [
         ("steps.1.tangent", "secant"),
         ("steps.1.increments.max", "0.05"),
-        ("steps.1.amplitude", "[[0, 0], [0.4, 0.1], [0.6, 0.3], [0.7, 0.3], [1, -0.1]]"),
+        (
+            "steps.1.amplitude",
+            "[[0, 0], [0.4, 0.1], [0.6, 0.3], [0.7, 0.3], [1, -0.1]]",
+        ),
     ];
     let model = deck("examples/40_airbag.toml", &rows);
     goes_on_as_if_nothing_had_happened(&model, "rows", 31);

@@ -36,9 +36,8 @@ fn points(x: &[[f64; 3]; 4]) -> impl Iterator<Item = Point> + '_ {
         let [r, s] = corner.map(|c| g * c);
         let n = CORNERS.map(|[a, b]| 0.25 * (1.0 + a * r) * (1.0 + b * s));
         let dn = CORNERS.map(|[a, b]| [0.25 * a * (1.0 + b * s), 0.25 * b * (1.0 + a * r)]);
-        let tangents = [0, 1].map(|t| {
-            [0, 1, 2].map(|i| dn.iter().zip(x).map(|(dn, x)| dn[t] * x[i]).sum::<f64>())
-        });
+        let tangents = [0, 1]
+            .map(|t| [0, 1, 2].map(|i| dn.iter().zip(x).map(|(dn, x)| dn[t] * x[i]).sum::<f64>()));
         Point { n, dn, tangents }
     })
 }
@@ -101,7 +100,12 @@ mod tests {
 
     #[test]
     fn a_flat_rectangle_shares_its_area_evenly() {
-        let x = [[0.0, 0.0, 2.0], [8.0, 0.0, 2.0], [8.0, 3.0, 2.0], [0.0, 3.0, 2.0]];
+        let x = [
+            [0.0, 0.0, 2.0],
+            [8.0, 0.0, 2.0],
+            [8.0, 3.0, 2.0],
+            [0.0, 3.0, 2.0],
+        ];
         for area in area_vectors(&x) {
             for (found, exact) in area.into_iter().zip([0.0, 0.0, 6.0]) {
                 assert!((found - exact).abs() < 1e-14, "{area:?}"); // rounding
@@ -113,9 +117,9 @@ mod tests {
     /// Their sum is half the cross product of the diagonals, whatever the warp.
     #[test]
     fn a_warped_facet_has_the_area_vector_of_its_rim() {
-        let sum = area_vectors(&WARPED).into_iter().fold([0.0; 3], |s, a| {
-            [0, 1, 2].map(|i| s[i] + a[i])
-        });
+        let sum = area_vectors(&WARPED)
+            .into_iter()
+            .fold([0.0; 3], |s, a| [0, 1, 2].map(|i| s[i] + a[i]));
         let exact = crate::model::hexahedron::area_vector(&WARPED);
         for i in 0..3 {
             assert!((sum[i] - exact[i]).abs() < 1e-13, "{sum:?} {exact:?}"); // rounding

@@ -89,7 +89,10 @@ impl Amplitude {
             return wrong(i, format!("the time {time} does not ascend from {before}"));
         }
         if end != 1.0 {
-            return wrong(last, format!("it ends at {end}, not at 1, the end of the step"));
+            return wrong(
+                last,
+                format!("it ends at {end}, not at 1, the end of the step"),
+            );
         }
         if rows.iter().all(|row| row[1] == 0.0) {
             return wrong(last, "all factors are 0: nothing happens".to_owned());
@@ -163,7 +166,8 @@ mod tests {
 
     #[test]
     fn rows_are_met_exactly_and_lines_lie_between() {
-        let amplitude = Amplitude::new(vec![[0.0, 0.0], [0.1, 1.0], [0.7, -0.3], [1.0, 0.2]]).unwrap();
+        let amplitude =
+            Amplitude::new(vec![[0.0, 0.0], [0.1, 1.0], [0.7, -0.3], [1.0, 0.2]]).unwrap();
         for i in 0..amplitude.branches() {
             let branch = amplitude.branch(i);
             assert_eq!(branch.factor(branch.from[0]), branch.from[1]);
@@ -209,7 +213,11 @@ mod tests {
             (vec![[0.0, 0.0], [0.9, 1.0]], 1),
             (vec![[0.0, 0.0], [1.0, 0.0]], 1),
         ] {
-            assert_eq!(Amplitude::new(rows.clone()).unwrap_err().row, row, "{rows:?}");
+            assert_eq!(
+                Amplitude::new(rows.clone()).unwrap_err().row,
+                row,
+                "{rows:?}"
+            );
         }
         assert!(Amplitude::cycles(&[], 2).is_err());
         assert!(Amplitude::cycles(&[0.0], 2).is_err());

@@ -31,7 +31,9 @@ pub(super) fn build(deck: &Deck) -> Result<(Model, Vec<Warning>), ModelError> {
         loading(deck, &blocks, &supports, &springs),
         surfaces(deck, &blocks),
     );
-    let named = errors.keep(loads::of_blocks(deck, &blocks)).unwrap_or_default();
+    let named = errors
+        .keep(loads::of_blocks(deck, &blocks))
+        .unwrap_or_default();
     let (Loading { beams, mut steps }, surfaces) = match (loaded, met) {
         (Ok(loaded), Ok(met)) => (loaded, met),
         // What holds the blocks, or the sizes of the elements, are not known.

@@ -93,10 +93,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "cycles",
         "cycles = { amplitudes = [\"1 mm\", \"2 mm\"], repeat = 2 }  # each forth and back",
     ),
-    (
-        "amplitudes",
-        "amplitudes = [\"1 mm\", \"2 mm\", \"4 mm\"]",
-    ),
+    ("amplitudes", "amplitudes = [\"1 mm\", \"2 mm\", \"4 mm\"]"),
     ("repeat", "repeat = 2"),
     (
         "amplitude",

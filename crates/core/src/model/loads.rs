@@ -161,9 +161,9 @@ fn new_load(site: &Site<'_>, path: &str, load: &DeckLoad) -> Result<Load, ModelE
     let (acts, direction) = if load.pressure.is_some() {
         let facets = site.facets(path, load)?;
         let areas = site.area_vectors(&facets);
-        let sum = areas.iter().fold([0.0; 3], |sum, (_, a)| {
-            [0, 1, 2].map(|i| sum[i] - a[i])
-        });
+        let sum = areas
+            .iter()
+            .fold([0.0; 3], |sum, (_, a)| [0, 1, 2].map(|i| sum[i] - a[i]));
         // What is left of a closed surface is rounding.
         let size: f64 = areas.iter().map(|(_, a)| norm(*a)).sum();
         let direction = if norm(sum) > 1e-9 * size {

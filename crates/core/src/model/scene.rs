@@ -322,9 +322,8 @@ impl GroundMotion {
     /// Smallest mean distance of the rows of a record [s]; infinite without any.
     pub fn spacing(&self) -> f64 {
         let records = self.acceleration.iter().filter(|rows| rows.len() > 1);
-        let spacing = |rows: &Vec<[f64; 2]>| {
-            (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64
-        };
+        let spacing =
+            |rows: &Vec<[f64; 2]>| (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
         records.map(spacing).fold(f64::INFINITY, f64::min)
     }
 

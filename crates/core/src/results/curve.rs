@@ -85,7 +85,11 @@ impl Curve {
 
     /// Whether the drive goes to and fro: back by more than half of the whole range.
     pub fn turns_back(&self) -> bool {
-        let ways = || std::iter::once(&self.start).chain(&self.points).map(|p| p.0);
+        let ways = || {
+            std::iter::once(&self.start)
+                .chain(&self.points)
+                .map(|p| p.0)
+        };
         let range = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
         let returns = |sign: f64| {
             let mut farthest = f64::NEG_INFINITY;
@@ -124,7 +128,10 @@ impl Curve {
         if self.turns_back() {
             let side = (peak.displacement - self.start.0).signum();
             let out = |p: &(f64, f64)| side * (p.0 - self.start.0);
-            let mut farthest = self.points[..peak.index].iter().map(out).fold(0.0, f64::max);
+            let mut farthest = self.points[..peak.index]
+                .iter()
+                .map(out)
+                .fold(0.0, f64::max);
             let down = after.iter().find(|p| {
                 let outermost = out(p) >= farthest * (1.0 - 1e-9); // sums of increments are rounded
                 farthest = farthest.max(out(p));
@@ -149,7 +156,10 @@ impl Curve {
         let mut rise = part * (self.peak()?.force - f0);
         if self.turns_back() {
             // Whichever way it begins.
-            let first = self.points.iter().find(|p| (p.1 - f0).abs() >= rise.abs())?;
+            let first = self
+                .points
+                .iter()
+                .find(|p| (p.1 - f0).abs() >= rise.abs())?;
             rise = rise.abs() * (first.1 - f0).signum();
         }
         let sign = rise.signum();

@@ -544,7 +544,9 @@ impl<'m> Run<'m> {
 /// Stiffness along what steers the load of a step, which secant tangents want.
 pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
     let controls = step.procedure == Procedure::DisplacementControl;
-    let control = step.control.filter(|_| controls && step.tangent == Tangent::Secant)?;
+    let control = step
+        .control
+        .filter(|_| controls && step.tangent == Tangent::Secant)?;
     Steered::new(model, control)
 }
 

@@ -28,7 +28,11 @@ impl Newton<'_> {
             return;
         };
         let ways = self.q.iter().zip(&state.q);
-        let gone: f64 = gradient.iter().zip(ways).map(|(c, (q, s))| c * (q - s)).sum();
+        let gone: f64 = gradient
+            .iter()
+            .zip(ways)
+            .map(|(c, (q, s))| c * (q - s))
+            .sum();
         let pull = steered.stiffness * (by - gone);
         let slots = self.equations.slot_of.iter();
         self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
@@ -37,7 +41,9 @@ impl Newton<'_> {
     /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
     pub(super) fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
-        let loads = self.loads.rate(self.step, system, self.load_factor, &trial.x);
+        let loads = self
+            .loads
+            .rate(self.step, system, self.load_factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
         self.by_load.clear();
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);

@@ -82,7 +82,8 @@ impl Run<'_> {
         let (state, trial) = (&self.state, &self.trial);
         let forces = state.force.iter().zip(&trial.force);
         let ways = course.newton.q().iter().zip(&state.q);
-        let work = |((f0, f1), (q, start)): ((&f64, &f64), (&f64, &f64))| 0.5 * (f0 + f1) * (q - start);
+        let work =
+            |((f0, f1), (q, start)): ((&f64, &f64), (&f64, &f64))| 0.5 * (f0 + f1) * (q - start);
         let mut sum: f64 = forces.zip(ways).map(work).sum();
         for (s, force) in springs.iter().enumerate() {
             for i in 0..3 {

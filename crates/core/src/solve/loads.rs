@@ -100,7 +100,9 @@ impl Loads {
     /// Gravity, the ground and loads with a name: all that acts on a slot beside what presses or drives a
     /// beam [N].
     pub fn given(&self, slot: usize) -> f64 {
-        self.named.get(slot).map_or(self.body[slot], |named| self.body[slot] + named)
+        self.named
+            .get(slot)
+            .map_or(self.body[slot], |named| self.body[slot] + named)
     }
 
     /// ∂F/∂s at part `s` of the step's loads, the ground at rest and nodes at `x` [mm] [N]. `[slot]`
@@ -127,7 +129,10 @@ impl Loads {
                     _ => [0.0; 3],
                 })
                 .collect();
-            let (dead, turning) = (system.dead_loads(&change), system.follower_loads(&change, x));
+            let (dead, turning) = (
+                system.dead_loads(&change),
+                system.follower_loads(&change, x),
+            );
             for (rate, (dead, turning)) in rate.iter_mut().zip(dead.iter().zip(turning)) {
                 *rate += dead + turning;
             }

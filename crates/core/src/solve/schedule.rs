@@ -134,11 +134,14 @@ mod tests {
 
     #[test]
     fn a_step_is_covered_whole() {
-        let mut schedule = Schedule::new(Increments {
-            initial: 0.07,
-            max: 0.2,
-            min: 1e-6,
-        }, 1.0);
+        let mut schedule = Schedule::new(
+            Increments {
+                initial: 0.07,
+                max: 0.2,
+                min: 1e-6,
+            },
+            1.0,
+        );
         let mut end = 0.0;
         while let Some(increment) = schedule.next() {
             assert_eq!(increment.start, end);
@@ -173,11 +176,14 @@ mod tests {
 
     #[test]
     fn cutting_below_the_smallest_increment_is_refused() {
-        let mut schedule = Schedule::new(Increments {
-            initial: 0.1,
-            max: 0.2,
-            min: 0.03,
-        }, 1.0);
+        let mut schedule = Schedule::new(
+            Increments {
+                initial: 0.1,
+                max: 0.2,
+                min: 0.03,
+            },
+            1.0,
+        );
         let Some(first) = schedule.next() else {
             panic!("a step has an increment")
         };

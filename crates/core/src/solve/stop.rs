@@ -125,11 +125,7 @@ mod tests {
                 (1.0, 10.0),
                 (1.5, 8.1),
             ] {
-                assert_eq!(
-                    watch.take([sign * d, sign * f]),
-                    None,
-                    "{f}"
-                );
+                assert_eq!(watch.take([sign * d, sign * f]), None, "{f}");
             }
             let why = watch.take([sign * 2.0, sign * 8.0]).unwrap();
             assert!(why.contains("80.0 % of its peak of 10.000 kN"), "{why}");

@@ -88,7 +88,9 @@ impl Run<'_> {
             force
         };
         let sum = |force: &[[f64; 3]]| {
-            let all = force.iter().fold([0.0; 3], |sum, f| [0, 1, 2].map(|i| sum[i] + f[i]));
+            let all = force
+                .iter()
+                .fold([0.0; 3], |sum, f| [0, 1, 2].map(|i| sum[i] + f[i]));
             load.along(all)
         };
         let around = load.direction == [0.0; 3];
@@ -115,7 +117,10 @@ impl Run<'_> {
             }
             sum(&force_of(state.loads[told], &x))
         };
-        let steered = model.steps[step..].iter().chain(&model.steps).find_map(|s| s.control);
+        let steered = model.steps[step..]
+            .iter()
+            .chain(&model.steps)
+            .find_map(|s| s.control);
         let displacement = if let Some(control) = steered {
             probes(model, &self.system.dofs, state)[control.probe]
         } else {

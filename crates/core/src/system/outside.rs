@@ -25,11 +25,16 @@ impl Outside {
         let mut outside = Self::default();
         for (l, load) in model.loads.iter().enumerate() {
             if let LoadOn::Follower(facets) = &load.acts {
-                outside.facets.extend(facets.iter().map(|facet| (*facet, l)));
+                outside
+                    .facets
+                    .extend(facets.iter().map(|facet| (*facet, l)));
             }
             outside.acts.push(load.acts.clone());
         }
-        let cells = outside.facets.iter().map(|([a, b, c, d], _)| [*a, *b, *c, *d, *a, *a, *a, *a]);
+        let cells = outside
+            .facets
+            .iter()
+            .map(|([a, b, c, d], _)| [*a, *b, *c, *d, *a, *a, *a, *a]);
         outside.cells = cells.collect();
         outside
     }

@@ -83,7 +83,9 @@ impl DeckLoad {
         let pressure = self.pressure.map(|p| ("pressure", [p.get(), 0.0, 0.0]));
         let traction = self.traction.map(|t| ("traction", t.map(Pressure::get)));
         let force = self.force.map(|f| ("force", f.map(Force::get)));
-        let line = self.line_force.map(|f| ("line_force", f.map(LineForce::get)));
+        let line = self
+            .line_force
+            .map(|f| ("line_force", f.map(LineForce::get)));
         pressure.or(traction).or(force).or(line)
     }
 
@@ -115,7 +117,10 @@ impl Deck {
     /// Columns of the history beside those that every history has: the probes, then the loads.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(super::DeckProbe::column);
-        let loads = self.loads().into_iter().flat_map(|(_, load)| load.columns());
+        let loads = self
+            .loads()
+            .into_iter()
+            .flat_map(|(_, load)| load.columns());
         probes.chain(loads).collect()
     }
 
@@ -196,7 +201,9 @@ impl Deck {
 fn record(text: &str) -> Result<Amplitude, (usize, String)> {
     let rows = rows(text, "no time and factor")?;
     let whole = rows.last().map_or(1.0, |row| row.1[0]);
-    let parts = rows.iter().map(|(_, [time, factor])| [time / whole, *factor]);
+    let parts = rows
+        .iter()
+        .map(|(_, [time, factor])| [time / whole, *factor]);
     let line = |row: usize| rows.get(row).map_or(1, |row| row.0);
     Amplitude::new(parts.collect()).map_err(|no| (line(no.row), no.why))
 }
@@ -250,7 +257,12 @@ mod tests {
         let amplitude = record("# protocol\ns,mm\n0,0\n2.5,1\n7.5,-1\n10,0\n").unwrap();
         let rows = [[0.0, 0.0], [0.25, 1.0], [0.75, -1.0], [1.0, 0.0]];
         assert_eq!(amplitude.rows(), rows);
-        for (text, line) in [("0,0\n1,1\n1,2", 3), ("0,1\n1,1", 1), ("0,0\n1", 2), ("", 1)] {
+        for (text, line) in [
+            ("0,0\n1,1\n1,2", 3),
+            ("0,1\n1,1", 1),
+            ("0,0\n1", 2),
+            ("", 1),
+        ] {
             assert_eq!(record(text).unwrap_err().0, line, "{text}");
         }
     }

@@ -26,7 +26,9 @@ pub use interfaces::{Interface, Scatter};
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe, ProbeQuantity};
-pub use procedure::{DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop};
+pub use procedure::{
+    DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
+};
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use wall::{Bond, Clamped, Subdivision, Wall};

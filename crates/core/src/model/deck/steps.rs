@@ -1,7 +1,9 @@
 //! `[[steps]]`: what is done to the wall, in order.
 
 use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
-use super::procedure::{DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop};
+use super::procedure::{
+    DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
+};
 use super::{Axis, Names};
 use crate::model::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::scene::{Increments, Tangent, Tolerance};

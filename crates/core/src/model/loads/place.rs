@@ -41,12 +41,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     /// Names of nothing, faces and blocks in one list.
-    pub(super) fn on(
-        &self,
-        path: &str,
-        load: &DeckLoad,
-        faces: bool,
-    ) -> Result<Place, ModelError> {
+    pub(super) fn on(&self, path: &str, load: &DeckLoad, faces: bool) -> Result<Place, ModelError> {
         let path = format!("{path}.on");
         let Some(names) = &load.on else {
             return Ok(Place {
@@ -57,7 +52,9 @@ impl<'a> Site<'a> {
         let place = (self.named)(&path, names, faces)?;
         if place.mixed {
             let help = "spread the force over faces alone, or over blocks alone";
-            return Err(self.deck.error(&path, "the list has faces and blocks", help));
+            return Err(self
+                .deck
+                .error(&path, "the list has faces and blocks", help));
         }
         Ok(place)
     }
@@ -66,11 +63,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     /// Names of nothing, or of what is no face.
-    pub(super) fn facets(
-        &self,
-        path: &str,
-        load: &DeckLoad,
-    ) -> Result<Vec<[u32; 4]>, ModelError> {
+    pub(super) fn facets(&self, path: &str, load: &DeckLoad) -> Result<Vec<[u32; 4]>, ModelError> {
         let facets = self.on(path, load, true)?.facets;
         if facets.is_empty() {
             let help = keys::example_at("steps.loads.on");

@@ -90,7 +90,11 @@ impl<'a> Step<'a> {
     fn new(model: &Model, row: &'a HistoryRow) -> Self {
         Self {
             row,
-            probes: model.columns().into_iter().zip(row.probes.iter().copied()).collect(),
+            probes: model
+                .columns()
+                .into_iter()
+                .zip(row.probes.iter().copied())
+                .collect(),
         }
     }
 }

@@ -10,10 +10,10 @@ mod steps;
 
 use super::form::Broken;
 use super::{Deck, Wall};
-pub(in crate::model) use loads::misfit;
 use crate::error::ModelError;
 use crate::model::layout;
 use crate::model::quantity::{Number, Quantity};
+pub(in crate::model) use loads::misfit;
 
 /// Errors found so far.
 struct Checks<'a> {
