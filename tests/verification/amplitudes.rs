@@ -236,10 +236,17 @@ fn a_wallette_is_sheared_to_and_fro() {
     let recording = completed(&Model::from_deck(&deck).unwrap().0);
     let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
     for way in [0.3, -0.3, 0.6, -0.6, 0.0] {
-        assert!(rows.iter().any(|r| (r.displacement_mm - way).abs() < 1e-12), "{way} mm");
+        assert!(
+            rows.iter().any(|r| (r.displacement_mm - way).abs() < 1e-12),
+            "{way} mm"
+        );
     }
     let last = rows.last().unwrap();
-    let open = recording.rows.iter().map(|r| gap(r).abs()).fold(0.0, f64::max);
+    let open = recording
+        .rows
+        .iter()
+        .map(|r| gap(r).abs())
+        .fold(0.0, f64::max);
     println!("open {:.1e}", open / last.external_work_J);
     assert!(open < 1e-2 * last.external_work_J); // theory F
     // Rubbing at μ N of 2.12 MPa on 420.5 × 49 mm along most of 3.6 mm.
