@@ -268,7 +268,7 @@ fn elastica_dead(length: f64, bending: f64, q: f64) -> [f64; 2] {
     [y[0] - length, -y[1]]
 }
 
-/// q L³/B = 6: the tip turns by 55° where the pressure follows, less where it stays upright.
+/// q L³/B = 6: the tip turns by 56° where the pressure follows, less where it stays upright.
 #[test]
 fn a_strip_under_pressure_bends_as_the_elastica() {
     let bending = 2000.0 * 10.0 * 64.0 / 12.0;

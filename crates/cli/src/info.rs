@@ -374,6 +374,10 @@ fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
         if !probes.is_empty() {
             writeln!(text, "  probes      {}", probes.join(", "))?;
         }
+        let loads: Vec<&str> = model.loads.iter().map(|l| l.name.as_str()).collect();
+        if !loads.is_empty() {
+            writeln!(text, "  loads       {}", loads.join(", "))?;
+        }
         match warnings.len() {
             0 => writeln!(text, "  warnings    none"),
             n => writeln!(text, "  warnings    {n}: see `wythe check`"),

@@ -112,6 +112,10 @@ impl Amplitude {
     /// [`NoAmplitude`] if there are none, or none above 0.
     pub fn cycles(amplitudes: &[f64], repeat: u32) -> Result<Self, NoAmplitude> {
         let largest = amplitudes.iter().copied().fold(0.0, f64::max);
+        if largest <= 0.0 || repeat == 0 {
+            let why = "cycles have amplitudes above 0 and are driven once at least".to_owned();
+            return Err(NoAmplitude { row: 0, why });
+        }
         let way = |a: &f64| 4.0 * a * f64::from(repeat);
         let whole: f64 = amplitudes.iter().map(way).sum();
         let mut rows = vec![[0.0; 2]];

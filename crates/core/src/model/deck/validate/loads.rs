@@ -1,7 +1,7 @@
 //! Ranges of `[[steps.loads]]`, `amplitude` and `cycles`.
 
 use super::Checks;
-use crate::model::deck::{DeckAmplitude, DeckLoad, DeckProcedure, DeckStep, StepKind};
+use crate::model::deck::{DeckAmplitude, DeckLoad, DeckProbe, DeckProcedure, DeckStep, StepKind};
 use crate::model::keys;
 use crate::model::quantity::{Number, Quantity};
 use crate::results::history;
@@ -36,7 +36,7 @@ impl Checks<'_> {
     /// Names make columns, each once.
     fn columns_of_loads(&mut self, first: &[(String, &DeckLoad)]) {
         let fixed = history::fixed_columns();
-        let mut taken: Vec<String> = self.deck.probes.iter().map(|p| p.column()).collect();
+        let mut taken: Vec<String> = self.deck.probes.iter().map(DeckProbe::column).collect();
         for (path, load) in first {
             let (path, name) = (format!("{path}.name"), &load.name);
             let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
