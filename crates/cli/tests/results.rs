@@ -243,6 +243,50 @@ fn info_tells_of_folders_fields_and_models() {
 }
 
 #[test]
+fn a_model_is_exported_without_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(folder.path());
+    let model = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/08_block_couplet.toml"
+    );
+    for (format, files) in [
+        ("inp", &["model.inp"][..]),
+        ("vtu", &["model.vtu", "model_surfaces.vtu"]),
+    ] {
+        let set = "steps.1.displacement=0.5";
+        let output = wythe(&["export", model, "--to", format, "--out", &out, "--set", set]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        for file in files {
+            assert!(said(&output).contains(file));
+        }
+    }
+    let inp = std::fs::read_to_string(folder.path().join("model.inp")).unwrap();
+    for part in [
+        "*SURFACE, TYPE=ELEMENT, NAME=SLAVE_JOINT\n_SLAVE_JOINT_S1, S1\n",
+        "*SURFACE, TYPE=ELEMENT, NAME=MASTER\n_MASTER_S2, S2\n",
+        "*FRICTION\n0.73\n",
+        "SLAVE_JOINT, MASTER, JOINT\n",
+        "*RIGID BODY, REF NODE=43, TIE NSET=BEAM_UPPER_TOP\n",
+        "REFERENCE_UPPER_TOP, 3, -10000.0\n",
+        "REFERENCE_UPPER_TOP, 1, 1, 0.5\n",
+    ] {
+        assert!(inp.contains(part), "{part}\n{inp}");
+    }
+    for (rest, part) in [
+        (&["--to", "csv"][..], "nothing has moved yet"),
+        (
+            &["--to", "vtu", "--frame", "last"][..],
+            "nothing has moved yet",
+        ),
+    ] {
+        let output = wythe(&[&["export", model][..], rest].concat());
+        assert_eq!(code(&output), 2);
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn exports_are_written_and_damaged_files_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = text(folder.path());

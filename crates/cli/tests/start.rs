@@ -148,3 +148,43 @@ fn every_help_text_has_an_example() {
         );
     }
 }
+
+#[test]
+fn a_deck_is_written_around_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/import/");
+    for name in ["flat.inp", "flat_mesh.inp"] {
+        std::fs::copy(format!("{data}{name}"), folder.path().join(name)).unwrap();
+    }
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let new = |rest: &[&str]| wythe(&[&["new", &at("lime")][..], rest].concat());
+    let output = new(&["--from", &at("flat.inp"), "--units", "N, m, s"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let text = std::fs::read_to_string(folder.path().join("lime.toml")).unwrap();
+    for part in [
+        "file = \"flat.inp\"",
+        "units = \"N, m, s\"",
+        "surfaces: lime.BASE, lime.SKIN, lime.TOP",
+        "[materials.CLAY]",
+        "reference_length = 100.0",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    // What is left to say is said: then it can be checked.
+    let more = "\n[[supports]]\non = \"lime.BASE\"\n[[steps]]\nkind = \"drive\"\nface = \"lime.TOP\"\n\
+                direction = \"x\"\ndisplacement = \"0.1 mm\"\n";
+    std::fs::write(folder.path().join("lime.toml"), text + more).unwrap();
+    let output = wythe(&["check", &at("lime.toml")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for (rest, part) in [
+        (&["--from", &at("no.inp"), "--force"][..], "no.inp"),
+        (
+            &["--from", &at("flat.inp"), "--units", "kg", "--force"],
+            "no unit of length",
+        ),
+    ] {
+        let output = new(rest);
+        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}

@@ -16,6 +16,9 @@ use std::collections::{BTreeMap, HashMap};
 /// product: 30° between them.
 const SMOOTH: f64 = 0.866;
 
+/// A body and one of its faces, or all of it.
+pub(super) type Part = (usize, Option<usize>);
+
 /// A mesh that a deck imports.
 pub(super) struct Imported {
     /// Its name in the deck.
@@ -32,7 +35,7 @@ pub(super) struct Imported {
     skin: Vec<usize>,
     /// Bodies and faces of what the deck mentions, by the name after that of the import: with their nodes,
     /// and those with facets. `[name][faces only]`
-    pub(super) sets: HashMap<String, [Vec<(usize, Option<usize>)>; 2]>,
+    pub(super) sets: HashMap<String, [Vec<Part>; 2]>,
     /// What its author should know.
     pub(super) warnings: Vec<Warning>,
 }
@@ -331,15 +334,14 @@ fn materials(
             continue;
         }
         let key = section.material.to_uppercase();
-        let material = match index.get(&key) {
-            Some(material) => *material,
-            None => {
-                let found = brought(deck, said, path, mesh, &section.material, warnings)?;
-                own.push(found);
-                let material = (said_count + own.len() - 1) as u16;
-                index.insert(key, material);
-                material
-            }
+        let material = if let Some(material) = index.get(&key) {
+            *material
+        } else {
+            let found = brought(deck, said, path, mesh, &section.material, warnings)?;
+            own.push(found);
+            let material = (said_count + own.len() - 1) as u16;
+            index.insert(key, material);
+            material
         };
         for e in elements.into_iter().map(|e| e as usize) {
             if of[e] != NONE && of[e] != material {

@@ -288,7 +288,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "file = \"wall.inp\"  # of Abaqus, or a .msh of Gmsh",
     ),
     (
-        "units",
+        "imports.units",
         "units = \"N, m, s\"  # of force, length and time in the file",
     ),
     (

@@ -2,7 +2,7 @@
 
 use super::deck::{Deck, Names};
 use super::hexahedron::Face;
-use super::imported::Imported;
+use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::Masonry;
 use crate::error::ModelError;
@@ -147,7 +147,7 @@ impl Roll {
         };
         if let Some(imported) = imported {
             self.count += imported.faces.len();
-            let place = |&(body, face): &(usize, Option<usize>)| Place {
+            let place = |&(body, face): &Part| Place {
                 body: first + body,
                 face,
             };

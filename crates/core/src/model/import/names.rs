@@ -27,7 +27,7 @@ mod tests {
     #[test]
     fn a_name_is_found_by_what_is_left_of_it() {
         let names = ["Brick-1.Top", "Brick-2.Base", "bricks", "Bricks"];
-        let find = |wanted| find(wanted, names.into_iter());
+        let find = |wanted| find(wanted, names);
         assert_eq!(find("Bricks"), Some("Bricks"));
         assert_eq!(find("BRICKS"), None, "two of them");
         assert_eq!(find("brick-1.top"), Some("Brick-1.Top"));

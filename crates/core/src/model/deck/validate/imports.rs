@@ -28,7 +28,12 @@ impl Checks<'_> {
                 "give each wall, block and import a name of its own",
             );
             if let Err(why) = Units::parse(&import.units) {
-                self.demand(false, &key("units"), || why, &keys::example("units"));
+                self.demand(
+                    false,
+                    &key("units"),
+                    || why,
+                    &keys::example_at("imports.units"),
+                );
             }
             for (set, material) in &import.materials {
                 self.known_material(&format!("{path}.materials.{set}"), material);

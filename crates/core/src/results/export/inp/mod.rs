@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::model::Deck;
 
-    const WALL: &str = include_str!("../../../../../examples/03_shear_wall_j7d.toml");
+    const WALL: &str = include_str!("../../../../../../examples/03_shear_wall_j7d.toml");
 
     #[test]
     fn a_wall_has_its_nodes_sets_and_tables() {
