@@ -108,7 +108,9 @@ fn collide(
 fn cubes_collide_face_edge_and_corner_first() {
     let to_corner = 2.0_f64.sqrt().atan().to_degrees();
     let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
-    let cases: [(&str, [f64; 3], Vec<([f64; 3], f64)>); 7] = [
+    /// How a block lies: name, place, turns about axes.
+    type Lying = (&'static str, [f64; 3], Vec<([f64; 3], f64)>);
+    let cases: [Lying; 7] = [
         ("face on face", [0.0, 0.0, 110.0], vec![]),
         ("face on face, half over", [47.0, 31.0, 110.0], vec![]),
         ("edge on face", [3.0, 5.0, 130.0], vec![(x, 45.0)]),

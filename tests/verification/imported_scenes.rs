@@ -58,7 +58,10 @@ fn refused(scene: &str, files: &[(&str, &str)]) -> (String, String, String) {
         Err(DeckError::Model(error)) => {
             let all: Vec<String> = error.all().map(ToString::to_string).collect();
             // Where a name is wrong, what calls it by it is, too.
-            assert!(all.len() == 1 || error.key() == "imports.0.name", "{all:#?}");
+            assert!(
+                all.len() == 1 || error.key() == "imports.0.name",
+                "{all:#?}"
+            );
             let key = error.key().to_owned();
             (key, error.message().to_owned(), error.advice().to_owned())
         }

@@ -182,9 +182,7 @@ mod tests {
         assert!(skin.body.is_sorted());
         // An L of three cells: the edge in its inner corner is not sharp.
         mesh = blocks(&[([0.0; 3], [2, 1, 2])]);
-        for of in [&mut mesh.material] {
-            of.pop();
-        }
+        mesh.material.pop();
         mesh.elements.pop();
         mesh.unit.pop();
         mesh.course.pop();

@@ -166,10 +166,10 @@ pub(super) fn refusal(
                      {l_max:.1} mm: beyond it the softening of this table{of} to row {row} snaps \
                      back within an element"
                 ),
-                if !deck.has_walls() {
-                    "refine `mesh` of its blocks, or give the last row a larger inelastic strain"
-                } else {
+                if deck.has_walls() {
                     "refine wall.mesh, or give the last row a larger inelastic strain"
+                } else {
+                    "refine `mesh` of its blocks, or give the last row a larger inelastic strain"
                 },
             )
         }

@@ -118,8 +118,8 @@ pub fn courses(wall: &Wall) -> Result<Vec<Vec<Row>>, Refusal> {
         });
     }
     match wall.bond {
-        Bond::Stretcher => with_headers(wall, &sizes, stretchers(wall)?),
-        Bond::Stack => with_headers(wall, &sizes, vec![stack(&sizes)?]),
+        Bond::Stretcher => with_headers(wall, &sizes, &stretchers(wall)?),
+        Bond::Stack => with_headers(wall, &sizes, &[stack(&sizes)?]),
         Bond::Header => header_bond(&sizes),
         Bond::English | Bond::EnglishCross => english(wall, &sizes),
         Bond::Flemish => flemish(&sizes),
@@ -222,7 +222,7 @@ fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
             ),
             help: format!(
                 "more than the head joint, less than a unit; half bond is {} mm",
-                (sizes.unit + sizes.head) / 2.0
+                f64::midpoint(sizes.unit, sizes.head)
             ),
         });
     }
@@ -239,7 +239,7 @@ fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
 fn with_headers(
     wall: &Wall,
     sizes: &Sizes,
-    patterns: Vec<Vec<Slot>>,
+    patterns: &[Vec<Slot>],
 ) -> Result<Vec<Vec<Row>>, Refusal> {
     let every = wall.header_courses.map_or(0, |n| n as usize);
     let period = patterns.len() * every.max(1);

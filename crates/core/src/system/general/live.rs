@@ -18,6 +18,10 @@ pub(super) struct Start {
 }
 
 /// A touch, or what is near one, in an iterate.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "four independent facts, none of which follows from others"
+)]
 #[derive(Clone, Debug)]
 pub struct Live {
     /// As it would be committed.
