@@ -403,7 +403,9 @@ pub(super) fn writing<T>(
 fn is_driven(model: &Model, step: &Step) -> bool {
     let springs = |step: &Step| step.springs.iter().flatten().any(|by| *by != 0.0);
     let loads = step.loads.iter().any(Option::is_some);
-    drives(step) || (loads && !model.steps.iter().any(|step| drives(step) || springs(step)))
+    drives(step)
+        || springs(step)
+        || (loads && !model.steps.iter().any(|step| drives(step) || springs(step)))
 }
 
 /// A step drives if its beam moves. A preload merely names the direction in which it is told.
