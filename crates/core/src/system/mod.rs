@@ -116,8 +116,9 @@ pub struct Trial {
     pub inertia: f64,
     /// What touches by general contact, or is near.
     pub touches: Vec<Live>,
-    /// Energy that touches set free which are no more [N mm].
-    pub touch_loss: f64,
+    /// Energy that touches set free which are no more, and the work of their last forces in the increment
+    /// [N mm].
+    pub touch_loss: [f64; 2],
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -147,7 +148,7 @@ impl Trial {
         self.element_energy.clear();
         self.point_energy.clear();
         self.touches.clear();
-        self.touch_loss = 0.0;
+        self.touch_loss = [0.0; 2];
     }
 
     /// Whether the tractions of the last iterate are those of what touches.
@@ -507,7 +508,7 @@ impl System {
         if self.general.is_absent() {
             return planned;
         }
-        planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss
+        planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss[0]
     }
 
     /// What the trapezoidal rule makes of what opens or closes in the increment that `trial` ends [N mm].

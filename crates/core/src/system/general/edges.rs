@@ -11,6 +11,8 @@ use crate::model::skin::SharpEdge;
 
 /// How far the common normal of two edges may lie outside the angle between the faces of each (sine).
 const SLACK: f64 = 0.02;
+/// Part of an edge at its ends that belongs to the corner: where ends meet ends, corners are on faces.
+const END: f64 = 4e-6;
 /// A face looks along the normal of two edges by this much (cosine): it is flat to the other one.
 const FLAT: f64 = 0.9;
 /// The same for edges that touch already.
@@ -75,7 +77,7 @@ impl General {
     /// A touch of the last commit where it is now.
     pub(super) fn follow_edges(&self, touch: &Touch, x: &[[f64; 3]]) -> Option<Live> {
         let seen = self.seen([touch.first, touch.second], x, HOLD)?;
-        let inside = seen.at.iter().all(|s| (0.0..=1.0).contains(s));
+        let inside = seen.at.iter().all(|s| (-END..=1.0 + END).contains(s));
         inside.then(|| Live::followed(touch, touch.second, seen.at))
     }
 
@@ -134,7 +136,7 @@ impl General {
             self.tip_is_over(seen.at[0], &one, &second, &seen.normal, x),
             self.tip_is_over(seen.at[1], &other, &first, &-seen.normal, x),
         ];
-        let inset = |over: bool| if over { rim } else { 0.0 };
+        let inset = |over: bool| if over { rim } else { END };
         let range = tips.map(|over| [inset(over), 1.0 - inset(over)]);
         let over = (0..2).all(|i| (range[i][0]..=range[i][1]).contains(&seen.at[i]));
         let side = self.size[facets[0] as usize].min(self.size[facets[1] as usize]);

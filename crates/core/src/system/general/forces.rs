@@ -165,7 +165,7 @@ impl General {
     }
 
     /// How far the nodes of two facets have come [mm].
-    fn way(&self, facets: [u32; 2], [x0, x]: [&[[f64; 3]]; 2]) -> [[f64; 3]; 8] {
+    pub(super) fn way(&self, facets: [u32; 2], [x0, x]: [&[[f64; 3]]; 2]) -> [[f64; 3]; 8] {
         let mut way = [[0.0; 3]; 8];
         let nodes = facets.map(|f| self.surface.facets[f as usize]);
         for (u, &n) in way.iter_mut().zip(nodes.iter().flatten()) {
@@ -186,7 +186,8 @@ impl General {
     /// Work that the trapezoidal rule makes of what meets or parts in the increment that `trial` ends
     /// [N mm].
     pub fn crossing_work(&self, trial: &Trial) -> f64 {
-        trial.touches.iter().map(Live::crossing_work).sum()
+        let live: f64 = trial.touches.iter().map(Live::crossing_work).sum();
+        live + trial.touch_loss[1]
     }
 }
 

@@ -83,6 +83,14 @@ pub(super) struct Sight {
     pub(super) exact: Option<Kinematics>,
 }
 
+impl Sight {
+    /// Relative motion of the two bodies there for that of the nodes of the two facets [mm].
+    pub(super) fn moved(&self, way: &[[f64; 3]; 8]) -> Vector3<f64> {
+        let nodes = self.weights.iter().zip(way);
+        nodes.fold(Vector3::zeros(), |sum, (w, u)| sum + Vector3::from(*u) * *w)
+    }
+}
+
 impl Live {
     fn new(touch: Touch, anchor: (u32, [f64; 2])) -> Self {
         let [a, b] = touch.facets;
@@ -356,8 +364,7 @@ impl Live {
         if !self.fresh {
             return;
         }
-        let moved = sight.weights.iter().zip(way);
-        let moved = moved.fold(Vector3::zeros(), |sum, (w, u)| sum + Vector3::from(*u) * *w);
+        let moved = sight.moved(way);
         let since = [sight.gap - self.touch.offset, sight.slip[0], sight.slip[1]];
         let work: f64 = (0..3)
             .map(|i| traction[i] * (sight.frame[i].dot(&moved) - since[i]))

@@ -275,7 +275,7 @@ impl General {
             self.watched = true;
         }
         let before = std::mem::take(&mut trial.touches);
-        let (mut live, lost) = self.follow(x);
+        let (mut live, lost) = self.follow(x0, x);
         let corners = self.new_corners(&live, &before, x0, x);
         let edges = self.new_edges(&live, &before, x0, x);
         live.extend(corners);
@@ -292,22 +292,39 @@ impl General {
         trial.touches = live;
     }
 
-    /// Touches of the last commit that still are, and the energy of the others, which is set free [N mm].
-    fn follow(&self, x: &[[f64; 3]]) -> (Vec<Live>, f64) {
+    /// Touches of the last commit that still are; energy that the others set free, and the work of their
+    /// forces by the trapezoidal rule in the increment that parts them [N mm].
+    fn follow(&self, x0: &[[f64; 3]], x: &[[f64; 3]]) -> (Vec<Live>, [f64; 2]) {
         let followed: Vec<Option<Live>> = (self.start.par_iter())
             .map(|touch| match touch.kind {
                 Kind::Corner => self.follow_corner(touch, x),
                 Kind::Edges => self.follow_edges(touch, x),
             })
             .collect();
-        let mut lost = 0.0;
+        let mut lost = [0.0; 2];
         for (touch, still) in self.start.iter().zip(&followed) {
             if still.is_none() {
-                let law = self.law(touch.facets);
-                lost += law.free_energy(&touch.history) * touch.area;
+                let [freed, work] = self.parted(touch, x0, x);
+                lost[0] += freed;
+                lost[1] += work;
             }
         }
         (followed.into_iter().flatten().collect(), lost)
+    }
+
+    /// Energy of a touch that is no more, and the work that its forces when the increment began do in it by
+    /// the trapezoidal rule [N mm].
+    fn parted(&self, touch: &Touch, x0: &[[f64; 3]], x: &[[f64; 3]]) -> [f64; 2] {
+        let freed = self.law(touch.facets).free_energy(&touch.history) * touch.area;
+        let Some(sight) = Live::followed(touch, touch.second, touch.at).see(self, x0) else {
+            return [freed, 0.0];
+        };
+        let way = self.way(touch.facets, [x0, x]);
+        let moved = sight.moved(&way);
+        let work: f64 = (0..3)
+            .map(|i| touch.history.traction[i] * sight.frame[i].dot(&moved))
+            .sum();
+        [freed, 0.5 * work * touch.area]
     }
 
     /// The law between two facets.
