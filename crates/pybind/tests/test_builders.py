@@ -229,3 +229,24 @@ def test_an_imported_mesh() -> None:
         ],
     )
     assert made == example("50")
+
+
+def test_a_dry_wall_with_an_opening() -> None:
+    model = build.wall(
+        unit=[200, 100, 50],
+        length=1000,
+        courses=6,
+        brick=build.elastic(20e3, 0.2, density="2300 kg/m^3"),
+        joint=build.dry_joint(0.6),
+        overlap=100,
+        mesh=[2, 1, 1],
+        openings=[{"from": 400, "to": 600, "sill": 1, "courses": 3, "lintel": {"bearing": 100, "material": "timber"}}],
+        materials={"timber": build.elastic(10e3, 0.3, density="500 kg/m^3")},
+        clamped=False,
+        supports=[build.support("wall.bottom", box=[[0, 0, 0], [1000, 100, 0]])],
+        contact={"points": "corner"},
+        steps=[build.gravity()],
+    )
+    found = model.check()
+    # Courses of 5 or 6 units; three of them without what lies between 400 and 600 mm, one with the lintel.
+    assert (found.ok, found.units) == (True, 5 + 6 + 4 + 6 + 5 + 6), found

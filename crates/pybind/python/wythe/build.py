@@ -413,9 +413,14 @@ def contact(
     return _part(interface=interface, slave=slave, master=master)
 
 
-def support(on: str | Sequence[str], fixed: Sequence[str] | None = None) -> Part:
-    """Blocks or faces that are held, in all directions if none are named."""
-    return _part(on=on, fixed=fixed)
+def support(
+    on: str | Sequence[str],
+    fixed: Sequence[str] | None = None,
+    *,
+    box: Sequence[Sequence[Quantity]] | None = None,
+) -> Part:
+    """Bodies or faces that are held, in all directions if none are named; of them what lies in ``box``, if given."""
+    return _part(on=on, fixed=fixed, box=box)
 
 
 def spring(name: str, on: str | Sequence[str], stiffness: Sequence[Quantity]) -> Part:
@@ -444,18 +449,27 @@ def wall(
     length: Quantity,
     courses: int,
     brick: Mapping[str, Any],
-    mortar: Mapping[str, Any],
+    mortar: Mapping[str, Any] | None = None,
     joint: Mapping[str, Any],
     steps: Sequence[Mapping[str, Any]],
     bed_joint: Quantity = 10.0,
     head_joint: Quantity = 10.0,
     bond: str | None = None,
     mesh: str | Sequence[int] | None = None,
-    clamped: Mapping[str, int] | None = None,
+    clamped: Mapping[str, int] | bool | None = None,
+    overlap: Quantity | None = None,
+    leaves: int | None = None,
+    collar_joint: Quantity | None = None,
+    header_courses: int | None = None,
+    head_filling: float | None = None,
+    pattern: Sequence[Mapping[str, Any]] | None = None,
+    openings: Sequence[Mapping[str, Any]] | None = None,
+    materials: Mapping[str, Mapping[str, Any]] | None = None,
+    interfaces: Mapping[str, Mapping[str, Any]] | None = None,
     title: str = "wall",
     **tables: Value,
 ) -> Model:
-    """A wall of units and mortar.
+    """A wall of units and mortar, or of dry units.
 
     Parameters
     ----------
@@ -466,7 +480,7 @@ def wall(
     courses
         How many.
     brick, mortar
-        Materials (:func:`damage_plasticity`, :func:`elastic`).
+        Materials (:func:`damage_plasticity`, :func:`elastic`); without mortar the joints are 0 and dry.
     joint
         The interface (:func:`joint`, :func:`dry_joint`).
     steps
@@ -474,19 +488,31 @@ def wall(
     bed_joint, head_joint
         Thicknesses [mm].
     bond
-        ``"stretcher"``.
+        ``"stretcher"``, ``"stack"``, ``"header"``, ``"english"``, ``"english-cross"``, ``"flemish"``, ``"pattern"``.
     mesh
         ``"coarse"``, ``"fine"``, or elements along a unit's length, height, thickness.
     clamped
-        ``{"bottom_courses": 1, "top_courses": 1}``.
+        ``{"bottom_courses": 1, "top_courses": 1}``, or ``False``: supports and steps name its faces.
+    overlap, leaves, collar_joint, header_courses, head_filling
+        Of the bond (docs/deck.md, ``wall``).
+    pattern
+        Courses of a bond written out, for ``bond="pattern"``.
+    openings
+        ``{"from": 360, "to": 630, "sill": 6, "courses": 6, "lintel": {"bearing": 100}}``, ...
+    materials, interfaces
+        Further ones by name, for lintels, leaves and contacts.
     tables
-        Further tables of the deck: ``element``, ``contact``, ``output``, ``probes``.
+        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``output``,
+        ``probes``, ``walls``, ``blocks``.
     """
+    solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
+    if mortar is None:
+        bed_joint = head_joint = 0.0
     return Model.from_dict(
         {
             "title": title,
-            "materials": {"brick": dict(brick), "mortar": dict(mortar)},
-            "interfaces": {"joint": dict(joint)},
+            "materials": solids | {name: dict(own) for name, own in (materials or {}).items()},
+            "interfaces": {"joint": dict(joint)} | {name: dict(own) for name, own in (interfaces or {}).items()},
             "wall": _part(
                 unit=unit,
                 length=length,
@@ -494,8 +520,15 @@ def wall(
                 bed_joint=bed_joint,
                 head_joint=head_joint,
                 bond=bond,
+                overlap=overlap,
+                leaves=leaves,
+                collar_joint=collar_joint,
+                header_courses=header_courses,
+                head_filling=head_filling,
+                pattern=pattern,
+                openings=openings,
                 unit_material="brick",
-                mortar_material="mortar",
+                mortar_material=None if mortar is None else "mortar",
                 interface="joint",
                 mesh=mesh,
                 clamped=clamped,
