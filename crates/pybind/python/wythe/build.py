@@ -309,10 +309,10 @@ def load(
 
 
 def loading(
-    *loads: Part, stop: Mapping[str, Quantity] | None = None, **options: Unpack[StepOptions]
+    *changed: Part, stop: Mapping[str, Quantity] | None = None, **options: Unpack[StepOptions]
 ) -> Part:
     """A step that changes nothing but loads: those of :func:`load`."""
-    return {"kind": "load", "loads": list(loads), **_part(stop=stop), **options}
+    return {"kind": "load", "loads": list(changed), **_part(stop=stop), **options}
 
 
 def gravity(

@@ -326,7 +326,9 @@ mod tests {
         let tension = rows(&made.tension);
         assert_eq!(tension.len(), 5);
         assert_eq!(tension[2], [0.5, 0.5, 0.5]);
-        assert_eq!(tension[3], [0.02, 0.74, 0.5]);
+        // Interpolated: some last bits of 1 MPa.
+        let near = (tension[3][0] - 0.02).abs() < 4.0 * f64::EPSILON;
+        assert!(near && tension[3][1..] == [0.74, 0.5], "{:?}", tension[3]);
         assert_eq!(tension[4], [0.02, 0.75, 0.5]);
         assert!(notes[0].contains("raised to 0.02 MPa"), "{notes:?}");
         let defaults = [made.eccentricity, made.fb0_fc0, made.K_c].map(Number::get);
