@@ -67,15 +67,7 @@ impl Body {
     ) -> Self {
         let part = |i: usize, n: usize| i as f64 / n as f64;
         let node = |at: [usize; 3]| point(corners, [0, 1, 2].map(|d| part(at[d], cells[d])));
-        let mut body = Self::new(
-            mesh,
-            name,
-            &Grid {
-                cells,
-                material: &|_| Some(material),
-                node: &node,
-            },
-        );
+        let mut body = Self::uniform(mesh, name, cells, material, &node);
         for (_, face) in Face::ALL {
             body.faces[face as usize].outlines = vec![face.outline(corners)];
         }
@@ -92,17 +84,26 @@ impl Body {
     ) -> Self {
         let [nx, ny, _] = cells;
         let node = |[i, j, k]: [usize; 3]| nodes[(k * (ny + 1) + j) * (nx + 1) + i];
-        let mut body = Self::new(
-            mesh,
-            name,
-            &Grid {
-                cells,
-                material: &|_| Some(material),
-                node: &node,
-            },
-        );
+        let mut body = Self::uniform(mesh, name, cells, material, &node);
         body.curved = true;
         body
+    }
+
+    /// A grid all of one material.
+    fn uniform(
+        mesh: &mut Mesh,
+        name: String,
+        cells: [usize; 3],
+        material: u16,
+        node: &dyn Fn([usize; 3]) -> [f64; 3],
+    ) -> Self {
+        let material = |_: [usize; 3]| Some(material);
+        let grid = Grid {
+            cells,
+            material: &material,
+            node,
+        };
+        Self::new(mesh, name, &grid)
     }
 
     /// Appends the solid cells of a grid, and their nodes, to the mesh. Outlines of its faces are its
