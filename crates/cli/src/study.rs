@@ -1,5 +1,7 @@
 //! `wythe study`: many runs side by side, judged and told on one page.
 
+mod validation;
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
@@ -23,6 +25,7 @@ const PICTURE: &str = "stability.svg";
 pub fn study(arguments: &Study) -> Result<(), Failure> {
     match arguments {
         Study::Stability(arguments) => stability(arguments),
+        Study::Validation(arguments) => validation::validation(arguments),
     }
 }
 
@@ -104,6 +107,7 @@ fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
     line
 }
 
+/// An error in words.
 fn other(why: String) -> std::io::Error {
     std::io::Error::other(why)
 }

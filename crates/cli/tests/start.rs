@@ -117,6 +117,7 @@ fn manual_pages_are_printed_and_written() {
         "wythe-new",
         "wythe-drive-material",
         "wythe-study-stability",
+        "wythe-study-validation",
     ] {
         let page = std::fs::read_to_string(out.join(format!("{name}.1"))).unwrap();
         assert!(page.contains("Example"), "{name}");
@@ -135,6 +136,7 @@ fn every_help_text_has_an_example() {
         &["drive", "interface"],
         &["study"],
         &["study", "stability"],
+        &["study", "validation"],
         &["schema"],
         &["completions"],
         &["man"],

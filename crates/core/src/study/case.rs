@@ -6,6 +6,7 @@ use miette::Diagnostic;
 use serde::Deserialize;
 
 use super::expect::Expectation;
+use super::judge::Terms;
 use super::written::{self, CaseFile};
 use crate::error::{DeckError, IoError, ModelError};
 use crate::model::source::Source;
@@ -102,6 +103,15 @@ impl Case {
         let case = CaseFile::deserialize(toml::Deserializer::from(root))
             .map_err(|error| source.toml_error(&error))?;
         case.checked(&source, folder)
+    }
+
+    /// What its runs are judged by.
+    pub fn terms(&self) -> Terms<'_> {
+        Terms {
+            status: self.status,
+            energy: self.energy,
+            expect: &self.expect,
+        }
     }
 
     /// Number and letter.

@@ -54,6 +54,23 @@ pub enum Measure {
     },
 }
 
+impl Measure {
+    /// Columns that it reads.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        let (one, other) = match self {
+            Self::Peak(column)
+            | Self::Trough(column)
+            | Self::Final(column)
+            | Self::When { column, .. } => (column, None),
+            Self::At { column, of, .. } => (column, Some(of)),
+            Self::Area { column, x } => (column, Some(x)),
+            Self::Ratio { column, over } => (column, over.as_ref()),
+            Self::Curve { x, y, .. } => (x, Some(y)),
+        };
+        std::iter::once(one).chain(other).map(String::as_str)
+    }
+}
+
 /// The value wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
@@ -65,6 +82,8 @@ pub enum Wanted {
     Between(f64, f64),
     /// A distance from a curve at most this [-].
     Within(f64),
+    /// Nothing: it is measured and told. It must be a number.
+    Reported,
 }
 
 /// One expectation of a case.
@@ -134,17 +153,17 @@ impl Expectation {
             }
             Wanted::Absolute(reference, tolerance) => {
                 let holds = (value - reference).abs() <= tolerance;
-                let text = format!("{name} {value:.4e}, not {reference:.4e} ± {tolerance:.1e}");
+                let not = if holds { "" } else { "not " };
+                let text = format!("{name} {value:.4e}, {not}{reference:.4e} ± {tolerance:.1e}");
                 (None, holds, text)
             }
             Wanted::Between(low, high) => {
                 let holds = low <= value && value <= high;
-                (
-                    None,
-                    holds,
-                    format!("{name} {value:.5}, not in {}", bounds(low, high)),
-                )
+                let not = if holds { "" } else { "not " };
+                let text = format!("{name} {value:.5}, {not}in {}", bounds(low, high));
+                (None, holds, text)
             }
+            Wanted::Reported => (None, value.is_finite(), format!("{name} {value:.5}")),
             Wanted::Within(tolerance) => {
                 let text = format!(
                     "{name} {} off (at most {})",

@@ -29,6 +29,16 @@ impl History {
         history
     }
 
+    /// A table of other numbers, all of one step. `[row][column]`
+    pub fn of_columns(names: &[String], rows: &[Vec<f64>]) -> Self {
+        let column = |i: usize| rows.iter().filter_map(|row| row.get(i).copied()).collect();
+        let columns = names.iter().enumerate();
+        Self {
+            columns: columns.map(|(i, name)| (name.clone(), column(i))).collect(),
+            steps: vec![0; rows.len()],
+        }
+    }
+
     /// Names of the columns that hold numbers, without those of probes.
     pub fn names() -> Vec<String> {
         numbers(&HistoryRow::default())

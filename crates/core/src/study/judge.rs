@@ -1,8 +1,8 @@
 //! The verdict on a run that ended.
 
-use super::case::{Case, End};
+use super::case::End;
 use super::cell::{Place, Verdict};
-use super::expect::percent;
+use super::expect::{Expectation, Measured, percent};
 use super::history::History;
 use crate::results::{HistoryRow, Status};
 
@@ -44,8 +44,19 @@ impl Ended {
     }
 }
 
-/// The verdict, and every expectation of this form of the case in words.
-pub fn judge(case: &Case, short: bool, run: &Ended) -> (Verdict, Vec<String>) {
+/// What a run is judged by.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms<'a> {
+    /// How it must end.
+    pub status: End,
+    /// Largest energy imbalance (theory F) [-].
+    pub energy: f64,
+    /// What must come out.
+    pub expect: &'a [Expectation],
+}
+
+/// The verdict, and every expectation of this form as measured.
+pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measured>) {
     let history = History::new(&run.rows, &run.probes);
     let mut wrong = Vec::new();
     if run.rows.is_empty() && run.status == Status::Completed {
@@ -63,28 +74,17 @@ pub fn judge(case: &Case, short: bool, run: &Ended) -> (Verdict, Vec<String>) {
     }
     // A NaN is no balance.
     if !matches!(
-        run.energy.partial_cmp(&case.energy),
+        run.energy.partial_cmp(&terms.energy),
         Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)
     ) {
         wrong.push(format!(
             "energies are out of balance by {} (at most {})",
             percent(run.energy).trim_start_matches('+'),
-            percent(case.energy).trim_start_matches('+')
+            percent(terms.energy).trim_start_matches('+')
         ));
     }
-    let mut error: Option<f64> = None;
-    let mut told = Vec::new();
-    for expectation in case.expect.iter().filter(|e| e.holds_of(short)) {
-        let measured = expectation.measure(&history);
-        told.push(measured.text.clone());
-        if let Some(e) = measured.error {
-            error = Some(error.map_or(e.abs(), |worst| worst.max(e.abs())));
-        }
-        if !measured.holds {
-            wrong.push(measured.text);
-        }
-    }
-    let verdict = match (run.status, case.status) {
+    let (error, told) = compare(terms.expect, short, &history, &mut wrong);
+    let verdict = match (run.status, terms.status) {
         (Status::Interrupted, _) => Verdict::Stopped(run.place()),
         (Status::NotConverged, End::Completed) => {
             Verdict::Diverged(run.place(), reason(&run.message).to_owned())
@@ -99,6 +99,29 @@ pub fn judge(case: &Case, short: bool, run: &Ended) -> (Verdict, Vec<String>) {
     (verdict, told)
 }
 
+/// What is expected of this form as measured, and the largest error against the references; what does not hold
+/// goes to `wrong`.
+pub fn compare(
+    expect: &[Expectation],
+    short: bool,
+    history: &History,
+    wrong: &mut Vec<String>,
+) -> (Option<f64>, Vec<Measured>) {
+    let mut error: Option<f64> = None;
+    let mut told = Vec::new();
+    for expectation in expect.iter().filter(|e| e.holds_of(short)) {
+        let measured = expectation.measure(history);
+        if let Some(e) = measured.error {
+            error = Some(error.map_or(e.abs(), |worst| worst.max(e.abs())));
+        }
+        if !measured.holds {
+            wrong.push(measured.text.clone());
+        }
+        told.push(measured);
+    }
+    (error, told)
+}
+
 /// The refusal alone: without the place before it and the advice behind it.
 fn reason(message: &str) -> &str {
     let why = message
@@ -111,7 +134,8 @@ fn reason(message: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::expect::{Expectation, Measure, Wanted};
+    use crate::study::case::Case;
+    use crate::study::expect::{Measure, Wanted};
 
     fn case(expect: Vec<Expectation>) -> Case {
         Case {
@@ -153,7 +177,7 @@ mod tests {
     }
 
     fn verdict(case: &Case, run: &Ended) -> Verdict {
-        judge(case, false, run).0
+        judge(case.terms(), false, run).0
     }
 
     #[test]
@@ -223,9 +247,12 @@ mod tests {
         };
         let case = case(vec![only_full]);
         assert!(matches!(
-            judge(&case, true, &run()).0,
+            judge(case.terms(), true, &run()).0,
             Verdict::Completed(_)
         ));
-        assert!(matches!(judge(&case, false, &run()).0, Verdict::Wrong(_)));
+        assert!(matches!(
+            judge(case.terms(), false, &run()).0,
+            Verdict::Wrong(_)
+        ));
     }
 }

@@ -3,6 +3,8 @@
 //! The stability atlas takes every case through every method and says which one gets through, which
 //! ends with a wrong answer, and which loses convergence, where and why.
 //!
+//! [`validation`] sets runs beside what is known of them: tests, exact solutions, other models.
+//!
 //! ```text
 //! cases/NN-name/case.toml ─▶ Case ─┐
 //!                     METHODS ─────┴▶ stability ─▶ Cell ─▶ report (Markdown), picture (SVG)
@@ -13,19 +15,22 @@ mod case;
 mod cell;
 mod curve;
 mod expect;
+mod expect_written;
 mod history;
 mod judge;
 mod method;
+mod parallel;
 mod picture;
 mod report;
 mod stability;
+pub mod validation;
 mod written;
 
 pub use case::{Case, CaseMethod, End, Short, StudyError, cases};
 pub use cell::{Cell, Cost, Place, Verdict};
 pub use expect::{Expectation, Measure, Measured, Wanted};
 pub use history::History;
-pub use judge::{Ended, judge};
+pub use judge::{Ended, Terms, judge};
 pub use method::{METHODS, Method};
 pub use picture::picture;
 pub use report::{brief, report};

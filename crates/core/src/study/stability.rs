@@ -1,13 +1,12 @@
 //! The stability atlas: every case through every method.
 
-use std::panic::AssertUnwindSafe;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::case::{Case, Short, StudyError};
 use super::cell::{Cell, Cost, Verdict};
 use super::judge::{Ended, judge};
 use super::method::METHODS;
+use super::parallel::{on_one_thread, side_by_side};
 use crate::model::{Deck, Model};
 use crate::results::summary::EnergyBalance;
 use crate::results::{Frame, HistoryRow, Recorder, Summary, usage};
@@ -49,7 +48,6 @@ pub struct Study {
 /// A cell to be run.
 struct Job {
     row: usize,
-    cell: usize,
     method: String,
     /// Overrides of the deck, or why the method does not apply.
     overrides: Result<Vec<(String, String)>, String>,
@@ -68,47 +66,33 @@ pub fn stability(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Study, StudyError> {
     let mut jobs = Vec::new();
-    let mut rows = Vec::new();
+    let mut chosen = Vec::new();
     for case in cases {
         if options.short && case.short == Short::None {
             continue;
         }
-        let of_row = jobs_of(case, rows.len(), options)?;
-        let cells = of_row.len();
-        jobs.extend(of_row);
-        rows.push((case, vec![None; cells]));
+        jobs.extend(jobs_of(case, chosen.len(), options)?);
+        chosen.push(case);
     }
     known_methods(cases, options)?;
-    let (queue, done) = (Mutex::new(jobs.into_iter()), Mutex::new(rows));
-    let next = || queue.lock().ok().and_then(|mut jobs| jobs.next());
-    // Plain threads, each with a pool of one: a worker of a shared pool would take up another cell
-    // while it waits, and its time would be nobody's.
-    std::thread::scope(|scope| {
-        for _ in 0..options.jobs.max(1) {
-            scope.spawn(|| {
-                while let Some(job) = next().filter(|_| !stop()) {
-                    let case = match done.lock() {
-                        Ok(rows) => rows[job.row].0,
-                        Err(_) => return,
-                    };
-                    let cell = run(case, &job, options, stop);
-                    progress(case, &cell);
-                    if let Ok(mut rows) = done.lock() {
-                        rows[job.row].1[job.cell] = Some(cell);
-                    }
-                }
-            });
-        }
-    });
-    let rows = done.into_inner().unwrap_or_default();
-    let interrupted = stop();
-    let rows = rows
-        .into_iter()
-        .map(|(case, cells)| Row {
+    let run = |job: Job| {
+        let case = chosen[job.row];
+        let cell = run(case, &job, options, stop);
+        progress(case, &cell);
+        (job.row, cell)
+    };
+    let done = side_by_side(jobs, options.jobs, stop, &run);
+    let mut rows: Vec<Row> = chosen
+        .iter()
+        .map(|&case| Row {
             case: case.clone(),
-            cells: cells.into_iter().flatten().collect(),
+            cells: Vec::new(),
         })
         .collect();
+    for (row, cell) in done.into_iter().flatten() {
+        rows[row].cells.push(cell);
+    }
+    let interrupted = stop();
     Ok(Study {
         rows,
         short: options.short,
@@ -136,10 +120,8 @@ fn jobs_of(case: &Case, row: usize, options: &Options) -> Result<Vec<Job>, Study
     let methods = of_atlas.chain(own);
     let methods = methods.filter(|(name, _)| wanted(name));
     Ok(methods
-        .enumerate()
-        .map(|(cell, (method, overrides))| Job {
+        .map(|(method, overrides)| Job {
             row,
-            cell,
             method,
             overrides,
         })
@@ -184,27 +166,11 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
             return cell;
         }
     };
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-        Ok(pool) => pool,
-        Err(error) => {
-            cell.verdict = Verdict::Broken(error.to_string());
-            return cell;
-        }
-    };
-    // A panic is a bug of ours, and a finding: the other cells go on.
-    let outcome = std::panic::catch_unwind(AssertUnwindSafe(|| {
-        pool.install(|| solved(case, overrides, options.limit, stop))
-    }));
-    let (run, summary, seconds) = match outcome {
-        Ok(Ok(solved)) => solved,
-        Ok(Err(why)) => {
+    let solved = on_one_thread(|| solved(case, overrides, options.limit, stop));
+    let (run, summary, seconds) = match solved {
+        Ok(solved) => solved,
+        Err(why) => {
             cell.verdict = Verdict::Broken(why);
-            return cell;
-        }
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            cell.verdict = Verdict::Broken(format!("panic: {}", text.unwrap_or("no message")));
             return cell;
         }
     };
@@ -218,7 +184,9 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
     let imbalances = run.rows.iter().map(|row| row.out_of_balance);
     cell.out_of_balance = imbalances.fold(0.0, f64::max);
     cell.procedures = procedures(&run.rows);
-    (cell.verdict, cell.measured) = judge(case, options.short, &run);
+    let (verdict, measured) = judge(case.terms(), options.short, &run);
+    cell.verdict = verdict;
+    cell.measured = measured.into_iter().map(|m| m.text).collect();
     cell
 }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::case::{Case, CaseMethod, ENERGY, End, Short, StudyError};
-use super::curve;
-use super::expect::{Expectation, Measure, Wanted};
+use super::expect::Wanted;
+use super::expect_written::{Checker, ExpectFile};
 use super::history::History;
 use crate::error::ModelError;
 use crate::model::Deck;
@@ -35,19 +35,20 @@ pub struct CaseFile {
     expect: Vec<ExpectFile>,
 }
 
+/// The form that the tests run, as written.
 #[derive(Deserialize)]
 #[serde(
     untagged,
     expecting = "expected `short = false` or `short = { set = [\"KEY=VALUE\"] }`"
 )]
-enum ShortFile {
+pub(super) enum ShortFile {
     Is(bool),
     Table(SetFile),
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SetFile {
+pub(super) struct SetFile {
     set: Vec<String>,
 }
 
@@ -56,52 +57,6 @@ struct SetFile {
 struct MethodFile {
     name: String,
     set: Vec<String>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Of {
-    Peak,
-    Trough,
-    Final,
-    At,
-    When,
-    Area,
-    Curve,
-    Ratio,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AtFile {
-    column: String,
-    value: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ExpectFile {
-    name: String,
-    of: Of,
-    column: Option<String>,
-    at: Option<AtFile>,
-    reaches: Option<f64>,
-    over: Option<String>,
-    file: Option<String>,
-    x: Option<String>,
-    y: Option<String>,
-    value: Option<f64>,
-    tolerance: Option<f64>,
-    absolute: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-    steps: Option<Vec<usize>>,
-    #[serde(default)]
-    only_short: bool,
-    #[serde(default)]
-    only_full: bool,
-    #[serde(default)]
-    why: String,
 }
 
 fn deck() -> String {
@@ -175,11 +130,7 @@ impl CaseFile {
                 )
                 .into());
         }
-        let short = match &self.short {
-            None | Some(ShortFile::Is(true)) => Short::Whole,
-            Some(ShortFile::Is(false)) => Short::None,
-            Some(ShortFile::Table(SetFile { set })) => Short::Set(pairs(source, "short.set", set)?),
-        };
+        let short = short(source, "short", self.short.as_ref())?;
         let mut methods: Vec<CaseMethod> = Vec::new();
         for (i, method) in self.methods.iter().enumerate() {
             let path = format!("methods.{i}");
@@ -201,8 +152,16 @@ impl CaseFile {
                 path: format!("expect.{i}"),
                 columns: &columns,
                 folder,
+                advice,
             };
             expect.push(checker.expectation(written)?);
+        }
+        if expect.iter().all(|e| e.wanted == Wanted::Reported) {
+            return Err(error(
+                "expect",
+                "all of it is only reported: a wrong answer would pass",
+            )
+            .into());
         }
         Ok(Case {
             number: self.number,
@@ -222,8 +181,27 @@ impl CaseFile {
     }
 }
 
+/// The form of the tests at `path`.
+pub(super) fn short(
+    source: &Source,
+    path: &str,
+    written: Option<&ShortFile>,
+) -> Result<Short, ModelError> {
+    Ok(match written {
+        None | Some(ShortFile::Is(true)) => Short::Whole,
+        Some(ShortFile::Is(false)) => Short::None,
+        Some(ShortFile::Table(SetFile { set })) => {
+            Short::Set(pairs(source, &format!("{path}.set"), set)?)
+        }
+    })
+}
+
 /// `KEY=VALUE` each.
-fn pairs(source: &Source, path: &str, set: &[String]) -> Result<Vec<(String, String)>, ModelError> {
+pub(super) fn pairs(
+    source: &Source,
+    path: &str,
+    set: &[String],
+) -> Result<Vec<(String, String)>, ModelError> {
     set.iter()
         .enumerate()
         .map(|(i, text)| match text.split_once('=') {
@@ -237,162 +215,4 @@ fn pairs(source: &Source, path: &str, set: &[String]) -> Result<Vec<(String, Str
             )),
         })
         .collect()
-}
-
-/// Checks one `[[expect]]`.
-struct Checker<'a> {
-    source: &'a Source,
-    path: String,
-    columns: &'a [String],
-    folder: &'a Path,
-}
-
-impl Checker<'_> {
-    fn error(&self, key: &str, message: impl Into<String>) -> ModelError {
-        let path = format!("{}.{key}", self.path);
-        self.source.error(&path, message, &advice(&path))
-    }
-
-    /// A column of the history.
-    fn column(&self, key: &str, name: Option<String>) -> Result<String, ModelError> {
-        let Some(name) = name else {
-            return Err(self.error(key, format!("the key `{key}` is missing")));
-        };
-        if self.columns.contains(&name) {
-            return Ok(name);
-        }
-        let path = format!("{}.{key}", self.path);
-        let known = self.columns.join(", ");
-        Err(self.source.error(
-            &path,
-            format!("history.csv has no column of numbers `{name}`"),
-            &format!("there are {known}"),
-        ))
-    }
-
-    fn expectation(&self, written: ExpectFile) -> Result<Expectation, StudyError> {
-        let wanted = self.wanted(&written)?;
-        self.unused(&written)?;
-        if written.only_short && written.only_full {
-            return Err(self
-                .error("only_full", "not both only_short and only_full")
-                .into());
-        }
-        Ok(Expectation {
-            name: written.name.clone(),
-            wanted,
-            steps: written.steps.clone(),
-            of_short: !written.only_full,
-            of_full: !written.only_short,
-            why: written.why.clone(),
-            measure: self.measure(written)?,
-        })
-    }
-
-    fn measure(&self, written: ExpectFile) -> Result<Measure, StudyError> {
-        let missing = |key: &str| self.error(key, format!("the key `{key}` is missing"));
-        let column = |name| self.column("column", name);
-        Ok(match written.of {
-            Of::Peak => Measure::Peak(column(written.column)?),
-            Of::Trough => Measure::Trough(column(written.column)?),
-            Of::Final => Measure::Final(column(written.column)?),
-            Of::At => {
-                let at = written.at.ok_or_else(|| missing("at"))?;
-                Measure::At {
-                    column: column(written.column)?,
-                    of: self.column("at.column", Some(at.column))?,
-                    value: at.value,
-                }
-            }
-            Of::When => Measure::When {
-                column: column(written.column)?,
-                reaches: written.reaches.ok_or_else(|| missing("reaches"))?,
-            },
-            Of::Area => {
-                let x = written.x.unwrap_or_else(|| "displacement_mm".to_owned());
-                Measure::Area {
-                    column: column(written.column)?,
-                    x: self.column("x", Some(x))?,
-                }
-            }
-            Of::Ratio => Measure::Ratio {
-                column: column(written.column)?,
-                over: match written.over {
-                    Some(over) => Some(self.column("over", Some(over))?),
-                    None => None,
-                },
-            },
-            Of::Curve => {
-                let (x, y) = (self.column("x", written.x)?, self.column("y", written.y)?);
-                let file = written.file.ok_or_else(|| missing("file"))?;
-                let reference = curve::read(&self.folder.join(file), &x, &y)?;
-                Measure::Curve { x, y, reference }
-            }
-        })
-    }
-
-    fn wanted(&self, written: &ExpectFile) -> Result<Wanted, ModelError> {
-        let ExpectFile {
-            value,
-            tolerance,
-            absolute,
-            min,
-            max,
-            ..
-        } = *written;
-        let positive = |key: &str, number: f64| {
-            if number > 0.0 {
-                Ok(number)
-            } else {
-                Err(self.error(key, "must be above 0"))
-            }
-        };
-        if written.of == Of::Curve {
-            return match (value, tolerance, absolute, min, max) {
-                (None, Some(tolerance), None, None, None) => {
-                    Ok(Wanted::Within(positive("tolerance", tolerance)?))
-                }
-                _ => Err(self.error("tolerance", "a curve takes a tolerance and nothing else")),
-            };
-        }
-        match (value, tolerance, absolute, min, max) {
-            (Some(0.0), Some(_), ..) => Err(self.error(
-                "value",
-                "nothing is within a part of 0: give `absolute` in the place of `tolerance`",
-            )),
-            (Some(value), Some(tolerance), None, None, None) => {
-                Ok(Wanted::Relative(value, positive("tolerance", tolerance)?))
-            }
-            (Some(value), None, Some(absolute), None, None) => {
-                Ok(Wanted::Absolute(value, positive("absolute", absolute)?))
-            }
-            (None, None, None, min, max) if min.is_some() || max.is_some() => Ok(Wanted::Between(
-                min.unwrap_or(f64::NEG_INFINITY),
-                max.unwrap_or(f64::INFINITY),
-            )),
-            _ => Err(self.error(
-                "value",
-                "give `value` with `tolerance` or with `absolute`, or else `min`, `max` or both",
-            )),
-        }
-    }
-
-    /// Keys that another `of` would read.
-    fn unused(&self, written: &ExpectFile) -> Result<(), ModelError> {
-        let is = |of: &[Of]| of.contains(&written.of);
-        for (key, there, read) in [
-            ("column", written.column.is_some(), !is(&[Of::Curve])),
-            ("at", written.at.is_some(), is(&[Of::At])),
-            ("reaches", written.reaches.is_some(), is(&[Of::When])),
-            ("over", written.over.is_some(), is(&[Of::Ratio])),
-            ("file", written.file.is_some(), is(&[Of::Curve])),
-            ("x", written.x.is_some(), is(&[Of::Curve, Of::Area])),
-            ("y", written.y.is_some(), is(&[Of::Curve])),
-        ] {
-            if there && !read {
-                return Err(self.error(key, format!("this `of` does not read `{key}`")));
-            }
-        }
-        Ok(())
-    }
 }

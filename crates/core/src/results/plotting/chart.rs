@@ -107,6 +107,28 @@ pub fn load_displacements(
     picture(title, axes, &band.0, &lines)
 }
 
+/// Any curves over known ones, as SVG text: those known first, below the runs. A line without points is drawn by its
+/// marks alone.
+///
+/// # Errors
+/// What plotters says if it cannot draw.
+pub fn curves(
+    title: &str,
+    axes: [&str; 2],
+    runs: &[Line],
+    known: &[Line],
+) -> Result<String, String> {
+    let pen = |i: usize| Pen {
+        colour: TESTS[i % TESTS.len()],
+        width: 2,
+        dashed: i >= TESTS.len(),
+    };
+    let below = known.iter().cloned().zip((0..).map(pen));
+    let above = runs.iter().cloned().zip((0..).map(run_pen));
+    let lines: Vec<(Line, Pen)> = below.chain(above).collect();
+    picture(title, axes, &[], &lines)
+}
+
 fn plain(name: &str, points: Vec<Point>) -> Line {
     Line {
         name: name.to_owned(),
@@ -174,7 +196,12 @@ fn draw<'a>(
     lines: &[(Line, Pen)],
 ) -> Result<(), Failed<'a>> {
     root.fill(&WHITE)?;
-    let all = || lines.iter().flat_map(|(line, _)| &line.points).chain(band);
+    let all = || {
+        let of_lines = lines
+            .iter()
+            .flat_map(|(l, _)| l.points.iter().chain(&l.marks));
+        of_lines.chain(band)
+    };
     let mut chart = ChartBuilder::on(root)
         .caption(shortened(title, TITLE), ("sans-serif", 20))
         .margin(18)

@@ -6,7 +6,7 @@ pub mod deflection;
 pub mod raster;
 pub mod scene;
 
-pub use chart::{Line, load_displacements};
+pub use chart::{Line, curves, load_displacements};
 pub use deflection::{Along, Deflection, deflections};
 pub use raster::png;
 pub use scene::scene;

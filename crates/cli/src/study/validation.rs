@@ -1,0 +1,128 @@
+//! `wythe study validation`: what comes out beside what is known.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use wythe_core::study::validation::{
+    Case, Options, Outcome, Validated, cases, chart, index, page, table, validate,
+};
+use wythe_core::study::{StudyError, Verdict};
+
+use super::{failed, other};
+use crate::arguments::Validation;
+use crate::check::print;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::plot::write;
+
+/// The page of a case, which forges show with its folder.
+const PAGE: &str = "README.md";
+
+pub fn validation(arguments: &Validation) -> Result<(), Failure> {
+    let cases = chosen(cases(&arguments.cases)?, &arguments.only)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let options = Options {
+        short: arguments.short,
+        limit: Duration::from_secs_f64(arguments.limit),
+        jobs: arguments.jobs.map_or(threads, usize::from),
+        folder: arguments.runs.clone(),
+    };
+    let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
+    let progress = |case: &Case, outcome: &Outcome| {
+        // One at a time.
+        let _lines = lines.lock();
+        eprint!("{}", told(case, outcome));
+    };
+    let all = validate(&cases, &options, &progress, &|| interrupt.requested());
+    if interrupt.requested() {
+        return Err(Failure::Interrupted);
+    }
+    let out = match &arguments.out {
+        Some(out) => out.as_path(),
+        // The pages tell of the full forms.
+        None if arguments.short => return print(&summary(&all)),
+        None => arguments.cases.as_path(),
+    };
+    for validated in &all {
+        pages(&out.join(validated.case.folder_name()), validated)?;
+    }
+    if arguments.only.is_empty() {
+        let beside = out.parent().unwrap_or(Path::new("."));
+        write(beside, "validation.md", index(&all).as_bytes())?;
+    }
+    print(&format!("{}written to {}\n", summary(&all), out.display()))
+}
+
+/// The page of a case and what stands beside it.
+fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
+    let case = &validated.case;
+    for it in &case.charts {
+        let file = format!("{}.svg", it.name);
+        let svg = chart(it, validated).map_err(|why| failed(&folder.join(&file), other(why)))?;
+        write(folder, &file, svg.as_bytes())?;
+    }
+    for outcome in &validated.outcomes {
+        let name = &outcome.name;
+        for (what, svg) in [("scene", &outcome.scene), ("cracks", &outcome.cracks)] {
+            if let Some(svg) = svg {
+                write(folder, &format!("{name}_{what}.svg"), svg.as_bytes())?;
+            }
+        }
+        write(
+            folder,
+            &format!("{name}.csv"),
+            table(case, outcome).as_bytes(),
+        )?;
+        write(folder, &format!("{name}.toml"), outcome.deck.as_bytes())?;
+    }
+    write(folder, PAGE, page(validated).as_bytes())?;
+    Ok(())
+}
+
+/// The cases of these numbers; all without a choice.
+fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
+    let known = |n: &&u32| !cases.iter().any(|c| c.number == **n);
+    if let Some(number) = only.iter().find(known) {
+        let all: Vec<String> = cases.iter().map(|c| c.number.to_string()).collect();
+        return Err(StudyError::Unknown {
+            kind: "case",
+            name: number.to_string(),
+            known: all.join(", "),
+        });
+    }
+    let wanted = |case: &Case| only.is_empty() || only.contains(&case.number);
+    Ok(cases.into_iter().filter(wanted).collect())
+}
+
+/// The lines of a run as it ends.
+fn told(case: &Case, outcome: &Outcome) -> String {
+    let cost = &outcome.cost;
+    let how = match &outcome.verdict {
+        Verdict::Completed(_) => "holds".to_owned(),
+        Verdict::Wrong(reasons) => format!("WRONG: {}", reasons.join("; ")),
+        Verdict::Diverged(place, why) => format!("LOST in {place}: {why}"),
+        Verdict::Stopped(place) => format!("STOPPED in {place}"),
+        Verdict::Inapplicable(why) | Verdict::Broken(why) => format!("BROKEN: {why}"),
+    };
+    let mut text = format!(
+        "{}, {}: {how}; {} increments, {} solves, {} cuts, {:.1} s\n",
+        case.name(),
+        outcome.name,
+        cost.increments,
+        cost.iterations,
+        cost.cutbacks,
+        cost.seconds
+    );
+    for measured in &outcome.measured {
+        text.push_str(&format!("        {}\n", measured.text));
+    }
+    text
+}
+
+/// How many runs are as they must be.
+fn summary(all: &[Validated]) -> String {
+    let outcomes = || all.iter().flat_map(|v| &v.outcomes);
+    let held = outcomes().filter(|o| o.holds()).count();
+    format!("{held} of {} runs as expected\n", outcomes().count())
+}

@@ -1,0 +1,278 @@
+//! The pages of the validation, as Markdown.
+
+use std::fmt::Write as _;
+
+use super::case::{Case, Content};
+use super::outcome::{Outcome, Validated};
+use crate::study::cell::Verdict;
+use crate::study::expect::{Expectation, Measure, Measured, Wanted, percent};
+
+impl Validated {
+    /// Expectations of a run with what was measured of them.
+    fn expected<'a>(
+        &'a self,
+        outcome: &'a Outcome,
+    ) -> impl Iterator<Item = (&'a Expectation, &'a Measured)> {
+        let run = self.case.runs.iter().find(|r| r.name == outcome.name);
+        let expect = run.map_or(&[][..], |r| &r.expect);
+        let of_form = expect.iter().filter(|e| e.holds_of(self.short));
+        of_form.zip(&outcome.measured)
+    }
+
+    /// What was measured of an expectation of a run, by their names.
+    pub(super) fn measured(&self, run: &str, expect: &str) -> Option<&Measured> {
+        let mut all = self.expected(self.outcome(run)?);
+        all.find(|(e, _)| e.name == expect).map(|(_, m)| m)
+    }
+}
+
+/// The page of a case; its pictures, tables and decks stand beside it.
+pub fn page(validated: &Validated) -> String {
+    let case = &validated.case;
+    let mut page = format!("# {}\n\n{}\n\n", case.name(), case.what.trim());
+    for outcome in validated.outcomes.iter().filter(|o| o.scene.is_some()) {
+        let name = &outcome.name;
+        let _ = writeln!(page, "![The scene of {name}]({name}_scene.svg)\n");
+    }
+    let _ = write!(page, "## What is known\n\n{}\n\n", case.data.trim());
+    let _ = write!(page, "## What comes out\n\n");
+    for chart in &case.charts {
+        let what = match &chart.content {
+            Content::Curves(_) => "curves",
+            Content::Measures { .. } => "measures",
+        };
+        let (title, name) = (&chart.title, &chart.name);
+        let _ = writeln!(
+            page,
+            "![{title}: {what} of the runs over what is known]({name}.svg)\n"
+        );
+    }
+    measures(&mut page, validated);
+    cost(&mut page, validated);
+    for outcome in validated.outcomes.iter().filter(|o| o.cracks.is_some()) {
+        let name = &outcome.name;
+        let _ = writeln!(
+            page,
+            "\n![Cracks and failed joints of {name}]({name}_cracks.svg)"
+        );
+    }
+    let _ = write!(
+        page,
+        "\n## What agrees\n\n{}\n\n## What does not\n\n{}\n\n",
+        case.agrees.trim(),
+        case.differs.trim()
+    );
+    let _ = writeln!(
+        page,
+        "Redo it with `wythe study validation --only {}`. Decks and curves stand beside this page, by the names of the \
+         runs.",
+        case.number
+    );
+    page
+}
+
+/// What was measured, run by run.
+fn measures(page: &mut String, validated: &Validated) {
+    page.push_str("| Run | | Measured | Known | Difference | |\n|---|---|---|---|---|---|\n");
+    for outcome in &validated.outcomes {
+        let about = about(&validated.case, outcome);
+        let first = format!("{}{about}", outcome.name);
+        let mut rows = 0;
+        for (expect, measured) in validated.expected(outcome) {
+            let name = if rows == 0 { first.as_str() } else { "" };
+            rows += 1;
+            let why = match expect.why.trim() {
+                "" => String::new(),
+                why => format!(" ({why})"),
+            };
+            let holds = match (expect.wanted, measured.holds) {
+                (Wanted::Reported, true) => "reported",
+                (_, true) => "holds",
+                (_, false) => "**does not hold**",
+            };
+            let value = match &expect.measure {
+                Measure::Curve { .. } => String::new(),
+                _ => digits(measured.value),
+            };
+            let _ = writeln!(
+                page,
+                "| {} | {}{} | {value} | {} | {} | {holds} |",
+                escaped(name),
+                escaped(&expect.name),
+                escaped(&why),
+                wanted(expect.wanted),
+                measured.error.map_or_else(String::new, percent),
+            );
+        }
+        if !outcome.holds() || rows == 0 {
+            let name = if rows == 0 { first.as_str() } else { "" };
+            let _ = writeln!(
+                page,
+                "| {} | {} | | | | |",
+                escaped(name),
+                escaped(&ended(outcome))
+            );
+        }
+    }
+}
+
+fn cost(page: &mut String, validated: &Validated) {
+    page.push_str(
+        "\n| Run | increments | solves | cuts | CPU s | energies |\n|---|---|---|---|---|---|\n",
+    );
+    for outcome in &validated.outcomes {
+        let cost = &outcome.cost;
+        let _ = writeln!(
+            page,
+            "| {} | {} | {} | {} | {:.2} | {:.0e} |",
+            outcome.name,
+            cost.increments,
+            cost.iterations,
+            cost.cutbacks,
+            cost.seconds,
+            outcome.energy
+        );
+    }
+}
+
+/// The page that lists the cases.
+pub fn index(all: &[Validated]) -> String {
+    let mut page = String::from(
+        "# Validation\n\n\
+         What wythe says beside what is known: experiments, exact solutions, other models. Nothing is fitted to them; \
+         where a value had to be chosen, its page says so. Each page has the scene, the data with their source and how \
+         far they can be trusted, curves, cracks, what agrees and what does not; decks and curves stand beside it.\n\n\
+         Redo all with `wythe study validation`, one with `--only`; the tests run the short forms \
+         (`tests/validation/cases.rs`). CPU: one thread, other work beside it.\n\n\
+         | Case | runs | claims that hold | largest difference | CPU s |\n|---|---|---|---|---|\n",
+    );
+    for validated in all {
+        let case = &validated.case;
+        let (mut claims, mut held, mut worst) = (0, 0, None::<f64>);
+        for outcome in &validated.outcomes {
+            for (expect, measured) in validated.expected(outcome) {
+                if expect.wanted == Wanted::Reported {
+                    continue;
+                }
+                claims += 1;
+                held += usize::from(measured.holds);
+                if let Some(error) = measured.error {
+                    worst = Some(
+                        worst.map_or(error, |w| if error.abs() > w.abs() { error } else { w }),
+                    );
+                }
+            }
+        }
+        let seconds: f64 = validated.outcomes.iter().map(|o| o.cost.seconds).sum();
+        let _ = writeln!(
+            page,
+            "| [{}](validation/{}/README.md) | {} | {} | {} | {seconds:.0} |",
+            escaped(&case.name()),
+            case.folder_name(),
+            validated.outcomes.len(),
+            if claims == 0 {
+                "only reported".to_owned()
+            } else {
+                format!("{held} of {claims}")
+            },
+            worst.map_or_else(String::new, percent),
+        );
+    }
+    page
+}
+
+/// The columns of a run that a chart or an expectation of its case reads, as CSV.
+pub fn table(case: &Case, outcome: &Outcome) -> String {
+    let mut columns = vec!["time".to_owned()];
+    let mut take = |name: &str| {
+        if !columns.iter().any(|c| c == name) {
+            columns.push(name.to_owned());
+        }
+    };
+    for chart in &case.charts {
+        for axis in [&chart.x, &chart.y] {
+            axis.column.iter().for_each(|c| take(c));
+        }
+    }
+    for expect in case
+        .runs
+        .iter()
+        .filter(|r| r.name == outcome.name)
+        .flat_map(|r| &r.expect)
+    {
+        expect.measure.columns().for_each(&mut take);
+    }
+    columns.retain(|name| !outcome.history.column(name).is_empty());
+    let mut text = columns.join(",");
+    text.push('\n');
+    for i in outcome.history.rows(None) {
+        let fields: Vec<String> = columns
+            .iter()
+            .map(|name| digits(outcome.history.column(name)[i]))
+            .collect();
+        text.push_str(&fields.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// How a run ended, where that is not as it should be.
+fn ended(outcome: &Outcome) -> String {
+    match &outcome.verdict {
+        Verdict::Completed(_) => "ended as it must".to_owned(),
+        Verdict::Wrong(reasons) => reasons.join("; "),
+        Verdict::Diverged(place, why) => format!("lost convergence in {place}: {why}"),
+        Verdict::Stopped(place) => format!("took too long: {place}"),
+        Verdict::Inapplicable(why) | Verdict::Broken(why) => why.clone(),
+    }
+}
+
+fn about(case: &Case, outcome: &Outcome) -> String {
+    let run = case.runs.iter().find(|r| r.name == outcome.name);
+    match run.map_or("", |r| r.about.as_str()) {
+        "" => String::new(),
+        about => format!(": {about}"),
+    }
+}
+
+fn wanted(wanted: Wanted) -> String {
+    match wanted {
+        Wanted::Relative(value, tolerance) => {
+            format!(
+                "{} ± {}",
+                digits(value),
+                percent(tolerance).trim_start_matches('+')
+            )
+        }
+        Wanted::Absolute(value, tolerance) => format!("{} ± {}", digits(value), digits(tolerance)),
+        Wanted::Between(f64::NEG_INFINITY, high) => format!("at most {}", digits(high)),
+        Wanted::Between(low, f64::INFINITY) => format!("at least {}", digits(low)),
+        Wanted::Between(low, high) => format!("{} to {}", digits(low), digits(high)),
+        Wanted::Within(tolerance) => {
+            format!("within {}", percent(tolerance).trim_start_matches('+'))
+        }
+        Wanted::Reported => String::new(),
+    }
+}
+
+/// Five significant digits.
+fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let places = 4 - value.abs().log10().floor() as i32;
+    if (0..=9).contains(&places) {
+        let text = format!("{value:.*}", places as usize);
+        if text.contains('.') {
+            return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        }
+        text
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+/// For a cell of a table.
+fn escaped(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}

@@ -1,0 +1,317 @@
+//! `case.toml` of a validation case as written, and what is checked of it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::case::{Axis, Case, Chart, Content, Run};
+use super::point::{self, PointTest};
+use crate::error::ModelError;
+use crate::model::Deck;
+use crate::model::source::Source;
+use crate::results::plotting::Line;
+use crate::results::snapshot::FrameChoice;
+use crate::study::case::ENERGY;
+use crate::study::curve;
+use crate::study::expect_written::{Checker, ExpectFile};
+use crate::study::written::{ShortFile, pairs, short};
+use crate::study::{End, History, StudyError};
+
+/// The serde mirror of `case.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseFile {
+    number: u32,
+    title: String,
+    what: String,
+    data: String,
+    agrees: String,
+    differs: String,
+    runs: Vec<RunFile>,
+    #[serde(default)]
+    charts: Vec<ChartFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunFile {
+    name: String,
+    #[serde(default)]
+    about: String,
+    deck: String,
+    point: Option<PointTest>,
+    #[serde(default)]
+    set: Vec<String>,
+    short: Option<ShortFile>,
+    #[serde(default)]
+    status: End,
+    energy: Option<f64>,
+    #[serde(default)]
+    cracks: CracksFile,
+    drawing: Option<bool>,
+    #[serde(default)]
+    expect: Vec<ExpectFile>,
+}
+
+/// Whether cracks are drawn, or of which frame.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected `cracks = true` (at the end) or `cracks = \"peak\"`"
+)]
+enum CracksFile {
+    Is(bool),
+    At(AtFrame),
+}
+
+impl Default for CracksFile {
+    fn default() -> Self {
+        Self::Is(false)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AtFrame {
+    Peak,
+    Last,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisFile {
+    label: String,
+    column: Option<String>,
+    expect: Option<String>,
+    factor: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChartFile {
+    name: String,
+    title: String,
+    x: AxisFile,
+    y: AxisFile,
+    runs: Option<Vec<String>>,
+    at: Option<BTreeMap<String, f64>>,
+    #[serde(default)]
+    references: Vec<ReferenceFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReferenceFile {
+    name: String,
+    file: String,
+    x: String,
+    y: String,
+    #[serde(default = "one")]
+    x_factor: f64,
+    #[serde(default = "one")]
+    y_factor: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Advice for the key at `path`.
+pub fn advice(_path: &str) -> String {
+    "docs/studies.md lists the keys of a validation case".to_owned()
+}
+
+/// A name that is good for a file.
+fn is_file_name(name: &str) -> bool {
+    let good = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    !name.is_empty() && name.chars().all(good)
+}
+
+/// Where a message points, in its file.
+struct At<'a> {
+    source: &'a Source,
+    folder: &'a Path,
+}
+
+impl CaseFile {
+    /// The case, if all of it makes sense.
+    pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
+        let at = At { source, folder };
+        let mut runs: Vec<Run> = Vec::new();
+        let mut columns = Vec::new();
+        for (i, written) in self.runs.into_iter().enumerate() {
+            let path = format!("runs.{i}");
+            let (run, of_run) = at.run(&path, written, i == 0)?;
+            if runs.iter().any(|r| r.name == run.name) {
+                return Err(at.error(&format!("{path}.name"), "two runs have this name"));
+            }
+            runs.push(run);
+            columns.push(of_run);
+        }
+        if runs.is_empty() {
+            return Err(at.error("", "the case has no [[runs]]"));
+        }
+        let charts = self.charts.into_iter().enumerate();
+        let charts = charts.map(|(i, c)| at.chart(&format!("charts.{i}"), c, &runs, &columns));
+        Ok(Case {
+            number: self.number,
+            title: self.title,
+            what: self.what,
+            data: self.data,
+            agrees: self.agrees,
+            differs: self.differs,
+            folder: folder.to_owned(),
+            charts: charts.collect::<Result<_, _>>()?,
+            runs,
+        })
+    }
+}
+
+impl At<'_> {
+    fn error(&self, path: &str, message: impl Into<String>) -> StudyError {
+        let error: ModelError = self.source.error(path, message, &advice(path));
+        error.into()
+    }
+
+    /// A run and the columns of its history.
+    fn run(
+        &self,
+        path: &str,
+        written: RunFile,
+        first: bool,
+    ) -> Result<(Run, Vec<String>), StudyError> {
+        let key = |name: &str| format!("{path}.{name}");
+        if !is_file_name(&written.name) {
+            let name = written.name;
+            let what = format!("`{name}` is no name for a file: letters, digits, - and _");
+            return Err(self.error(&key("name"), what));
+        }
+        let set = pairs(self.source, &key("set"), &written.set)?;
+        let file = self.folder.join(&written.deck);
+        if !set.is_empty() && written.deck == format!("{}.toml", written.name) {
+            let what = "the run's deck would be written over: give the run another name";
+            return Err(self.error(&key("name"), what));
+        }
+        let deck = Deck::load(&file, &set)?;
+        let of_scene = || History::names().into_iter().chain(deck.columns()).collect();
+        let columns = match &written.point {
+            Some(_) => point::columns(),
+            None => of_scene(),
+        };
+        if let Some(name) = written.point.as_ref().and_then(PointTest::unknown) {
+            let what = format!("`{name}` is no component: xx, yy, zz, xy, yz or zx");
+            return Err(self.error(&key("point.free"), what));
+        }
+        let mut expect = Vec::new();
+        for (i, written) in written.expect.into_iter().enumerate() {
+            let checker = Checker {
+                source: self.source,
+                path: key(&format!("expect.{i}")),
+                columns: &columns,
+                folder: self.folder,
+                advice,
+            };
+            expect.push(checker.expectation(written)?);
+        }
+        if written.energy.is_some_and(|e| e.is_nan() || e <= 0.0) {
+            return Err(self.error(&key("energy"), "must be above 0"));
+        }
+        let is_point = written.point.is_some();
+        let run = Run {
+            short: short(self.source, &key("short"), written.short.as_ref())?,
+            name: written.name,
+            about: written.about,
+            deck: file,
+            point: written.point,
+            set,
+            status: written.status,
+            energy: written.energy.unwrap_or(ENERGY),
+            cracks: match written.cracks {
+                _ if is_point => None,
+                CracksFile::Is(false) => None,
+                CracksFile::Is(true) | CracksFile::At(AtFrame::Last) => Some(FrameChoice::Last),
+                CracksFile::At(AtFrame::Peak) => Some(FrameChoice::Peak),
+            },
+            drawing: written.drawing.unwrap_or(first) && !is_point,
+            expect,
+        };
+        Ok((run, columns))
+    }
+
+    fn chart(
+        &self,
+        path: &str,
+        written: ChartFile,
+        runs: &[Run],
+        columns: &[Vec<String>],
+    ) -> Result<Chart, StudyError> {
+        let key = |name: &str| format!("{path}.{name}");
+        if !is_file_name(&written.name) {
+            return Err(self.error(&key("name"), "no name for a file"));
+        }
+        let content = match (&written.y.expect, &written.at) {
+            (Some(expect), Some(at)) => {
+                for name in at.keys() {
+                    let run = self.run_named(&key("at"), name, runs)?;
+                    if !runs[run].expect.iter().any(|e| e.name == *expect) {
+                        let what = format!("the run `{name}` has no [[expect]] `{expect}`");
+                        return Err(self.error(&key("y.expect"), what));
+                    }
+                }
+                Content::Measures {
+                    expect: expect.clone(),
+                    at: at.iter().map(|(name, x)| (name.clone(), *x)).collect(),
+                }
+            }
+            (None, None) => {
+                let all = || runs.iter().map(|r| r.name.clone()).collect();
+                let names = written.runs.clone().unwrap_or_else(all);
+                for name in &names {
+                    let run = self.run_named(&key("runs"), name, runs)?;
+                    for (axis, it) in [("x", &written.x), ("y", &written.y)] {
+                        let there = |c: &String| columns[run].contains(c);
+                        if !it.column.as_ref().is_some_and(there) {
+                            let what = format!("the history of `{name}` has no such column");
+                            return Err(self.error(&key(&format!("{axis}.column")), what));
+                        }
+                    }
+                }
+                Content::Curves(names)
+            }
+            _ => {
+                let what = "a chart of measures takes `y.expect` and `at`, one of curves neither";
+                return Err(self.error(&key("at"), what));
+            }
+        };
+        let mut references = Vec::new();
+        for reference in written.references {
+            let file = self.folder.join(&reference.file);
+            let points = curve::read(&file, &reference.x, &reference.y)?;
+            let scaled = |[x, y]: curve::Point| (x * reference.x_factor, y * reference.y_factor);
+            references.push(Line {
+                name: reference.name.clone(),
+                points: points.into_iter().map(scaled).collect(),
+                marks: Vec::new(),
+            });
+        }
+        let axis = |it: AxisFile| Axis {
+            label: it.label,
+            column: it.column,
+            factor: it.factor.unwrap_or(1.0),
+        };
+        Ok(Chart {
+            name: written.name,
+            title: written.title,
+            x: axis(written.x),
+            y: axis(written.y),
+            content,
+            references,
+        })
+    }
+
+    fn run_named(&self, path: &str, name: &str, runs: &[Run]) -> Result<usize, StudyError> {
+        let place = runs.iter().position(|r| r.name == name);
+        place.ok_or_else(|| self.error(path, format!("there is no run `{name}`")))
+    }
+}
