@@ -19,6 +19,9 @@ use crate::plot::write;
 /// The page of a case, which forges show with its folder.
 const PAGE: &str = "README.md";
 
+/// The page that lists the cases, beside their folder.
+const INDEX: &str = "validation.md";
+
 pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     let cases = chosen(cases(&arguments.cases)?, &arguments.only)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -47,10 +50,14 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     for validated in &all {
         pages(&out.join(validated.case.folder_name()), validated)?;
     }
-    if arguments.only.is_empty() {
-        let beside = out.parent().unwrap_or(Path::new("."));
-        write(beside, "validation.md", index(&all).as_bytes())?;
-    }
+    let beside = out.parent().unwrap_or(Path::new("."));
+    // A part of the cases leaves the rows of the others.
+    let before = match arguments.only.as_slice() {
+        [] => String::new(),
+        _ => std::fs::read_to_string(beside.join(INDEX)).unwrap_or_default(),
+    };
+    let name = out.file_name().unwrap_or(out.as_os_str()).to_string_lossy();
+    write(beside, INDEX, index(&all, &name, &before).as_bytes())?;
     print(&format!("{}written to {}\n", summary(&all), out.display()))
 }
 

@@ -1,5 +1,6 @@
 //! The pages of the validation, as Markdown.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::case::{Case, Content};
@@ -135,8 +136,9 @@ fn cost(page: &mut String, validated: &Validated) {
     }
 }
 
-/// The page that lists the cases.
-pub fn index(all: &[Validated]) -> String {
+/// The page that lists the cases, whose pages stand in `folder`. Rows of others are taken over from the page
+/// `before`.
+pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     let mut page = String::from(
         "# Validation\n\n\
          What wythe says beside what is known: experiments, exact solutions, other models. Nothing is fitted to them; \
@@ -146,6 +148,10 @@ pub fn index(all: &[Validated]) -> String {
          (`tests/validation/cases.rs`). CPU: one thread, other work beside it.\n\n\
          | Case | runs | claims that hold | largest difference | CPU s |\n|---|---|---|---|---|\n",
     );
+    let kept = before
+        .lines()
+        .filter_map(|line| Some((numbered(line)?, line.to_owned())));
+    let mut rows: BTreeMap<u32, String> = kept.collect();
     for validated in all {
         let case = &validated.case;
         let (mut claims, mut held, mut worst) = (0, 0, None::<f64>);
@@ -164,9 +170,8 @@ pub fn index(all: &[Validated]) -> String {
             }
         }
         let seconds: f64 = validated.outcomes.iter().map(|o| o.cost.seconds).sum();
-        let _ = writeln!(
-            page,
-            "| [{}](validation/{}/README.md) | {} | {} | {} | {seconds:.0} |",
+        let row = format!(
+            "| [{}]({folder}/{}/README.md) | {} | {} | {} | {seconds:.0} |",
             escaped(&case.name()),
             case.folder_name(),
             validated.outcomes.len(),
@@ -177,8 +182,17 @@ pub fn index(all: &[Validated]) -> String {
             },
             worst.map_or_else(String::new, percent),
         );
+        rows.insert(case.number, row);
+    }
+    for row in rows.values() {
+        let _ = writeln!(page, "{row}");
     }
     page
+}
+
+/// The number of the case that a row of the index tells of.
+fn numbered(row: &str) -> Option<u32> {
+    row.strip_prefix("| [")?.split(' ').next()?.parse().ok()
 }
 
 /// The columns of a run that a chart or an expectation of its case reads, as CSV.
