@@ -220,5 +220,29 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
             ),
         ));
     }
+    warnings.extend(wide_joints(deck, masonry));
     warnings
+}
+
+/// Head joints that are wider than the wall's, as patterns and lintels may leave them.
+fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
+    let along = usize::from(masonry.wall.along == super::deck::Axis::Y);
+    let joint = masonry.wall.head_joint.get();
+    let wide = |u: &&super::masonry::Unit| u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get();
+    let mut units = masonry.units.iter().filter(wide);
+    let first = units.next()?;
+    let [from, to] = [first.own[along][1], first.all[along][1]];
+    let rest = units.count();
+    let others = if rest > 0 { format!(", and {rest} others") } else { String::new() };
+    let key = if masonry.wall.bond == Bond::Pattern { "pattern" } else { "openings" };
+    Some(deck.warning(
+        &format!("{}.{key}", masonry.path),
+        format!(
+            "in course {} the joint behind {} from {from:.2} to {to:.2} mm is {:.2} mm wide, the head joints of the wall \
+             {joint} mm{others}",
+            first.course,
+            first.name(&masonry.name),
+            to - from
+        ),
+    ))
 }

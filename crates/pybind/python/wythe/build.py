@@ -36,6 +36,7 @@ __all__ = [
     "push",
     "spring",
     "support",
+    "symmetry",
     "tilt",
     "wall",
 ]
@@ -428,6 +429,14 @@ def spring(name: str, on: str | Sequence[str], stiffness: Sequence[Quantity]) ->
     return _part(name=name, on=on, stiffness=stiffness)
 
 
+def symmetry(normal: str, at: Quantity, keep: str | None = None) -> Part:
+    """A plane of symmetry normal to ``"x"``, ``"y"`` or ``"z"``; what lies ``"below"`` it is modelled, or ``"above"``.
+
+    Goes into the table ``symmetry`` of :func:`wall` or :func:`blocks`; forces and energies are those of the part.
+    """
+    return _part(normal=normal, at=at, keep=keep)
+
+
 def probe(
     name: str,
     direction: str,
@@ -502,8 +511,8 @@ def wall(
     materials, interfaces
         Further ones by name, for lintels, leaves and contacts.
     tables
-        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``output``,
-        ``probes``, ``walls``, ``blocks``.
+        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``symmetry``,
+        ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
