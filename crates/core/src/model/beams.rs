@@ -12,13 +12,14 @@ use super::bodies::Bodies;
 use super::deck::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names, StepKind, Turning,
 };
+use super::rigid;
 use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
 use super::scene::Increments;
 use crate::error::{Errors, ModelError};
 use std::borrow::Cow;
 
 /// Young's modulus of a beam over the largest of what stands in the scene.
-pub(super) const STIFFER: f64 = 100.0;
+const STIFFER: f64 = 100.0;
 
 /// Density of a beam that has none [tonne/mm³]: that of air.
 const AIR: f64 = 1.2e-12;
@@ -39,7 +40,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     let mut errors = Errors::default();
     let blocks = {
         let bodies = Bodies::new(&plain)?;
-        let modulus = STIFFER * stiffest(&bodies);
+        let modulus = modulus(&bodies);
         let mut blocks = Vec::new();
         for (i, beam) in deck.beams.iter().enumerate() {
             let on = errors.keep(outline(&bodies, deck, i, beam));
@@ -85,11 +86,15 @@ impl Laid {
     }
 }
 
-/// Largest Young's modulus of a scene [MPa].
-fn stiffest(bodies: &Bodies<'_>) -> f64 {
+/// Young's modulus of beams in a scene [MPa]: [`STIFFER`] times the largest; what is rigid-like is stiff enough.
+fn modulus(bodies: &Bodies<'_>) -> f64 {
     let materials = bodies.materials.iter();
-    let modulus = materials.filter_map(|name| Some(bodies.parameters(name).ok()?.elastic().E));
-    modulus.fold(0.0, f64::max)
+    let of = materials.filter_map(|name| {
+        let own = bodies.parameters(name).ok()?.elastic().E;
+        let is_rigid = rigid::base(name) != name;
+        Some(if is_rigid { own } else { STIFFER * own })
+    });
+    of.fold(0.0, f64::max)
 }
 
 /// Lowest corner and sizes of a beam [mm].

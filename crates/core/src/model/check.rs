@@ -5,7 +5,7 @@ use super::findings;
 use super::masonry::{self, Masonry};
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
 use super::symmetry::{self, Plane};
-use super::{Model, beams, rigid, scatter};
+use super::{Model, rigid, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
@@ -239,10 +239,9 @@ fn beams_notes(deck: &Deck, model: &Model) -> Vec<String> {
             Turning::Level => "its top stays level",
         };
         Some(format!(
-            "beam {}: a block of {} mm, E = {modulus:.4e} MPa, {} times the largest in the scene; {how}",
+            "beam {}: a block {} mm deep, E = {modulus:.4e} MPa, stiff against all else in the scene; {how}",
             beam.name,
             beam.depth.get(),
-            beams::STIFFER
         ))
     };
     deck.beams.iter().filter_map(note).collect()
