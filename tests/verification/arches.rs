@@ -136,8 +136,8 @@ const BAD_ARCHES: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "interface = \"dry\"",
-        "interface = \"dry\"\nrise = 3",
-        "arch.rise",
+        "interface = \"dry\"\nbulge = 3",
+        "arch.bulge",
         "not a known key",
     ),
 ];
@@ -174,12 +174,21 @@ interface = "dry"
     let deck = common::blocks::deck(&format!("{HEAD}{arch}{GRAVITY}"));
     let own = deck.arch.as_ref().unwrap();
     // s²/4 + f² = 2 r f: r = 1250 mm, and half the angle has the sine 1000/1250.
-    assert!((own.centre_line() - 1325.0).abs() < 1e-9, "{}", own.centre_line());
+    assert!(
+        (own.centre_line() - 1325.0).abs() < 1e-9,
+        "{}",
+        own.centre_line()
+    );
     assert!((own.embrace() - 2.0 * 0.8_f64.asin()).abs() < 1e-12);
     let model = model(arch, GRAVITY);
     let inside = |x: &&[f64; 3]| (x[0].hypot(x[2]) - 1250.0).abs() < 1e-6;
     let intrados: Vec<&[f64; 3]> = model.mesh.nodes.iter().filter(inside).collect();
-    let most = |d: usize| intrados.iter().map(|x| x[d]).fold(f64::NEG_INFINITY, f64::max);
+    let most = |d: usize| {
+        intrados
+            .iter()
+            .map(|x| x[d])
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
     let least = |d: usize| intrados.iter().map(|x| x[d]).fold(f64::INFINITY, f64::min);
     assert!((most(0) - least(0) - 2000.0).abs() < 1e-9);
     assert!((most(2) - least(2) - 500.0).abs() < 1e-9);
@@ -190,10 +199,34 @@ interface = "dry"
     common::blocks::refuses(
         &format!("{HEAD}{arch}{GRAVITY}"),
         &[
-            ("rise = 500", "rise = 1100", "arch.rise", "more than a semicircle", "half the span"),
-            ("rise = 500", "rise = 500\nangle = 90", "arch.angle", "both `rise` and `angle`", "leave out one"),
-            ("span = 2000", "radius = 2000", "arch.rise", "belongs to a `span`", "radius and angle"),
-            ("rise = 500", "rise = 0", "arch.rise", "0 is not positive", "above 0"),
+            (
+                "rise = 500",
+                "rise = 1100",
+                "arch.rise",
+                "more than a semicircle",
+                "half the span",
+            ),
+            (
+                "rise = 500",
+                "rise = 500\nangle = 90",
+                "arch.angle",
+                "both `rise` and `angle`",
+                "leave out one",
+            ),
+            (
+                "span = 2000",
+                "radius = 2000",
+                "arch.rise",
+                "belongs to a `span`",
+                "radius and angle",
+            ),
+            (
+                "rise = 500",
+                "rise = 0",
+                "arch.rise",
+                "0 is not positive",
+                "above 0",
+            ),
         ],
     );
 }

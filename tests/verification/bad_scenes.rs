@@ -562,16 +562,25 @@ fn bodies_that_overlap_are_named_with_their_place() {
     let error = Model::from_deck(&deck(&text)).unwrap_err();
     assert_eq!(error.key(), "blocks.2.at");
     assert!(
-        error.message().contains("top and third overlap by 20.000 mm near (35.0, 35.0, 70.0) mm"),
+        error
+            .message()
+            .contains("top and third overlap by 20.000 mm near (35.0, 35.0, 70.0) mm"),
         "{error}"
     );
     assert!(error.line().is_some() && error.advice().contains("move one"));
     // A little is told, and may be.
     let little = text.replace("at = [20, 20, 60]", "at = [20, 20, 79.5]");
     let told = warnings(&little);
-    assert!(told.iter().any(|w| w.contains("top and third overlap by 0.500 mm")), "{told:?}");
+    assert!(
+        told.iter()
+            .any(|w| w.contains("top and third overlap by 0.500 mm")),
+        "{told:?}"
+    );
     // Beside each other, and with a corner that points at the other.
-    for apart in ["at = [20, 20, 80]", "at = [240, 50, 0]\nrotate = { axis = \"z\", angle = 45 }"] {
+    for apart in [
+        "at = [20, 20, 80]",
+        "at = [240, 50, 0]\nrotate = { axis = \"z\", angle = 45 }",
+    ] {
         let told = warnings(&text.replace("at = [20, 20, 60]", apart));
         assert!(!told.iter().any(|w| w.contains("overlap")), "{told:?}");
     }
@@ -582,14 +591,19 @@ fn bodies_that_overlap_are_named_with_their_place() {
     let error = Model::from_deck(&deck(&format!("{HEAD}{wall}{GRAVITY}"))).unwrap_err();
     assert_eq!(error.key(), "blocks.0.at");
     assert!(
-        error.message().contains("course 1 (wall-1-0) and beam overlap by 10.000 mm"),
+        error
+            .message()
+            .contains("course 1 (wall-1-0) and beam overlap by 10.000 mm"),
         "{error}"
     );
     let arch = "[arch]\nradius = 1000\nthickness = 100\nwidth = 200\nvoussoirs = 7\nmaterial = \"stone\"\n\
                 interface = \"dry\"\n[[blocks]]\nname = \"key\"\nsize = [20, 50, 50]\nat = [0, 50, 920]\n\
                 material = \"stone\"\n[[supports]]\non = \"key\"\n";
     let error = Model::from_deck(&deck(&format!("{HEAD}{arch}{GRAVITY}"))).unwrap_err();
-    assert!(error.message().contains("key and voussoir-3 overlap"), "{error}");
+    assert!(
+        error.message().contains("key and voussoir-3 overlap"),
+        "{error}"
+    );
 }
 
 /// What floats is told with its place, also where anything may meet anything.
@@ -603,11 +617,17 @@ fn bodies_that_float_are_named_with_their_place() {
     let error = Model::from_deck(&deck(&format!("{HEAD}{lifted}{GRAVITY}"))).unwrap_err();
     assert!(error.message().contains(floats), "{error}");
     let head = HEAD.replace("[contact]", "[contact]\ngeneral = \"dry\"");
-    let general = lifted.replace("[[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n", "");
+    let general = lifted.replace(
+        "[[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n",
+        "",
+    );
     let statics = GRAVITY.replace("\"gravity\"", "\"gravity\"\nprocedure = \"static\"");
     let error = Model::from_deck(&deck(&format!("{head}{general}{statics}"))).unwrap_err();
     assert_eq!(error.key(), "steps.0");
-    assert!(error.message().contains(floats) && error.advice().contains("dynamic"), "{error}");
+    assert!(
+        error.message().contains(floats) && error.advice().contains("dynamic"),
+        "{error}"
+    );
     // With inertia it falls, which is told; on its base it lies.
     let told = |scene: &str| {
         let all = warnings(&format!("{head}{scene}{GRAVITY}"));
@@ -630,10 +650,17 @@ fn a_face_that_meets_nothing_is_named_with_its_place() {
     assert!(told.iter().any(|w| w.contains(wanted)), "{told:?}");
     let beside = hung.replace("at = [0, 0, 50]", "at = [800, 0, 0]");
     let told = warnings(&format!("{HEAD}{beside}{GRAVITY}"));
-    assert!(told.iter().any(|w| w.contains("they lie beside each other")), "{told:?}");
+    assert!(
+        told.iter()
+            .any(|w| w.contains("they lie beside each other")),
+        "{told:?}"
+    );
     let met = hung.replace("at = [0, 0, 50]", "at = [0, 0, 0]");
     let told = warnings(&format!("{HEAD}{met}{GRAVITY}"));
-    assert!(!told.iter().any(|w| w.contains("meets nothing")), "{told:?}");
+    assert!(
+        !told.iter().any(|w| w.contains("meets nothing")),
+        "{told:?}"
+    );
 }
 
 /// A pattern whose units do not go with the headers of the leaf in front.
@@ -648,8 +675,13 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
     let gap = "in course 0 a gap of 5.00 mm beyond the joint parts wall-0-1 from wall-0-5, which begins at 425.00 mm";
     assert!(told.iter().any(|w| w.contains(gap)), "{told:?}");
     // Where both leaves begin there, the joint is as wide.
-    let wide = wall.replace("units = [200, 200, 200, 200], headers", "units = [200, 200, 200, 195], headers");
-    let wide = wide.replace("headers = [1]", "headers = [1], offset = 0").replace("200, 205, 205, 200], ", "200, 200, 200, 195], ");
+    let wide = wall.replace(
+        "units = [200, 200, 200, 200], headers",
+        "units = [200, 200, 200, 195], headers",
+    );
+    let wide = wide
+        .replace("headers = [1]", "headers = [1], offset = 0")
+        .replace("200, 205, 205, 200], ", "200, 200, 200, 195], ");
     let told = warnings(&format!("{HEAD}{wide}{GRAVITY}"));
     assert!(!told.iter().any(|w| w.contains("gap of")), "{told:?}");
     // A lintel that ends within a head joint leaves a wider one.
@@ -658,6 +690,11 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
                   openings = [{ from = 420, to = 620, sill = 0, courses = 1, lintel = { bearing = 103 } }]\n\
                   [[supports]]\non = \"wall.bottom\"\n";
     let told = warnings(&format!("{HEAD}{lintel}{GRAVITY}"));
-    let wanted = told.iter().find(|w| w.contains("head joints of the wall 10 mm"));
-    assert!(wanted.is_some_and(|w| w.contains("in course 1 the joint behind wall-")), "{told:?}");
+    let wanted = told
+        .iter()
+        .find(|w| w.contains("head joints of the wall 10 mm"));
+    assert!(
+        wanted.is_some_and(|w| w.contains("in course 1 the joint behind wall-")),
+        "{told:?}"
+    );
 }

@@ -40,7 +40,10 @@ fn a_pier_below_a_beam_rocks_as_a_rigid_body() {
         let push = rows.iter().filter(|r| r.step == 2);
         let peak = 1e3 * push.map(|r| r.force_kN).fold(0.0, f64::max);
         // What the pier leans at the peak, 0.15 mm of 200 mm, and the joints that give way at the toe: less, never more.
-        assert!(peak < exact && peak > 0.998 * exact, "{peak} N of {exact} N");
+        assert!(
+            peak < exact && peak > 0.998 * exact,
+            "{peak} N of {exact} N"
+        );
         // Beyond, the load moves towards the toe: N u less in the moment.
         let last = &rows[rows.len() - 1];
         let fallen = 1.0 - 1e3 * last.force_kN / peak;
@@ -58,7 +61,11 @@ fn the_checker_tells_what_is_rigid_and_what_beams_are() {
     assert!(told("beam beam: a block 100 mm deep"), "{:?}", report.notes);
     assert!(told("it turns freely"), "{:?}", report.notes);
     // A hundred times the stiffness of the stiffest joint over the longest side: 100 × 100 N/mm³ × 600 mm.
-    let stone = model.materials.iter().find(|m| m.name == "stone (rigid)").unwrap();
+    let stone = model
+        .materials
+        .iter()
+        .find(|m| m.name == "stone (rigid)")
+        .unwrap();
     let elastic = stone.parameters.elastic();
     assert!((elastic.E / 6e6 - 1.0).abs() < 1e-12 && elastic.density > 0.0);
     // What is written with its defaults is the same deck.
@@ -87,10 +94,16 @@ fn rigid_units_have_points_of_contact_at_all_corners() {
 /// Example 68: tan α = b/h with the lintel as without.
 #[test]
 fn columns_below_a_lintel_fall_at_the_angle_of_one_block() {
-    let deck = load("68_trilithon", &[("steps.1.angle", "17.1"), ("steps.1.procedure", "static")]);
+    let deck = load(
+        "68_trilithon",
+        &[("steps.1.angle", "17.1"), ("steps.1.procedure", "static")],
+    );
     rows(&deck); // stands
     let exact = (500.0_f64 / 1600.0).atan().to_degrees();
-    let deck = load("68_trilithon", &[("steps.1.angle", "20"), ("steps.1.procedure", "static")]);
+    let deck = load(
+        "68_trilithon",
+        &[("steps.1.angle", "20"), ("steps.1.procedure", "static")],
+    );
     let (model, _) = Model::from_deck(&deck).unwrap();
     let (recording, summary) = run(&model);
     assert_eq!(summary.status, Status::NotConverged, "{}", summary.message);
@@ -115,7 +128,10 @@ fn columns_are_blocks_on_each_other_also_when_they_are_turned() {
     let foot = &model.mesh.corners(1);
     assert!(foot.iter().all(|x| x[0] > -1e-9 && x[1] < 500.0 + 1e-9));
     let leaning = text
-        .replace("name = \"left\"", "name = \"left\"\nrotate = { axis = \"x\", angle = 90 }")
+        .replace(
+            "name = \"left\"",
+            "name = \"left\"\nrotate = { axis = \"x\", angle = 90 }",
+        )
         .replace("slave = [\"left-0.bottom\", ", "slave = [")
         .replace("slave = [\"left-3.top\", ", "slave = [");
     let leaning = format!("{leaning}[[supports]]\non = \"left\"\n");
@@ -126,17 +142,83 @@ fn columns_are_blocks_on_each_other_also_when_they_are_turned() {
 }
 
 const BAD: &[Bad] = &[
-    ("on = \"wall.top\"", "on = \"wall.left\"", "beams.0.on", "no level face", "wall.top"),
-    ("on = \"wall.top\"", "on = \"wall\"", "beams.0.on", "`wall` is no face", "wall.top"),
-    ("on = \"wall.top\"", "on = [\"wall.top\", \"ground.top\"]", "beams.0.on", "no level face", "one height"),
-    ("name = \"beam\"", "name = \"wall\"", "beams.0.name", "two blocks named `wall`", "of its own"),
-    ("name = \"beam\"", "name = \"stone\"", "beams.0.name", "called `stone`, too", "otherwise"),
-    ("depth = \"100 mm\"", "depth = 0", "beams.0.depth", "0 is not positive", "above 0"),
-    ("rotation = \"free\"", "rotation = \"fixed\"", "beams.0.rotation", "not a known choice", "free, level"),
-    ("beam = \"beam\"\ndirection", "beam = \"bean\"\ndirection", "steps.2.beam", "no beam named `bean`", "`beam`"),
-    ("direction = \"x\"", "direction = \"x\"\nfree = [\"z\"]", "steps.2.free", "turns and moves freely", "stay level"),
-    ("direction = \"x\"", "direction = \"z\"", "steps.2.direction", "held where its load is", "rotation ="),
-    ("direction = \"x\"", "direction = \"x\"\nface = \"beam.top\"", "steps.2.beam", "either a beam, a face", "of its own"),
+    (
+        "on = \"wall.top\"",
+        "on = \"wall.left\"",
+        "beams.0.on",
+        "no level face",
+        "wall.top",
+    ),
+    (
+        "on = \"wall.top\"",
+        "on = \"wall\"",
+        "beams.0.on",
+        "`wall` is no face",
+        "wall.top",
+    ),
+    (
+        "on = \"wall.top\"",
+        "on = [\"wall.top\", \"ground.top\"]",
+        "beams.0.on",
+        "no level face",
+        "one height",
+    ),
+    (
+        "name = \"beam\"",
+        "name = \"wall\"",
+        "beams.0.name",
+        "two blocks named `wall`",
+        "of its own",
+    ),
+    (
+        "name = \"beam\"",
+        "name = \"stone\"",
+        "beams.0.name",
+        "called `stone`, too",
+        "otherwise",
+    ),
+    (
+        "depth = \"100 mm\"",
+        "depth = 0",
+        "beams.0.depth",
+        "0 is not positive",
+        "above 0",
+    ),
+    (
+        "rotation = \"free\"",
+        "rotation = \"fixed\"",
+        "beams.0.rotation",
+        "not a known choice",
+        "free, level",
+    ),
+    (
+        "beam = \"beam\"\ndirection",
+        "beam = \"bean\"\ndirection",
+        "steps.2.beam",
+        "no beam named `bean`",
+        "`beam`",
+    ),
+    (
+        "direction = \"x\"",
+        "direction = \"x\"\nfree = [\"z\"]",
+        "steps.2.free",
+        "turns and moves freely",
+        "stay level",
+    ),
+    (
+        "direction = \"x\"",
+        "direction = \"z\"",
+        "steps.2.direction",
+        "held where its load is",
+        "rotation =",
+    ),
+    (
+        "direction = \"x\"",
+        "direction = \"x\"\nface = \"beam.top\"",
+        "steps.2.beam",
+        "either a beam, a face",
+        "of its own",
+    ),
     (
         "normal_stiffness = \"100 N/mm^3\"\nshear_stiffness = \"40 N/mm^3\"",
         "",
@@ -144,7 +226,13 @@ const BAD: &[Bad] = &[
         "joins rigid bodies",
         "give both: normal_stiffness",
     ),
-    ("bed_joint = 0", "bed_joint = 10", "wall.rigid", "mortar is no part", "lie dry"),
+    (
+        "bed_joint = 0",
+        "bed_joint = 10",
+        "wall.rigid",
+        "mortar is no part",
+        "lie dry",
+    ),
     (
         "interface = \"dry\"\nrigid = true",
         "interface = \"dry\"\nrigid = \"very\"",
@@ -165,10 +253,34 @@ fn bad_columns_name_the_key_and_the_fix() {
     refuses(
         text,
         &[
-            ("stack = 4", "stack = 0", "blocks.2.stack", "0 blocks are no column", "at least 1"),
-            ("stack = 4\ninterface = \"dry\"", "stack = 4", "blocks.2.interface", "is missing", "interface ="),
-            ("stack = 4\n", "", "blocks.2.interface", "has no joints", "stack = 6"),
-            ("stack = 4", "stack = 4\ncopies = [1, 1, 2]", "blocks.2.stack", "stands once", "copies"),
+            (
+                "stack = 4",
+                "stack = 0",
+                "blocks.2.stack",
+                "0 blocks are no column",
+                "at least 1",
+            ),
+            (
+                "stack = 4\ninterface = \"dry\"",
+                "stack = 4",
+                "blocks.2.interface",
+                "is missing",
+                "interface =",
+            ),
+            (
+                "stack = 4\n",
+                "",
+                "blocks.2.interface",
+                "has no joints",
+                "stack = 6",
+            ),
+            (
+                "stack = 4",
+                "stack = 4\ncopies = [1, 1, 2]",
+                "blocks.2.stack",
+                "stands once",
+                "copies",
+            ),
         ],
     );
 }

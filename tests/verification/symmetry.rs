@@ -82,7 +82,8 @@ displacement = 0.5
     };
     let whole = force(&whole);
     let half = plane("x", 300.0, "below") + &hold("wall.bottom", "y", "[[0, 50, 0], [600, 50, 0]]");
-    let through = plane("y", 50.0, "above") + &hold("wall.bottom", "x", "[[300, 0, 0], [300, 100, 0]]");
+    let through =
+        plane("y", 50.0, "above") + &hold("wall.bottom", "x", "[[300, 0, 0], [300, 100, 0]]");
     let quarter = |keep| plane("x", 300.0, keep) + &plane("y", 50.0, "below");
     for (part, planes) in [
         (2.0, half),
@@ -140,7 +141,15 @@ fn a_quarter_of_a_wall_bends_like_the_whole() {
     let both = tail.replace("\"wall.bottom\"", "[\"wall.bottom\", \"wall.top\"]");
     let upright = hold("wall", "x", "[[300, 0, 200], [300, 100, 200]]");
     let whole = [head, &feet, &head_of, &middle, &upright, &both].concat();
-    let half = [head, &feet, &head_of, &middle, &plane("x", 300.0, "below"), &both].concat();
+    let half = [
+        head,
+        &feet,
+        &head_of,
+        &middle,
+        &plane("x", 300.0, "below"),
+        &both,
+    ]
+    .concat();
     let quarter = [head, &EXAMPLE[planes..supports], &feet, &tail].concat();
     let at = [0.05, 0.1, 0.2, 0.3, 0.45];
     let whole = pressures(&whole, &at);
@@ -212,7 +221,10 @@ pressure = 0.1
     let edge = hold("wall.back", "y", "[[356, 53, 0], [356, 53, 220]]");
     let at = [0.02, 0.05, 0.1, 0.18];
     let whole = pressures(&[MORTAR, &common, &edge, steps].concat(), &at);
-    let half = pressures(&[MORTAR, &common, &plane("x", 178.0, "below"), steps].concat(), &at);
+    let half = pressures(
+        &[MORTAR, &common, &plane("x", 178.0, "below"), steps].concat(),
+        &at,
+    );
     for (half, whole) in half.into_iter().zip(whole) {
         // 0.4 % at the peak, 1.4 % behind it: 5 mm between where the joint in the middle breaks.
         assert!((half / whole - 1.0).abs() < 0.02, "{half}, {whole}");
@@ -222,39 +234,104 @@ pressure = 0.1
 /// What is held and what meets what, by counting.
 #[test]
 fn planes_cut_units_and_joints() {
-    let steps = "[[supports]]\non = \"wall.bottom\"\nfixed = [\"z\"]\n[[steps]]\nkind = \"gravity\"\n";
+    let steps =
+        "[[supports]]\non = \"wall.bottom\"\nfixed = [\"z\"]\n[[steps]]\nkind = \"gravity\"\n";
     let text = format!("{STONE}courses = 2\n{}{steps}", plane("x", 300.0, "below"));
     let (deck, model) = model(&text);
     // Half of the bed, and all that lies below the plane: 1.5 stones of 200, and a half and a whole one.
-    let volume: f64 = (0..model.mesh.elements.len()).map(|e| model.mesh.volume(e)).sum();
+    let volume: f64 = (0..model.mesh.elements.len())
+        .map(|e| model.mesh.volume(e))
+        .sum();
     assert!((volume / (300.0 * 100.0 * 160.0) - 1.0).abs() < 1e-12);
     // The stone of the lower course is held at the plane, that of the upper one meets the mirror.
-    let held = model.supports.iter().find(|s| s.name == "symmetry-x").unwrap();
+    let held = model
+        .supports
+        .iter()
+        .find(|s| s.name == "symmetry-x")
+        .unwrap();
     assert!(held.nodes.iter().all(|n| {
         let x = model.mesh.nodes[*n as usize];
         x[0] == 300.0 && x[2] <= 80.0
     }));
     assert_eq!(held.nodes.len(), 9);
-    let mirror = model.supports.iter().find(|s| s.name == "mirror-x").unwrap();
+    let mirror = model
+        .supports
+        .iter()
+        .find(|s| s.name == "mirror-x")
+        .unwrap();
     assert_eq!((mirror.nodes.len(), mirror.fixed), (4, [true; 3]));
-    let law = model.contact.law_names.iter().position(|n| n.contains("middle")).unwrap();
+    let law = model
+        .contact
+        .law_names
+        .iter()
+        .position(|n| n.contains("middle"))
+        .unwrap();
     let own = &model.contact.laws[law];
     // Half the opening at the same traction, and no friction.
     assert_eq!((own.normal_stiffness, own.mu, own.c), (100.0, 0.0, 0.0));
-    let facets = model.contact.slave_law.iter().filter(|l| usize::from(**l) == law);
+    let facets = model
+        .contact
+        .slave_law
+        .iter()
+        .filter(|l| usize::from(**l) == law);
     assert_eq!(facets.count(), 4);
     let notes = check(&deck, &model).notes;
-    assert!(notes.iter().any(|n| n.contains("half of the whole")), "{notes:?}");
+    assert!(
+        notes.iter().any(|n| n.contains("half of the whole")),
+        "{notes:?}"
+    );
 }
 
 const BAD: &[Bad] = &[
-    ("at = 300", "at = 250", "symmetry.0.at", "is not symmetric about x = 250 mm: in course 0 the unit wall-0-0", "whole units"),
-    ("at = 300", "at = -10", "symmetry.0.at", "lies beyond the plane", "keep ="),
-    ("at = 300", "at = 900", "symmetry.0.at", "nothing lies in the plane", "end there"),
-    ("length = 600", "length = 500", "symmetry.0.at", "is not symmetric", "whole units"),
-    ("mesh = [4, 2, 2]", "mesh = [3, 2, 2]", "symmetry.0.at", "would cut an element: the unit wall-0-1", "even number"),
-    ("normal = \"x\"", "normal = \"up\"", "symmetry.0.normal", "not a known choice", "x, y, z"),
-    ("keep = \"below\"", "keep = \"left\"", "symmetry.0.keep", "not a known choice", "below, above"),
+    (
+        "at = 300",
+        "at = 250",
+        "symmetry.0.at",
+        "is not symmetric about x = 250 mm: in course 0 the unit wall-0-0",
+        "whole units",
+    ),
+    (
+        "at = 300",
+        "at = -10",
+        "symmetry.0.at",
+        "lies beyond the plane",
+        "keep =",
+    ),
+    (
+        "at = 300",
+        "at = 900",
+        "symmetry.0.at",
+        "nothing lies in the plane",
+        "end there",
+    ),
+    (
+        "length = 600",
+        "length = 500",
+        "symmetry.0.at",
+        "is not symmetric",
+        "whole units",
+    ),
+    (
+        "mesh = [4, 2, 2]",
+        "mesh = [3, 2, 2]",
+        "symmetry.0.at",
+        "would cut an element: the unit wall-0-1",
+        "even number",
+    ),
+    (
+        "normal = \"x\"",
+        "normal = \"up\"",
+        "symmetry.0.normal",
+        "not a known choice",
+        "x, y, z",
+    ),
+    (
+        "keep = \"below\"",
+        "keep = \"left\"",
+        "symmetry.0.keep",
+        "not a known choice",
+        "below, above",
+    ),
     (
         "keep = \"below\"",
         "keep = \"below\"\n[[symmetry]]\nnormal = \"x\"\nat = 0",
@@ -262,8 +339,20 @@ const BAD: &[Bad] = &[
         "two planes",
         "one plane",
     ),
-    ("on = \"wall.bottom\"", "on = [\"wall.bottom\", \"wall.right\"]", "supports.0.on", "cuts the wall at this side", "leave it out"),
-    ("kind = \"gravity\"", "kind = \"gravity\"\nangle = 3\naxis = \"y\"", "steps.0", "gravity pulls along x", "the whole scene"),
+    (
+        "on = \"wall.bottom\"",
+        "on = [\"wall.bottom\", \"wall.right\"]",
+        "supports.0.on",
+        "cuts the wall at this side",
+        "leave it out",
+    ),
+    (
+        "kind = \"gravity\"",
+        "kind = \"gravity\"\nangle = 3\naxis = \"y\"",
+        "steps.0",
+        "gravity pulls along x",
+        "the whole scene",
+    ),
     (
         "kind = \"gravity\"",
         "kind = \"drive\"\nface = \"wall.top\"\ndirection = \"x\"\ndisplacement = 1",

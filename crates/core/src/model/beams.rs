@@ -10,10 +10,11 @@
 
 use super::bodies::Bodies;
 use super::deck::{
-    Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names, StepKind, Turning,
+    Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
+    StepKind, Turning,
 };
-use super::rigid;
 use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
+use super::rigid;
 use super::scene::Increments;
 use crate::error::{Errors, ModelError};
 use std::borrow::Cow;
@@ -49,7 +50,10 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
         blocks
     };
     if blocks.len() < deck.beams.len() {
-        return Err(errors.end(()).err().unwrap_or_else(|| deck.error("beams", "no beam can be laid", "")));
+        return Err(errors
+            .end(())
+            .err()
+            .unwrap_or_else(|| deck.error("beams", "no beam can be laid", "")));
     }
     for (beam, laid) in deck.beams.iter().zip(&blocks) {
         add(&mut plain, beam, laid);
@@ -109,7 +113,9 @@ fn outline(
     let nodes = bodies.nodes(&places);
     let of = |d: usize| {
         let x = nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| [r[0].min(x), r[1].max(x)])
+        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+            [r[0].min(x), r[1].max(x)]
+        })
     };
     let [x, y, z] = [of(0), of(1), of(2)];
     let (vector, _) = bodies.area(&places);
@@ -136,7 +142,11 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) {
     let density = beam.density.map_or(0.0, Quantity::get).max(AIR);
     plain.materials.insert(
         name.clone(),
-        Material::elastic(Pressure::new(laid.modulus), Number::new(0.0), Density::new(density)),
+        Material::elastic(
+            Pressure::new(laid.modulus),
+            Number::new(0.0),
+            Density::new(density),
+        ),
     );
     plain.blocks.push(DeckBlock {
         name: name.clone(),

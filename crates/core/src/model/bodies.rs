@@ -292,10 +292,16 @@ impl<'a> Bodies<'a> {
                 let (u, v) = ((d + 1) % 3, (d + 2) % 3);
                 let reach = |axis: usize| {
                     let boxes = wall.units.iter().filter(meets).map(|unit| unit.all[axis]);
-                    let [low, high] = boxes.fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
-                        [r[0].min(a), r[1].max(b)]
-                    });
-                    let margin = wall.wall.unit.map(Quantity::get).into_iter().fold(0.0, f64::max);
+                    let [low, high] = boxes
+                        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
+                            [r[0].min(a), r[1].max(b)]
+                        });
+                    let margin = wall
+                        .wall
+                        .unit
+                        .map(Quantity::get)
+                        .into_iter()
+                        .fold(0.0, f64::max);
                     [low - margin, high + margin]
                 };
                 let (a, b) = (reach(u), reach(v));
@@ -344,7 +350,8 @@ impl<'a> Bodies<'a> {
             return self.material(name);
         };
         let called = rigid::name_of(name);
-        self.brought.insert(called.clone(), rigid::material(own, stiffness));
+        self.brought
+            .insert(called.clone(), rigid::material(own, stiffness));
         self.material(&called)
     }
 

@@ -15,8 +15,8 @@ use super::probes;
 use super::quantity::Quantity;
 use super::rigid;
 use super::scatter;
-use super::symmetry;
 use super::scene::{Model, NamedMaterial};
+use super::symmetry;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 
@@ -47,7 +47,11 @@ impl Model {
         let is_known = supports.is_some() && springs.is_some();
         let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
         let held_by_deck = supports.len();
-        supports.extend(errors.keep(symmetry::supports(deck, &bodies)).unwrap_or_default());
+        supports.extend(
+            errors
+                .keep(symmetry::supports(deck, &bodies))
+                .unwrap_or_default(),
+        );
         let probes = errors.keep(probes::probes(deck, &bodies));
         let top = masonry::level_beam(&bodies);
         let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
@@ -80,9 +84,13 @@ impl Model {
             .collect();
         let mut floats = None;
         if moved && is_known {
-            floats = errors.keep(require_held(deck, &bodies, &held, &touching)).flatten();
+            floats = errors
+                .keep(require_held(deck, &bodies, &held, &touching))
+                .flatten();
         }
-        let overlaps = errors.keep(overlap::overlaps(deck, &bodies)).unwrap_or_default();
+        let overlaps = errors
+            .keep(overlap::overlaps(deck, &bodies))
+            .unwrap_or_default();
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
@@ -110,7 +118,11 @@ impl Model {
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();
         let scene = overlaps.into_iter().chain(floats);
-        let laid = imported.into_iter().chain(bond).chain(warnings).chain(scene);
+        let laid = imported
+            .into_iter()
+            .chain(bond)
+            .chain(warnings)
+            .chain(scene);
         let laid = laid.collect();
         findings::judged(deck, model, laid, errors)
     }

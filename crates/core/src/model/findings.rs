@@ -229,13 +229,23 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
 fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     let along = usize::from(masonry.wall.along == super::deck::Axis::Y);
     let joint = masonry.wall.head_joint.get();
-    let wide = |u: &&super::masonry::Unit| u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get();
+    let wide = |u: &&super::masonry::Unit| {
+        u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get()
+    };
     let mut units = masonry.units.iter().filter(wide);
     let first = units.next()?;
     let [from, to] = [first.own[along][1], first.all[along][1]];
     let rest = units.count();
-    let others = if rest > 0 { format!(", and {rest} others") } else { String::new() };
-    let key = if masonry.wall.bond == Bond::Pattern { "pattern" } else { "openings" };
+    let others = if rest > 0 {
+        format!(", and {rest} others")
+    } else {
+        String::new()
+    };
+    let key = if masonry.wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "openings"
+    };
     Some(deck.warning(
         &format!("{}.{key}", masonry.path),
         format!(
@@ -260,10 +270,16 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
             o.sill..o.sill + o.courses + above
         };
         let mut openings = wall.openings.iter();
-        openings.any(|o| courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x))
+        openings.any(|o| {
+            courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x)
+        })
     };
     // Where another wall passes through, its thickness is missing here.
-    let most = if masonry.joined.is_empty() { f64::INFINITY } else { 3.0 * wall.head_joint.get() };
+    let most = if masonry.joined.is_empty() {
+        f64::INFINITY
+    } else {
+        3.0 * wall.head_joint.get()
+    };
     let mut found = Vec::new();
     for course in masonry.units.chunk_by(|a, b| a.course == b.course) {
         for unit in course {
@@ -292,7 +308,11 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
         1 => String::new(),
         n => format!(", and at {} other places", n - 1),
     };
-    let key = if wall.bond == Bond::Pattern { "pattern" } else { "bond" };
+    let key = if wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "bond"
+    };
     Some(deck.warning(
         &format!("{}.{key}", masonry.path),
         format!(

@@ -5,6 +5,7 @@ use super::deck::{Deck, Interface};
 use super::hexahedron::{area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
 use super::masonry;
+use super::overlap;
 use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
@@ -196,11 +197,26 @@ fn alone(
     if !flat(&pairing.slave) || !pairing.masters.iter().all(flat) {
         return None; // their facets touch here and there
     }
-    let gaps = pairing.masters.iter().filter_map(|m| gap(bodies, pairing.slave, *m));
+    let gaps = pairing
+        .masters
+        .iter()
+        .filter_map(|m| gap(bodies, pairing.slave, *m));
     let nearest = gaps.map(f64::abs).min_by(f64::total_cmp);
     let reach = reach(deck, interface, bodies, pairing.slave);
     if nearest.is_some_and(|gap| gap <= reach) {
         return None;
+    }
+    let boxed = |b: usize| {
+        let nodes = bodies.all[b].nodes.clone();
+        overlap::around(nodes.map(|n| bodies.mesh.nodes[n as usize]))
+    };
+    let own = boxed(slave);
+    if pairing
+        .masters
+        .iter()
+        .any(|(b, _)| !overlap::near(&[own, boxed(*b)], -reach).is_empty())
+    {
+        return None; // an edge or a corner may touch
     }
     let body = &bodies.all[slave];
     let facets = body.faces[face].facets.iter().flat_map(|(_, facet)| *facet);

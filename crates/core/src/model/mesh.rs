@@ -39,7 +39,9 @@ impl Mesh {
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let nodes = self.elements.as_flattened().iter();
         let x = nodes.map(|n| self.nodes[*n as usize][axis]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| [r[0].min(x), r[1].max(x)])
+        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+            [r[0].min(x), r[1].max(x)]
+        })
     }
 
     /// Volume of element `e` [mm³]: ∫ det J, which 2×2×2 Gauss points integrate exactly.

@@ -26,7 +26,7 @@ const MOST_TOLD: usize = 5;
 pub(super) type Box3 = [[f64; 2]; 3];
 
 /// The box around points [mm].
-fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
+pub(super) fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
     points.fold([[f64::INFINITY, f64::NEG_INFINITY]; 3], |mut r, x| {
         for d in 0..3 {
             r[d] = [r[d][0].min(x[d]), r[d][1].max(x[d])];
@@ -38,7 +38,11 @@ fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
 /// The box around each body [mm]. `[body]`
 pub(super) fn boxes(bodies: &Bodies<'_>) -> Vec<Box3> {
     let of = |nodes: std::ops::Range<u32>| nodes.map(|n| bodies.mesh.nodes[n as usize]);
-    bodies.all.iter().map(|body| around(of(body.nodes.clone()))).collect()
+    bodies
+        .all
+        .iter()
+        .map(|body| around(of(body.nodes.clone())))
+        .collect()
 }
 
 /// Pairs of boxes that have a common part longer than `least` along every axis; below 0, that are no farther apart.
@@ -50,7 +54,10 @@ pub(super) fn near(boxes: &[Box3], least: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (i, &a) in order.iter().enumerate() {
         let reach = boxes[a][0][1] - least;
-        for &b in order[i + 1..].iter().take_while(|b| boxes[**b][0][0] <= reach) {
+        for &b in order[i + 1..]
+            .iter()
+            .take_while(|b| boxes[**b][0][0] <= reach)
+        {
             if (0..3).all(|d| common(boxes[a][d], boxes[b][d]) > least) {
                 pairs.push((a.min(b), a.max(b)));
             }
@@ -88,7 +95,11 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         );
         let path = path_of(deck, bodies, b);
         if depth > TOO_DEEP * edge {
-            errors.push(deck.error(&path, message, "two bodies cannot be in one place: move one, or make it smaller"));
+            errors.push(deck.error(
+                &path,
+                message,
+                "two bodies cannot be in one place: move one, or make it smaller",
+            ));
         } else {
             warnings.push(deck.warning(&path, message));
         }
@@ -107,7 +118,11 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
     };
     if let Some(i) = deck.blocks.iter().position(|block| is(&block.name)) {
-        let key = if deck.blocks[i].corners.is_some() { "corners" } else { "at" };
+        let key = if deck.blocks[i].corners.is_some() {
+            "corners"
+        } else {
+            "at"
+        };
         return format!("blocks.{i}.{key}");
     }
     match deck.imports.iter().position(|import| is(&import.name)) {
@@ -120,13 +135,16 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
 /// if they are apart.
 fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])> {
     let boxed = |of: &[usize]| -> Vec<(usize, Box3)> {
-        of.iter().map(|e| (*e, around(mesh.corners(*e).into_iter()))).collect()
+        of.iter()
+            .map(|e| (*e, around(mesh.corners(*e).into_iter())))
+            .collect()
     };
     let (a, b) = (boxed(a), boxed(b));
     let mut deepest: Option<(f64, f64, [f64; 3])> = None;
     for (e, first) in &a {
         for (f, second) in &b {
-            let common = [0, 1, 2].map(|d| [first[d][0].max(second[d][0]), first[d][1].min(second[d][1])]);
+            let common =
+                [0, 1, 2].map(|d| [first[d][0].max(second[d][0]), first[d][1].min(second[d][1])]);
             if common.iter().any(|[low, high]| high - low <= TOUCHING) {
                 continue;
             }
@@ -181,9 +199,11 @@ fn depth(a: &Corners, b: &Corners) -> Option<f64> {
         }
         let range = |x: &Corners| {
             let along = x.map(|x| dot(x, axis) / length);
-            along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(*x), r[1].max(*x)]
-            })
+            along
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+                    [r[0].min(*x), r[1].max(*x)]
+                })
         };
         let (p, q) = (range(a), range(b));
         // Which way they would be parted sooner.
@@ -202,7 +222,13 @@ mod tests {
 
     fn cube(at: [f64; 3], turn: f64) -> Corners {
         let (sin, cos) = turn.sin_cos();
-        let corner = |x: f64, y: f64, z: f64| [at[0] + x * cos - y * sin, at[1] + x * sin + y * cos, at[2] + z];
+        let corner = |x: f64, y: f64, z: f64| {
+            [
+                at[0] + x * cos - y * sin,
+                at[1] + x * sin + y * cos,
+                at[2] + z,
+            ]
+        };
         [
             corner(0.0, 0.0, 0.0),
             corner(1.0, 0.0, 0.0),
@@ -224,7 +250,10 @@ mod tests {
         let turned = std::f64::consts::FRAC_PI_4;
         assert_eq!(depth(&base, &cube([1.8, 0.0, 0.0], turned)), None);
         let inside = depth(&base, &cube([1.6, 0.0, 0.0], turned)).unwrap();
-        assert!((inside - (1.0 - 1.6 + 0.5_f64.sqrt())).abs() < 1e-12, "{inside}");
+        assert!(
+            (inside - (1.0 - 1.6 + 0.5_f64.sqrt())).abs() < 1e-12,
+            "{inside}"
+        );
     }
 
     #[test]

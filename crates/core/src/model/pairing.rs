@@ -30,7 +30,11 @@ pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>,
     let mut pairings = arch_pairings(deck, bodies);
     let mut errors = Errors::default();
     for i in 0..deck.blocks.len() {
-        pairings.extend(errors.keep(column_pairings(deck, bodies, i)).unwrap_or_default());
+        pairings.extend(
+            errors
+                .keep(column_pairings(deck, bodies, i))
+                .unwrap_or_default(),
+        );
     }
     for (i, contact) in deck.contacts.iter().enumerate() {
         errors.keep(add_declared(deck, bodies, &mut pairings, contact, i));

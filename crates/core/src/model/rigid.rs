@@ -22,7 +22,9 @@ pub(super) struct Stiffness {
 
 /// Whether anything of a deck is rigid-like.
 pub(super) fn any(deck: &Deck) -> bool {
-    deck.walls().any(|(_, _, wall)| wall.rigid) || deck.blocks.iter().any(|b| b.rigid) || arch(deck).is_some()
+    deck.walls().any(|(_, _, wall)| wall.rigid)
+        || deck.blocks.iter().any(|b| b.rigid)
+        || arch(deck).is_some()
 }
 
 fn arch(deck: &Deck) -> Option<&DeckArch> {
@@ -80,5 +82,9 @@ const RIGID: &str = " (rigid)";
 
 /// The material of rigid-like bodies: the mass of the deck's, and no tables.
 pub(super) fn material(of: &Material, stiffness: Stiffness) -> Material {
-    Material::elastic(Pressure::new(stiffness.modulus), Number::new(0.0), of.density)
+    Material::elastic(
+        Pressure::new(stiffness.modulus),
+        Number::new(0.0),
+        of.density,
+    )
 }

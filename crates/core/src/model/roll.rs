@@ -300,7 +300,9 @@ impl Roll {
             if sides[face].is_empty() {
                 return Err(deck.error(
                     path,
-                    format!("`{name}` is not there: a plane of symmetry cuts the wall at this side"),
+                    format!(
+                        "`{name}` is not there: a plane of symmetry cuts the wall at this side"
+                    ),
                     "leave it out: the plane holds what is cut there, see [[symmetry]]",
                 ));
             }

@@ -78,7 +78,11 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
         let mut mirrors = false;
         for (b, body) in bodies.all.iter().enumerate() {
             let beyond = |n: u32| plane.beyond(bodies.mesh.nodes[n as usize][d]);
-            let farthest = body.nodes.clone().map(beyond).fold(f64::NEG_INFINITY, f64::max);
+            let farthest = body
+                .nodes
+                .clone()
+                .map(beyond)
+                .fold(f64::NEG_INFINITY, f64::max);
             if farthest > IN_PLANE {
                 errors.push(deck.error(
                     &format!("{}.at", plane.path),
@@ -138,7 +142,12 @@ pub(super) fn judge(
     for plane in Plane::all(deck) {
         let d = plane.axis;
         let axis = ["x", "y", "z"][d];
-        let across = |what: &str| format!("{what} along {axis}, across the plane of symmetry {}", plane.called());
+        let across = |what: &str| {
+            format!(
+                "{what} along {axis}, across the plane of symmetry {}",
+                plane.called()
+            )
+        };
         let help = "what acts across a plane acts the other way on the other side of it: model the whole scene";
         let lies_in = |beam: &Beam| {
             let mut nodes = beam.nodes.iter();

@@ -35,8 +35,8 @@ pub use procedure::{
     DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
 };
 pub use resumed::DeckChange;
-pub use symmetry::{DeckSymmetry, Keep};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
+pub use symmetry::{DeckSymmetry, Keep};
 pub use wall::{
     Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
     Subdivision, Wall,

@@ -16,7 +16,9 @@ pub(in crate::model) fn lines(units: &[Unit]) -> Vec<[Vec<f64>; 3]> {
     by_height.sort_by(|a, b| units[*a].own[2][0].total_cmp(&units[*b].own[2][0]));
     for (i, &a) in by_height.iter().enumerate() {
         let top = units[a].own[2][1];
-        let near = by_height[i + 1..].iter().take_while(|b| units[**b].own[2][0] <= top + NEAR);
+        let near = by_height[i + 1..]
+            .iter()
+            .take_while(|b| units[**b].own[2][0] <= top + NEAR);
         for &b in near {
             let Some(axis) = touching(&units[a], &units[b]) else {
                 continue;

@@ -269,7 +269,12 @@ impl Checks<'_> {
             self.require(
                 rise.get() <= 0.5 * span * (1.0 + ROUNDED),
                 "arch.rise",
-                || format!("a rise of {} mm over a span of {span} mm is more than a semicircle's", rise.get()),
+                || {
+                    format!(
+                        "a rise of {} mm over a span of {span} mm is more than a semicircle's",
+                        rise.get()
+                    )
+                },
                 "at most half the span",
             );
         }

@@ -117,11 +117,20 @@ impl Checks<'_> {
         for (i, beam) in deck.beams.iter().enumerate() {
             let taken = deck.materials.contains_key(&beam.name)
                 || deck.springs.iter().any(|s| s.name == beam.name)
-                || deck.steps.iter().flat_map(|s| &s.loads).any(|l| l.name == beam.name);
+                || deck
+                    .steps
+                    .iter()
+                    .flat_map(|s| &s.loads)
+                    .any(|l| l.name == beam.name);
             self.demand(
                 !taken,
                 &format!("beams.{i}.name"),
-                || format!("a material, a spring or a load is called `{}`, too", beam.name),
+                || {
+                    format!(
+                        "a material, a spring or a load is called `{}`, too",
+                        beam.name
+                    )
+                },
                 "a beam has a material, a jack and a load of its name: call it otherwise",
             );
         }

@@ -44,7 +44,11 @@ impl Checks<'_> {
             "rigid units lie dry: bed_joint = 0, head_joint = 0, an interface with the stiffness of the joints",
         );
         if wall.rigid {
-            let own = [Some(&wall.interface), wall.head_interface.as_ref(), wall.collar_interface.as_ref()];
+            let own = [
+                Some(&wall.interface),
+                wall.head_interface.as_ref(),
+                wall.collar_interface.as_ref(),
+            ];
             for name in own.into_iter().flatten() {
                 self.stiffness_of_joints(name);
             }
