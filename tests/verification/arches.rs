@@ -136,8 +136,8 @@ const BAD_ARCHES: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "interface = \"dry\"",
-        "interface = \"dry\"\nrise = 3",
-        "arch.rise",
+        "interface = \"dry\"\nbulge = 3",
+        "arch.bulge",
         "not a known key",
     ),
 ];
@@ -156,4 +156,77 @@ fn bad_arches_name_the_key() {
         assert_eq!(error.key(), *key, "{error}");
         assert!(error.message().contains(message), "{error}");
     }
+}
+
+/// A segmental arch by its span and rise: the clear ones of the intrados.
+#[test]
+fn an_arch_has_the_span_and_rise_that_are_said() {
+    let arch = r#"
+[arch]
+span = 2000
+rise = 500
+thickness = 150
+width = 200
+voussoirs = 12
+material = "stone"
+interface = "dry"
+"#;
+    let deck = common::blocks::deck(&format!("{HEAD}{arch}{GRAVITY}"));
+    let own = deck.arch.as_ref().unwrap();
+    // s²/4 + f² = 2 r f: r = 1250 mm, and half the angle has the sine 1000/1250.
+    assert!(
+        (own.centre_line() - 1325.0).abs() < 1e-9,
+        "{}",
+        own.centre_line()
+    );
+    assert!((own.embrace() - 2.0 * 0.8_f64.asin()).abs() < 1e-12);
+    let model = model(arch, GRAVITY);
+    let inside = |x: &&[f64; 3]| (x[0].hypot(x[2]) - 1250.0).abs() < 1e-6;
+    let intrados: Vec<&[f64; 3]> = model.mesh.nodes.iter().filter(inside).collect();
+    let most = |d: usize| {
+        intrados
+            .iter()
+            .map(|x| x[d])
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    let least = |d: usize| intrados.iter().map(|x| x[d]).fold(f64::INFINITY, f64::min);
+    assert!((most(0) - least(0) - 2000.0).abs() < 1e-9);
+    assert!((most(2) - least(2) - 500.0).abs() < 1e-9);
+    // A rise of half the span is a semicircle.
+    let half = arch.replace("rise = 500", "rise = 1000");
+    let deck = common::blocks::deck(&format!("{HEAD}{half}{GRAVITY}"));
+    assert!((deck.arch.unwrap().embrace() - std::f64::consts::PI).abs() < 1e-12);
+    common::blocks::refuses(
+        &format!("{HEAD}{arch}{GRAVITY}"),
+        &[
+            (
+                "rise = 500",
+                "rise = 1100",
+                "arch.rise",
+                "more than a semicircle",
+                "half the span",
+            ),
+            (
+                "rise = 500",
+                "rise = 500\nangle = 90",
+                "arch.angle",
+                "both `rise` and `angle`",
+                "leave out one",
+            ),
+            (
+                "span = 2000",
+                "radius = 2000",
+                "arch.rise",
+                "belongs to a `span`",
+                "radius and angle",
+            ),
+            (
+                "rise = 500",
+                "rise = 0",
+                "arch.rise",
+                "0 is not positive",
+                "above 0",
+            ),
+        ],
+    );
 }

@@ -325,6 +325,30 @@ fn head_joints_are_filled_as_far_as_said() {
     }
 }
 
+/// As much mortar, at the face that is said.
+#[test]
+fn head_joints_are_filled_from_the_face_that_is_said() {
+    for (from, at) in [("front", [0.0, 30.75]), ("back", [71.75, 102.5])] {
+        let model = model(&format!(
+            "[wall]\n{BRICK}length = 440\ncourses = 1\nhead_filling = 0.3\nfilled_from = \"{from}\"\n\
+             clamped = false\n[[supports]]\non = \"wall.bottom\""
+        ));
+        let mesh = &model.mesh;
+        let mortar: Vec<Box3> = (0..mesh.elements.len())
+            .filter(|e| mesh.material[*e] == 1)
+            .map(|e| element_box(mesh, e))
+            .collect();
+        // One joint, one element high, in length and in depth: all of 30 % of 102.5 mm.
+        assert_eq!(mortar.len(), 1, "{mortar:?}");
+        let [low, high] = mortar[0];
+        assert!(
+            (low[1] - at[0]).abs() < 1e-9 && (high[1] - at[1]).abs() < 1e-9,
+            "{mortar:?}"
+        );
+        fills(&model, 440.0 * 102.5 * 65.0 - 0.7 * 10.0 * 102.5 * 65.0);
+    }
+}
+
 /// Walls may stand on blocks, and their sides have names.
 #[test]
 fn a_wall_stands_on_a_block() {

@@ -250,3 +250,60 @@ def test_a_dry_wall_with_an_opening() -> None:
     found = model.check()
     # Courses of 5 or 6 units; three of them without what lies between 400 and 600 mm, one with the lintel.
     assert (found.ok, found.units) == (True, 5 + 6 + 4 + 6 + 5 + 6), found
+
+
+def test_a_pier_below_a_beam() -> None:
+    made = build.wall(
+        title="Rocking pier",
+        unit=["400 mm", "200 mm", "100 mm"],
+        length="400 mm",
+        courses=10,
+        rigid=True,
+        clamped=False,
+        brick=build.elastic("15500 MPa", 0.2, density="2300 kg/m^3"),
+        joint=build.dry_joint(0.7, normal_stiffness="100 N/mm^3", shear_stiffness="40 N/mm^3"),
+        contact={"points": "corner"},
+        blocks=[
+            build.block(
+                "ground", "brick", ["600 mm", "200 mm", "50 mm"], at=["-100 mm", 0, "-50 mm"], rigid=True
+            )
+        ],
+        contacts=[build.contact("joint", "wall.bottom", "ground.top")],
+        supports=[build.support("ground")],
+        beams=[build.beam("beam", "wall.top", "100 mm", "joint", rotation="free")],
+        steps=[
+            build.gravity(),
+            build.preload("0.5 MPa", beam="beam", name="press"),
+            build.push("5 mm", beam="beam", name="push"),
+        ],
+    )
+    text = next(EXAMPLES.glob("66_*.toml")).read_text()
+    for old, new in [("materials.stone", "materials.brick"), ('"stone"', '"brick"'), ("interfaces.dry", "interfaces.joint")]:
+        text = text.replace(old, new)
+    assert made == wythe.Model.from_toml(text.replace('"dry"', '"joint"'))
+
+
+def test_a_quarter_of_a_wall() -> None:
+    whole = example("65", dry="joint")
+    planes = [build.symmetry("x", "300 mm"), build.symmetry("z", "200 mm")]
+    assert whole.with_(symmetry=planes) == whole
+
+
+def test_an_arch_by_its_rise_and_a_column() -> None:
+    dry = build.dry_joint(0.7, normal_stiffness="100 N/mm^3", shear_stiffness="40 N/mm^3")
+    stone = build.elastic("5000 MPa", 0.2, density="2000 kg/m^3")
+    made = build.arch(
+        title="Segmental arch on a tilting table",
+        span="2 m",
+        rise="500 mm",
+        thickness="150 mm",
+        width="200 mm",
+        voussoirs=13,
+        stone=stone,
+        joint=dry,
+        rigid=True,
+        steps=[build.gravity(), build.tilt("10 deg")],
+    )
+    assert made == example("67", dry="joint")
+    column = build.block("pier", "stone", [500, 600, 400], stack=4, interface="dry", rigid=True)
+    assert column["stack"] == 4 and column["interface"] == "dry" and column["rigid"]

@@ -23,7 +23,7 @@ pub(super) struct Stones {
 pub(super) fn stones(arch: &DeckArch) -> Stones {
     let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
     let width = arch.width.get();
-    let embrace = arch.angle.get().to_radians();
+    let embrace = arch.embrace();
     let count = arch.voussoirs as usize;
     // Sine and cosine of the angle from the crown, joint by joint.
     let joint = |i: usize| (embrace * (i as f64 / count as f64 - 0.5)).sin_cos();

@@ -3,12 +3,14 @@
 use super::arch::{Stones, stones};
 use super::body::Body;
 use super::deck::{Deck, DeckBlock, Material, Names};
-use super::hexahedron::{Corners, area_vector, norm};
+use super::hexahedron::{Corners, Face, area_vector, norm};
 use super::imported::Imported;
 use super::masonry::{self, Masonry};
 use super::quantity::Quantity;
+use super::rigid;
 use super::roll::{Place, Roll};
 use super::scene::{Spring, Support, turned};
+use super::symmetry::Plane;
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -33,6 +35,20 @@ pub(super) struct Bodies<'a> {
     roll: Roll,
     /// Velocity at the beginning [mm/s]; empty = rest. `[node]`
     pub(super) velocity: Vec<[f64; 3]>,
+    /// What stands for the other half where planes of symmetry cut joints.
+    pub(super) mirrors: Vec<Mirror>,
+}
+
+/// A facet in a plane of symmetry, which units of a wall meet that end in the middle of a joint.
+pub(super) struct Mirror {
+    /// Its nodes, of no element, counter-clockwise seen from the wall.
+    pub(super) facet: [u32; 4],
+    /// Axis normal to it.
+    pub(super) axis: usize,
+    /// Face of the units that meet it.
+    pub(super) face: Face,
+    /// Index of the wall.
+    pub(super) wall: usize,
 }
 
 /// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
@@ -55,6 +71,7 @@ impl<'a> Bodies<'a> {
             warnings: Vec::new(),
             roll: Roll::default(),
             velocity: Vec::new(),
+            mirrors: Vec::new(),
         };
         bodies.require_countable()?;
         let mut errors = Errors::default();
@@ -85,6 +102,7 @@ impl<'a> Bodies<'a> {
             bodies.velocity.resize(bodies.mesh.nodes.len(), velocity);
         }
         bodies.lay_arch();
+        bodies.lay_mirrors();
         if bodies.velocity.iter().all(|v| *v == [0.0; 3]) {
             bodies.velocity.clear();
         }
@@ -124,19 +142,22 @@ impl<'a> Bodies<'a> {
     /// Lays the units of a wall.
     fn lay_wall(&mut self, wall: Masonry<'a>) {
         let said = wall.wall;
-        let unit = self.material(&said.unit_material);
+        let rigid = said.rigid;
+        let lines = rigid.then(|| masonry::lines(&wall.units));
+        let unit = self.solid(&said.unit_material, rigid);
         let mortar = said
             .mortar_material
             .as_ref()
             .map(|name| self.material(name));
-        for laid in &wall.units {
+        for (i, laid) in wall.units.iter().enumerate() {
             let own = laid
                 .material
                 .as_ref()
-                .map_or(unit, |name| self.material(name));
+                .map_or(unit, |name| self.solid(name, rigid));
             let name = laid.name(&wall.name);
             let materials = [own, mortar.unwrap_or(own)];
-            let body = masonry::append(&mut self.mesh, said, laid, name, materials);
+            let lines = lines.as_ref().map(|lines| &lines[i]);
+            let body = masonry::append(&mut self.mesh, said, laid, name, materials, lines);
             self.all.push(body);
         }
         self.walls.push(wall);
@@ -145,7 +166,10 @@ impl<'a> Bodies<'a> {
     /// Refuses a mesh that is too large before it is made.
     fn require_countable(&self) -> Result<(), ModelError> {
         let product = |n: [u32; 3]| n.iter().map(|n| f64::from(*n)).product::<f64>();
-        let of_block = |b: &DeckBlock| product(b.mesh) * product(b.copies.unwrap_or([1; 3]));
+        let of_block = |b: &DeckBlock| {
+            let count = product(b.copies.unwrap_or([1; 3])) * f64::from(b.stack.unwrap_or(1));
+            product(b.mesh) * count
+        };
         let arch = |a: &super::deck::DeckArch| product(a.mesh) * (f64::from(a.voussoirs) + 2.0);
         let total = self.deck.blocks.iter().map(of_block).sum::<f64>()
             + self.deck.arch.as_ref().map_or(0.0, arch);
@@ -165,12 +189,23 @@ impl<'a> Bodies<'a> {
 
     /// Lays a block and its copies.
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
-        let material = self.material(&block.material);
+        let material = self.solid(&block.material, block.rigid);
         let own = match self.deck.block_nodes(index)? {
             Some(nodes) => Shape::Grid(nodes),
             None => Shape::Hexahedron(corners(block)),
         };
         let shape = own.map(|x| laid(block, x));
+        if let Some(count) = block.stack {
+            let height = block.size.map_or(0.0, |size| size[2].get());
+            for k in 0..count {
+                let base = turned_with(block, [0.0, 0.0, f64::from(k) * height]);
+                let moved = shape.map(|x| [0, 1, 2].map(|d| x[d] + base[d]));
+                self.add(format!("{}-{k}", block.name), moved, block.mesh, material);
+            }
+            let velocity = block.velocity.map(Quantity::get);
+            self.velocity.resize(self.mesh.nodes.len(), velocity);
+            return Ok(());
+        }
         let copies = block.copies.unwrap_or([1; 3]);
         let pitch = block.pitch.map_or([0.0; 3], |p| p.map(Quantity::get));
         for k in 0..copies[2] {
@@ -225,7 +260,7 @@ impl<'a> Bodies<'a> {
         let Some(arch) = &self.deck.arch else {
             return;
         };
-        let material = self.material(&arch.material);
+        let material = self.solid(&arch.material, arch.rigid);
         let Stones {
             voussoirs,
             springings,
@@ -244,6 +279,59 @@ impl<'a> Bodies<'a> {
         self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
     }
 
+    /// Lays a mirror for each wall that a plane of symmetry cuts in joints, farther to all sides than its units
+    /// will move.
+    fn lay_mirrors(&mut self) {
+        for plane in Plane::all(self.deck) {
+            let d = plane.axis;
+            for (w, wall) in self.walls.iter().enumerate() {
+                let meets = |unit: &&masonry::Unit| unit.mirror[d];
+                if !wall.units.iter().any(|unit| meets(&unit)) {
+                    continue;
+                }
+                let (u, v) = ((d + 1) % 3, (d + 2) % 3);
+                let reach = |axis: usize| {
+                    let boxes = wall.units.iter().filter(meets).map(|unit| unit.all[axis]);
+                    let [low, high] = boxes
+                        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
+                            [r[0].min(a), r[1].max(b)]
+                        });
+                    let margin = wall
+                        .wall
+                        .unit
+                        .map(Quantity::get)
+                        .into_iter()
+                        .fold(0.0, f64::max);
+                    [low - margin, high + margin]
+                };
+                let (a, b) = (reach(u), reach(v));
+                let first = self.mesh.nodes.len() as u32;
+                for [i, j] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
+                    let mut x = [0.0; 3];
+                    (x[d], x[u], x[v]) = (plane.at, a[i], b[j]);
+                    self.mesh.nodes.push(x);
+                }
+                let mut facet = [first, first + 1, first + 2, first + 3];
+                if !plane.above {
+                    facet.swap(1, 3); // looks at what lies below
+                }
+                self.mirrors.push(Mirror {
+                    facet,
+                    axis: d,
+                    face: Face::ALL[2 * d + usize::from(!plane.above)].1,
+                    wall: w,
+                });
+            }
+        }
+        self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
+    }
+
+    /// Whether a body ends in the middle of a joint that a plane normal to this axis cuts.
+    pub(super) fn mirrors_at(&self, body: usize, axis: usize) -> bool {
+        let wall = self.wall_of(body);
+        wall.is_some_and(|wall| wall.units[body - wall.bodies.start].mirror[axis])
+    }
+
     fn add(&mut self, name: String, shape: Shape, mesh: [u32; 3], material: u16) {
         let cells = mesh.map(|n| n as usize);
         let mesh = &mut self.mesh;
@@ -251,6 +339,20 @@ impl<'a> Bodies<'a> {
             Shape::Hexahedron(corners) => Body::hexahedron(mesh, name, &corners, cells, material),
             Shape::Grid(nodes) => Body::grid(mesh, name, &nodes, cells, material),
         });
+    }
+
+    /// Index of the material `name`, or of what rigid-like bodies of it are of.
+    fn solid(&mut self, name: &str, rigid: bool) -> u16 {
+        let (Some(own), Some(stiffness)) = (
+            self.deck.materials.get(name).filter(|_| rigid),
+            rigid::stiffness(self.deck),
+        ) else {
+            return self.material(name);
+        };
+        let called = rigid::name_of(name);
+        self.brought
+            .insert(called.clone(), rigid::material(own, stiffness));
+        self.material(&called)
     }
 
     /// Index of a material, added where it is new.
@@ -423,11 +525,16 @@ fn corners(block: &DeckBlock) -> Corners {
 /// Where a point of a block lies [mm]: turned about the origin, then moved to `at`.
 fn laid(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
     let at = block.at.map(Quantity::get);
-    let x = block.rotate.map_or(x, |Rotation { axis, angle }| {
+    let x = turned_with(block, x);
+    [0, 1, 2].map(|d| at[d] + x[d])
+}
+
+/// A point turned about the origin as its block is [mm].
+fn turned_with(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
+    block.rotate.map_or(x, |Rotation { axis, angle }| {
         let (d, sign) = axis.axis();
         let mut unit = [0.0; 3];
         unit[d] = sign;
         turned(x, unit, angle.get().to_radians())
-    });
-    [0, 1, 2].map(|d| at[d] + x[d])
+    })
 }

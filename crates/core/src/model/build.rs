@@ -1,5 +1,6 @@
 //! Deck → [`Model`].
 
+use super::beams;
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::findings;
@@ -9,10 +10,13 @@ use super::loading::{Loading, loading};
 use super::loads;
 use super::masonry;
 use super::meeting::{Meeting, meeting};
+use super::overlap;
 use super::probes;
 use super::quantity::Quantity;
+use super::rigid;
 use super::scatter;
 use super::scene::{Model, NamedMaterial};
+use super::symmetry;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 
@@ -31,6 +35,7 @@ impl Model {
                  [[imports]] or [arch]",
             ));
         }
+        let deck = &*beams::written_out(deck)?;
         let mut errors = Errors::default();
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;
@@ -40,7 +45,13 @@ impl Model {
             errors.keep(bodies.springs()),
         );
         let is_known = supports.is_some() && springs.is_some();
-        let (supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
+        let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
+        let held_by_deck = supports.len();
+        supports.extend(
+            errors
+                .keep(symmetry::supports(deck, &bodies))
+                .unwrap_or_default(),
+        );
         let probes = errors.keep(probes::probes(deck, &bodies));
         let top = masonry::level_beam(&bodies);
         let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
@@ -59,19 +70,27 @@ impl Model {
         };
         let moved = loading.is_some();
         let Loading { beams, mut steps } = loading.unwrap_or_default();
+        errors.keep(symmetry::judge(deck, &bodies, &beams, &mut steps));
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
-        let held = supports.iter().map(|s| &s.nodes);
+        // Planes of symmetry hold nothing in the plane.
+        let held = supports[..held_by_deck].iter().map(|s| &s.nodes);
         let held = held.chain(springs.iter().map(|s| &s.nodes));
         let held: Vec<u32> = held
             .chain(beams.iter().map(|b| &b.nodes))
             .flatten()
             .copied()
             .collect();
+        let mut floats = None;
         if moved && is_known {
-            errors.keep(require_held(deck, &bodies, &held, &touching));
+            floats = errors
+                .keep(require_held(deck, &bodies, &held, &touching))
+                .flatten();
         }
+        let overlaps = errors
+            .keep(overlap::overlaps(deck, &bodies))
+            .unwrap_or_default();
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
@@ -98,7 +117,13 @@ impl Model {
             warnings: Vec::new(),
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();
-        let laid = imported.into_iter().chain(bond).chain(warnings).collect();
+        let scene = overlaps.into_iter().chain(floats);
+        let laid = imported
+            .into_iter()
+            .chain(bond)
+            .chain(warnings)
+            .chain(scene);
+        let laid = laid.collect();
         findings::judged(deck, model, laid, errors)
     }
 }
@@ -154,7 +179,7 @@ fn require_mass(deck: &Deck, bodies: &Bodies<'_>) -> Result<(), ModelError> {
     };
     let kind = deck.steps[step].kind.name();
     Err(deck.error(
-        &format!("materials.{name}.density"),
+        &format!("materials.{}.density", rigid::base(name)),
         format!("steps.{step} is of the kind {kind}, and {name} has no mass"),
         &super::keys::example("density"),
     ))

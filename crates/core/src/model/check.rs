@@ -1,10 +1,11 @@
 //! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
 
-use super::deck::{Deck, Interface, Subdivision};
+use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
-use super::{Model, scatter};
+use super::symmetry::{self, Plane};
+use super::{Model, rigid, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
@@ -157,6 +158,9 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     for wall in masonry::lay_all(deck).unwrap_or_default() {
         notes.extend(wall_notes(deck, &wall));
     }
+    notes.extend(symmetry_note(deck));
+    notes.extend(rigid_note(deck, model));
+    notes.extend(beams_notes(deck, model));
     if deck.has_blocks() {
         notes.extend(block_notes(deck, model));
     }
@@ -179,6 +183,9 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
             "bond{of}: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
         ));
     }
+    if masonry.wall.rigid {
+        return notes; // told with all that is rigid
+    }
     let Subdivision {
         length,
         height,
@@ -194,6 +201,74 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
         length * height * thickness
     ));
     notes
+}
+
+/// What became of rigid-like bodies.
+fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
+    let rigid::Stiffness {
+        modulus,
+        joint,
+        side,
+    } = rigid::stiffness(deck)?;
+    let names = model.materials.iter().map(|m| m.name.as_str());
+    let is_rigid: Vec<bool> = names.map(|name| rigid::base(name) != name).collect();
+    let elements = 0..model.mesh.elements.len();
+    let elements = elements.filter(|e| is_rigid[usize::from(model.mesh.material[*e])]);
+    let elements: Vec<usize> = elements.collect();
+    let mut units: Vec<u32> = elements.iter().map(|e| model.mesh.unit[*e]).collect();
+    units.dedup();
+    Some(format!(
+        "rigid: {} bodies of {} hex8 in all (a line of the mesh where neighbours end), linear elastic, E = {modulus:.4e} \
+         MPa: over {side:.1} mm 100 times as stiff as the stiffest joint, k_n = {joint} N/mm^3; tables of their \
+         materials are not used",
+        units.len(),
+        elements.len()
+    ))
+}
+
+/// What beams are.
+fn beams_notes(deck: &Deck, model: &Model) -> Vec<String> {
+    let note = |beam: &DeckBeam| {
+        let material = model.materials.iter().find(|m| m.name == beam.name)?;
+        let modulus = material.parameters.elastic().E;
+        let how = match beam.rotation {
+            Turning::Free => {
+                "it turns freely: loads are spread over it, a jack (a spring as stiff) drives the mean of it, at half \
+                 its depth"
+            }
+            Turning::Level => "its top stays level",
+        };
+        Some(format!(
+            "beam {}: a block {} mm deep, E = {modulus:.4e} MPa, stiff against all else in the scene; {how}",
+            beam.name,
+            beam.depth.get(),
+        ))
+    };
+    deck.beams.iter().filter_map(note).collect()
+}
+
+/// Which part of the whole is modelled.
+fn symmetry_note(deck: &Deck) -> Option<String> {
+    let planes = Plane::all(deck);
+    let told: Vec<String> = planes
+        .iter()
+        .map(|plane| {
+            let side = if plane.above { "above" } else { "below" };
+            format!("what lies {side} {}", plane.called())
+        })
+        .collect();
+    let part = match symmetry::multiplicity(deck) {
+        1 => return None,
+        2 => "half",
+        4 => "a quarter",
+        _ => "an eighth",
+    };
+    Some(format!(
+        "symmetry: {} is modelled, {part} of the whole; forces, reactions, masses, areas and energies are those of this \
+         part: {} times as much is that of the whole. Displacements and pressures are the same",
+        told.join(" and "),
+        symmetry::multiplicity(deck)
+    ))
 }
 
 /// What an interface is, and its stiffnesses in this model.
@@ -270,10 +345,13 @@ fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
     ];
     if let Some(arch) = &deck.arch {
         let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
-        let half_angle = 0.5 * arch.angle.get().to_radians();
+        let half_angle = 0.5 * arch.embrace();
         notes.push(format!(
-            "arch: centre line {radius:.2} mm, clear span {:.2} mm, thickness {:.5} of the radius",
+            "arch: centre line {radius:.2} mm, clear span {:.2} mm, rise {:.2} mm, angle {:.2} deg, thickness {:.5} of \
+             the radius",
             (2.0 * radius - thickness) * half_angle.sin(),
+            (radius - 0.5 * thickness) * (1.0 - half_angle.cos()),
+            2.0 * half_angle.to_degrees(),
             thickness / radius
         ));
     }

@@ -220,5 +220,108 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
             ),
         ));
     }
+    warnings.extend(wide_joints(deck, masonry));
+    warnings.extend(gaps(deck, masonry));
     warnings
+}
+
+/// Head joints that are wider than the wall's, as patterns and lintels may leave them.
+fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
+    let along = usize::from(masonry.wall.along == super::deck::Axis::Y);
+    let joint = masonry.wall.head_joint.get();
+    let wide = |u: &&super::masonry::Unit| {
+        u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get()
+    };
+    let mut units = masonry.units.iter().filter(wide);
+    let first = units.next()?;
+    let [from, to] = [first.own[along][1], first.all[along][1]];
+    let rest = units.count();
+    let others = if rest > 0 {
+        format!(", and {rest} others")
+    } else {
+        String::new()
+    };
+    let key = if masonry.wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "openings"
+    };
+    Some(deck.warning(
+        &format!("{}.{key}", masonry.path),
+        format!(
+            "in course {} the joint behind {} from {from:.2} to {to:.2} mm is {:.2} mm wide, the head joints of the wall \
+             {joint} mm{others}",
+            first.course,
+            first.name(&masonry.name),
+            to - from
+        ),
+    ))
+}
+
+/// Units of one course beside each other that no joint joins.
+fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
+    let wall = masonry.wall;
+    let along = usize::from(wall.along == super::deck::Axis::Y);
+    let (origin, through) = (wall.at[along].get(), 1 - along);
+    let least = 1e-6 * wall.unit[0].get();
+    let in_opening = |course: u16, x: f64| {
+        let courses = |o: &super::deck::DeckOpening| {
+            let above = o.lintel.as_ref().map_or(0, |l| l.courses);
+            o.sill..o.sill + o.courses + above
+        };
+        let mut openings = wall.openings.iter();
+        openings.any(|o| {
+            courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x)
+        })
+    };
+    // Where another wall passes through, its thickness is missing here.
+    let most = if masonry.joined.is_empty() {
+        f64::INFINITY
+    } else {
+        3.0 * wall.head_joint.get()
+    };
+    let mut found = Vec::new();
+    for course in masonry.units.chunk_by(|a, b| a.course == b.course) {
+        for unit in course {
+            let end = unit.own[along][1];
+            let beside = course.iter().filter(|other| {
+                let [a, b] = [unit.own[through], other.own[through]];
+                other.own[along][0] > end - least && a[1].min(b[1]) - a[0].max(b[0]) > least
+            });
+            // The next one in each leaf that the unit goes through.
+            for next in beside.clone() {
+                let covered = beside.clone().any(|other| {
+                    let [a, b] = [next.own[through], other.own[through]];
+                    let same = a[1].min(b[1]) - a[0].max(b[0]) > least;
+                    same && other.own[along][0] < next.own[along][0] - least
+                });
+                let gap = next.own[along][0] - unit.all[along][1].max(end);
+                let middle = next.own[along][0] - 0.5 * gap - origin;
+                if !covered && gap > least && gap <= most && !in_opening(unit.course, middle) {
+                    found.push((unit, next, gap));
+                }
+            }
+        }
+    }
+    let &(unit, next, gap) = found.first()?;
+    let others = match found.len() {
+        1 => String::new(),
+        n => format!(", and at {} other places", n - 1),
+    };
+    let key = if wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "bond"
+    };
+    Some(deck.warning(
+        &format!("{}.{key}", masonry.path),
+        format!(
+            "in course {} a gap of {gap:.2} mm beyond the joint parts {} from {}, which begins at {:.2} mm{others}: nothing \
+             joins them there",
+            unit.course,
+            unit.name(&masonry.name),
+            next.name(&masonry.name),
+            next.own[along][0]
+        ),
+    ))
 }

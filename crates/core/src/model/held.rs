@@ -1,25 +1,24 @@
 //! Is every body held? A body that nothing holds makes the equations singular.
 
 use super::bodies::Bodies;
-use super::deck::{Deck, DeckStep, Direction, StepKind};
+use super::deck::{Deck, DeckProcedure, DeckStep, Direction, StepKind};
 use super::meeting::Touching;
-use crate::error::ModelError;
+use super::overlap;
+use crate::error::{ModelError, Warning};
 
 /// Refuses a body that floats: one that no chain of contacts joins to the ground when a step seeks
-/// its equilibrium. A dry contact holds if it rubs and something presses.
+/// its equilibrium. A dry contact holds if it rubs and something presses. With general contact what lies beside
+/// something may rest on it, and what floats is a warning where inertia may carry it.
 pub(super) fn require_held(
     deck: &Deck,
     bodies: &Bodies<'_>,
     held_nodes: &[u32],
     touching: &[Touching],
-) -> Result<(), ModelError> {
+) -> Result<Option<Warning>, ModelError> {
     let Some(at_rest) = deck.steps.iter().position(|s| s.kind != StepKind::Free) else {
-        return Ok(()); // all flies
+        return Ok(None); // all flies
     };
     let step = &deck.steps[at_rest];
-    if deck.contact.general.is_some() {
-        return Ok(()); // anything may rest on anything; what falls needs inertia, and says so
-    }
     // What flew before may have come to rest.
     let pressed = presses(deck, step) || at_rest > 0;
     let mut held = vec![false; bodies.all.len()];
@@ -38,20 +37,45 @@ pub(super) fn require_held(
             .is_some_and(|f| !f.is_dry() || (pressed && f.mu.get() > 0.0))
     };
     let joints = touching.iter().filter(joins).map(|t| t.bodies);
-    let unheld = unheld_bodies(&held, joints);
-    let Some(&body) = unheld.first() else {
-        return Ok(());
+    let boxes = overlap::boxes(bodies);
+    let near = match deck.contact.general {
+        Some(_) => overlap::near(&boxes, -BESIDE),
+        None => Vec::new(),
     };
+    // Anything may rest on anything that it is beside.
+    let near = near.iter().map(|(a, b)| (*a as u32, *b as u32));
+    let unheld = unheld_bodies(&held, joints.chain(near));
+    let Some(&body) = unheld.first() else {
+        return Ok(None);
+    };
+    let [x, y, z] = boxes[body].map(|[low, high]| 0.5 * (low + high));
     let kind = if body < bodies.walls.last().map_or(0, |wall| wall.bodies.end) {
         "units"
     } else {
         "blocks"
     };
     let who = format!(
-        "{} is held by nothing ({} {kind} are)",
+        "{} is held by nothing, near ({x:.1}, {y:.1}, {z:.1}) mm ({} {kind} are)",
         bodies.called(body),
         unheld.len()
     );
+    if deck.contact.general.is_some() {
+        let path = format!("steps.{at_rest}");
+        let inertia = [
+            DeckProcedure::Auto,
+            DeckProcedure::QuasiStatic,
+            DeckProcedure::Dynamic,
+        ];
+        if inertia.contains(&step.procedure) {
+            let message = format!("{who} and lies on nothing: it falls, as only inertia lets it");
+            return Ok(Some(deck.warning(&path, message)));
+        }
+        return Err(deck.error(
+            &path,
+            format!("{who} and lies on nothing: this step knows no equilibrium of it"),
+            "let it lie on something, hold it by [[supports]], or give it inertia: procedure = \"dynamic\"",
+        ));
+    }
     let touches = |t: &&Touching| [t.bodies.0, t.bodies.1].contains(&(body as u32));
     let path = format!("steps.{at_rest}");
     Err(match touching.iter().find(touches) {
@@ -83,6 +107,9 @@ pub(super) fn require_held(
         ),
     })
 }
+
+/// Bodies whose boxes are no farther apart may rest on each other [mm].
+const BESIDE: f64 = 0.1;
 
 /// Whether a step presses on joints.
 fn presses(deck: &Deck, step: &DeckStep) -> bool {

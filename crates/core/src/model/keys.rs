@@ -60,8 +60,13 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("collar_joint", "collar_joint = \"10 mm\""),
     (
         "head_filling",
-        "head_filling = 0.5  # the part that is filled, from both faces of the wall",
+        "head_filling = 0.5  # the part that is filled",
     ),
+    (
+        "filled_from",
+        "filled_from = \"front\"  # or \"back\", \"both\"",
+    ),
+    ("rigid", "rigid = true"),
     (
         "bond",
         "bond = \"stretcher\"  # or \"stack\", \"header\", \"english\", \"english-cross\", \"flemish\", \"pattern\"",
@@ -258,6 +263,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("material", "material = \"stone\""),
     ("blocks.mesh", "mesh = [4, 2, 2]  # elements along x, y, z"),
     ("velocity", "velocity = [\"1 m/s\", 0, 0]"),
+    ("stack", "stack = 6  # on each other"),
     ("copies", "copies = [1, 1, 6]  # along x, y, z"),
     ("pitch", "pitch = [0, 0, \"175 mm\"]"),
     ("contacts", "[[contacts]]"),
@@ -274,6 +280,18 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     (
         "springs.stiffness",
         "stiffness = [\"20 N/mm\", 0, 0]  # along x, y, z",
+    ),
+    ("beams", "[[beams]]"),
+    ("beam", "beam = \"beam\"  # of [[beams]]"),
+    ("depth", "depth = \"200 mm\""),
+    ("rotation", "rotation = \"free\"  # or \"level\""),
+    ("beams.on", "on = \"wall.top\"  # level faces"),
+    ("symmetry", "[[symmetry]]"),
+    ("normal", "normal = \"x\"  # or \"y\", \"z\""),
+    ("symmetry.at", "at = \"480 mm\"  # along the normal"),
+    (
+        "keep",
+        "keep = \"below\"  # or \"above\": the side that is modelled",
     ),
     ("probes", "[[probes]]"),
     ("near", "near = [\"100 mm\", 0, \"50 mm\"]"),
@@ -298,6 +316,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("arch", "[arch]"),
     ("radius", "radius = \"1 m\"  # or span"),
     ("span", "span = \"2 m\"  # or radius"),
+    ("rise", "rise = \"400 mm\"  # with span, or angle"),
     ("thickness", "thickness = \"110 mm\""),
     ("width", "width = \"200 mm\""),
     ("voussoirs", "voussoirs = 11"),
@@ -308,8 +327,9 @@ pub const EXAMPLES: &[(&str, &str)] = &[
 ];
 
 /// Sections of which a deck has several, each with a header of its own.
-pub(super) const LISTS: [&str; 8] = [
-    "walls", "blocks", "imports", "contacts", "supports", "springs", "probes", "steps",
+pub(super) const LISTS: [&str; 10] = [
+    "walls", "blocks", "imports", "contacts", "supports", "springs", "beams", "symmetry", "probes",
+    "steps",
 ];
 
 /// Tables of named tables.

@@ -5,6 +5,7 @@ use super::deck::{Deck, Interface};
 use super::hexahedron::{area_vector, difference, dot, mean, norm};
 use super::joint::{Side, law_between};
 use super::masonry;
+use super::overlap;
 use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::scene::ContactSurfaces;
@@ -113,6 +114,7 @@ pub(super) fn meeting(
                 ),
             ));
         }
+        warnings.extend(alone(deck, bodies, interface, pairing));
         for master in &pairing.masters {
             let Some(gap) = gap(bodies, pairing.slave, *master) else {
                 continue;
@@ -181,6 +183,63 @@ fn overhang(
             ),
         )
     })
+}
+
+/// A slave face that meets none of its masters at rest.
+fn alone(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    interface: &Interface,
+    pairing: &Pairing,
+) -> Option<Warning> {
+    let (slave, face) = pairing.slave;
+    let flat = |(b, _): &Patch| !bodies.all[*b].curved;
+    if !flat(&pairing.slave) || !pairing.masters.iter().all(flat) {
+        return None; // their facets touch here and there
+    }
+    let gaps = pairing
+        .masters
+        .iter()
+        .filter_map(|m| gap(bodies, pairing.slave, *m));
+    let nearest = gaps.map(f64::abs).min_by(f64::total_cmp);
+    let reach = reach(deck, interface, bodies, pairing.slave);
+    if nearest.is_some_and(|gap| gap <= reach) {
+        return None;
+    }
+    let boxed = |b: usize| {
+        let nodes = bodies.all[b].nodes.clone();
+        overlap::around(nodes.map(|n| bodies.mesh.nodes[n as usize]))
+    };
+    let own = boxed(slave);
+    if pairing
+        .masters
+        .iter()
+        .any(|(b, _)| !overlap::near(&[own, boxed(*b)], -reach).is_empty())
+    {
+        return None; // an edge or a corner may touch
+    }
+    let body = &bodies.all[slave];
+    let facets = body.faces[face].facets.iter().flat_map(|(_, facet)| *facet);
+    let nodes: Vec<[f64; 3]> = facets.map(|n| bodies.mesh.nodes[n as usize]).collect();
+    let [x, y, z] = [0, 1, 2].map(|d| nodes.iter().map(|x| x[d]).sum::<f64>() / nodes.len() as f64);
+    let masters = pairing.masters.iter().map(|(b, f)| {
+        let body = &bodies.all[*b];
+        format!("{}.{}", body.name, body.faces[*f].name)
+    });
+    let masters: Vec<String> = masters.take(3).collect();
+    let how = nearest.map_or_else(
+        || "they lie beside each other".to_owned(),
+        |gap| format!("{gap:.3} mm lie between"),
+    );
+    Some(deck.warning(
+        &pairing.path,
+        format!(
+            "{}.{} near ({x:.1}, {y:.1}, {z:.1}) mm meets nothing at rest: not {} ({how})",
+            body.name,
+            body.faces[face].name,
+            masters.join(", ")
+        ),
+    ))
 }
 
 /// Every master face once.

@@ -35,6 +35,15 @@ impl Mesh {
         self.elements[e].map(|n| self.nodes[n as usize])
     }
 
+    /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.
+    pub fn extent(&self, axis: usize) -> [f64; 2] {
+        let nodes = self.elements.as_flattened().iter();
+        let x = nodes.map(|n| self.nodes[*n as usize][axis]);
+        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+            [r[0].min(x), r[1].max(x)]
+        })
+    }
+
     /// Volume of element `e` [mm³]: ∫ det J, which 2×2×2 Gauss points integrate exactly.
     pub fn volume(&self, e: usize) -> f64 {
         let x = self.corners(e);

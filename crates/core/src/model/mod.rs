@@ -2,6 +2,7 @@
 
 pub mod amplitude;
 mod arch;
+mod beams;
 mod bodies;
 pub mod body;
 mod build;
@@ -21,16 +22,19 @@ pub mod loads;
 pub mod masonry;
 mod meeting;
 pub mod mesh;
+mod overlap;
 mod overrides;
 mod pairing;
 pub mod probes;
 pub mod quantity;
+mod rigid;
 mod roll;
 pub mod scatter;
 pub mod scene;
 pub mod schema;
 pub mod skin;
 pub(crate) mod source;
+mod symmetry;
 mod tables;
 pub mod templates;
 mod touch;

@@ -5,10 +5,12 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Pairs of which exactly one may stand: saying one anew takes the other away.
-const EITHER_OR: [(&str, &str); 6] = [
+const EITHER_OR: [(&str, &str); 8] = [
     ("u_k", "G_I"),
     ("delta_k", "G_II"),
     ("radius", "span"),
+    ("radius", "rise"),
+    ("rise", "angle"),
     ("size", "corners"),
     ("size", "nodes"),
     ("corners", "nodes"),

@@ -1,7 +1,7 @@
 //! Which faces of a scene of blocks meet: those that the deck pairs, and those that touch at rest.
 
 use super::bodies::Bodies;
-use super::deck::{Deck, DeckContact};
+use super::deck::{Deck, DeckContact, Names};
 use super::hexahedron::{Face, area_vector, norm};
 use super::roll::Place;
 use super::touch;
@@ -29,6 +29,13 @@ pub(super) const TOUCHES: f64 = 1e-3;
 pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>, ModelError> {
     let mut pairings = arch_pairings(deck, bodies);
     let mut errors = Errors::default();
+    for i in 0..deck.blocks.len() {
+        pairings.extend(
+            errors
+                .keep(column_pairings(deck, bodies, i))
+                .unwrap_or_default(),
+        );
+    }
     for (i, contact) in deck.contacts.iter().enumerate() {
         errors.keep(add_declared(deck, bodies, &mut pairings, contact, i));
     }
@@ -104,6 +111,24 @@ fn arch_pairings(deck: &Deck, bodies: &Bodies<'_>) -> Vec<Pairing> {
         joint((i, Face::Right), (next, Face::Left))
     }));
     pairings
+}
+
+/// Each block of a column on the one below it, if block `i` is a column.
+fn column_pairings(deck: &Deck, bodies: &Bodies<'_>, i: usize) -> Result<Vec<Pairing>, ModelError> {
+    let block = &deck.blocks[i];
+    let (Some(_), Some(interface)) = (block.stack, &block.interface) else {
+        return Ok(Vec::new());
+    };
+    let path = format!("blocks.{i}");
+    let names = Names(vec![block.name.clone()]);
+    let places = bodies.places(&path, &names, false)?;
+    let joint = |pair: &[Place]| Pairing {
+        slave: (pair[1].body, Face::Bottom as usize),
+        masters: vec![(pair[0].body, Face::Top as usize)],
+        interface: interface.clone(),
+        path: path.clone(),
+    };
+    Ok(places.windows(2).map(joint).collect())
 }
 
 /// Adds a pairing to that of the same slave face.

@@ -58,11 +58,10 @@ impl Roll {
         walls: &[Masonry<'_>],
         imports: Option<&[Imported]>,
     ) -> Option<(Self, Vec<ModelError>)> {
-        let copies = deck
-            .blocks
-            .iter()
-            .map(|block| block.copies.unwrap_or([1; 3]));
-        let copies = copies.map(|n| n.iter().map(|n| f64::from(*n)).product::<f64>());
+        let copies = deck.blocks.iter().map(|block| {
+            let copies = block.copies.unwrap_or([1; 3]).map(f64::from);
+            copies.iter().product::<f64>() * f64::from(block.stack.unwrap_or(1))
+        });
         let voussoirs = deck
             .arch
             .as_ref()
@@ -83,16 +82,29 @@ impl Roll {
         for (index, block) in deck.blocks.iter().enumerate() {
             let first = roll.count;
             let mut new = true;
-            for name in names_of_copies(&block.name, block.copies) {
+            let names = match block.stack {
+                Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
+                None => names_of_copies(&block.name, block.copies),
+            };
+            for name in names {
                 new &= roll.add(name);
             }
-            if block.copies.is_some() {
+            if block.copies.is_some() || block.stack.is_some() {
                 new &= roll.group(&block.name, first);
             }
             if !new {
                 twice.push(deck.error(
                     &format!("blocks.{index}.name"),
                     format!("there are two blocks named `{}`", block.name),
+                    "give each a name of its own",
+                ));
+            }
+        }
+        for (i, beam) in deck.beams.iter().enumerate() {
+            if !roll.add(beam.name.clone()) {
+                twice.push(deck.error(
+                    &format!("beams.{i}.name"),
+                    format!("there are two blocks named `{}`", beam.name),
                     "give each a name of its own",
                 ));
             }
@@ -285,6 +297,15 @@ impl Roll {
         };
         let place = |body: usize| Place { body, face };
         if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
+            if sides[face].is_empty() {
+                return Err(deck.error(
+                    path,
+                    format!(
+                        "`{name}` is not there: a plane of symmetry cuts the wall at this side"
+                    ),
+                    "leave it out: the plane holds what is cut there, see [[symmetry]]",
+                ));
+            }
             return Ok(sides[face].iter().copied().map(place).collect());
         }
         let range = self.bodies.get(body).cloned();

@@ -104,7 +104,7 @@ struct Joint {
 /// Edges on the front of the quads whose points have failed.
 fn failed_joints(snapshot: &Snapshot) -> Vec<Joint> {
     let (surface, moved) = (&snapshot.surface, &snapshot.surface_displacement);
-    let (front, size) = depth(snapshot.mesh.nodes.iter());
+    let (front, size) = depth(&snapshot.mesh);
     let on_front = |n: u32| surface.points[n as usize][1] - front <= 1e-9 * size;
     let states = &snapshot.frame.interfaces.state;
     let mut joints = Vec::new();
@@ -130,16 +130,14 @@ fn failed_joints(snapshot: &Snapshot) -> Vec<Joint> {
 }
 
 /// The least y, and how deep everything is [mm].
-fn depth<'a>(nodes: impl Iterator<Item = &'a [f64; 3]>) -> (f64, f64) {
-    let (front, back) = nodes.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-        (low.min(x[1]), high.max(x[1]))
-    });
+fn depth(mesh: &Mesh) -> (f64, f64) {
+    let [front, back] = mesh.extent(1);
     (front, (back - front).max(0.0))
 }
 
 /// Elements with a face on y = min.
 pub fn front(mesh: &Mesh) -> impl Iterator<Item = usize> + '_ {
-    let (front, size) = depth(mesh.nodes.iter());
+    let (front, size) = depth(mesh);
     // Coordinates of the same face may differ by rounding.
     let on_front = move |e: &usize| {
         FRONT

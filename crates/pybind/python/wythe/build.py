@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "arch",
+    "beam",
     "block",
     "blocks",
     "contact",
@@ -36,6 +37,7 @@ __all__ = [
     "push",
     "spring",
     "support",
+    "symmetry",
     "tilt",
     "wall",
 ]
@@ -208,24 +210,25 @@ def preload(
     pressure: Quantity,
     *,
     face: str | Sequence[str] | None = None,
+    beam: str | None = None,
     free: Sequence[str] | None = None,
     **options: Unpack[StepOptions],
 ) -> Part:
-    """A step that presses the top of a wall, or a face of blocks, by a pressure [MPa].
+    """A step that presses the top of a wall, a face of blocks, or a beam, by a pressure [MPa].
 
     Parameters
     ----------
     pressure
         Compression is positive.
-    face
-        What is pressed in a scene of blocks.
+    face, beam
+        What is pressed in a scene of blocks: a face, or one of :func:`beam`.
     free
         Directions in which the face of blocks is free.
     options
         Further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``, ...
     """
-    key = "top_pressure" if face is None else "pressure"
-    return {"kind": "preload", key: pressure, **_part(face=face, free=free), **options}
+    key = "top_pressure" if face is None and beam is None else "pressure"
+    return {"kind": "preload", key: pressure, **_part(face=face, beam=beam, free=free), **options}
 
 
 def push(
@@ -235,6 +238,7 @@ def push(
     cycles: Mapping[str, Any] | None = None,
     face: str | Sequence[str] | None = None,
     spring: str | None = None,
+    beam: str | None = None,
     vertical: str | None = None,
     free: Sequence[str] | None = None,
     stop: Mapping[str, Quantity] | None = None,
@@ -250,7 +254,7 @@ def push(
         ``"x"`` along the wall, ``"y"`` through it, ``"z"`` up, each with ``-`` the other way.
     cycles
         To and fro: ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
-    face, spring
+    face, spring, beam
         What is driven in a scene of blocks.
     vertical
         Of a wall: ``"locked"`` or ``"free"``.
@@ -265,7 +269,7 @@ def push(
         "kind": "drive",
         "direction": direction,
         **_part(displacement=displacement, cycles=cycles),
-        **_part(face=face, spring=spring, vertical=vertical, free=free, stop=stop),
+        **_part(face=face, spring=spring, beam=beam, vertical=vertical, free=free, stop=stop),
         **options,
     }
 
@@ -362,11 +366,16 @@ def block(
     nodes: str | None = None,
     rotate: Mapping[str, Quantity] | None = None,
     mesh: Sequence[int] | None = None,
+    rigid: bool | None = None,
     velocity: Sequence[Quantity] | None = None,
+    stack: int | None = None,
+    interface: str | None = None,
     copies: Sequence[int] | None = None,
     pitch: Sequence[Quantity] | None = None,
 ) -> Part:
-    """A block: a box by its size and lowest corner, a hexahedron by its corners, or a grid of nodes from a file."""
+    """A block: a box by its size and lowest corner, a hexahedron by its corners, or a grid of nodes from a file; with
+    ``stack`` a column of so many, joined by ``interface``.
+    """
     return _part(
         name=name,
         material=material,
@@ -376,10 +385,28 @@ def block(
         nodes=nodes,
         rotate=rotate,
         mesh=mesh,
+        rigid=rigid,
         velocity=velocity,
+        stack=stack,
+        interface=interface,
         copies=copies,
         pitch=pitch,
     )
+
+
+def beam(
+    name: str,
+    on: str | Sequence[str],
+    depth: Quantity,
+    interface: str,
+    *,
+    rotation: str | None = None,
+    density: Quantity | None = None,
+) -> Part:
+    """A stiff loading beam on level faces, whose ``rotation`` is ``"level"`` or ``"free"``; goes into the table ``beams``
+    of :func:`wall` or :func:`blocks`. :func:`preload` and :func:`push` name it.
+    """
+    return _part(name=name, on=on, depth=depth, interface=interface, rotation=rotation, density=density)
 
 
 def mesh(
@@ -428,6 +455,14 @@ def spring(name: str, on: str | Sequence[str], stiffness: Sequence[Quantity]) ->
     return _part(name=name, on=on, stiffness=stiffness)
 
 
+def symmetry(normal: str, at: Quantity, keep: str | None = None) -> Part:
+    """A plane of symmetry normal to ``"x"``, ``"y"`` or ``"z"``; what lies ``"below"`` it is modelled, or ``"above"``.
+
+    Goes into the table ``symmetry`` of :func:`wall` or :func:`blocks`; forces and energies are those of the part.
+    """
+    return _part(normal=normal, at=at, keep=keep)
+
+
 def probe(
     name: str,
     direction: str,
@@ -462,6 +497,8 @@ def wall(
     collar_joint: Quantity | None = None,
     header_courses: int | None = None,
     head_filling: float | None = None,
+    filled_from: str | None = None,
+    rigid: bool | None = None,
     pattern: Sequence[Mapping[str, Any]] | None = None,
     openings: Sequence[Mapping[str, Any]] | None = None,
     materials: Mapping[str, Mapping[str, Any]] | None = None,
@@ -493,8 +530,10 @@ def wall(
         ``"coarse"``, ``"fine"``, or elements along a unit's length, height, thickness.
     clamped
         ``{"bottom_courses": 1, "top_courses": 1}``, or ``False``: supports and steps name its faces.
-    overlap, leaves, collar_joint, header_courses, head_filling
+    overlap, leaves, collar_joint, header_courses, head_filling, filled_from
         Of the bond (docs/deck.md, ``wall``).
+    rigid
+        Units as good as rigid, in dry walls.
     pattern
         Courses of a bond written out, for ``bond="pattern"``.
     openings
@@ -502,8 +541,8 @@ def wall(
     materials, interfaces
         Further ones by name, for lintels, leaves and contacts.
     tables
-        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``output``,
-        ``probes``, ``walls``, ``blocks``.
+        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``beams``,
+        ``symmetry``, ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
@@ -525,6 +564,8 @@ def wall(
                 collar_joint=collar_joint,
                 header_courses=header_courses,
                 head_filling=head_filling,
+                filled_from=filled_from,
+                rigid=rigid,
                 pattern=pattern,
                 openings=openings,
                 unit_material="brick",
@@ -549,7 +590,9 @@ def arch(
     steps: Sequence[Mapping[str, Any]],
     radius: Quantity | None = None,
     span: Quantity | None = None,
+    rise: Quantity | None = None,
     angle: Quantity | None = None,
+    rigid: bool | None = None,
     mesh: Sequence[int] | None = None,
     title: str = "arch",
     **tables: Value,
@@ -570,8 +613,10 @@ def arch(
         What happens, in order.
     radius, span
         Of the centre line, or the clear span [mm]: one of both.
-    angle
-        Of embrace [degrees].
+    rise, angle
+        Clear rise, with the span [mm]; or the angle of embrace [degrees].
+    rigid
+        Voussoirs as good as rigid.
     mesh
         Elements of a voussoir along the arch, its width, its thickness.
     tables
@@ -589,7 +634,9 @@ def arch(
                 thickness=thickness,
                 width=width,
                 voussoirs=voussoirs,
+                rise=rise,
                 angle=angle,
+                rigid=rigid,
                 material="stone",
                 interface="joint",
                 mesh=mesh,

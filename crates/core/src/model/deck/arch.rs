@@ -20,25 +20,41 @@ pub struct DeckArch {
     pub width: Length,
     /// Number of voussoirs.
     pub voussoirs: u32,
-    /// Angle of embrace [deg].
-    #[serde(default = "semicircle")]
-    pub angle: Angle,
+    /// Angle of embrace [deg]; that of `span` and `rise`, else a semicircle's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Angle>,
+    /// Clear rise of the intrados over its feet [mm], with `span`; or `angle`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rise: Option<Length>,
     /// Material of voussoirs and springings.
     pub material: String,
     /// Interface of the radial joints.
     pub interface: String,
+    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rigid: bool,
     /// Elements of a voussoir along the arch, its width, its thickness.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
 }
 
 impl DeckArch {
+    /// Angle of embrace [rad]: given, or from clear span s and rise f as 4 atan(2 f/s), which the angles at foot
+    /// and crown over the chord give; else π.
+    pub fn embrace(&self) -> f64 {
+        match (self.angle, self.rise, self.span) {
+            (Some(angle), ..) => angle.get().to_radians(),
+            (None, Some(rise), Some(span)) => 4.0 * (2.0 * rise.get() / span.get()).atan(),
+            _ => SEMICIRCLE.to_radians(),
+        }
+    }
+
     /// Radius of the centre line [mm]: given, or from the clear span s = 2 (R − t/2) sin(α/2).
     pub fn centre_line(&self) -> f64 {
         match (self.radius, self.span) {
             (Some(radius), _) => radius.get(),
             (None, Some(span)) => {
-                let half_angle = 0.5 * self.angle.get().to_radians();
+                let half_angle = 0.5 * self.embrace();
                 0.5 * (span.get() / half_angle.sin() + self.thickness.get())
             }
             (None, None) => 0.0,
@@ -46,9 +62,8 @@ impl DeckArch {
     }
 }
 
-fn semicircle() -> Angle {
-    Angle::new(180.0)
-}
+/// Angle of embrace of a semicircle [deg].
+const SEMICIRCLE: f64 = 180.0;
 
 fn one_element() -> [u32; 3] {
     [1; 3]

@@ -34,9 +34,18 @@ pub struct DeckBlock {
     /// Elements along x, y, z.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
+    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rigid: bool,
     /// Velocity when the first step with inertia begins [mm/s].
     #[serde(default)]
     pub velocity: [Velocity; 3],
+    /// How many of it stand on each other as a column, named `NAME-0` (the lowest), `NAME-1`, …
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stack: Option<u32>,
+    /// Interface of the joints of a column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interface: Option<String>,
     /// How many of it stand along x, y, z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub copies: Option<[u32; 3]>,

@@ -49,7 +49,8 @@ impl Deck {
             .filter_map(|p| p.minus.as_ref()?.on.as_ref());
         let moved = self.steps.iter().filter_map(|s| s.face.as_ref());
         let all = contacts.chain(held).chain(sprung).chain(probed);
-        let all = all.chain(taken_off).chain(moved);
+        let laid = self.beams.iter().map(|b| &b.on);
+        let all = all.chain(taken_off).chain(moved).chain(laid);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))
     }
 }

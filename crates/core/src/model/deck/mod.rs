@@ -3,6 +3,7 @@
 //! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
 
 mod arch;
+mod beams;
 mod blocks;
 mod form;
 mod grid;
@@ -18,10 +19,12 @@ mod resumed;
 mod rows;
 mod stand_in;
 mod steps;
+mod symmetry;
 pub(super) mod validate;
 mod wall;
 
 pub use arch::DeckArch;
+pub use beams::{DeckBeam, Turning};
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
@@ -33,8 +36,10 @@ pub use procedure::{
 };
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
+pub use symmetry::{DeckSymmetry, Keep};
 pub use wall::{
-    Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, Subdivision, Wall,
+    Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
+    Subdivision, Wall,
 };
 
 use super::overrides;
@@ -90,6 +95,12 @@ pub struct Deck {
     /// Springs to the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<DeckSpring>,
+    /// Loading beams.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beams: Vec<DeckBeam>,
+    /// Planes of symmetry.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub symmetry: Vec<DeckSymmetry>,
     /// Places that the history follows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<DeckProbe>,
@@ -372,6 +383,8 @@ impl PartialEq for Deck {
             && self.contacts == other.contacts
             && self.supports == other.supports
             && self.springs == other.springs
+            && self.beams == other.beams
+            && self.symmetry == other.symmetry
             && self.probes == other.probes
             && self.element == other.element
             && self.contact == other.contact

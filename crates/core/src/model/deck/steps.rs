@@ -46,6 +46,9 @@ pub struct DeckStep {
     /// Drive of blocks: the spring whose far end moves, instead of a face.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<String>,
+    /// Preload, drive: the beam of `[[beams]]` that is pressed or driven.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beam: Option<String>,
     /// Gravity, free: acceleration of gravity [mm/s²].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Acceleration>,

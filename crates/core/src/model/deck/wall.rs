@@ -31,9 +31,12 @@ pub struct Wall {
     /// Thickness of the collar joints between leaves [mm]; that of the head joints if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub collar_joint: Option<Length>,
-    /// Part of the head joints that is filled with mortar, from both faces of the wall inwards [-].
+    /// Part of the head joints that is filled with mortar [-].
     #[serde(default = "filled", skip_serializing_if = "is_filled")]
     pub head_filling: Number,
+    /// From which face of the wall it is filled inwards.
+    #[serde(default, skip_serializing_if = "FilledFrom::is_both")]
+    pub filled_from: FilledFrom,
     /// Length of the wall [mm].
     pub length: Length,
     /// Number of courses.
@@ -72,6 +75,9 @@ pub struct Wall {
     /// Elements of a representative element.
     #[serde(default)]
     pub mesh: Subdivision,
+    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rigid: bool,
     /// Courses held as a whole; `false`: supports and steps say what holds and moves the wall, as they do
     /// for all of `[[walls]]`.
     #[serde(default, skip_serializing_if = "Clamping::is_unsaid")]
@@ -103,6 +109,25 @@ impl Bond {
     /// Whether it is laid one whole unit thick, of two stretchers or a header.
     pub fn has_headers(self) -> bool {
         matches!(self, Self::English | Self::EnglishCross | Self::Flemish)
+    }
+}
+
+/// From where partly filled head joints are filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FilledFrom {
+    /// Half from either face of the wall.
+    #[default]
+    Both,
+    /// All from the front.
+    Front,
+    /// All from the back.
+    Back,
+}
+
+impl FilledFrom {
+    fn is_both(&self) -> bool {
+        *self == Self::Both
     }
 }
 

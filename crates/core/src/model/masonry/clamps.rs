@@ -40,11 +40,26 @@ pub(in crate::model) fn level_beam(bodies: &Bodies<'_>) -> Option<Beam> {
         Some(Beam {
             name: "top".to_owned(),
             nodes: nodes(bodies, wall, tied),
-            area: wall.wall.length.get() * thickness(wall),
+            area: area(wall),
             normal: [0.0, 0.0, 1.0],
         })
     };
     bodies.walls.iter().find_map(clamped)
+}
+
+/// Area of the wall in plan, or of what planes of symmetry leave of it [mm²].
+fn area(wall: &Masonry<'_>) -> f64 {
+    if wall.cut == [false; 6] {
+        return wall.wall.length.get() * thickness(wall);
+    }
+    let extent = |d: usize| {
+        let sides = wall.units.iter().map(|u| u.all[d]);
+        let [low, high] = sides.fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
+            [r[0].min(a), r[1].max(b)]
+        });
+        high - low
+    };
+    extent(0) * extent(1)
 }
 
 /// Thickness of a wall [mm].

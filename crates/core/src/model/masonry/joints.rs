@@ -14,6 +14,7 @@ use crate::model::hexahedron::Face;
 use crate::model::joint::{Side, law_between};
 use crate::model::meeting::Touching;
 use crate::model::scene::ContactSurfaces;
+use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Order in which the slave faces of a body come.
@@ -89,7 +90,94 @@ pub(in crate::model) fn joints(
             contact.master_body.push(body.number);
         }
     }
+    mirrors(deck, bodies, elastic, contact);
     Ok(touching)
+}
+
+/// Adds the joints that planes of symmetry cut at their middle: units meet the mirrors there.
+fn mirrors(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    contact: &mut ContactSurfaces,
+) {
+    let mesh = &bodies.mesh;
+    for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
+        contact.master_facets.push(mirror.facet);
+        // No body has such a number, so that it is another one's for all.
+        contact.master_body.push(u32::MAX - number);
+        let wall = &bodies.walls[mirror.wall];
+        let name = interface_at(wall, mirror.axis);
+        let Some(interface) = deck.interfaces.get(name) else {
+            continue; // refused when the deck was read
+        };
+        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
+            if !unit.mirror[mirror.axis] {
+                continue;
+            }
+            let body = &bodies.all[body];
+            let joint = 2.0 * unit.joint(mirror.axis, mirror.face.side().1);
+            for facet in facets(mesh, body, mirror.face, mirror.axis) {
+                let side = |element: usize, size: f64| Side {
+                    material: &elastic[usize::from(mesh.material[element])],
+                    size,
+                };
+                // Of the whole, mortar meets the image of what is behind the mortar here.
+                let inner = behind(mesh, body, &facet, mirror.face).filter(|_| joint > 0.0);
+                let law = match inner {
+                    None => {
+                        let here = side(facet.element, facet.size);
+                        law_between(contact, name, interface, here, here)
+                    }
+                    Some((element, size)) => {
+                        let (here, there) = (side(facet.element, joint), side(element, size));
+                        law_between(contact, name, interface, here, there)
+                    }
+                };
+                let law = mirrored_law(contact, law);
+                contact.slave_facets.push(facet.nodes);
+                contact.slave_body.push(body.number);
+                contact.slave_law.push(law);
+            }
+        }
+    }
+}
+
+/// The element of a body behind that of a facet, and its size normal to it [mm].
+fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize, f64)> {
+    let (axis, _) = face.side();
+    let opposite = Face::ALL[(face as usize) ^ 1].1.corners();
+    let mut shared = opposite.map(|c| mesh.elements[facet.element][c]);
+    shared.sort_unstable();
+    let first = mesh.unit.partition_point(|u| *u < body.number);
+    let own = (first..mesh.elements.len()).take_while(|e| mesh.unit[*e] == body.number);
+    own.into_iter()
+        .find(|e| {
+            let mut corners = face.corners().map(|c| mesh.elements[*e][c]);
+            corners.sort_unstable();
+            corners == shared
+        })
+        .map(|e| {
+            let x = mesh.elements[e].map(|n| mesh.nodes[n as usize][axis]);
+            let [low, high] = x.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+                [r[0].min(*x), r[1].max(*x)]
+            });
+            (e, high - low)
+        })
+}
+
+/// Index of the law of the half of a joint, see [`mirrored`].
+fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
+    let own = mirrored(&contact.laws[usize::from(law)]);
+    let name = format!("{} at its middle", contact.law_names[usize::from(law)]);
+    let mut known = contact.laws.iter().zip(&contact.law_names);
+    let found = known.position(|(l, n)| *n == name && *l == own);
+    let index = found.unwrap_or_else(|| {
+        contact.laws.push(own);
+        contact.law_names.push(name);
+        contact.laws.len() - 1
+    });
+    u16::try_from(index).unwrap_or(u16::MAX)
 }
 
 /// Pairs of faces that touch: slave and master.

@@ -23,6 +23,8 @@ pub struct Unit {
     pub kind: Kind,
     /// Its material, if it is not that of the wall's units.
     pub material: Option<String>,
+    /// It ends in the middle of a joint that a plane of symmetry cuts. `[xyz]`
+    pub mirror: [bool; 3],
 }
 
 /// What a unit of a wall is.
@@ -408,6 +410,7 @@ fn unit(
         course: k as u16,
         kind: piece.kind,
         material: piece.material.clone(),
+        mirror: [false; 3],
     }
 }
 

@@ -4,19 +4,23 @@ mod clamps;
 mod course;
 mod joints;
 mod layout;
+mod lines;
 mod openings;
 mod plan;
 mod representative;
+mod symmetry;
 
 pub use course::{Row, Slot, courses};
 pub use layout::{Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};
 pub(super) use joints::joints;
+pub(super) use lines::lines;
 pub(super) use representative::append;
 
 use super::deck::{Clamped, Deck, Subdivision, Wall};
 use super::hexahedron::Face;
+use super::symmetry::Plane;
 use std::ops::Range;
 
 /// A wall that is laid.
@@ -36,6 +40,8 @@ pub(super) struct Masonry<'a> {
     pub(super) clamped: Option<Clamped>,
     /// Walls that pass through it, and that it passes through.
     pub(super) joined: Vec<usize>,
+    /// Sides at which a plane of symmetry cuts it. `[face]`
+    pub(super) cut: [bool; 6],
 }
 
 /// Lays the walls of a deck, of which the units are the first bodies of the scene. What is refused comes
@@ -45,6 +51,7 @@ pub(super) struct Masonry<'a> {
 /// Walls that cannot be laid.
 pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)> {
     let plan = plan::plan(deck)?;
+    let planes = Plane::all(deck);
     let mut first = 0;
     let mut walls = Vec::new();
     for (i, (path, name, wall)) in deck.walls().enumerate() {
@@ -52,16 +59,19 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
         cuts.extend(plan.cuts[i].iter().cloned());
         require_few(wall).map_err(|refusal| (path.clone(), refusal))?;
         let units = layout::lay(wall, &cuts).map_err(|refusal| (path.clone(), refusal))?;
+        let clamped = deck.clamped().filter(|_| i == 0 && deck.wall.is_some());
+        let (units, cut) = symmetry::cut(&planes, wall, name, clamped.is_some(), units)?;
         let bodies = first..first + units.len();
         first = bodies.end;
         walls.push(Masonry {
             wall,
             path,
             name: name.to_owned(),
-            clamped: deck.clamped().filter(|_| i == 0 && deck.wall.is_some()),
+            clamped,
             units,
             bodies,
             joined: plan.joined[i].clone(),
+            cut,
         });
     }
     Ok(walls)
@@ -93,8 +103,11 @@ fn require_few(wall: &Wall) -> Result<(), Refusal> {
 }
 
 impl Masonry<'_> {
-    /// Units whose face lies on that of the whole wall.
+    /// Units whose face lies on that of the whole wall; none where a plane of symmetry cuts it.
     pub(super) fn on(&self, face: Face) -> Vec<usize> {
+        if self.cut[face as usize] {
+            return Vec::new();
+        }
         let (axis, high) = face.side();
         let plane = |unit: &Unit| unit.all[axis][usize::from(high)];
         let planes = self.units.iter().map(plane);

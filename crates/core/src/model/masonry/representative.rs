@@ -12,7 +12,7 @@
 use super::layout::Unit;
 use crate::model::Mesh;
 use crate::model::body::{Body, Grid};
-use crate::model::deck::{Axis, Subdivision, Wall};
+use crate::model::deck::{Axis, FilledFrom, Subdivision, Wall};
 use crate::model::quantity::Quantity;
 
 /// Grid planes along an axis, and which cells between them are of the unit.
@@ -36,28 +36,36 @@ impl Planes {
     }
 }
 
-/// Appends a unit with its joints to the mesh. `materials`: those of the unit and of the mortar.
+/// Appends a unit with its joints to the mesh. `materials`: those of the unit and of the mortar. `lines`: planes of
+/// the unit's grid, if they do not follow from the wall's mesh.
 pub(in crate::model) fn append(
     mesh: &mut Mesh,
     wall: &Wall,
     unit: &Unit,
     name: String,
     materials: [u16; 2],
+    lines: Option<&[Vec<f64>; 3]>,
 ) -> Body {
-    let (along, through) = match wall.along {
-        Axis::Y => (1, 0),
-        Axis::X | Axis::Z => (0, 1),
+    let (along, through) = axes(wall);
+    let counts = elements(wall, unit);
+    let filled = wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
+    // How deep, from the front and from the back.
+    let depth = match wall.filled_from {
+        FilledFrom::Both => [0.5 * filled; 2],
+        FilledFrom::Front => [filled, 0.0],
+        FilledFrom::Back => [0.0, filled],
     };
-    let counts = elements(wall, unit, along, through);
-    let depth = 0.5 * wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
     let part_filled = wall.head_filling.get() < 1.0;
     let planes: [Planes; 3] = [0, 1, 2].map(|d| {
         let own = unit.own[d];
-        let inner = if d == through && part_filled && depth > 0.0 {
-            let middle = counts[d].saturating_sub(2).max(1);
-            let mut at = vec![own[0]];
-            at.extend(equal(own[0] + depth, own[1] - depth, middle));
-            at.push(own[1]);
+        let inner = if let Some(lines) = lines {
+            lines[d].clone()
+        } else if d == through && part_filled && filled > 0.0 {
+            let strips = depth.iter().filter(|depth| **depth > 0.0).count();
+            let middle = counts[d].saturating_sub(strips).max(1);
+            let mut at = Vec::from_iter((depth[0] > 0.0).then_some(own[0]));
+            at.extend(equal(own[0] + depth[0], own[1] - depth[1], middle));
+            at.extend((depth[1] > 0.0).then_some(own[1]));
             at
         } else {
             equal(own[0], own[1], counts[d])
@@ -70,8 +78,9 @@ pub(in crate::model) fn append(
         // Only the strips along the faces of the unit are filled, and the bed above is whole.
         let beside = !planes[along].unit.contains(&at[along]) && planes[2].unit.contains(&at[2]);
         let strips = &planes[through].unit;
-        let deep = at[through] != strips.start && at[through] + 1 != strips.end;
-        part_filled && beside && (deep || depth == 0.0)
+        let in_front = depth[0] > 0.0 && at[through] == strips.start;
+        let behind = depth[1] > 0.0 && at[through] + 1 == strips.end;
+        part_filled && beside && !in_front && !behind
     };
     let body = Body::new(
         mesh,
@@ -90,8 +99,17 @@ pub(in crate::model) fn append(
     body
 }
 
+/// Axes along and through a wall.
+fn axes(wall: &Wall) -> (usize, usize) {
+    match wall.along {
+        Axis::Y => (1, 0),
+        Axis::X | Axis::Z => (0, 1),
+    }
+}
+
 /// Elements of the unit along x, y, z: a bat or a header has its share of those of a whole unit.
-fn elements(wall: &Wall, unit: &Unit, along: usize, through: usize) -> [usize; 3] {
+pub(super) fn elements(wall: &Wall, unit: &Unit) -> [usize; 3] {
+    let (along, through) = axes(wall);
     let [length, thickness, height] = wall.unit.map(Quantity::get);
     let own = [0, 1, 2].map(|d| unit.own[d][1] - unit.own[d][0]);
     let whole = unit_elements(wall);

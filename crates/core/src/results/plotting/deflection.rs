@@ -58,13 +58,8 @@ impl Deflection {
     /// has no such face there. The mesh and the frame fit together.
     pub fn of(mesh: &Mesh, frame: &Frame, along: Along, axis: usize) -> Self {
         let (on, across) = along.axes();
-        let extent = |i: usize| {
-            let start = (f64::INFINITY, f64::NEG_INFINITY);
-            let wider = |(low, high): (f64, f64), x: &[f64; 3]| (low.min(x[i]), high.max(x[i]));
-            mesh.nodes.iter().fold(start, wider)
-        };
-        let (low, high) = extent(across);
-        let origin = extent(on).0;
+        let [low, high] = mesh.extent(across);
+        let [origin, _] = mesh.extent(on);
         let at = 0.5 * (low + high);
         let mut pieces: Vec<[Point; 2]> = Vec::new();
         for e in elevation::front(mesh) {

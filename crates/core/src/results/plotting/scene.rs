@@ -174,16 +174,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
         }
     }
     polygons.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-    let front = mesh
-        .nodes
-        .iter()
-        .map(|x| x[1])
-        .fold(f64::INFINITY, f64::min);
-    let back = mesh
-        .nodes
-        .iter()
-        .map(|x| x[1])
-        .fold(f64::NEG_INFINITY, f64::max);
+    let [front, back] = mesh.extent(1);
     let near = front + 1e-6 * (back - front);
     let mut lines = Vec::new();
     for (f, facet) in model.contact.slave_facets.iter().enumerate() {

@@ -6,6 +6,9 @@ use crate::model::deck::{DeckArch, DeckBlock, Names};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
 
+/// Rises that are rounded may be a little more than half the span.
+const ROUNDED: f64 = 1e-9;
+
 /// More copies of one block than this are a slip.
 const MOST_COPIES: f64 = 1e5;
 
@@ -17,6 +20,8 @@ impl Checks<'_> {
             ("contacts", !deck.contacts.is_empty()),
             ("supports", !deck.supports.is_empty()),
             ("springs", !deck.springs.is_empty()),
+            ("symmetry", !deck.symmetry.is_empty()),
+            ("beams", !deck.beams.is_empty()),
         ] {
             self.demand(
                 deck.has_scene() || !given || !self.scene_is_known(),
@@ -24,6 +29,25 @@ impl Checks<'_> {
                 || format!("[[{name}]] belongs to a scene, and there is none"),
                 "add [wall], [[walls]], [[blocks]] or [arch]",
             );
+        }
+        self.symmetry();
+        for (i, beam) in deck.beams.iter().enumerate() {
+            let path = format!("beams.{i}");
+            let mut letters = beam.name.chars();
+            let plain = letters.next().is_some_and(char::is_alphabetic)
+                && letters.all(|c| c.is_alphanumeric() || "-_".contains(c));
+            self.demand(
+                plain,
+                &format!("{path}.name"),
+                || format!("`{}` is no name for a beam", beam.name),
+                "a letter, then letters, digits, - and _",
+            );
+            self.not_empty(&format!("{path}.on"), Some(&beam.on));
+            self.positive(&format!("{path}.depth"), beam.depth);
+            self.known_interface(&format!("{path}.interface"), &beam.interface);
+            if let Some(density) = beam.density {
+                self.not_negative(&format!("{path}.density"), density);
+            }
         }
         for (i, block) in deck.blocks.iter().enumerate() {
             self.block(&format!("blocks.{i}"), block);
@@ -48,6 +72,12 @@ impl Checks<'_> {
             }
             self.known_interface(&format!("{path}.interface"), &contact.interface);
         }
+        if deck.blocks.iter().any(|b| b.rigid) {
+            let of_contacts = deck.contacts.iter().map(|c| &c.interface);
+            for name in of_contacts.chain(&deck.contact.general) {
+                self.stiffness_of_joints(name);
+            }
+        }
         for (i, support) in deck.supports.iter().enumerate() {
             self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
             self.demand(
@@ -67,6 +97,20 @@ impl Checks<'_> {
                 &format!("springs.{i}.stiffness"),
                 || "a spring without stiffness".to_owned(),
                 &keys::example_at("springs.stiffness"),
+            );
+        }
+    }
+
+    /// Planes of symmetry: at most one normal to each axis.
+    fn symmetry(&mut self) {
+        let planes = &self.deck.symmetry;
+        for (i, plane) in planes.iter().enumerate() {
+            let path = format!("symmetry.{i}.normal");
+            self.demand(
+                !planes[..i].iter().any(|other| other.normal == plane.normal),
+                &path,
+                || "there are two planes of symmetry with this normal".to_owned(),
+                "one plane for each of x, y and z; a second face may be held by [[supports]]",
             );
         }
     }
@@ -114,6 +158,13 @@ impl Checks<'_> {
                 &keys::example("size"),
             ),
         }
+        self.require(
+            !block.rigid || block.nodes.is_none(),
+            &key("rigid"),
+            || "a grid of nodes is made to deform".to_owned(),
+            "rigid blocks have a `size` or `corners`",
+        );
+        self.column(path, block);
         self.known_material(&key("material"), &block.material);
         self.elements(&key("mesh"), block.mesh, "blocks.mesh");
         let copies = block.copies.unwrap_or([1; 3]);
@@ -142,6 +193,44 @@ impl Checks<'_> {
         }
     }
 
+    /// A column of blocks.
+    fn column(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
+        let Some(count) = block.stack else {
+            self.require(
+                block.interface.is_none(),
+                &key("interface"),
+                || "a single block has no joints".to_owned(),
+                "stack = 6 makes a column of it; [[contacts]] join blocks",
+            );
+            return;
+        };
+        self.demand(
+            (1.0..=MOST_COPIES).contains(&f64::from(count)),
+            &key("stack"),
+            || format!("{count} blocks are no column"),
+            "at least 1, at most 1e5",
+        );
+        self.require(
+            block.size.is_some() && block.copies.is_none(),
+            &key("stack"),
+            || "a column is of boxes, and stands once".to_owned(),
+            "give `size`, and leave out `corners`, `nodes` and `copies`",
+        );
+        self.require(
+            block.interface.is_some(),
+            &key("interface"),
+            || "the key `interface` is missing".to_owned(),
+            "the interface of the joints of the column: interface = \"dry\"",
+        );
+        if let Some(name) = &block.interface {
+            self.known_interface(&key("interface"), name);
+            if block.rigid {
+                self.stiffness_of_joints(name);
+            }
+        }
+    }
+
     fn arch(&mut self, arch: &DeckArch) {
         self.positive("arch.thickness", arch.thickness);
         self.positive("arch.width", arch.width);
@@ -162,7 +251,34 @@ impl Checks<'_> {
             || "both `radius` and `span` are given".to_owned(),
             "each follows from the other: leave out one",
         );
-        let angle = arch.angle.get();
+        if let Some(rise) = arch.rise {
+            self.positive("arch.rise", rise);
+            self.require(
+                arch.span.is_some(),
+                "arch.rise",
+                || "a rise belongs to a `span`".to_owned(),
+                "give span and rise, or radius and angle",
+            );
+            self.require(
+                arch.angle.is_none(),
+                "arch.angle",
+                || "both `rise` and `angle` are given".to_owned(),
+                "each follows from the other: leave out one",
+            );
+            let span = arch.span.map_or(f64::INFINITY, Quantity::get);
+            self.require(
+                rise.get() <= 0.5 * span * (1.0 + ROUNDED),
+                "arch.rise",
+                || {
+                    format!(
+                        "a rise of {} mm over a span of {span} mm is more than a semicircle's",
+                        rise.get()
+                    )
+                },
+                "at most half the span",
+            );
+        }
+        let angle = arch.angle.map_or(180.0, Quantity::get);
         self.demand(
             angle > 0.0 && angle <= 180.0,
             "arch.angle",
@@ -185,6 +301,9 @@ impl Checks<'_> {
         );
         self.known_material("arch.material", &arch.material);
         self.known_interface("arch.interface", &arch.interface);
+        if arch.rigid {
+            self.stiffness_of_joints(&arch.interface);
+        }
         self.elements("arch.mesh", arch.mesh, "arch.mesh");
     }
 

@@ -10,6 +10,7 @@ impl Checks<'_> {
     /// Names of blocks, faces, springs and probes, wherever they stand.
     pub(super) fn references(&mut self) {
         self.names_of_springs();
+        self.names_of_beams();
         self.names_of_probes();
         let names = ["name", "copies"];
         let unknown = |i: usize| {
@@ -23,6 +24,7 @@ impl Checks<'_> {
             || deck.walls().any(|(path, _, _)| broken(path))
             || (0..deck.blocks.len()).any(unknown)
             || (0..deck.imports.len()).any(|i| broken(format!("imports.{i}.name")))
+            || (0..deck.beams.len()).any(|i| broken(format!("beams.{i}.name")))
             || self.broken.holds("arch.voussoirs")
         {
             return; // not all names are known
@@ -45,6 +47,9 @@ impl Checks<'_> {
         }
         for (i, spring) in deck.springs.iter().enumerate() {
             self.places(&roll, &format!("springs.{i}.on"), Some(&spring.on), false);
+        }
+        for (i, beam) in deck.beams.iter().enumerate() {
+            self.places(&roll, &format!("beams.{i}.on"), Some(&beam.on), true);
         }
         for (i, probe) in deck.probes.iter().enumerate() {
             let path = format!("probes.{i}");
@@ -99,6 +104,43 @@ impl Checks<'_> {
                 let help = meant(name, known()).unwrap_or_else(|| keys::example("springs"));
                 let message = format!("there is no spring named `{name}`");
                 self.refer("springs", &path, deck.error(&path, message, &help));
+            }
+        }
+    }
+
+    fn names_of_beams(&mut self) {
+        let deck = self.deck;
+        let known = || deck.beams.iter().map(|b| b.name.as_str());
+        if (0..deck.beams.len()).any(|i| self.broken.holds(&format!("beams.{i}.name"))) {
+            return;
+        }
+        for (i, beam) in deck.beams.iter().enumerate() {
+            let taken = deck.materials.contains_key(&beam.name)
+                || deck.springs.iter().any(|s| s.name == beam.name)
+                || deck
+                    .steps
+                    .iter()
+                    .flat_map(|s| &s.loads)
+                    .any(|l| l.name == beam.name);
+            self.demand(
+                !taken,
+                &format!("beams.{i}.name"),
+                || {
+                    format!(
+                        "a material, a spring or a load is called `{}`, too",
+                        beam.name
+                    )
+                },
+                "a beam has a material, a jack and a load of its name: call it otherwise",
+            );
+        }
+        for (i, step) in deck.steps.iter().enumerate() {
+            let path = format!("steps.{i}.beam");
+            let absent = |name: &&String| !known().any(|b| b == name.as_str());
+            if let Some(name) = step.beam.as_ref().filter(absent) {
+                let help = meant(name, known()).unwrap_or_else(|| keys::example("beams"));
+                let message = format!("there is no beam named `{name}`");
+                self.refer("beams", &path, deck.error(&path, message, &help));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Ranges of `[[steps]]`.
 
 use super::Checks;
-use crate::model::deck::{DeckProcedure, DeckStep, Direction, StepKind};
+use crate::model::deck::{DeckProcedure, DeckStep, Direction, StepKind, Turning};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
 use crate::model::scene::Tangent;
@@ -265,7 +265,8 @@ impl Checks<'_> {
         // Steps of a clamped wall that name no face or spring mean the level beam on its top.
         let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
         let of_spring = step.spring.is_some();
-        let of_face = step.face.is_some();
+        // A beam of [[beams]] is pressed and driven as a face is.
+        let of_face = step.face.is_some() || step.beam.is_some();
         let of_beam = clamped && !of_face && !of_spring;
         let rule = |name, given, kinds, here, needed| Rule {
             name,
@@ -316,6 +317,7 @@ impl Checks<'_> {
             rule("stop", given("stop"), &[Drive, Load], true, false),
             rule("vertical", given("vertical"), &[Drive], of_beam, false),
             rule("face", of_face, pushes, true, !of_beam && !of_spring),
+            rule("beam", step.beam.is_some(), pushes, true, false),
             rule("free", given("free"), pushes, !of_beam, false),
             rule("spring", of_spring, &[Drive], true, false),
             rule("gravity", given("gravity"), &[Gravity, Free], true, false),
@@ -365,11 +367,39 @@ impl Checks<'_> {
                 &keys::example(name),
             );
         }
+        self.beam(path, step);
         self.require(
             !of_spring || (step.face.is_none() && step.free.is_none()),
             &key("spring"),
             || "a drive moves either a face or a spring".to_owned(),
             "make the other a step of its own",
+        );
+    }
+
+    /// A step of a beam of `[[beams]]`.
+    fn beam(&mut self, path: &str, step: &DeckStep) {
+        let Some(name) = &step.beam else { return };
+        let key = |name: &str| format!("{path}.{name}");
+        self.require(
+            step.face.is_none() && step.spring.is_none(),
+            &key("beam"),
+            || "a step moves either a beam, a face or a spring".to_owned(),
+            "make the other a step of its own",
+        );
+        let mut beams = self.deck.beams.iter();
+        let turns = beams.any(|beam| beam.name == *name && beam.rotation == Turning::Free);
+        self.require(
+            !turns || step.free.is_none(),
+            &key("free"),
+            || format!("`{name}` turns and moves freely but for what drives it"),
+            "leave it out; `free` is of beams that stay level",
+        );
+        let upright = matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
+        self.require(
+            !(turns && upright && step.kind == StepKind::Drive),
+            &key("direction"),
+            || format!("`{name}` turns: driven upwards it would be held where its load is"),
+            "press it by a preload, drive it along x or y; rotation = \"level\" may be driven along z",
         );
     }
 }

@@ -37,10 +37,42 @@ impl Checks<'_> {
             &keys::example("along"),
         );
         self.within(&key("head_filling"), wall.head_filling, 0.0..=1.0);
-        self.mesh_of_wall(path, wall);
+        self.require(
+            !wall.rigid || joints.iter().all(|(_, joint)| joint.is_none_or(|j| j.get() == 0.0)),
+            &key("rigid"),
+            || "mortar is no part of a rigid unit".to_owned(),
+            "rigid units lie dry: bed_joint = 0, head_joint = 0, an interface with the stiffness of the joints",
+        );
+        if wall.rigid {
+            let own = [
+                Some(&wall.interface),
+                wall.head_interface.as_ref(),
+                wall.collar_interface.as_ref(),
+            ];
+            for name in own.into_iter().flatten() {
+                self.stiffness_of_joints(name);
+            }
+        } else {
+            self.mesh_of_wall(path, wall);
+        }
         self.clamping(path, wall);
         self.bond(path, wall);
         self.materials_of_wall(path, wall);
+    }
+
+    /// Joints of rigid-like bodies have a stiffness of their own: the bodies take theirs from it.
+    pub(super) fn stiffness_of_joints(&mut self, name: &str) {
+        let Some(interface) = self.deck.interfaces.get(name) else {
+            return; // refused where it is named
+        };
+        let path = format!("interfaces.{name}");
+        let told = self.errors.iter().any(|error| error.key() == path);
+        self.require(
+            told || interface.normal_stiffness.is_some(),
+            &path,
+            || format!("`{name}` joins rigid bodies, and has no stiffness of its own"),
+            "give both: normal_stiffness = \"10 N/mm^3\", shear_stiffness = \"4 N/mm^3\"; or leave `rigid` out",
+        );
     }
 
     /// Walls of the list have names, and need them.

@@ -1,0 +1,52 @@
+//! Lines of the mesh of rigid-like units: where the units that they touch end.
+//!
+//! ```text
+//!  ├───────┬───────┤
+//!  ├───┬───┊───┬───┤   a unit has a line where the joint of the next course stands: points of contact are at the
+//!  ├───────┴───────┤   corners of both, about which they turn
+//! ```
+
+use super::layout::Unit;
+
+/// Planes of the grid of each unit along x, y, z, its ends included [mm]. `[unit][xyz]`
+pub(in crate::model) fn lines(units: &[Unit]) -> Vec<[Vec<f64>; 3]> {
+    let mut lines: Vec<[Vec<f64>; 3]> = units.iter().map(|u| u.own.map(Vec::from)).collect();
+    // What touches lies in courses next to each other, but for what is several courses high.
+    let mut by_height: Vec<usize> = (0..units.len()).collect();
+    by_height.sort_by(|a, b| units[*a].own[2][0].total_cmp(&units[*b].own[2][0]));
+    for (i, &a) in by_height.iter().enumerate() {
+        let top = units[a].own[2][1];
+        let near = by_height[i + 1..]
+            .iter()
+            .take_while(|b| units[**b].own[2][0] <= top + NEAR);
+        for &b in near {
+            let Some(axis) = touching(&units[a], &units[b]) else {
+                continue;
+            };
+            for (one, other) in [(a, b), (b, a)] {
+                for d in (0..3).filter(|d| *d != axis) {
+                    let [low, high] = units[one].own[d];
+                    let ends = units[other].own[d].into_iter();
+                    let within = ends.filter(|x| *x > low + NEAR && *x < high - NEAR);
+                    lines[one][d].extend(within);
+                }
+            }
+        }
+    }
+    for planes in lines.iter_mut().flatten() {
+        planes.sort_by(f64::total_cmp);
+        planes.dedup_by(|b, a| *b - *a <= NEAR);
+    }
+    lines
+}
+
+/// Planes closer than this are one [mm].
+const NEAR: f64 = 1e-6;
+
+/// The axis normal to the faces at which two units touch, if they do.
+fn touching(a: &Unit, b: &Unit) -> Option<usize> {
+    let common = |d: usize| a.own[d][1].min(b.own[d][1]) - a.own[d][0].max(b.own[d][0]);
+    let gaps = [0, 1, 2].map(common);
+    let axis = (0..3).find(|d| gaps[*d].abs() <= NEAR)?;
+    (0..3).all(|d| d == axis || gaps[d] > NEAR).then_some(axis)
+}

@@ -1,0 +1,265 @@
+//! Bodies that are in the same place, and bodies that touch nothing.
+//!
+//! Elements are taken for convex: two are apart if their projections are so on the normal of a face of one of them,
+//! or on a vector that is normal to an edge of both (separating axes). The least overlap of all is how deep they are
+//! in each other.
+
+use super::Mesh;
+use super::bodies::Bodies;
+use super::deck::Deck;
+use super::hexahedron::{Corners, Face, area_vector, cross, difference, dot, norm};
+use crate::error::{Errors, ModelError, Warning};
+
+/// Depth over the shortest edge above which bodies do not touch but overlap.
+const OVERLAPS: f64 = 1e-3;
+
+/// Depth over the shortest edge above which this is an error: no contact would part them.
+const TOO_DEEP: f64 = 0.05;
+
+/// Boxes of bodies that touch may have so much in common by rounding [mm].
+const TOUCHING: f64 = 1e-6;
+
+/// More pairs than these are not told one by one.
+const MOST_TOLD: usize = 5;
+
+/// A box in the axes. `[xyz][low, high]`
+pub(super) type Box3 = [[f64; 2]; 3];
+
+/// The box around points [mm].
+pub(super) fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
+    points.fold([[f64::INFINITY, f64::NEG_INFINITY]; 3], |mut r, x| {
+        for d in 0..3 {
+            r[d] = [r[d][0].min(x[d]), r[d][1].max(x[d])];
+        }
+        r
+    })
+}
+
+/// The box around each body [mm]. `[body]`
+pub(super) fn boxes(bodies: &Bodies<'_>) -> Vec<Box3> {
+    let of = |nodes: std::ops::Range<u32>| nodes.map(|n| bodies.mesh.nodes[n as usize]);
+    bodies
+        .all
+        .iter()
+        .map(|body| around(of(body.nodes.clone())))
+        .collect()
+}
+
+/// Pairs of boxes that have a common part longer than `least` along every axis; below 0, that are no farther apart.
+/// In ascending order.
+pub(super) fn near(boxes: &[Box3], least: f64) -> Vec<(usize, usize)> {
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_by(|a, b| boxes[*a][0][0].total_cmp(&boxes[*b][0][0]));
+    let common = |a: [f64; 2], b: [f64; 2]| a[1].min(b[1]) - a[0].max(b[0]);
+    let mut pairs = Vec::new();
+    for (i, &a) in order.iter().enumerate() {
+        let reach = boxes[a][0][1] - least;
+        for &b in order[i + 1..]
+            .iter()
+            .take_while(|b| boxes[**b][0][0] <= reach)
+        {
+            if (0..3).all(|d| common(boxes[a][d], boxes[b][d]) > least) {
+                pairs.push((a.min(b), a.max(b)));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+/// Bodies that are in the same place: an error where they are deep in each other, else a warning.
+///
+/// # Errors
+/// The first pairs, by name and place.
+pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>, ModelError> {
+    let mesh = &bodies.mesh;
+    let mut elements: Vec<Vec<usize>> = vec![Vec::new(); bodies.all.len()];
+    for (e, unit) in mesh.unit.iter().enumerate() {
+        elements[*unit as usize].push(e);
+    }
+    let (mut warnings, mut errors) = (Vec::new(), Errors::default());
+    let mut told = 0;
+    for (a, b) in near(&boxes(bodies), TOUCHING) {
+        let Some((depth, edge, at)) = deepest(mesh, &elements[a], &elements[b]) else {
+            continue;
+        };
+        if depth <= OVERLAPS * edge || told == MOST_TOLD {
+            continue;
+        }
+        told += 1;
+        let [x, y, z] = at;
+        let message = format!(
+            "{} and {} overlap by {depth:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm",
+            bodies.called(a),
+            bodies.called(b)
+        );
+        let path = path_of(deck, bodies, b);
+        if depth > TOO_DEEP * edge {
+            errors.push(deck.error(
+                &path,
+                message,
+                "two bodies cannot be in one place: move one, or make it smaller",
+            ));
+        } else {
+            warnings.push(deck.warning(&path, message));
+        }
+    }
+    errors.end(warnings)
+}
+
+/// The key that tells where a body lies.
+fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
+    if let Some(wall) = bodies.wall_of(body) {
+        return format!("{}.at", wall.path);
+    }
+    let name = &bodies.all[body].name;
+    let is = |of: &str| {
+        let rest = name.strip_prefix(of);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
+    };
+    if let Some(i) = deck.blocks.iter().position(|block| is(&block.name)) {
+        let key = if deck.blocks[i].corners.is_some() {
+            "corners"
+        } else {
+            "at"
+        };
+        return format!("blocks.{i}.{key}");
+    }
+    match deck.imports.iter().position(|import| is(&import.name)) {
+        Some(i) => format!("imports.{i}.at"),
+        None => "arch".to_owned(),
+    }
+}
+
+/// How deep elements of two bodies are in each other at most, the shortest edge of these two, and where [mm]; none
+/// if they are apart.
+fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])> {
+    let boxed = |of: &[usize]| -> Vec<(usize, Box3)> {
+        of.iter()
+            .map(|e| (*e, around(mesh.corners(*e).into_iter())))
+            .collect()
+    };
+    let (a, b) = (boxed(a), boxed(b));
+    let mut deepest: Option<(f64, f64, [f64; 3])> = None;
+    for (e, first) in &a {
+        for (f, second) in &b {
+            let common =
+                [0, 1, 2].map(|d| [first[d][0].max(second[d][0]), first[d][1].min(second[d][1])]);
+            if common.iter().any(|[low, high]| high - low <= TOUCHING) {
+                continue;
+            }
+            let (one, other) = (mesh.corners(*e), mesh.corners(*f));
+            let Some(depth) = depth(&one, &other) else {
+                continue;
+            };
+            if deepest.is_none_or(|(most, ..)| depth > most) {
+                let edge = shortest_edge(&one).min(shortest_edge(&other));
+                deepest = Some((depth, edge, common.map(|[low, high]| 0.5 * (low + high))));
+            }
+        }
+    }
+    deepest
+}
+
+/// Pairs of corners that are edges.
+const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
+fn edges(x: &Corners) -> impl Iterator<Item = [f64; 3]> + '_ {
+    EDGES.iter().map(|[a, b]| difference(x[*b], x[*a]))
+}
+
+fn shortest_edge(x: &Corners) -> f64 {
+    edges(x).map(norm).fold(f64::INFINITY, f64::min)
+}
+
+/// Least common length of two hexahedra along any separating axis [mm]; none if one parts them.
+fn depth(a: &Corners, b: &Corners) -> Option<f64> {
+    let normals = |x: &Corners| Face::ALL.map(|(_, face)| area_vector(&face.outline(x)));
+    let across = edges(a).flat_map(|u| edges(b).map(move |v| cross(u, v)));
+    let axes = normals(a).into_iter().chain(normals(b)).chain(across);
+    let scale = shortest_edge(a).min(shortest_edge(b));
+    let mut least = f64::INFINITY;
+    for axis in axes {
+        let length = norm(axis);
+        if length <= 1e-9 * scale * scale {
+            continue; // parallel edges
+        }
+        let range = |x: &Corners| {
+            let along = x.map(|x| dot(x, axis) / length);
+            along
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
+                    [r[0].min(*x), r[1].max(*x)]
+                })
+        };
+        let (p, q) = (range(a), range(b));
+        // Which way they would be parted sooner.
+        let common = (p[1] - q[0]).min(q[1] - p[0]);
+        if common <= 0.0 {
+            return None;
+        }
+        least = least.min(common);
+    }
+    Some(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube(at: [f64; 3], turn: f64) -> Corners {
+        let (sin, cos) = turn.sin_cos();
+        let corner = |x: f64, y: f64, z: f64| {
+            [
+                at[0] + x * cos - y * sin,
+                at[1] + x * sin + y * cos,
+                at[2] + z,
+            ]
+        };
+        [
+            corner(0.0, 0.0, 0.0),
+            corner(1.0, 0.0, 0.0),
+            corner(1.0, 1.0, 0.0),
+            corner(0.0, 1.0, 0.0),
+            corner(0.0, 0.0, 1.0),
+            corner(1.0, 0.0, 1.0),
+            corner(1.0, 1.0, 1.0),
+            corner(0.0, 1.0, 1.0),
+        ]
+    }
+
+    #[test]
+    fn depths_are_the_least_ways_out() {
+        let base = cube([0.0; 3], 0.0);
+        assert_eq!(depth(&base, &cube([0.75, 0.5, 0.5], 0.0)), Some(0.25));
+        assert_eq!(depth(&base, &cube([1.0, 0.0, 0.0], 0.0)), None);
+        // A corner that points at the face: half a diagonal from its middle.
+        let turned = std::f64::consts::FRAC_PI_4;
+        assert_eq!(depth(&base, &cube([1.8, 0.0, 0.0], turned)), None);
+        let inside = depth(&base, &cube([1.6, 0.0, 0.0], turned)).unwrap();
+        assert!(
+            (inside - (1.0 - 1.6 + 0.5_f64.sqrt())).abs() < 1e-12,
+            "{inside}"
+        );
+    }
+
+    #[test]
+    fn boxes_near_each_other_are_found_once() {
+        let boxes = [[0.0, 1.0], [1.5, 2.0], [0.5, 1.6]].map(|x| [x, [0.0, 1.0], [0.0, 1.0]]);
+        assert_eq!(near(&boxes, 0.0), [(0, 2), (1, 2)]);
+        assert_eq!(near(&boxes, -0.6), [(0, 1), (0, 2), (1, 2)]);
+    }
+}

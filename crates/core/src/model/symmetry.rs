@@ -1,0 +1,207 @@
+//! Planes of symmetry: what they hold, and what a scene must not do across them.
+//!
+//! Displacements of the two sides are mirror images, so that those in the plane have no component normal to it.
+//! Where a joint lies in the plane (walls, `masonry::symmetry`), its middle takes part in this: a mirror, a facet
+//! that is held, stands there for the other half, and the joint's law opens by half as much ([`mirrored`]).
+
+use super::bodies::Bodies;
+use super::deck::{Deck, Keep};
+use super::scene::{Beam, BeamMotion, Step, Support};
+use crate::error::{Errors, ModelError};
+use wythe_contact::InterfaceLaw;
+
+/// A plane of symmetry.
+#[derive(Clone, Debug)]
+pub(super) struct Plane {
+    /// Axis normal to it.
+    pub(super) axis: usize,
+    /// Where it lies [mm].
+    pub(super) at: f64,
+    /// Whether what lies above it is modelled, else what lies below.
+    pub(super) above: bool,
+    /// Where the deck says so.
+    pub(super) path: String,
+}
+
+/// Nodes no farther from the plane lie in it [mm]: decks round to 0.01 mm.
+const IN_PLANE: f64 = 0.01;
+
+/// Part of gravity that rounding of its direction may leave along a normal.
+const ROUNDING: f64 = 1e-9;
+
+impl Plane {
+    /// The planes of a deck.
+    pub(super) fn all(deck: &Deck) -> Vec<Self> {
+        let planes = deck.symmetry.iter().enumerate();
+        planes
+            .map(|(i, plane)| Self {
+                axis: plane.normal.index(),
+                at: plane.at.get(),
+                above: plane.keep == Keep::Above,
+                path: format!("symmetry.{i}"),
+            })
+            .collect()
+    }
+
+    /// How far a coordinate lies beyond the plane, below 0 on the side that is modelled [mm].
+    pub(super) fn beyond(&self, x: f64) -> f64 {
+        if self.above { self.at - x } else { x - self.at }
+    }
+
+    /// Mirror image of a coordinate [mm].
+    pub(super) fn image(&self, x: f64) -> f64 {
+        2.0 * self.at - x
+    }
+
+    /// As in `x = 480.5 mm`.
+    pub(super) fn called(&self) -> String {
+        format!("{} = {} mm", ["x", "y", "z"][self.axis], self.at)
+    }
+}
+
+/// How many times the modelled part makes up the whole.
+pub(super) fn multiplicity(deck: &Deck) -> u32 {
+    1 << deck.symmetry.len()
+}
+
+/// What the planes hold: nodes of all bodies that lie in them, but for those of joints that are cut at their
+/// middle; and the mirrors of these.
+///
+/// # Errors
+/// Bodies that reach beyond a plane, planes in which nothing lies.
+pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>, ModelError> {
+    let mut supports = Vec::new();
+    let mut errors = Errors::default();
+    for plane in Plane::all(deck) {
+        let d = plane.axis;
+        let mut held = Vec::new();
+        let mut mirrors = false;
+        for (b, body) in bodies.all.iter().enumerate() {
+            let beyond = |n: u32| plane.beyond(bodies.mesh.nodes[n as usize][d]);
+            let farthest = body
+                .nodes
+                .clone()
+                .map(beyond)
+                .fold(f64::NEG_INFINITY, f64::max);
+            if farthest > IN_PLANE {
+                errors.push(deck.error(
+                    &format!("{}.at", plane.path),
+                    format!(
+                        "{} reaches {farthest:.3} mm beyond the plane of symmetry {}",
+                        bodies.called(b),
+                        plane.called()
+                    ),
+                    "walls are cut at the plane; of blocks, arches and imported meshes model what lies on the side \
+                     that is kept, up to the plane",
+                ));
+                continue;
+            }
+            if bodies.mirrors_at(b, d) {
+                mirrors = true;
+                continue;
+            }
+            held.extend(body.nodes.clone().filter(|n| beyond(*n) > -IN_PLANE));
+        }
+        if held.is_empty() && !mirrors {
+            errors.push(deck.error(
+                &format!("{}.at", plane.path),
+                format!("nothing lies in the plane of symmetry {}", plane.called()),
+                "let a body end there, or a wall go through it",
+            ));
+        }
+        let mut fixed = [false; 3];
+        fixed[d] = true;
+        supports.push(Support {
+            name: format!("symmetry-{}", ["x", "y", "z"][d]),
+            nodes: held,
+            fixed,
+        });
+    }
+    for mirror in &bodies.mirrors {
+        supports.push(Support {
+            name: format!("mirror-{}", ["x", "y", "z"][mirror.axis]),
+            nodes: mirror.facet.into(),
+            fixed: [true; 3],
+        });
+    }
+    errors.end(supports)
+}
+
+/// Refuses what is no mirror image of itself; faces that move as one and lie in a plane stay in it.
+///
+/// # Errors
+/// Gravity, motion of the ground or a drive across a plane.
+pub(super) fn judge(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    beams: &[Beam],
+    steps: &mut [Step],
+) -> Result<(), ModelError> {
+    let mut errors = Errors::default();
+    let mesh = &bodies.mesh;
+    for plane in Plane::all(deck) {
+        let d = plane.axis;
+        let axis = ["x", "y", "z"][d];
+        let across = |what: &str| {
+            format!(
+                "{what} along {axis}, across the plane of symmetry {}",
+                plane.called()
+            )
+        };
+        let help = "what acts across a plane acts the other way on the other side of it: model the whole scene";
+        let lies_in = |beam: &Beam| {
+            let mut nodes = beam.nodes.iter();
+            nodes.any(|n| plane.beyond(mesh.nodes[*n as usize][d]) > -IN_PLANE)
+        };
+        for (i, step) in steps.iter_mut().enumerate() {
+            let pulls = |part: f64| {
+                let g = step.gravity.at(part);
+                g[d].abs() > ROUNDING * super::hexahedron::norm(g)
+            };
+            if pulls(0.5) || pulls(1.0) {
+                errors.push(deck.error(&format!("steps.{i}"), across("gravity pulls"), help));
+            }
+            if !step.ground.acceleration[d].is_empty() {
+                let path = format!("steps.{i}.ground.{axis}");
+                errors.push(deck.error(&path, across("the ground moves"), help));
+            }
+            for (beam, motion) in beams.iter().zip(&mut step.motion) {
+                if !lies_in(beam) {
+                    continue;
+                }
+                match motion[d] {
+                    BeamMotion::Driven(_) => {
+                        let message = across(&format!("{} is driven", beam.name));
+                        errors.push(deck.error(&format!("steps.{i}.direction"), message, help));
+                    }
+                    // The other side pulls it the other way.
+                    BeamMotion::Force(_) => motion[d] = BeamMotion::Locked,
+                    BeamMotion::Locked => {}
+                }
+            }
+        }
+    }
+    errors.end(())
+}
+
+/// The law of a joint that lies in a plane of symmetry, of which the half is modelled: between its middle and its
+/// mirror image lies half the opening, and nothing slides.
+///
+/// ```text
+/// t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = f_t u_k'/… = G/2
+/// ```
+pub(super) fn mirrored(law: &InterfaceLaw) -> InterfaceLaw {
+    InterfaceLaw {
+        c: 0.0,
+        tan_phi: 0.0,
+        mu: 0.0,
+        u_k: 0.5 * law.u_k,
+        delta_k: NEVER,
+        normal_stiffness: 2.0 * law.normal_stiffness,
+        shear_stiffness: 2.0 * law.shear_stiffness,
+        ..*law
+    }
+}
+
+/// A slip by which no bond is lost [mm].
+const NEVER: f64 = 1e9;
