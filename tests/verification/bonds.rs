@@ -345,7 +345,6 @@ fn head_joints_are_filled_from_the_face_that_is_said() {
             (low[1] - at[0]).abs() < 1e-9 && (high[1] - at[1]).abs() < 1e-9,
             "{mortar:?}"
         );
-        fills(&model, 440.0 * 102.5 * 65.0 - 0.7 * 10.0 * 102.5 * 65.0);
     }
 }
 

@@ -3,14 +3,14 @@
 use super::arch::{Stones, stones};
 use super::body::Body;
 use super::deck::{Deck, DeckBlock, Material, Names};
-use super::hexahedron::{Corners, Face, area_vector, norm};
+use super::hexahedron::{Corners, area_vector, norm};
 use super::imported::Imported;
 use super::masonry::{self, Masonry};
+use super::mirrors::Mirror;
 use super::quantity::Quantity;
 use super::rigid;
 use super::roll::{Place, Roll};
 use super::scene::{Spring, Support, turned};
-use super::symmetry::Plane;
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -18,7 +18,8 @@ use std::collections::BTreeMap;
 
 /// The bodies of a scene in the mesh, and how a deck calls them.
 pub(super) struct Bodies<'a> {
-    deck: &'a Deck,
+    /// What the deck says.
+    pub(super) deck: &'a Deck,
     /// The solids.
     pub(super) mesh: Mesh,
     /// Names of the materials by index.
@@ -37,18 +38,6 @@ pub(super) struct Bodies<'a> {
     pub(super) velocity: Vec<[f64; 3]>,
     /// What stands for the other half where planes of symmetry cut joints.
     pub(super) mirrors: Vec<Mirror>,
-}
-
-/// A facet in a plane of symmetry, which units of a wall meet that end in the middle of a joint.
-pub(super) struct Mirror {
-    /// Its nodes, of no element, counter-clockwise seen from the wall.
-    pub(super) facet: [u32; 4],
-    /// Axis normal to it.
-    pub(super) axis: usize,
-    /// Face of the units that meet it.
-    pub(super) face: Face,
-    /// Index of the wall.
-    pub(super) wall: usize,
 }
 
 /// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
@@ -277,59 +266,6 @@ impl<'a> Bodies<'a> {
             self.add(name.to_owned(), shape, [1; 3], material);
         }
         self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
-    }
-
-    /// Lays a mirror for each wall that a plane of symmetry cuts in joints, farther to all sides than its units
-    /// will move.
-    fn lay_mirrors(&mut self) {
-        for plane in Plane::all(self.deck) {
-            let d = plane.axis;
-            for (w, wall) in self.walls.iter().enumerate() {
-                let meets = |unit: &&masonry::Unit| unit.mirror[d];
-                if !wall.units.iter().any(|unit| meets(&unit)) {
-                    continue;
-                }
-                let (u, v) = ((d + 1) % 3, (d + 2) % 3);
-                let reach = |axis: usize| {
-                    let boxes = wall.units.iter().filter(meets).map(|unit| unit.all[axis]);
-                    let [low, high] = boxes
-                        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
-                            [r[0].min(a), r[1].max(b)]
-                        });
-                    let margin = wall
-                        .wall
-                        .unit
-                        .map(Quantity::get)
-                        .into_iter()
-                        .fold(0.0, f64::max);
-                    [low - margin, high + margin]
-                };
-                let (a, b) = (reach(u), reach(v));
-                let first = self.mesh.nodes.len() as u32;
-                for [i, j] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
-                    let mut x = [0.0; 3];
-                    (x[d], x[u], x[v]) = (plane.at, a[i], b[j]);
-                    self.mesh.nodes.push(x);
-                }
-                let mut facet = [first, first + 1, first + 2, first + 3];
-                if !plane.above {
-                    facet.swap(1, 3); // looks at what lies below
-                }
-                self.mirrors.push(Mirror {
-                    facet,
-                    axis: d,
-                    face: Face::ALL[2 * d + usize::from(!plane.above)].1,
-                    wall: w,
-                });
-            }
-        }
-        self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
-    }
-
-    /// Whether a body ends in the middle of a joint that a plane normal to this axis cuts.
-    pub(super) fn mirrors_at(&self, body: usize, axis: usize) -> bool {
-        let wall = self.wall_of(body);
-        wall.is_some_and(|wall| wall.units[body - wall.bodies.start].mirror[axis])
     }
 
     fn add(&mut self, name: String, shape: Shape, mesh: [u32; 3], material: u16) {
