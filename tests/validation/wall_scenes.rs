@@ -53,24 +53,111 @@ fn a_window_weakens_a_wall() {
     assert!(with > 0.0 && with < 0.9 * without, "{with} of {without} kN");
 }
 
-/// Pressed a little, the wall is nearly an elastic plate: its middle gives way in proportion to the pressure.
+/// Pressed a little, the wall is an elastic plate, however small the pressure is beside the weight: 0.1 kPa bends
+/// it by 1.901 µm, as `direct` tangents find with a residual of 1e-4. 1 % for the tolerance of 5e-2; with
+/// tractions that settle at E/h alone it was 20 % softer.
 #[test]
-fn an_airbag_bends_a_wall() {
+fn a_small_pressure_beside_the_weight_bends_a_wall_elastically() {
     let rows = rows(
         "62_out_of_plane_wall",
-        &[("steps.1.control.displacement", "0.05")],
+        &[
+            ("steps.1.control.displacement", "1.901e-3"),
+            ("steps.1.increments.initial", "0.25"),
+            ("steps.1.increments.max", "0.25"),
+        ],
     );
-    // So little pressure as at first is lost in the tolerance, beside the weight (docs/decisions.md).
-    let seen = |r: &&HistoryRow| r.step == 1 && r.displacement_mm > 0.02;
-    let pressed: Vec<&HistoryRow> = rows.iter().filter(seen).collect();
+    let last = rows.last().unwrap();
+    let pressure = 10.0 * last.load_factor; // kPa
+    assert!((pressure / 0.1 - 1.0).abs() < 0.01, "{pressure} kPa");
     let stiffness = |r: &HistoryRow| r.force_kN / r.displacement_mm;
-    let (first, last) = (stiffness(pressed[0]), stiffness(pressed[pressed.len() - 1]));
-    // Joints slide and open at the edges: a little softer at the end. Nothing makes a plate stiffer; 1 % for what the
-    // tolerance of 5e-2 of a nodal force leaves.
-    assert!(
-        last > 0.85 * first && last <= 1.01 * first,
-        "{first} then {last} kN/mm"
+    for row in rows.iter().filter(|r| r.step == 1) {
+        let ratio = stiffness(row) / stiffness(last);
+        assert!((ratio - 1.0).abs() < 0.01, "{row:?}");
+    }
+}
+
+/// A wall whose joints open and slide everywhere goes on in increments as large as may be: without the line search
+/// along the path it took 357 solves to 0.11 mm, now 134 to 0.15 mm (docs/decisions.md).
+#[test]
+fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
+    let rows = rows(
+        "62_out_of_plane_wall",
+        &[
+            ("wall.mesh", "[3, 2, 1]"),
+            ("steps.1.control.displacement", "0.15"),
+            ("steps.1.increments.initial", "0.0267"),
+            ("steps.1.increments.max", "0.5"),
+        ],
     );
+    let airbag = || rows.iter().filter(|r| r.step == 1);
+    let solves: usize = airbag().map(|r| r.iterations).sum();
+    // Half as many again, for what a detail of an iterate changes.
+    assert!(solves < 200, "{solves} solves");
+    assert!(rows.last().unwrap().sliding_points > 1000);
+}
+
+/// The example whole but for its last millimetres, where little is left: past its peak of 11.5 kPa to a fifth of it.
+#[test]
+#[ignore = "two minutes"]
+fn an_airbag_presses_a_wall_past_its_peak() {
+    let rows = rows(
+        "62_out_of_plane_wall",
+        &[
+            ("steps.1.control.displacement", "4"),
+            ("steps.1.increments.initial", "0.001"),
+            ("steps.1.increments.max", "0.0625"),
+        ],
+    );
+    let pressure = |r: &HistoryRow| 10.0 * r.load_factor;
+    let airbag: Vec<&HistoryRow> = rows.iter().filter(|r| r.step == 1).collect();
+    let peak = airbag.iter().map(|r| pressure(r)).fold(0.0, f64::max);
+    // In increments of a tenth of these 11.57 kPa at 0.75 mm.
+    assert!((peak / 11.57 - 1.0).abs() < 0.01, "{peak} kPa");
+    assert!(pressure(airbag[airbag.len() - 1]) < 0.25 * peak);
+    let solves: usize = airbag.iter().map(|r| r.iterations).sum();
+    assert!(solves < 600, "{solves} solves"); // 400 to 450 where this was measured
+}
+
+/// A column under its weight settles by γ H²/2E; of bricks and bed joints in series E is 3,531 MPa. Mortar between
+/// bricks cannot spread and is up to (1−ν)/(1+ν)(1−2ν) = 1.056 times as stiff: that much less, and 1 % for head joints.
+#[test]
+fn a_large_wall_settles_under_its_weight() {
+    let rows = rows(
+        "70_large_wall",
+        &[("wall.length", "1503"), ("wall.courses", "50")],
+    );
+    let settled = -rows.last().unwrap().probes[0];
+    let column = 1.84e-5 * 3125.0_f64.powi(2) / (2.0 * 3531.0);
+    assert!(
+        settled < 1.01 * column && settled > column / 1.066,
+        "{settled} of {column} mm"
+    );
+    let solves: usize = rows.iter().map(|r| r.iterations).sum();
+    assert!(rows.len() == 1 && solves <= 10, "{solves} solves"); // 5 for walls of 1,000 to 8,000 units
+}
+
+/// A wall that is too slender is no matter of the solver: clamped at its foot it buckles under its weight above
+/// (7.84 E t²/12 γ)^(1/3) = 10.6 m, a wall of 200 courses at (10.6/12.5)³ = 0.61 of it or, with joints as soft as they
+/// are in bending, less. Held out of its plane it takes the whole weight at once.
+#[test]
+fn a_slender_wall_stands_where_it_is_held_out_of_its_plane() {
+    let slender = [
+        ("wall.length", "853.5"),
+        ("wall.courses", "200"),
+        ("wall.mesh", "[2, 2, 1]"),
+    ];
+    let mut held = slender.to_vec();
+    held.push((
+        "supports",
+        r#"[{ on = "wall.bottom" }, { on = "wall.back", fixed = ["y"] }]"#,
+    ));
+    assert_eq!(rows("70_large_wall", &held).len(), 1);
+    let deck = load("70_large_wall", &slender);
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let (recording, summary) = run(&model);
+    assert_eq!(summary.status, Status::NotConverged);
+    let part = recording.rows.last().unwrap().load_factor;
+    assert!(part > 0.4 && part < 0.61, "{part} of its weight");
 }
 
 /// SW100 of Lourenco et al. (2005): the mean peak of the two repeats is 44.85 kN (41.5 and 48.2 kN, digitised).

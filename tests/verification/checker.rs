@@ -27,6 +27,18 @@ fn the_checker_reports_sizes_energies_and_warnings() {
             "{estimate} MB for {measured} MB"
         );
     }
+    // Large walls: 545 and 11,774 MB. A tenth, for what runs differ by.
+    for (overrides, measured) in [
+        (&[][..], 545.0),
+        (
+            &[("wall.length", "43287.5"), ("wall.courses", "100")],
+            11_774.0,
+        ),
+    ] {
+        let estimate = of_fine(load("70_large_wall", overrides));
+        let ratio: f64 = estimate / measured;
+        assert!((ratio - 1.0).abs() < 0.1, "{estimate} MB for {measured} MB");
+    }
     let text = report.to_string();
     for part in [
         "G_I = 15.53 N/m",

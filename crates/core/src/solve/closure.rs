@@ -14,6 +14,7 @@
 
 use super::method::Method;
 use super::newton::Newton;
+use super::path::Advance;
 use super::state::{Energies, State};
 use crate::system::{System, Trial};
 
@@ -23,7 +24,9 @@ const LEAK: f64 = 2.5e-3;
 /// Twice that: beyond it an increment in balance must not add to what is open.
 const LEAKING: f64 = 5e-3;
 /// How often such an increment takes over its tractions again, without a solve, to close its energy.
-pub(super) const PURSUIT: usize = 12;
+const PURSUIT: usize = 12;
+/// The same along a path, where each of these wants a solve to find balance again.
+const PURSUIT_ON_PATH: usize = 2;
 /// Part of the last change of tractions that the next increment starts with, where too much is left open:
 /// patterns that no node feels die out.
 const DAMPED: f64 = 0.5;
@@ -37,6 +40,15 @@ struct Taken {
     net: f64,
     /// |ΔE| + |D|.
     gross: f64,
+}
+
+/// How often an increment in balance is asked to close its energy, too.
+pub(super) fn pursuit(advance: Advance<'_>) -> usize {
+    if advance == Advance::Load {
+        PURSUIT
+    } else {
+        PURSUIT_ON_PATH
+    }
 }
 
 impl Newton<'_> {

@@ -91,7 +91,8 @@ fn place(model: &Model, node: usize) -> String {
 fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     if let Refusal::Linear { dof: Some(_), .. } = refusal {
         return "to hold that body, to press it into contact before it is moved, or to give every \
-                material a density: inertia carries what comes loose"
+                material a density: inertia carries what comes loose (what hangs together and is slender \
+                may have buckled: hold it sideways)"
             .to_owned();
     }
     let step = &model.steps[index];

@@ -1,5 +1,6 @@
 //! The iterates of a path: the load moves with the displacements (see [`super::path`]).
 
+use super::line_search::{LineSearch, Probe};
 use super::newton::{Newton, along, timed};
 use super::outcome::Refusal;
 use super::path::Advance;
@@ -38,26 +39,35 @@ impl Newton<'_> {
         self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
     }
 
-    /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve.
-    pub(super) fn solve_by_load(&mut self, system: &System, trial: &Trial) -> Result<(), Refusal> {
+    /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve. Returns −∂r/∂λ [N]. `[equation]`
+    pub(super) fn solve_by_load(
+        &mut self,
+        system: &System,
+        trial: &Trial,
+    ) -> Result<Vec<f64>, Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
         let loads = self
             .loads
             .rate(self.step, system, self.load_factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
-        self.by_load.clear();
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
-        self.by_load
-            .extend(slots.map(|slot| loads[slot] - moved[slot] - pull[slot]));
-        let Some(linear) = &mut self.linear else {
-            return Ok(());
-        };
-        timed(&mut self.clock.solve, || linear.solve(&mut self.by_load))
-            .map(|_| ())
-            .map_err(|why| Refusal::Linear { why, dof: None })
+        let force: Vec<f64> = slots
+            .map(|slot| loads[slot] - moved[slot] - pull[slot])
+            .collect();
+        self.by_load.clone_from(&force);
+        if let Some(linear) = &mut self.linear {
+            timed(&mut self.clock.solve, || linear.solve(&mut self.by_load))
+                .map_err(|why| Refusal::Linear { why, dof: None })?;
+        }
+        Ok(force)
     }
 
-    /// q ← q + d₁ + δλ d₂, λ ← λ + δλ; leaves the forces there in `trial`.
+    /// q ← q + η (d₁ + δλ d₂), λ ← λ + η δλ; leaves the forces there in `trial`. `force`: −∂r/∂λ [N]
+    /// `[equation]`; `searches`: η by a line search, 1 without.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
     pub(super) fn follow(
         &mut self,
         system: &mut System,
@@ -65,6 +75,8 @@ impl Newton<'_> {
         trial: &mut Trial,
         setting: Evaluation,
         advance: Advance<'_>,
+        force: &[f64],
+        searches: bool,
     ) -> Result<(), Refusal> {
         let mut rate = self.prescribed_rate(system);
         let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
@@ -75,11 +87,52 @@ impl Newton<'_> {
         let change = advance
             .load_change(&reached, &rate)
             .ok_or(Refusal::NoSuchLoad)?;
-        for &slot in &self.equations.slot_of {
-            let slot = slot as usize;
-            self.q[slot] = state.q[slot] + reached[slot] + change * rate[slot];
+        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
+        let origin: Vec<f64> = slots.map(|slot| self.q[slot]).collect();
+        let from = self.load_factor;
+        for (d, by_load) in self.direction.iter_mut().zip(&self.by_load) {
+            *d += change * by_load;
         }
-        self.load_to(self.load_factor + change, system, trial);
-        self.evaluate(system, state, trial, along(setting))
+        let idle = self.idle(force);
+        let mut search = LineSearch::new(dot(&idle, &self.residual)).no_further_than(1.0);
+        let mut eta = 1.0;
+        loop {
+            for (e, &slot) in self.equations.slot_of.iter().enumerate() {
+                let slot = slot as usize;
+                self.q[slot] = if eta == 1.0 {
+                    state.q[slot] + reached[slot] + change * rate[slot]
+                } else {
+                    origin[e] + eta * self.direction[e]
+                };
+            }
+            self.load_to(from + eta * change, system, trial);
+            let slope = match self.evaluate(system, state, trial, along(setting)) {
+                Ok(()) => dot(&idle, &self.residual),
+                // A law that fails far away may answer nearer.
+                Err(Refusal::Local { .. }) if searches && eta > 0.1 => f64::NAN,
+                Err(refusal) => return Err(refusal),
+            };
+            if !searches {
+                return Ok(());
+            }
+            match search.next(eta, slope) {
+                Probe::Try(next) => eta = next,
+                Probe::Accept(_) => return Ok(()),
+            }
+        }
     }
+
+    /// What is left of the direction without the part on which the loads do work [mm]: along it the
+    /// out-of-balance forces have a slope that no load changes. With K d₂ = f it is
+    /// v = d − (f·d)/(f·d₂) d₂, and v·r = −d·K d + (f·d)²/(f·d₂) ≤ 0 for a positive definite K.
+    /// `[equation]`
+    fn idle(&self, force: &[f64]) -> Vec<f64> {
+        let share = dot(&self.direction, force) / dot(&self.by_load, force);
+        let both = self.direction.iter().zip(&self.by_load);
+        both.map(|(d, by_load)| d - share * by_load).collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -23,6 +23,7 @@ pub struct LineSearch {
     side: i8,
     most: usize,
     smallest: f64,
+    farthest: f64,
 }
 
 /// Accepted fall of the slope: a looser root takes more solves, a tighter one saves none
@@ -53,7 +54,13 @@ impl LineSearch {
             side: 0,
             most: MOST,
             smallest: SMALLEST,
+            farthest: FARTHEST,
         }
+    }
+
+    /// Searches no further than `farthest` times the step.
+    pub fn no_further_than(self, farthest: f64) -> Self {
+        Self { farthest, ..self }
     }
 
     /// Searches where bodies in free flight may meet: the root is where they do, however near, and a step
@@ -75,7 +82,7 @@ impl LineSearch {
         // Still descending: the next tangent goes on from there, unless most of the slope is left. Then the
         // tangent knows nothing of what softens along the direction, and would take many such steps.
         if slope.is_finite() && slope * self.start > 0.0 && self.high.is_none() {
-            let far = eta >= FARTHEST || self.evaluations >= self.most;
+            let far = eta >= self.farthest || self.evaluations >= self.most;
             if far || slope.abs() <= MUCH * self.start.abs() {
                 return Probe::Accept(eta);
             }
@@ -87,7 +94,7 @@ impl LineSearch {
                 f64::INFINITY
             };
             self.low = (eta, slope);
-            return Probe::Try(root.min(LONGER * eta).min(FARTHEST));
+            return Probe::Try(root.min(LONGER * eta).min(self.farthest));
         }
         if self.evaluations >= self.most || eta <= self.smallest {
             return Probe::Accept(eta);

@@ -10,7 +10,7 @@
 
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
-use super::closure::PURSUIT;
+use super::closure::pursuit;
 use super::dynamics::Motion;
 use super::hidden::Pause;
 use super::ladder::Rung;
@@ -322,7 +322,7 @@ impl<'m> Newton<'m> {
                     work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
             }
             let ends = settled && balanced && on_path;
-            if ends && (pursued == PURSUIT || self.closes(system, state, trial)) {
+            if ends && (pursued == pursuit(attempt.advance) || self.closes(system, state, trial)) {
                 return Ok(Report {
                     iterations: solves.count,
                     residual: balance.largest,
@@ -351,9 +351,19 @@ impl<'m> Newton<'m> {
                     solves.one_more();
                     self.search_line(system, state, trial, setting)?;
                 } else {
-                    self.solve_by_load(system, trial)?;
+                    let force = self.solve_by_load(system, trial)?;
                     solves.one_more();
-                    self.follow(system, state, trial, setting, attempt.advance)?;
+                    // The first iterate goes as far as it should; an arc has no straight way within it.
+                    let searches = on_path && matches!(attempt.advance, Advance::Along { .. });
+                    self.follow(
+                        system,
+                        state,
+                        trial,
+                        setting,
+                        attempt.advance,
+                        &force,
+                        searches,
+                    )?;
                     on_path = true;
                 }
             }

@@ -4,7 +4,7 @@ use super::newton::{Newton, timed};
 use super::outcome::{Attempt, Refusal, Solves};
 use super::path::Advance;
 use super::state::State;
-use crate::system::{Evaluation, System, Trial};
+use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, System, Trial};
 
 /// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
@@ -23,6 +23,9 @@ impl Newton<'_> {
         solves: &mut Solves,
     ) -> Result<(), Refusal> {
         system.start(trial, state);
+        if self.step.loads.iter().any(Option::is_some) {
+            trial.stiffest = STIFFEST_UNDER_LOADS;
+        }
         self.q.copy_from_slice(&state.q);
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;

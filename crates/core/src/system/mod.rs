@@ -60,7 +60,11 @@ pub enum Turning {
 }
 
 /// Largest factor of the numerical stiffness.
-const STIFFEST: f64 = 8.0;
+pub const STIFFEST: f64 = 8.0;
+/// The same under loads with a name, which may be small beside the weight: as stiff as the law.
+pub const STIFFEST_UNDER_LOADS: f64 = 512.0;
+/// Growth of the factor beyond the first of these.
+const QUICKER: f64 = 4.0;
 
 /// Scratch of one increment; may be dropped at any time without changing a result.
 #[derive(Clone, Debug, Default)]
@@ -105,6 +109,8 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
+    /// Its largest value in this step.
+    pub stiffest: f64,
     /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
     /// sticks.
     pub sticks: bool,
@@ -140,6 +146,7 @@ impl Trial {
             .extend(state.interface.iter().map(|h| h.traction));
         self.bound_by_traction();
         self.stiffening = 1.0;
+        self.stiffest = STIFFEST;
         self.inertia = 0.0;
         self.before.clear();
         // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
@@ -199,8 +206,13 @@ impl Trial {
         for one in &mut self.touches {
             steady &= one.keep_traction();
         }
+        let grows = if self.stiffening < STIFFEST {
+            2.0
+        } else {
+            QUICKER
+        };
         self.stiffening = if steady {
-            (2.0 * self.stiffening).min(STIFFEST)
+            (grows * self.stiffening).min(self.stiffest)
         } else {
             1.0
         };
