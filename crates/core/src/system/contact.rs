@@ -267,9 +267,28 @@ impl Contact {
         points
             .map(|(p, (old, new))| {
                 let law = self.law(model, p);
-                law.crossing_work(old, new) * self.points[p].area
+                let pressed_or_free = old.traction[0] <= 0.0 && new.traction[0] <= 0.0;
+                let work = match self.gap_before(p, state, trial) {
+                    Some(gap) if pressed_or_free => law.arrival_work(old, new, gap),
+                    _ => law.crossing_work(old, new),
+                };
+                work * self.points[p].area
             })
             .sum()
+    }
+
+    /// Gap [mm], where the increment began, to the facet that a point has come to in it: what stands in its history
+    /// is that to another facet, or nothing.
+    fn gap_before(&self, p: usize, state: &State, trial: &Trial) -> Option<f64> {
+        let now = trial.pairs[p];
+        let facet = now.facet.filter(|_| now.facet != state.pairs[p].facet)?;
+        let x = &trial.x_start;
+        if x.is_empty() {
+            return None;
+        }
+        let point = Vector3::from(self.positions(p / 4, x)[p % 4]);
+        let corners = self.master.corners(facet as usize, x);
+        extend(&point, &corners, now.xi).map(|foot| foot.gap)
     }
 
     /// Tractions of the last commit and `ratio` times their last change, within the law's bounds.
