@@ -178,3 +178,27 @@ fn a_corner_is_tilted() {
     // Nothing breaks yet.
     assert!(rows.iter().all(|r| r.max_interface_damage == 0.0));
 }
+
+/// It stands at 10°, which statics find without any inertia.
+#[test]
+fn a_segmental_arch_stands_on_its_thrust() {
+    let rows = rows("67_segmental_arch", &[("steps.1.procedure", "static")]);
+    assert!(rows.last().unwrap().elastic_energy_J > 0.0);
+}
+
+/// The thrust passes beside the middle of the wall, so that its end moves to the side where mortar is missing.
+#[test]
+fn joints_filled_from_one_face_bend_a_wall() {
+    let bends = |from: &str| {
+        let rows = rows(
+            "69_joints_filled_from_one_face",
+            &[("wall.filled_from", from)],
+        );
+        rows.last().unwrap().probes[0]
+    };
+    let (front, back, both) = (bends("front"), bends("back"), bends("both"));
+    assert!(front > 0.1, "{front} mm");
+    // Mirror images, but for what the tolerance leaves.
+    assert!((front + back).abs() < 1e-4 * front, "{front}, {back}");
+    assert!(both.abs() < 1e-4 * front, "{both}");
+}
