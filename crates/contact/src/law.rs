@@ -256,15 +256,6 @@ impl InterfaceLaw {
         0.5 * old.opening * new.opening * (branch(old) - branch(new))
     }
 
-    /// The same of a point without bond that has come from one facet to another, with the `gap` [mm] to the new one
-    /// where the increment began: ½ (σ₀ + σ₁)(u₁ − gap) − (σ₁² − σ₀²)/2k [N/mm]. What it had been at the old facet says
-    /// nothing of the way to the new one.
-    pub fn arrival_work(&self, old: &InterfaceHistory, new: &InterfaceHistory, gap: f64) -> f64 {
-        let (before, now) = (old.traction[0], new.traction[0]);
-        let stored = (now * now - before * before) / (2.0 * self.normal_stiffness);
-        0.5 * (before + now) * (new.opening - gap) - stored
-    }
-
     /// Completes a response: status and energies.
     pub(crate) fn respond(
         &self,

@@ -267,12 +267,9 @@ impl Contact {
         points
             .map(|(p, (old, new))| {
                 let law = self.law(model, p);
-                let pressed_or_free = old.traction[0] <= 0.0 && new.traction[0] <= 0.0;
-                let work = match self.gap_before(p, state, trial) {
-                    Some(gap) if pressed_or_free => law.arrival_work(old, new, gap),
-                    _ => law.crossing_work(old, new),
-                };
-                work * self.points[p].area
+                let opening = self.gap_before(p, state, trial).unwrap_or(old.opening);
+                let old = InterfaceHistory { opening, ..*old };
+                law.crossing_work(&old, new) * self.points[p].area
             })
             .sum()
     }
