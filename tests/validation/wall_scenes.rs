@@ -93,7 +93,9 @@ fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
     let solves: usize = airbag().map(|r| r.iterations).sum();
     // Half as many again, for what a detail of an iterate changes.
     assert!(solves < 200, "{solves} solves");
-    assert!(rows.last().unwrap().sliding_points > 1000);
+    let last = rows.last().unwrap();
+    // Of 3,124 points; some 1,400.
+    assert!(last.open_points + last.sliding_points > 1000, "{last:?}");
 }
 
 /// The example whole but for its last millimetres, where little is left: past its peak of 11.5 kPa to a fifth of it.

@@ -14,7 +14,6 @@
 
 use super::method::Method;
 use super::newton::Newton;
-use super::path::Advance;
 use super::state::{Energies, State};
 use crate::system::{System, Trial};
 
@@ -25,8 +24,8 @@ const LEAK: f64 = 2.5e-3;
 const LEAKING: f64 = 5e-3;
 /// How often such an increment takes over its tractions again, without a solve, to close its energy.
 const PURSUIT: usize = 12;
-/// The same along a path, where each of these wants a solve to find balance again.
-const PURSUIT_ON_PATH: usize = 2;
+/// The same where a displacement steers the load, and each of these wants a solve to find balance again.
+const PURSUIT_STEERED: usize = 2;
 /// Part of the last change of tractions that the next increment starts with, where too much is left open:
 /// patterns that no node feels die out.
 const DAMPED: f64 = 0.5;
@@ -43,11 +42,11 @@ struct Taken {
 }
 
 /// How often an increment in balance is asked to close its energy, too.
-pub(super) fn pursuit(advance: Advance<'_>) -> usize {
-    if advance == Advance::Load {
-        PURSUIT
+pub(super) fn pursuit(method: Method) -> usize {
+    if method == Method::DisplacementControl {
+        PURSUIT_STEERED
     } else {
-        PURSUIT_ON_PATH
+        PURSUIT
     }
 }
 

@@ -322,7 +322,7 @@ impl<'m> Newton<'m> {
                     work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
             }
             let ends = settled && balanced && on_path;
-            if ends && (pursued == pursuit(attempt.advance) || self.closes(system, state, trial)) {
+            if ends && (pursued == pursuit(self.method) || self.closes(system, state, trial)) {
                 return Ok(Report {
                     iterations: solves.count,
                     residual: balance.largest,
@@ -353,8 +353,8 @@ impl<'m> Newton<'m> {
                 } else {
                     let force = self.solve_by_load(system, trial)?;
                     solves.one_more();
-                    // The first iterate goes as far as it should; an arc has no straight way within it.
-                    let searches = on_path && matches!(attempt.advance, Advance::Along { .. });
+                    // The first iterate goes as far as it should.
+                    let searches = on_path && self.method == Method::DisplacementControl;
                     self.follow(
                         system,
                         state,
