@@ -81,7 +81,12 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
             &format!("{name}.csv"),
             table(case, outcome).as_bytes(),
         )?;
-        write(folder, &format!("{name}.toml"), outcome.deck.as_bytes())?;
+        // A deck that stands there by this name already keeps its comments.
+        let file = format!("{name}.toml");
+        let of_run = case.runs.iter().find(|r| r.name == *name).map(|r| &r.deck);
+        if of_run != Some(&folder.join(&file)) {
+            write(folder, &file, outcome.deck.as_bytes())?;
+        }
     }
     write(folder, PAGE, page(validated).as_bytes())?;
     Ok(())
