@@ -131,7 +131,7 @@ def test_an_arch() -> None:
         width="200 mm",
         voussoirs=11,
         stone=STONE,
-        joint=build.dry_joint(2),
+        joint=build.dry_joint(2, normal_stiffness="100 N/mm^3", shear_stiffness="100 N/mm^3"),
         steps=[build.gravity()],
     )
     assert made == example("07", dry="joint")
@@ -148,7 +148,7 @@ def test_an_arch_by_its_span() -> None:
         width="200 mm",
         voussoirs=11,
         stone=STONE,
-        joint=build.dry_joint(2),
+        joint=build.dry_joint(2, normal_stiffness="100 N/mm^3", shear_stiffness="100 N/mm^3"),
         steps=[build.gravity()],
     )
     assert made == deck
