@@ -98,26 +98,35 @@ fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
     assert!(last.open_points + last.sliding_points > 1000, "{last:?}");
 }
 
-/// The example whole but for its last millimetres, where little is left: past its peak of 11.5 kPa to a fifth of it.
+/// A small one is pressed past its peak until it carries less than half of it. The example itself, whole, is the case
+/// `c022` of docs/validation/03-out-of-plane.
 #[test]
-#[ignore = "two minutes"]
 fn an_airbag_presses_a_wall_past_its_peak() {
     let rows = rows(
         "62_out_of_plane_wall",
         &[
-            ("steps.1.control.displacement", "4"),
-            ("steps.1.increments.initial", "0.001"),
-            ("steps.1.increments.max", "0.0625"),
+            ("wall.length", "429"),
+            ("wall.courses", "12"),
+            ("wall.mesh", "[3, 2, 1]"),
+            ("supports.0.box", "[[0, 53, 0], [429, 53, 0]]"),
+            ("supports.1.box", "[[0, 53, 542], [429, 53, 542]]"),
+            ("supports.2.box", "[[0, 53, 0], [0, 53, 542]]"),
+            ("supports.3.box", "[[429, 53, 0], [429, 53, 542]]"),
+            ("probes.0.near", "[214, 53, 276]"),
+            ("steps.1.control.displacement", "1"),
+            ("steps.1.increments.initial", "0.01"),
+            ("steps.1.increments.max", "0.1"),
         ],
     );
     let pressure = |r: &HistoryRow| 10.0 * r.load_factor;
     let airbag: Vec<&HistoryRow> = rows.iter().filter(|r| r.step == 1).collect();
     let peak = airbag.iter().map(|r| pressure(r)).fold(0.0, f64::max);
-    // In increments of a tenth of these 11.57 kPa at 0.75 mm.
-    assert!((peak / 11.57 - 1.0).abs() < 0.01, "{peak} kPa");
-    assert!(pressure(airbag[airbag.len() - 1]) < 0.25 * peak);
+    // 42.71 kPa in increments of an eighth of these: the peak lies between two of them, 0.4 % above.
+    assert!((peak / 42.71 - 1.0).abs() < 0.01, "{peak} kPa");
+    assert!(pressure(airbag[airbag.len() - 1]) < 0.5 * peak);
     let solves: usize = airbag.iter().map(|r| r.iterations).sum();
-    assert!(solves < 600, "{solves} solves"); // 400 to 450 where this was measured
+    // 335; half as many again, for what a detail of an iterate changes.
+    assert!(solves < 500, "{solves} solves");
 }
 
 /// A column under its weight settles by γ H²/2E; of bricks and bed joints in series E is 3,531 MPa. Mortar between

@@ -15,6 +15,7 @@ mod patterns;
 mod rounding;
 mod springs;
 mod steered;
+mod trial;
 
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
@@ -26,13 +27,14 @@ pub use outside::Outside;
 pub use pattern::Gather;
 pub use springs::Springs;
 pub use steered::Steered;
+pub use trial::{STIFFEST, STIFFEST_UNDER_LOADS, Trial};
 
-use crate::material::{LocalFailure, MaterialHistory, PointEnergy};
+use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;
 use crate::solve::State;
 use linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 use pattern::CELL;
-use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
+use wythe_contact::PointPair;
 
 /// What an evaluation of the forces is for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,167 +59,6 @@ pub enum Turning {
     Ignored,
     /// Their stiffness, which is unsymmetric.
     Exact,
-}
-
-/// Largest factor of the numerical stiffness.
-pub const STIFFEST: f64 = 8.0;
-/// The same under loads with a name, which may be small beside the weight: as stiff as the law.
-pub const STIFFEST_UNDER_LOADS: f64 = 512.0;
-/// Growth of the factor beyond the first of these.
-const QUICKER: f64 = 4.0;
-
-/// Scratch of one increment; may be dropped at any time without changing a result.
-#[derive(Clone, Debug, Default)]
-pub struct Trial {
-    /// Current positions [mm]. `[node]`
-    pub x: Vec<[f64; 3]>,
-    displacement: Vec<[f64; 3]>,
-    /// Nodal forces of each cell [N]: elements, then contact pairs. `[cell][node][xyz]`
-    pub cell_force: Vec<[[f64; 3]; 8]>,
-    /// Stiffness of each cell [N/mm]. `[cell][CELL]`
-    cells: Vec<f64>,
-    /// Cells that have a stiffness now. `[cell]`
-    active: Vec<bool>,
-    /// Internal forces of the nodes, held ones too [N]. `[node][xyz]`
-    pub node_force: Vec<[f64; 3]>,
-    /// Generalised internal forces [N]. `[slot]`
-    pub force: Vec<f64>,
-    /// New histories of the solids. `[element][gauss point]`
-    pub material: Vec<MaterialHistory>,
-    /// Energies of the solids, integrated over each element [N mm]. `[element]`
-    pub element_energy: Vec<PointEnergy>,
-    /// New histories of the interfaces. `[point]`
-    pub interface: Vec<InterfaceHistory>,
-    /// Elastic energy and dissipation of each point [N mm]. `[point]`
-    pub point_energy: Vec<[f64; 2]>,
-    /// What each point does. `[point]`
-    pub status: Vec<PointStatus>,
-    /// Master facet of each point now, and the foot of its perpendicular. `[point]`
-    pub pairs: Vec<PointPair>,
-    /// Where the slip of this increment is measured from: the pair at the last commit, or where a
-    /// point came into contact. `[point]`
-    pub anchors: Vec<PointPair>,
-    /// Whether a point faced nothing at the last commit. `[point]`
-    pub free: Vec<bool>,
-    /// Positions at the last commit [mm], none when the run begins. `[node]`
-    pub x_start: Vec<[f64; 3]>,
-    /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
-    pub traction: Vec<[f64; 3]>,
-    /// Normal traction that bounds the shear of the next iterate (shifted penalty) [MPa]. `[point]`
-    pub bounding: Vec<f64>,
-    /// Its last change [MPa]: one of the other sign is a swing. `[point]`
-    swing: Vec<f64>,
-    /// Factor of the numerical stiffness of all points (shifted penalty) [-].
-    pub stiffening: f64,
-    /// Its largest value in this step.
-    pub stiffest: f64,
-    /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
-    /// sticks.
-    pub sticks: bool,
-    /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
-    pub spring_ends: Vec<[f64; 3]>,
-    /// Values of the loads with a name. `[load]`
-    pub loads: Vec<[f64; 3]>,
-    /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
-    pub inertia: f64,
-    /// What touches by general contact, or is near.
-    pub touches: Vec<Live>,
-    /// Energy that touches set free which are no more, and the work of their last forces in the increment
-    /// [N mm].
-    pub touch_loss: [f64; 2],
-    /// What each point did in the last iterate. `[point]`
-    before: Vec<PointStatus>,
-    /// Mean magnitude of the elements' nodal forces [N].
-    pub mean_nodal_force: f64,
-}
-
-impl Trial {
-    /// Begins an increment from the committed state.
-    pub fn start(&mut self, state: &State) {
-        self.material.clone_from(&state.material);
-        self.interface.clone_from(&state.interface);
-        self.pairs.clone_from(&state.pairs);
-        self.anchors.clone_from(&state.pairs);
-        self.free.clear();
-        self.free
-            .extend(state.pairs.iter().map(|pair| pair.facet.is_none()));
-        self.traction.clear();
-        self.traction
-            .extend(state.interface.iter().map(|h| h.traction));
-        self.bound_by_traction();
-        self.stiffening = 1.0;
-        self.stiffest = STIFFEST;
-        self.inertia = 0.0;
-        self.before.clear();
-        // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
-        // something of the increment before.
-        self.cell_force.clear();
-        self.element_energy.clear();
-        self.point_energy.clear();
-        self.touches.clear();
-        self.touch_loss = [0.0; 2];
-    }
-
-    /// Whether the tractions of the last iterate are those of what touches.
-    pub fn is_settled(&self) -> bool {
-        self.touches.iter().all(|one| one.settled)
-    }
-
-    /// Whether anything near does not touch now.
-    pub fn may_meet(&self) -> bool {
-        self.touches.iter().any(Live::is_open)
-    }
-
-    /// The normal tractions of the last iterate bound the shear of the next one.
-    fn bound_by_traction(&mut self) {
-        self.bounding.clear();
-        self.bounding.extend(self.traction.iter().map(|t| t[0]));
-        self.swing.clear();
-        self.swing.resize(self.traction.len(), 0.0);
-        self.touches.iter_mut().for_each(Live::bound_by_traction);
-    }
-
-    /// The tractions of this iterate become those of the last, but those of some points others.
-    pub fn take_tractions(&mut self, others: Vec<(usize, [f64; 3])>) {
-        self.keep_tractions();
-        for (point, traction) in others {
-            self.traction[point] = traction;
-        }
-        self.bound_by_traction();
-    }
-
-    /// The tractions of this iterate become those of the last. Where pressure and friction swing
-    /// against one another, the bound moves by half the change only: the fixed point is the same. Where
-    /// no point changed what it does, the numerical stiffness doubles: nothing chatters, and a stiffer
-    /// one gets there sooner.
-    pub fn keep_tractions(&mut self) {
-        for (p, history) in self.interface.iter().enumerate() {
-            self.traction[p] = history.traction;
-            let change = history.traction[0] - self.bounding[p];
-            let part = if change * self.swing[p] < 0.0 {
-                0.5
-            } else {
-                1.0
-            };
-            self.bounding[p] += part * change;
-            self.swing[p] = change;
-        }
-        let mut steady = self.before == self.status;
-        for one in &mut self.touches {
-            steady &= one.keep_traction();
-        }
-        let grows = if self.stiffening < STIFFEST {
-            2.0
-        } else {
-            QUICKER
-        };
-        self.stiffening = if steady {
-            (grows * self.stiffening).min(self.stiffest)
-        } else {
-            1.0
-        };
-        self.before.clone_from(&self.status);
-    }
 }
 
 /// Everything of a model that is prepared once and evaluated often.
