@@ -35,9 +35,10 @@ from wythe._errors import (
     as_path,
     expected,
 )
+from wythe._frames import Frame, History, Interfaces
 from wythe._model import Findings, Model, Problem
 from wythe._picture import Picture
-from wythe._results import Frame, History, Interfaces, Results
+from wythe._results import Results
 from wythe._run import Increment
 from wythe._study import (
     Distribution,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -234,3 +235,11 @@ def as_path(argument: str, value: object) -> str:
         if isinstance(path, str):
             return path
     raise expected(argument, "a path (str or os.PathLike)", value)
+
+
+def need(package: str, extra: str) -> None:
+    """Says how to install an optional package that is not there."""
+    try:
+        importlib.import_module(package)
+    except ImportError as error:
+        raise ImportError(f"this needs {package}: pip install 'wythe[{extra}]'") from error

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._results import _need
+from wythe._errors import need
 from wythe._study._quantity import quantity
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Ranking:
 
     def to_pandas(self) -> pandas.DataFrame:
         """As a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        _need("pandas", "study")
+        need("pandas", "study")
         import pandas
 
         return pandas.DataFrame(list(self.ranks), columns=["parameter", "spearman", "regression"])

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._errors import as_path, unwritten
-from wythe._results import _need
+from wythe._errors import as_path, need, unwritten
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
@@ -119,7 +118,7 @@ class Study:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
-        _need("pandas", "study")
+        need("pandas", "study")
         import pandas
 
         columns = {name: self.column(name) for name in self.columns}
