@@ -1,0 +1,326 @@
+"""Materials, joints and steps, which :mod:`wythe.build` offers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy.typing as npt
+
+from wythe._model import Value
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+#: A number in base units, or a text with a unit.
+Quantity = float | str
+#: Part of a deck.
+Part = dict[str, Any]
+#: Rows of numbers.
+Rows = Sequence[Sequence[float]] | npt.NDArray[Any]
+
+
+class MotionOptions(TypedDict, total=False):
+    """Further keys of a step (docs/deck.md, ``steps``)."""
+
+    name: str
+    viscosity: Quantity
+    tangent: str
+    control: Mapping[str, Value]
+    alpha: float
+    rayleigh: Mapping[str, Quantity]
+    ground: Mapping[str, str]
+    ground_unit: Quantity
+    ground_factor: Mapping[str, float]
+    ground_start: Quantity
+    loads: Sequence[Part]
+    amplitude: Rows | str
+    increments: Mapping[str, float]
+    tolerance: Mapping[str, float]
+
+
+class StepOptions(MotionOptions, total=False):
+    """Further keys of a step that need not be one in time."""
+
+    duration: Quantity
+    procedure: str
+
+
+def _part(**keys: Any) -> Part:
+    return {key: value for key, value in keys.items() if value is not None}
+
+
+def elastic(E: Quantity, nu: float, *, density: Quantity | None = None) -> Part:
+    """A linear elastic material: Young's modulus [MPa], Poisson's ratio, density [tonne/mm^3]."""
+    return _part(E=E, nu=nu, density=density)
+
+
+def damage_plasticity(
+    E: Quantity,
+    nu: float,
+    tension: Rows,
+    compression: Rows,
+    *,
+    reference_length: Quantity | None = None,
+    dilation_angle: Quantity | None = None,
+    eccentricity: float | None = None,
+    fb0_fc0: float | None = None,
+    K_c: float | None = None,
+    tension_recovery: float | None = None,
+    compression_recovery: float | None = None,
+    viscosity: Quantity | None = None,
+    interpolation: str | None = None,
+    density: Quantity | None = None,
+) -> Part:
+    """A material that cracks and crushes: concrete damaged plasticity.
+
+    Parameters
+    ----------
+    E, nu
+        Young's modulus [MPa], Poisson's ratio.
+    tension, compression
+        Rows of stress [MPa] (positive), inelastic strain, damage. Shape (rows, 3).
+    reference_length
+        Size of the elements for which the tables hold [mm].
+    """
+    return _part(
+        E=E,
+        nu=nu,
+        tension=tension,
+        compression=compression,
+        reference_length=reference_length,
+        dilation_angle=dilation_angle,
+        eccentricity=eccentricity,
+        fb0_fc0=fb0_fc0,
+        K_c=K_c,
+        tension_recovery=tension_recovery,
+        compression_recovery=compression_recovery,
+        viscosity=viscosity,
+        interpolation=interpolation,
+        density=density,
+    )
+
+
+def joint(
+    f_t: Quantity,
+    c: Quantity,
+    tan_phi: float,
+    mu: float,
+    *,
+    zeta: float,
+    xi: float,
+    u_k: Quantity | None = None,
+    G_I: Quantity | None = None,
+    delta_k: Quantity | None = None,
+    G_II: Quantity | None = None,
+    penalty_factor: float | None = None,
+    normal_stiffness: Quantity | None = None,
+    shear_stiffness: Quantity | None = None,
+    coupling: str | None = None,
+    scatter: Mapping[str, float] | None = None,
+) -> Part:
+    """A bonded joint: it opens under tension, slides under shear, softens, and rubs.
+
+    Parameters
+    ----------
+    f_t, c
+        Tensile strength, cohesion [MPa].
+    tan_phi, mu
+        Friction of the bond and of the broken joint.
+    zeta, xi
+        Brittleness in tension and shear.
+    u_k, G_I
+        Ultimate opening [mm], or the fracture energy [N/mm]: one of both.
+    delta_k, G_II
+        Ultimate slip [mm], or the fracture energy [N/mm]: one of both.
+    penalty_factor, normal_stiffness, shear_stiffness
+        Numerical stiffness: a factor of the elements', or both explicitly [N/mm^3].
+    scatter
+        ``{"cv": 0.3, "seed": 1}``: each unit's own bond strength, lognormal.
+    """
+    return _part(
+        f_t=f_t,
+        c=c,
+        tan_phi=tan_phi,
+        mu=mu,
+        zeta=zeta,
+        xi=xi,
+        u_k=u_k,
+        G_I=G_I,
+        delta_k=delta_k,
+        G_II=G_II,
+        penalty_factor=penalty_factor,
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=shear_stiffness,
+        coupling=coupling,
+        scatter=scatter,
+    )
+
+
+def dry_joint(
+    mu: float,
+    *,
+    penalty_factor: float | None = None,
+    normal_stiffness: Quantity | None = None,
+    shear_stiffness: Quantity | None = None,
+) -> Part:
+    """A joint without bond: friction only."""
+    return _part(
+        f_t=0,
+        c=0,
+        tan_phi=mu,
+        mu=mu,
+        penalty_factor=penalty_factor,
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=shear_stiffness,
+    )
+
+
+def preload(
+    pressure: Quantity,
+    *,
+    face: str | Sequence[str] | None = None,
+    beam: str | None = None,
+    free: Sequence[str] | None = None,
+    **options: Unpack[StepOptions],
+) -> Part:
+    """A step that presses the top of a wall, a face of blocks, or a beam, by a pressure [MPa].
+
+    Parameters
+    ----------
+    pressure
+        Compression is positive.
+    face, beam
+        What is pressed in a scene of blocks: a face, or one of :func:`beam`.
+    free
+        Directions in which the face of blocks is free.
+    options
+        Further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``, ...
+    """
+    key = "top_pressure" if face is None and beam is None else "pressure"
+    return {"kind": "preload", key: pressure, **_part(face=face, beam=beam, free=free), **options}
+
+
+def push(
+    displacement: Quantity | None = None,
+    direction: str = "x",
+    *,
+    cycles: Mapping[str, Any] | None = None,
+    face: str | Sequence[str] | None = None,
+    spring: str | None = None,
+    beam: str | None = None,
+    vertical: str | None = None,
+    free: Sequence[str] | None = None,
+    stop: Mapping[str, Quantity] | None = None,
+    **options: Unpack[StepOptions],
+) -> Part:
+    """A step that drives the top of a wall, a face of blocks or the far end of a spring [mm].
+
+    Parameters
+    ----------
+    displacement
+        How far, in this step; or ``cycles``.
+    direction
+        ``"x"`` along the wall, ``"y"`` through it, ``"z"`` up, each with ``-`` the other way.
+    cycles
+        To and fro: ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
+    face, spring, beam
+        What is driven in a scene of blocks.
+    vertical
+        Of a wall: ``"locked"`` or ``"free"``.
+    free
+        Directions in which a face of blocks is free.
+    stop
+        What ends the step sooner: ``{"below_peak": 0.8}``, ``{"displacement": "3 mm"}``.
+    options
+        Further keys of the step: ``name``, ``viscosity``, ``procedure``, ``increments``, ...
+    """
+    return {
+        "kind": "drive",
+        "direction": direction,
+        **_part(displacement=displacement, cycles=cycles),
+        **_part(face=face, spring=spring, beam=beam, vertical=vertical, free=free, stop=stop),
+        **options,
+    }
+
+
+def load(
+    name: str,
+    on: str | Sequence[str] | None = None,
+    *,
+    near: Sequence[Quantity] | None = None,
+    line: tuple[Sequence[Quantity], Sequence[Quantity]] | None = None,
+    within: Quantity | None = None,
+    pressure: Quantity | None = None,
+    follower: bool | None = None,
+    traction: Sequence[Quantity] | None = None,
+    force: Sequence[Quantity] | None = None,
+    line_force: Sequence[Quantity] | None = None,
+) -> Part:
+    """A load of a step, one of ``loads``: where it acts and its value at the end of the step.
+
+    Parameters
+    ----------
+    name
+        By which later steps say its value anew.
+    on
+        Faces; of a ``force`` blocks, too.
+    near, line, within
+        The node nearest to a point; the nodes along the line from one point to another, so near to it [mm].
+    pressure, follower
+        On faces [MPa], compression positive; it turns with them unless ``follower`` is false.
+    traction
+        On the area of faces at rest [MPa].
+    force
+        In all [N].
+    line_force
+        Over the length of the line [N/mm].
+    """
+    begin, end = line if line is not None else (None, None)
+    place = _part(on=on, near=near, to=end, within=within) | ({} if begin is None else {"from": begin})
+    value = _part(pressure=pressure, follower=follower, traction=traction, force=force, line_force=line_force)
+    return {"name": name, **place, **value}
+
+
+def loading(
+    *changed: Part, stop: Mapping[str, Quantity] | None = None, **options: Unpack[StepOptions]
+) -> Part:
+    """A step that changes nothing but loads: those of :func:`load`."""
+    return {"kind": "load", "loads": list(changed), **_part(stop=stop), **options}
+
+
+def gravity(
+    gravity: Quantity | None = None,
+    *,
+    angle: Quantity | None = None,
+    axis: str | None = None,
+    **options: Unpack[StepOptions],
+) -> Part:
+    """A step in which the weight grows from nothing; 9810 mm/s^2 if not said. The ground may be inclined."""
+    return {"kind": "gravity", **_part(gravity=gravity, angle=angle, axis=axis), **options}
+
+
+def tilt(angle: Quantity, axis: str | None = None, **options: Unpack[StepOptions]) -> Part:
+    """A step that tilts the ground to an angle [degrees] about an axis (``"y"``: +x goes down)."""
+    return {"kind": "tilt", "angle": angle, **_part(axis=axis), **options}
+
+
+def free(
+    duration: Quantity,
+    procedure: str = "dynamic",
+    *,
+    gravity: Quantity | None = None,
+    angle: Quantity | None = None,
+    axis: str | None = None,
+    **options: Unpack[MotionOptions],
+) -> Part:
+    """A step in which only time passes [s]: motion under inertia, and under ``ground`` accelerations.
+    Gravity and inclination hold from its start on, if they are said.
+    """
+    return {
+        "kind": "free",
+        "duration": duration,
+        "procedure": procedure,
+        **_part(gravity=gravity, angle=angle, axis=axis),
+        **options,
+    }
