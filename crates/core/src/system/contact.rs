@@ -31,6 +31,9 @@ const SKIN: f64 = 0.03;
 /// elastic bodies step by. One that is deeper has come from the side, and its penalty would throw bodies
 /// about.
 const BEHIND: f64 = 1e-5;
+/// How high a step a point climbs where it comes from a facet to the next, over the same edge: what settles and
+/// turns in a cracked wall. The side of a higher one is not its face.
+const STEP: f64 = 0.01;
 
 /// Surfaces, points and candidates.
 #[derive(Clone, Debug)]
@@ -51,6 +54,8 @@ pub struct Contact {
     skin: f64,
     /// How far behind a facet a point may come into contact with it [mm].
     behind: f64,
+    /// How far behind the next facet a point may come to it from another [mm].
+    step: f64,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
 }
@@ -121,6 +126,7 @@ impl Contact {
             radius: surfaces.search_radius.unwrap_or(chosen),
             skin: SKIN * edge,
             behind: 0.5 * BEHIND * edge,
+            step: STEP * edge,
             searched_at: Vec::new(),
         }
     }
@@ -233,11 +239,15 @@ impl Contact {
                     let candidates = self.candidates.of(f);
                     let mut found =
                         pair_point(&point, present, candidates, &self.master, x, self.radius);
-                    if !x_start.is_empty() && free[4 * f + p] {
+                    if !x_start.is_empty() {
+                        let is_free = free[4 * f + p];
+                        let depth = if is_free { self.behind } else { self.step };
                         found = found.filter(|&(facet, xi)| {
+                            let stays = !is_free && anchor.facet == Some(facet);
                             let before = || Vector3::from(self.positions(f, x_start)[p]);
-                            !self.is_behind(&point, facet, xi, x)
-                                || !self.is_behind(&before(), facet, xi, x_start)
+                            stays
+                                || !self.is_behind(depth, &point, facet, xi, x)
+                                || !self.is_behind(depth, &before(), facet, xi, x_start)
                         });
                     }
                     *pair = match found {
@@ -254,38 +264,63 @@ impl Contact {
             });
     }
 
-    /// Whether a point [mm] lies behind a facet, deeper than one that comes through it.
-    fn is_behind(&self, point: &Vector3<f64>, facet: u32, xi: [f64; 2], x: &[[f64; 3]]) -> bool {
+    /// Whether a point [mm] lies behind a facet by more than `depth` [mm].
+    fn is_behind(
+        &self,
+        depth: f64,
+        point: &Vector3<f64>,
+        facet: u32,
+        xi: [f64; 2],
+        x: &[[f64; 3]],
+    ) -> bool {
         let foot = extend(point, &self.master.corners(facet as usize, x), xi);
-        foot.is_some_and(|foot| foot.gap < -self.behind)
+        foot.is_some_and(|foot| foot.gap < -depth)
     }
 
-    /// What the trapezoidal rule makes of points that open or close in the increment that `trial` ends
-    /// [N mm].
+    /// What the trapezoidal rule makes of points that open, close or change their facet in the increment that
+    /// `trial` ends [N mm].
     pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
         let points = state.interface.iter().zip(&trial.interface).enumerate();
         points
             .map(|(p, (old, new))| {
-                let law = self.law(model, p);
-                let opening = self.gap_before(p, state, trial).unwrap_or(old.opening);
-                let old = InterfaceHistory { opening, ..*old };
-                law.crossing_work(&old, new) * self.points[p].area
+                let work = if trial.pairs[p].facet == state.pairs[p].facet {
+                    self.law(model, p).crossing_work(old, new)
+                } else {
+                    self.work_of_change(p, state, trial)
+                };
+                work * self.points[p].area
             })
             .sum()
     }
 
-    /// Gap [mm], where the increment began, to the facet that a point has come to in it: what stands in its history
-    /// is that to another facet, or nothing.
-    fn gap_before(&self, p: usize, state: &State, trial: &Trial) -> Option<f64> {
-        let now = trial.pairs[p];
-        let facet = now.facet.filter(|_| now.facet != state.pairs[p].facet)?;
-        let x = &trial.x_start;
-        if x.is_empty() {
-            return None;
+    /// The same of a point that has come from facet a, or from none, to b, or to none [N/mm]. The rule's work of its
+    /// normal tractions t₀, t₁ is ½ t₀ Δg_a + ½ t₁ Δg_b, and the energies of its branches are ½ t₀ g_a0 and ½ t₁ g_b1:
+    /// ½ t₀ g_a1 − ½ t₁ g_b0 is left. One that is lost dissipates its energy besides.
+    fn work_of_change(&self, p: usize, state: &State, trial: &Trial) -> f64 {
+        let (old, new) = (&state.interface[p], &trial.interface[p]);
+        if trial.x_start.is_empty() {
+            return 0.0;
         }
-        let point = Vector3::from(self.positions(p / 4, x)[p % 4]);
-        let corners = self.master.corners(facet as usize, x);
-        extend(&point, &corners, now.xi).map(|foot| foot.gap)
+        let gap = |pair: PointPair, x: &[[f64; 3]]| {
+            let corners = self.master.corners(pair.facet? as usize, x);
+            let point = Vector3::from(self.positions(p / 4, x)[p % 4]);
+            extend(&point, &corners, pair.xi).map(|foot| foot.gap)
+        };
+        let mut work = 0.0;
+        if old.traction[0] != 0.0 {
+            let stored = if trial.pairs[p].facet.is_none() {
+                old.opening
+            } else {
+                0.0
+            };
+            let now = gap(state.pairs[p], &trial.x);
+            work += now.map_or(0.0, |now| 0.5 * old.traction[0] * (now - stored));
+        }
+        if new.traction[0] != 0.0 {
+            let before = gap(trial.pairs[p], &trial.x_start);
+            work -= before.map_or(0.0, |before| 0.5 * new.traction[0] * before);
+        }
+        work
     }
 
     /// Tractions of the last commit and `ratio` times their last change, within the law's bounds.
