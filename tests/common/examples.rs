@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe::model::Deck;
+use wythe::model::{Deck, Model};
+use wythe::results::Status;
+
+use super::scene::{Recording, run};
 
 /// Where the example of this name lies.
 pub fn path(name: &str) -> PathBuf {
@@ -19,4 +22,27 @@ pub fn load(name: &str, overrides: &[(&str, &str)]) -> Deck {
         .map(|(k, v)| ((*k).into(), (*v).into()))
         .collect();
     Deck::load(path(name), &overrides).unwrap()
+}
+
+/// Runs the example to its end and closes its energies.
+pub fn completed(name: &str, overrides: &[(&str, &str)]) -> (Model, Recording) {
+    let deck = load(name, overrides);
+    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (recording, summary) = run(&model);
+    assert_eq!(
+        summary.status,
+        Status::Completed,
+        "{name}: {}",
+        summary.message
+    );
+    let last = recording.rows.last().unwrap();
+    let moved = last.kinetic_energy_J + last.damping_dissipation_J + last.numerical_dissipation_J;
+    // Each term is integrated where it arises; 1 % is the most that theory F allows.
+    let open = last.external_work_J - last.taken_J() - moved;
+    assert!(
+        open.abs() <= 1e-2 * last.external_work_J.abs(),
+        "{name}: {open} J of {} J",
+        last.external_work_J
+    );
+    (model, recording)
 }

@@ -2,8 +2,27 @@
 //! inversion of each hexahedron's map, blind to what the solver knows of contact.
 
 use nalgebra::{Matrix3, Vector3};
-use wythe::model::Mesh;
 use wythe::model::mesh::CORNERS;
+use wythe::model::{Mesh, Model};
+
+use super::scene::Recording;
+
+/// Positions of all nodes in a frame [mm].
+pub fn positions(model: &Model, recording: &Recording, at: usize) -> Vec<[f64; 3]> {
+    let u = &recording.frames[at].displacement;
+    let nodes = model.mesh.nodes.iter().zip(u);
+    nodes.map(|(x, u)| [0, 1, 2].map(|i| x[i] + u[i])).collect()
+}
+
+/// Deepest point of a body in another in some 200 of the frames, the last among them [mm].
+pub fn penetration(model: &Model, recording: &Recording) -> f64 {
+    let frames = recording.frames.len();
+    let every = frames / 200 + 1;
+    (0..frames)
+        .filter(|k| (frames - 1 - k).is_multiple_of(every))
+        .map(|k| deepest(&model.mesh, &positions(model, recording, k), 9))
+        .fold(0.0, f64::max)
+}
 
 /// Deepest point of any body in another [mm]: of a lattice of `n`³ points an element, faces, edges and
 /// corners among them, the distance to the nearest face of the element that it is in.

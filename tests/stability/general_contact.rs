@@ -3,30 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::inside::deepest;
+use common::inside::{penetration, positions};
 use common::scene::{self, Block, DENSITY, G, Recording, gap};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure};
 use wythe::results::HistoryRow;
 
 const E: f64 = 1e4;
-
-/// Positions of all nodes at a commit [mm].
-fn positions(model: &Model, recording: &Recording, at: usize) -> Vec<[f64; 3]> {
-    let u = &recording.frames[at].displacement;
-    let nodes = model.mesh.nodes.iter().zip(u);
-    nodes.map(|(x, u)| [0, 1, 2].map(|i| x[i] + u[i])).collect()
-}
-
-/// Deepest point of a body in another at any commit [mm].
-fn penetration(model: &Model, recording: &Recording) -> f64 {
-    let frames = recording.frames.len();
-    let every = frames / 200 + 1;
-    (0..frames)
-        .filter(|k| (frames - 1 - k).is_multiple_of(every))
-        .map(|k| deepest(&model.mesh, &positions(model, recording, k), 9))
-        .fold(0.0, f64::max)
-}
 
 fn most(recording: &Recording, of: fn(&HistoryRow) -> f64) -> f64 {
     recording.rows.iter().map(of).fold(0.0, f64::max)

@@ -4,31 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::examples::load;
+use common::examples::{completed, load};
 use common::scene::run;
 use wythe::model::Model;
 use wythe::results::{HistoryRow, Status};
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {
-    let deck = load(name, overrides);
-    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let (recording, summary) = run(&model);
-    assert_eq!(
-        summary.status,
-        Status::Completed,
-        "{name}: {}",
-        summary.message
-    );
-    let last = recording.rows.last().unwrap();
-    let moved = last.kinetic_energy_J + last.damping_dissipation_J + last.numerical_dissipation_J;
-    // Each term is integrated where it arises; 1 % is the most that theory F allows.
-    let open = last.external_work_J - last.taken_J() - moved;
-    assert!(
-        open.abs() <= 1e-2 * last.external_work_J.abs(),
-        "{name}: {open} J of {} J",
-        last.external_work_J
-    );
-    recording.rows
+    completed(name, overrides).1.rows
 }
 
 #[test]

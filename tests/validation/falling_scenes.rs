@@ -1,0 +1,81 @@
+//! Examples in which things fall apart: planned joints let go, and general contact takes over. What the bodies do is
+//! judged by a measure that knows nothing of contact.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::examples::completed;
+use common::inside::{penetration, positions};
+use common::scene::Recording;
+use wythe::model::Model;
+
+/// Lowest and highest coordinate of a body along z at the end [mm].
+fn heights(model: &Model, recording: &Recording, body: u32) -> [f64; 2] {
+    let x = positions(model, recording, recording.frames.len() - 1);
+    let of = (0..model.mesh.elements.len()).filter(|&e| model.mesh.unit[e] == body);
+    let z = of
+        .flat_map(|e| model.mesh.elements[e])
+        .map(|n| x[n as usize][2]);
+    z.fold([f64::MAX, f64::MIN], |[low, high], z| {
+        [low.min(z), high.max(z)]
+    })
+}
+
+fn bodies(model: &Model) -> std::collections::BTreeSet<u32> {
+    model.mesh.unit.iter().copied().collect()
+}
+
+/// Nothing is in anything else, at any time: a node is stopped where it is found, so that what is left is the penalty
+/// under a blow, and faces that are warped by it.
+fn nothing_is_deep(model: &Model, recording: &Recording) {
+    let deep = penetration(model, recording);
+    println!("deepest {deep:.2e} mm");
+    assert!(deep < 0.2, "{deep} mm");
+}
+
+#[test]
+fn an_arch_falls_and_lies_on_the_ground() {
+    let (model, recording) = completed("89_falling_arch", &[("output.every", "1")]);
+    nothing_is_deep(&model, &recording);
+    let last = recording.rows.last().unwrap();
+    // At rest: a millionth of the work of the weight would still be a motion.
+    assert!(last.kinetic_energy_J < 1e-6 * last.external_work_J);
+    // The crown lies on the ground, 150 mm below the springings, half its thickness above: curved faces are chords,
+    // whose middle is R - R cos(π/22) cos(π/22) = 2 % of R higher than that of the arc at most.
+    let fallen = -last.probes[0];
+    let flat = 1000.0 + 150.0 - 95.0 / 2.0;
+    assert!(fallen < flat && fallen > flat - 20.0, "{fallen} mm");
+    for body in bodies(&model) {
+        let [low, high] = heights(&model, &recording, body);
+        let ground = high < -149.0;
+        // None is below the ground, none higher than two that stand one on the other.
+        assert!(ground || low > -150.2, "{body}: {low}");
+        assert!(high < 2.0 * 290.0, "{body}: {high}");
+    }
+}
+
+#[test]
+fn a_wall_that_is_blown_over_falls_apart_on_the_ground() {
+    let (model, recording) = completed("90_falling_wall", &[("output.every", "1")]);
+    nothing_is_deep(&model, &recording);
+    let rows = &recording.rows;
+    let last = rows.last().unwrap();
+    assert!(last.kinetic_energy_J < 1e-6 * last.external_work_J);
+    // Half of its points open when it strikes the ground; before, its foot alone.
+    let points = last.open_points + last.sliding_points;
+    assert!(points > 40, "{points}");
+    let flying = rows.iter().rfind(|r| r.time < 1.2).unwrap();
+    assert!(flying.open_points <= 6, "{flying:?}");
+    for body in bodies(&model) {
+        let [low, high] = heights(&model, &recording, body);
+        let ground = high < 1e-3;
+        // They lie on a face 100 mm high, or on another one.
+        assert!(
+            ground || (low > -0.2 && high < 210.0),
+            "{body}: {low}, {high}"
+        );
+    }
+    // They lie before the wall, as far as it was high.
+    let top = last.probes[0];
+    assert!(top > 200.0, "{top} mm");
+}
