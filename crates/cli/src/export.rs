@@ -132,7 +132,7 @@ fn model(folder: &RunFolder, arguments: &Export) -> Result<String, Failure> {
             folder.path().display()
         )));
     }
-    let deck = Deck::load(folder.path().join(DECK), &[])?;
+    let deck = Deck::load(folder.path().join(DECK), &[])?.in_folder(folder.deck_folder());
     let (model, _) = Model::from_deck(&deck)?;
     Ok(inp::inp(&model))
 }

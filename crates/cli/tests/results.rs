@@ -287,6 +287,28 @@ fn a_model_is_exported_without_a_run() {
 }
 
 #[test]
+fn a_run_of_an_imported_mesh_is_exported_wherever_it_lies() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(&folder.path().join("moved"));
+    let model = text(&repository("examples/50_imported_mesh.toml"));
+    let output = wythe(&[
+        "run",
+        &model,
+        "--out",
+        &out,
+        "-q",
+        "--set",
+        "steps.1.displacement=0.01",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    // The mesh lies beside the deck that was run, not in the folder of the run.
+    let output = wythe(&["export", &out, "--to", "inp"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let written = std::fs::read_to_string(folder.path().join("moved/export/model.inp")).unwrap();
+    assert!(written.contains("BEAM_COUPLET_UPPER_TOP"), "{written}");
+}
+
+#[test]
 fn exports_are_written_and_damaged_files_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = text(folder.path());

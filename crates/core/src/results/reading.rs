@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
 
+use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::history::fixed_columns;
 use super::vtkhdf::read::FieldsFile;
@@ -207,6 +208,13 @@ impl RunFolder {
     /// The file cannot be read.
     pub fn deck(&self) -> Result<Option<String>, ReadError> {
         read_if_there(&self.path.join(DECK))
+    }
+
+    /// Where the files that the deck names lie: where the run found them, as its checkpoint tells, or this folder.
+    pub fn deck_folder(&self) -> PathBuf {
+        let file = CheckpointFile::read(&self.path.join(CHECKPOINT)).ok();
+        let told = file.and_then(|file| file.deck_folder).map(PathBuf::from);
+        told.unwrap_or_else(|| self.path.clone())
     }
 
     /// The fields, read when they are asked for.
