@@ -14,6 +14,10 @@ const FLAT: f64 = -0.9;
 /// A facet takes its part of a corner's load if it looks at the face by this much (cosine).
 const LOADED: f64 = -0.7;
 
+/// How much deeper than a planned point of its facet a corner is at most while that point holds it: √3 in a joint
+/// that is pressed and bent about its middle, and as much again.
+const BESIDE: f64 = 3.0;
+
 /// A corner that may come onto a facet in this increment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
@@ -256,7 +260,7 @@ impl General {
         let size = self.pair_size(node, facet);
         let master = self.surface.corners(facet as usize, x);
         let foot = extend(&self.corner_point(slave, corner, x), &master, from.at)?;
-        if foot.gap > NEAR * size || self.is_planned(node, slave, facet) {
+        if foot.gap > NEAR * size || self.is_planned(node, slave, facet, -from.gap) {
             return None;
         }
         let over = foot.xi[0].abs() <= 1.0 + STAY && foot.xi[1].abs() <= 1.0 + STAY;
@@ -309,9 +313,13 @@ impl General {
         entry.map(|entry| (-foot.gap, make(entry, true)))
     }
 
-    /// Whether planned contact holds a corner on the body of a facet, or that facet on the corner's.
-    fn is_planned(&self, node: u32, slave: u32, facet: u32) -> bool {
-        self.held_nodes.contains(&(node, self.body(facet)))
+    /// Whether planned contact holds a corner, `depth` [mm] behind a facet when the increment began, on the body of
+    /// that facet, or the facet on the corner's body. Gauss points lie inwards of the corner: what turns about them has
+    /// it go deeper than they are.
+    fn is_planned(&self, node: u32, slave: u32, facet: u32, depth: f64) -> bool {
+        let held = self.held_nodes.get(&(node, self.body(facet)));
+        let flush = super::FLUSH * self.pair_size(node, facet);
+        held.is_some_and(|planned| depth <= flush + BESIDE * planned)
             || self.held.contains(&(facet, self.body(slave)))
     }
 

@@ -11,7 +11,7 @@ mod edges;
 mod forces;
 mod live;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -101,9 +101,10 @@ pub struct General {
     start: Vec<Touch>,
     /// How deep the deepest touch of each body is [mm]. `[body]`
     depth: Vec<f64>,
-    /// Facets that a planned contact holds on a body with all its points; nodes that it does with one.
+    /// Facets that a planned contact holds on a body with all its points.
     held: HashSet<(u32, u32)>,
-    held_nodes: HashSet<(u32, u32)>,
+    /// Nodes that it holds on a body with one, and how deep its points are there [mm].
+    held_nodes: HashMap<(u32, u32), f64>,
     /// Corners that may come onto facets in this increment, by their nodes.
     watch: Vec<Watch>,
     /// Whether `watch` is that of this increment and these neighbours.
@@ -247,10 +248,13 @@ impl General {
             let Some(facet) = *skin else { continue };
             let bodies: [Option<u32>; 4] =
                 [0, 1, 2, 3].map(|p| contact.faced_body(&state.pairs[4 * slave + p]));
+            let points = &state.interface[4 * slave..4 * slave + 4];
+            let depth = points.iter().fold(0.0, |d: f64, p| d.max(-p.opening));
             for (p, body) in bodies.iter().enumerate() {
                 let Some(body) = *body else { continue };
                 let node = contact.slave.facets[slave][p];
-                self.held_nodes.insert((node, body));
+                let deepest = self.held_nodes.entry((node, body)).or_default();
+                *deepest = depth.max(*deepest);
                 if bodies.iter().all(|other| *other == Some(body)) {
                     self.held.insert((facet, body));
                 }
