@@ -214,7 +214,7 @@ def push(
     stop: Mapping[str, Quantity] | None = None,
     **options: Unpack[StepOptions],
 ) -> Part:
-    """A step that drives the top of a wall, a face of blocks or the far end of a spring [mm].
+    """A step that drives the top of a wall, a face of blocks, a beam or the far end of a spring [mm].
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def push(
     cycles
         To and fro: ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
     face, spring, beam
-        What is driven in a scene of blocks.
+        What is driven, if not the top of a clamped wall.
     vertical
         Of a wall: ``"locked"`` or ``"free"``.
     free

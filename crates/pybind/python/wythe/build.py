@@ -188,6 +188,9 @@ def wall(
     mortar: Mapping[str, Any] | None = None,
     joint: Mapping[str, Any],
     steps: Sequence[Mapping[str, Any]],
+    name: str | None = None,
+    at: Sequence[Quantity] | None = None,
+    along: str | None = None,
     bed_joint: Quantity = 10.0,
     head_joint: Quantity = 10.0,
     bond: str | None = None,
@@ -197,6 +200,8 @@ def wall(
     leaves: int | None = None,
     collar_joint: Quantity | None = None,
     header_courses: int | None = None,
+    head_interface: str | None = None,
+    collar_interface: str | None = None,
     head_filling: float | None = None,
     filled_from: str | None = None,
     rigid: bool | None = None,
@@ -223,6 +228,8 @@ def wall(
         The interface (:func:`joint`, :func:`dry_joint`).
     steps
         What happens (:func:`preload`, :func:`push`, ...), in order.
+    name, at, along
+        Its name (``"wall"``), its lowest corner [mm], and the axis along which it runs, ``"x"`` or ``"y"``.
     bed_joint, head_joint
         Thicknesses [mm].
     bond
@@ -233,6 +240,8 @@ def wall(
         ``{"bottom_courses": 1, "top_courses": 1}``, or ``False``: supports and steps name its faces.
     overlap, leaves, collar_joint, header_courses, head_filling, filled_from
         Of the bond (docs/deck.md, ``wall``).
+    head_interface, collar_interface
+        Names of ``interfaces`` for these joints, where they differ from ``joint``.
     rigid
         Units as good as rigid, in dry walls.
     pattern
@@ -254,6 +263,9 @@ def wall(
             "materials": solids | {name: dict(own) for name, own in (materials or {}).items()},
             "interfaces": {"joint": dict(joint)} | {name: dict(own) for name, own in (interfaces or {}).items()},
             "wall": _part(
+                name=name,
+                at=at,
+                along=along,
                 unit=unit,
                 length=length,
                 courses=courses,
@@ -264,6 +276,8 @@ def wall(
                 leaves=leaves,
                 collar_joint=collar_joint,
                 header_courses=header_courses,
+                head_interface=head_interface,
+                collar_interface=collar_interface,
                 head_filling=head_filling,
                 filled_from=filled_from,
                 rigid=rigid,
@@ -361,6 +375,7 @@ def blocks(
     imports: Sequence[Mapping[str, Any]] = (),
     points: str = "corner",
     general: str | None = None,
+    search_radius: Quantity | None = None,
     title: str = "blocks",
     **tables: Value,
 ) -> Model:
@@ -381,15 +396,17 @@ def blocks(
     general
         A dry interface by which any face may meet any other body's; if absent only those of
         ``contacts`` meet.
+    search_radius
+        The gap up to which a point faces the surface opposite [mm].
     tables
-        Further tables of the deck: ``element``, ``output``.
+        Further tables of the deck: ``beams``, ``symmetry``, ``walls``, ``arch``, ``element``, ``output``.
     """
     return Model.from_dict(
         {
             "title": title,
             "materials": dict(materials),
             "interfaces": dict(interfaces),
-            "contact": {"points": points} | ({"general": general} if general else {}),
+            "contact": _part(points=points, general=general, search_radius=search_radius),
             "blocks": list(blocks),
             "imports": list(imports),
             "contacts": list(contacts),
