@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod blocks;
+pub mod boxes;
 pub mod examples;
 pub mod inside;
 pub mod scene;

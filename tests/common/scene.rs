@@ -8,7 +8,7 @@ use wythe::model::scene::{
     Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion,
     Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
-use wythe::model::{Mesh, Model};
+use wythe::model::{Deck, Mesh, Model};
 use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
 use wythe::solve::State;
 
@@ -359,6 +359,12 @@ pub fn completed(model: &Model) -> Recording {
     recording
 }
 
+/// The history of a deck that runs to its end.
+pub fn rows(deck: &Deck) -> Vec<HistoryRow> {
+    let (model, _) = Model::from_deck(deck).unwrap_or_else(|e| panic!("{e}"));
+    completed(&model).rows
+}
+
 /// W − (E + T + ΣD), what the energies of a row lack [J].
 pub fn gap(row: &HistoryRow) -> f64 {
     row.external_work_J
@@ -369,6 +375,16 @@ pub fn gap(row: &HistoryRow) -> f64 {
         - row.viscous_dissipation_J
         - row.damping_dissipation_J
         - row.numerical_dissipation_J
+}
+
+/// Largest value over a run, at least 0.
+pub fn most(recording: &Recording, of: fn(&HistoryRow) -> f64) -> f64 {
+    recording.rows.iter().map(of).fold(0.0, f64::max)
+}
+
+/// Worst gap of the energies over the most that was put in [-].
+pub fn imbalance(recording: &Recording) -> f64 {
+    most(recording, |r| gap(r).abs()) / most(recording, |r| r.external_work_J.abs())
 }
 
 /// Points that slid from one commit to the next, and do not face nothing: index and history.

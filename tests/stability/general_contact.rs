@@ -4,21 +4,12 @@
 mod common;
 
 use common::inside::{penetration, positions};
-use common::scene::{self, Block, DENSITY, G, Recording, gap};
+use common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure};
 use wythe::results::HistoryRow;
 
 const E: f64 = 1e4;
-
-fn most(recording: &Recording, of: fn(&HistoryRow) -> f64) -> f64 {
-    recording.rows.iter().map(of).fold(0.0, f64::max)
-}
-
-/// Worst gap of the energies over the most that was put in.
-fn imbalance(recording: &Recording) -> f64 {
-    most(recording, |r| gap(r).abs()) / most(recording, |r| r.external_work_J.abs())
-}
 
 /// Largest total of kinetic, elastic and dissipated energy beyond what was put in, over it.
 fn gain(recording: &Recording) -> f64 {

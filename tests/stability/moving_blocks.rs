@@ -3,22 +3,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, gap};
+use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
 use wythe::contact::InterfaceLaw;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
 use wythe::model::{Deck, Model};
-use wythe::results::HistoryRow;
 
 const MU: f64 = 0.4;
-
-/// Worst gap of the energies over the most that was put in.
-fn imbalance(recording: &Recording) -> f64 {
-    let most = |of: fn(&HistoryRow) -> f64| {
-        let values = recording.rows.iter().map(of);
-        values.fold(0.0, f64::max)
-    };
-    most(|r| gap(r).abs()) / most(|r| r.external_work_J.abs())
-}
 
 /// A block of 100 × 60 × 50 mm on a table of `length`, which nothing moves.
 fn on_a_table(length: f64) -> (Model, Block) {

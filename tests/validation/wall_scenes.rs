@@ -80,8 +80,8 @@ fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
     assert!(last.open_points + last.sliding_points > 1000, "{last:?}");
 }
 
-/// A small one is pressed past its peak until it carries less than half of it. The example itself, whole, is the case
-/// `c022` of docs/validation/03-out-of-plane.
+/// A small one is pressed past its peak until it carries less than half of it. The whole wall of the example is the run `c022`
+/// of docs/validation/03-out-of-plane, to 2.5 mm in place of 10.
 #[test]
 fn an_airbag_presses_a_wall_past_its_peak() {
     let rows = rows(
@@ -154,7 +154,7 @@ fn a_slender_wall_stands_where_it_is_held_out_of_its_plane() {
 }
 
 /// SW100 of Lourenco et al. (2005): the mean peak of the two repeats is 44.85 kN (41.5 and 48.2 kN, digitised).
-/// 10 % is what the issue of validation asks; the repeats differ by 15 %.
+/// The two differ by 15 %, each by 7.5 % from their mean: 10 % of it is no farther than a third test may be.
 #[test]
 fn a_dry_stone_wall_rocks_like_the_test() {
     let rows = rows("63_dry_stone_wall", &[("steps.2.displacement", "12")]);
@@ -172,11 +172,26 @@ fn a_corner_is_tilted() {
     assert!(rows.iter().all(|r| r.max_interface_damage == 0.0));
 }
 
-/// It stands at 10°, which statics find without any inertia.
+/// It stands at 10° and falls at atan 0.98446 = 44.551°, the limit of 13 rigid voussoirs with flat faces: by the linear program
+/// of docs/validation/05-arches/limit_analysis.py for an inner radius of 1,250 mm and 106.26°. Statics find both without any inertia.
 #[test]
-fn a_segmental_arch_stands_on_its_thrust() {
-    let rows = rows("67_segmental_arch", &[("steps.1.procedure", "static")]);
-    assert!(rows.last().unwrap().elastic_energy_J > 0.0);
+fn a_segmental_arch_stands_on_its_thrust_until_four_hinges_open() {
+    rows("67_segmental_arch", &[("steps.1.procedure", "static")]); // stands
+    let deck = load(
+        "67_segmental_arch",
+        &[
+            ("steps.1.procedure", "static"),
+            ("steps.1.angle", "50"),
+            ("steps.1.tolerance.residual", "2e-3"),
+        ],
+    );
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let (recording, summary) = run(&model);
+    assert_eq!(summary.status, Status::NotConverged, "{}", summary.message);
+    let fell = 50.0 * (recording.rows.last().unwrap().time - 1.0);
+    let limit = 0.98446_f64.atan().to_degrees();
+    // Nodal forces are met to 2e-3; 4e-6 found.
+    assert!((fell / limit - 1.0).abs() < 1e-3, "{fell}° of {limit}°");
 }
 
 /// The thrust passes beside the middle of the wall, so that its end moves to the side where mortar is missing.

@@ -1,7 +1,12 @@
 //! Bonds, leaves, openings, corners, dry and partly filled joints: the units of a wall fill it without gaps
 //! or overlaps, and every face between two of them is an interface exactly once.
 
-use wythe::model::{Deck, Mesh, Model};
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::blocks::{area_vector, nodes, norm};
+use common::boxes::{Box3, bodies, element_box, volume};
+use wythe::model::{Deck, Model};
 
 const MATERIALS: &str = "format = 1
 [materials.brick]
@@ -54,48 +59,14 @@ fn model(wall: &str) -> Model {
         .0
 }
 
-/// A box: lower and upper corner [mm].
-type Box3 = [[f64; 3]; 2];
-
-fn element_box(mesh: &Mesh, e: usize) -> Box3 {
-    let c = mesh.corners(e);
-    [c[0], c[6]]
-}
-
-fn volume([a, b]: Box3) -> f64 {
-    (0..3).map(|d| b[d] - a[d]).product()
-}
-
-/// Boxes around the bodies. `[body]`
-fn bodies(mesh: &Mesh) -> Vec<Box3> {
-    let count = mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
-    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
-    for (e, &unit) in mesh.unit.iter().enumerate() {
-        let [low, high] = element_box(mesh, e);
-        for d in 0..3 {
-            let own = &mut boxes[unit as usize];
-            own[0][d] = own[0][d].min(low[d]);
-            own[1][d] = own[1][d].max(high[d]);
-        }
-    }
-    boxes
-}
-
 fn overlap(a: Box3, b: Box3) -> f64 {
     (0..3)
         .map(|d| (a[1][d].min(b[1][d]) - a[0][d].max(b[0][d])).max(0.0))
         .product()
 }
 
-fn area(mesh: &Mesh, facet: [u32; 4]) -> f64 {
-    let p = facet.map(|n| mesh.nodes[n as usize]);
-    let edge = |a: usize, b: usize| {
-        (0..3)
-            .map(|d| (p[b][d] - p[a][d]).powi(2))
-            .sum::<f64>()
-            .sqrt()
-    };
-    edge(0, 1) * edge(1, 2)
+fn area(model: &Model, facet: [u32; 4]) -> f64 {
+    norm(area_vector(nodes(model, facet)))
 }
 
 /// Area where the bodies touch each other [mm²], from their boxes alone.
@@ -135,7 +106,7 @@ fn fills(model: &Model, solid: f64) {
         }
     }
     let facets = &model.contact.slave_facets;
-    let slaves: f64 = facets.iter().map(|f| area(mesh, *f)).sum();
+    let slaves: f64 = facets.iter().map(|f| area(model, *f)).sum();
     let meet = touching(&boxes);
     assert!(
         meet > 0.0 && (slaves - meet).abs() < 1e-9 * meet,
@@ -361,7 +332,7 @@ fn a_wall_stands_on_a_block() {
     let boxes = bodies(&model.mesh);
     let mesh = &model.mesh;
     let facets = &model.contact.slave_facets;
-    let slaves: f64 = facets.iter().map(|f| area(mesh, *f)).sum();
+    let slaves: f64 = facets.iter().map(|f| area(&model, *f)).sum();
     assert!((slaves - touching(&boxes)).abs() < 1e-6 * slaves);
     let top = 100.0 + 3.0 * 65.0 + 20.0;
     assert!(

@@ -246,7 +246,8 @@ fn cantilever_table() {
         for (formulation, expected) in ALL.into_iter().zip(expected) {
             let ratio = cantilever(formulation, nu, mesh);
             println!("{nu} {mesh:?} {formulation:?}: {ratio:.4} (table {expected})");
-            // The issue asks for half a per cent.
+            // Within 1e-4 with nu = 0 but for one layer of B-bar (0.5 %); with nu = 0.15 it counts how the ends are held and
+            // loaded (0.3 %).
             assert!(
                 (ratio / expected - 1.0).abs() < 5e-3,
                 "{mesh:?} {formulation:?}: {ratio}"

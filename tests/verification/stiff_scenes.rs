@@ -3,24 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::blocks::{Bad, refuses};
+use common::blocks::{Bad, deck as parsed, refuses};
 use common::examples::load;
-use common::scene::run;
-use wythe::model::{Deck, Model, check};
-use wythe::results::{HistoryRow, Status};
+use common::scene::{rows, run};
+use wythe::model::{Model, check};
+use wythe::results::Status;
 
 const PIER: &str = include_str!("../../examples/66_rocking_pier.toml");
-
-fn rows(deck: &Deck) -> Vec<HistoryRow> {
-    let (model, _) = Model::from_deck(deck).unwrap_or_else(|e| panic!("{e}"));
-    let (recording, summary) = run(&model);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording.rows
-}
-
-fn parsed(text: &str) -> Deck {
-    Deck::from_str(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// Force of the push at the deflection u: the load N and the weight W about the toe of the pier, b long.
 #[test]

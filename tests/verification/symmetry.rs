@@ -3,10 +3,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::blocks::{Bad, refuses};
-use common::scene::run;
+use common::blocks::{self, Bad, refuses};
+use common::scene::rows;
 use wythe::model::{Deck, Model, check};
-use wythe::results::{HistoryRow, Status};
 
 const STONE: &str = "format = 1
 [materials.stone]
@@ -31,17 +30,11 @@ mesh = [4, 2, 2]
 clamped = false
 ";
 
-/// The deck of a wall with these further tables.
+/// The deck of a scene and its model.
 fn model(text: &str) -> (Deck, Model) {
-    let deck = Deck::from_str(text, "wall.toml").unwrap_or_else(|e| panic!("{e}"));
+    let deck = blocks::deck(text);
     let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
     (deck, model)
-}
-
-fn rows(text: &str) -> Vec<HistoryRow> {
-    let (recording, summary) = run(&model(text).1);
-    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
-    recording.rows
 }
 
 fn plane(normal: &str, at: f64, keep: &str) -> String {
@@ -76,7 +69,7 @@ displacement = 0.5
     .concat();
     let force = |planes: &str| {
         let text = format!("{STONE}courses = 4\n{planes}{steps}");
-        let rows = rows(&text);
+        let rows = rows(&blocks::deck(&text));
         let last = &rows[rows.len() - 1];
         [last.force_kN, last.elastic_energy_J, last.external_work_J]
     };
@@ -111,7 +104,7 @@ fn pressures(text: &str, at: &[f64]) -> Vec<f64> {
     let columns = model.columns();
     let place = |name: &str| columns.iter().position(|c| c == name).unwrap();
     let (deflection, step) = (place("middle_mm"), deck.steps.len() - 1);
-    let curve: Vec<[f64; 2]> = rows(text)
+    let curve: Vec<[f64; 2]> = rows(&blocks::deck(text))
         .iter()
         .filter(|r| r.step == step)
         .map(|r| [r.probes[deflection], r.load_factor])

@@ -1,49 +1,20 @@
 //! Geometry of generated walls: volumes, counts, interfaces, bats.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 use std::collections::HashSet;
-use std::path::Path;
-use wythe::model::{Deck, Mesh, Model};
+
+use common::boxes::{bodies, element_box, volume};
+use common::examples::load;
+use wythe::model::{Mesh, Model};
 
 fn example(name: &str, overrides: &[(&str, &str)]) -> Model {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name);
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|(k, v)| ((*k).into(), (*v).into()))
-        .collect();
-    let deck = Deck::load(path, &overrides).unwrap();
-    Model::from_deck(&deck).unwrap().0
+    Model::from_deck(&load(name, overrides)).unwrap().0
 }
 
 fn j7d(overrides: &[(&str, &str)]) -> Model {
     example("03_shear_wall_j7d.toml", overrides)
-}
-
-/// Axis-parallel box of an element: lower and upper corner.
-fn element_box(mesh: &Mesh, e: usize) -> [[f64; 3]; 2] {
-    let c = mesh.corners(e);
-    [c[0], c[6]]
-}
-
-fn volume([a, b]: [[f64; 3]; 2]) -> f64 {
-    (b[0] - a[0]) * (b[1] - a[1]) * (b[2] - a[2])
-}
-
-/// Boxes of the bodies. `[body]`
-fn bodies(mesh: &Mesh) -> Vec<[[f64; 3]; 2]> {
-    let count = mesh.unit.iter().max().map_or(0, |&u| u as usize + 1);
-    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
-    for (e, &unit) in mesh.unit.iter().enumerate() {
-        for corner in mesh.corners(e) {
-            for d in 0..3 {
-                let [low, high] = &mut boxes[unit as usize];
-                low[d] = low[d].min(corner[d]);
-                high[d] = high[d].max(corner[d]);
-            }
-        }
-    }
-    boxes
 }
 
 /// Rectangle of an axis-parallel facet: axis and sign of its normal, its plane, and its extent along
