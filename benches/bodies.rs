@@ -1,0 +1,95 @@
+//! Loose bodies under general contact: a field of pairs of stones, one above the other, that fall by a millimetre onto a
+//! table and onto each other and lie there, one thread, with what a solve and a body cost.
+
+use std::fmt::Write as _;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use rayon::ThreadPoolBuilder;
+use wythe::model::{Deck, Model};
+use wythe::results::{Frame, HistoryRow, Recorder};
+
+struct Nothing;
+
+impl Recorder for Nothing {
+    fn take(&mut self, _: &Model, _: &HistoryRow, _: Option<&Frame>) -> std::io::Result<bool> {
+        Ok(true)
+    }
+}
+
+/// `side`² pairs of stones of 50 × 50 × 40 mm.
+fn scene(side: usize) -> Model {
+    let length = 60 * side + 20;
+    let mut deck = format!(
+        r#"
+format = 1
+[materials.stone]
+E = "1 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.6
+mu = 0.6
+[contact]
+general = "dry"
+[[steps]]
+kind = "free"
+gravity = "9.81 m/s^2"
+procedure = "quasi_static"
+duration = "0.04 s"
+increments = {{ initial = 0.025, max = 0.025, min = 1e-7 }}
+tolerance = {{ residual = 5e-3 }}
+[[supports]]
+on = "table"
+[[blocks]]
+name = "table"
+size = [{length}, {length}, 50]
+at = [-10, -10, -50]
+material = "stone"
+"#
+    );
+    for i in 0..side {
+        for j in 0..side {
+            for k in 0..2 {
+                // Corners do not lie above corners.
+                let x = 60.0 * i as f64 + 0.6 * ((7 * i + 3 * j + 5 * k) % 5) as f64;
+                write!(
+                    deck,
+                    "[[blocks]]\nname = \"stone-{i}-{j}-{k}\"\nsize = [50, 50, 40]\nat = [{x}, {}, {}]\nmaterial = \"stone\"\n",
+                    60 * j,
+                    1 + 41 * k
+                )
+                .expect("a string grows");
+            }
+        }
+    }
+    let deck = Deck::from_str(&deck, "bodies.toml").expect("a deck");
+    Model::from_deck(&deck).expect("its model").0
+}
+
+fn bodies(c: &mut Criterion) {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.expect("a thread");
+    let mut group = c.benchmark_group("general contact");
+    group.sample_size(10);
+    for side in [5, 10, 22] {
+        let model = scene(side);
+        let run = || wythe::solve::run(&model, &mut Nothing).expect("a run");
+        let begun = std::time::Instant::now();
+        let summary = pool.install(run);
+        let seconds = begun.elapsed().as_secs_f64();
+        let count = 2 * side * side;
+        println!(
+            "{count} bodies: {} increments, {} solves, {:.1} µs a solve and body",
+            summary.increments,
+            summary.iterations,
+            1e6 * seconds / (summary.iterations * count) as f64
+        );
+        group.bench_function(count.to_string(), |b| b.iter(|| pool.install(run)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bodies);
+criterion_main!(benches);
