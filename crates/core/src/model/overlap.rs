@@ -19,7 +19,7 @@ const TOO_DEEP: f64 = 0.05;
 /// Boxes of bodies that touch may have so much in common by rounding [mm].
 const TOUCHING: f64 = 1e-6;
 
-/// More pairs than these are not told one by one.
+/// More pairs than these, of warnings and of errors, are not told one by one.
 const MOST_TOLD: usize = 5;
 
 /// A box in the axes. `[xyz][low, high]`
@@ -78,15 +78,21 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         elements[*unit as usize].push(e);
     }
     let (mut warnings, mut errors) = (Vec::new(), Errors::default());
-    let mut told = 0;
+    let mut told = [0; 2];
     for (a, b) in near(&boxes(bodies), TOUCHING) {
         let Some((depth, edge, at)) = deepest(mesh, &elements[a], &elements[b]) else {
             continue;
         };
-        if depth <= OVERLAPS * edge || told == MOST_TOLD {
+        if depth <= OVERLAPS * edge {
             continue;
         }
-        told += 1;
+        // Errors and warnings are counted apart: shallow pairs that come first must not hide a deep one.
+        let too_deep = depth > TOO_DEEP * edge;
+        let told = &mut told[usize::from(too_deep)];
+        if *told == MOST_TOLD {
+            continue;
+        }
+        *told += 1;
         let [x, y, z] = at;
         let message = format!(
             "{} and {} overlap by {depth:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm",
@@ -94,7 +100,7 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
             bodies.called(b)
         );
         let path = path_of(deck, bodies, b);
-        if depth > TOO_DEEP * edge {
+        if too_deep {
             errors.push(deck.error(
                 &path,
                 message,

@@ -128,10 +128,12 @@ pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
     // Named meshes say how a unit is cut; a written one counts the joints where there are some.
     let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
     let joint = |thickness: f64| u32::from(named || thickness > 0.0);
+    // A mesh without an element for the unit is refused, but after planes of symmetry have asked for these.
+    let unit = |n: u32, thickness: f64| f64::from(n) - f64::from(joint(thickness));
     [
-        f64::from(m.length - joint(wall.head_joint.get())),
+        unit(m.length, wall.head_joint.get()),
         f64::from(m.thickness),
-        f64::from(m.height - joint(wall.bed_joint.get())),
+        unit(m.height, wall.bed_joint.get()),
     ]
 }
 
