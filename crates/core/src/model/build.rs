@@ -91,11 +91,20 @@ impl Model {
         let overlaps = errors
             .keep(overlap::overlaps(deck, &bodies))
             .unwrap_or_default();
+        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
+        let planes = &supports[held_by_deck..];
+        errors.keep(symmetry::judge_held(
+            deck,
+            &bodies,
+            planes,
+            &springs,
+            named.all(),
+            &steps,
+        ));
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
         let bond = findings::bond(deck, &bodies.walls);
-        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
         let mut model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,

@@ -115,8 +115,20 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
 
 /// The key that tells where a body lies.
 fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
+    let table = table_of(deck, bodies, body);
+    let index = table.strip_prefix("blocks.").and_then(|i| i.parse().ok());
+    let block = index.and_then(|i: usize| deck.blocks.get(i));
+    match block {
+        Some(block) if block.corners.is_some() => format!("{table}.corners"),
+        _ if table == "arch" => table,
+        _ => format!("{table}.at"),
+    }
+}
+
+/// The table of the deck that lays a body.
+pub(super) fn table_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     if let Some(wall) = bodies.wall_of(body) {
-        return format!("{}.at", wall.path);
+        return wall.path.clone();
     }
     let name = &bodies.all[body].name;
     let is = |of: &str| {
@@ -124,15 +136,10 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
     };
     if let Some(i) = deck.blocks.iter().position(|block| is(&block.name)) {
-        let key = if deck.blocks[i].corners.is_some() {
-            "corners"
-        } else {
-            "at"
-        };
-        return format!("blocks.{i}.{key}");
+        return format!("blocks.{i}");
     }
     match deck.imports.iter().position(|import| is(&import.name)) {
-        Some(i) => format!("imports.{i}.at"),
+        Some(i) => format!("imports.{i}"),
         None => "arch".to_owned(),
     }
 }

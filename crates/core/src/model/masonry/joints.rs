@@ -166,10 +166,11 @@ fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize,
         })
 }
 
-/// Index of the law of the half of a joint, see [`mirrored`].
+/// Index of the law of the half of a joint, see [`mirrored`]. It keeps the interface's name: its bond scatters as that
+/// of the others, and the checker tells its stiffnesses.
 fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
     let own = mirrored(&contact.laws[usize::from(law)]);
-    let name = format!("{} at its middle", contact.law_names[usize::from(law)]);
+    let name = contact.law_names[usize::from(law)].clone();
     let mut known = contact.laws.iter().zip(&contact.law_names);
     let found = known.position(|(l, n)| *n == name && *l == own);
     let index = found.unwrap_or_else(|| {
