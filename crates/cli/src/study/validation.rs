@@ -1,5 +1,6 @@
 //! `wythe study validation`: what comes out beside what is known.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -54,11 +55,19 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     // A part of the cases leaves the rows of the others.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
-        _ => std::fs::read_to_string(beside.join(INDEX)).unwrap_or_default(),
+        _ => listed(&beside.join(INDEX))?,
     };
     let name = out.file_name().unwrap_or(out.as_os_str()).to_string_lossy();
     write(beside, INDEX, index(&all, &name, &before).as_bytes())?;
     print(&format!("{}written to {}\n", summary(&all), out.display()))
+}
+
+/// The page that lists the cases as it stands; nothing if there is none.
+fn listed(file: &Path) -> Result<String, Failure> {
+    match std::fs::read_to_string(file) {
+        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|why| failed(file, why)),
+    }
 }
 
 /// The page of a case and what stands beside it.
@@ -76,16 +85,18 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
                 write(folder, &format!("{name}_{what}.svg"), svg.as_bytes())?;
             }
         }
-        write(
-            folder,
-            &format!("{name}.csv"),
-            table(case, outcome).as_bytes(),
-        )?;
+        // A run that broke leaves the files of the one before.
+        if !outcome.history.rows(None).is_empty() {
+            let table = table(case, outcome);
+            write(folder, &format!("{name}.csv"), table.as_bytes())?;
+        }
         // A deck that stands there by this name already keeps its comments.
         let file = format!("{name}.toml");
         let of_run = case.runs.iter().find(|r| r.name == *name).map(|r| &r.deck);
-        if of_run != Some(&folder.join(&file)) {
-            write(folder, &file, outcome.deck.as_bytes())?;
+        if let Some(deck) = &outcome.deck
+            && of_run != Some(&folder.join(&file))
+        {
+            write(folder, &file, deck.as_bytes())?;
         }
     }
     write(folder, PAGE, page(validated).as_bytes())?;

@@ -47,8 +47,8 @@ pub struct Outcome {
     pub energy: f64,
     /// Its columns.
     pub history: History,
-    /// The deck with its overrides, as TOML.
-    pub deck: String,
+    /// The deck with its overrides, as TOML; none of a run that broke before.
+    pub deck: Option<String>,
     /// The scene, as SVG, where it was asked for.
     pub scene: Option<String>,
     /// The cracks, as SVG, where they were asked for.
@@ -118,7 +118,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
         cost: Cost::default(),
         energy: 0.0,
         history: History::default(),
-        deck: String::new(),
+        deck: None,
         scene: None,
         cracks: None,
     };
@@ -127,7 +127,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
             Err(why) => outcome.verdict = Verdict::Broken(why),
             Ok((history, deck, verdict, measured)) => {
                 outcome.cost.increments = history.rows(None).len();
-                (outcome.history, outcome.deck) = (history, deck);
+                (outcome.history, outcome.deck) = (history, Some(deck));
                 (outcome.verdict, outcome.measured) = (verdict, measured);
             }
         }
@@ -153,7 +153,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
             };
             outcome.energy = ended.energy;
             outcome.history = History::new(&ended.rows, &ended.probes);
-            outcome.deck = deck;
+            outcome.deck = Some(deck);
             outcome.scene = scene;
         }
     }

@@ -1,7 +1,7 @@
 //! `case.toml` of a validation case as written, and what is checked of it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -44,11 +44,9 @@ struct RunFile {
     #[serde(default)]
     set: Vec<String>,
     short: Option<ShortFile>,
-    #[serde(default)]
-    status: End,
+    status: Option<End>,
     energy: Option<f64>,
-    #[serde(default)]
-    cracks: CracksFile,
+    cracks: Option<CracksFile>,
     drawing: Option<bool>,
     #[serde(default)]
     expect: Vec<ExpectFile>,
@@ -65,9 +63,13 @@ enum CracksFile {
     At(AtFrame),
 }
 
-impl Default for CracksFile {
-    fn default() -> Self {
-        Self::Is(false)
+impl CracksFile {
+    fn frame(&self) -> Option<FrameChoice> {
+        match self {
+            Self::Is(false) => None,
+            Self::Is(true) | Self::At(AtFrame::Last) => Some(FrameChoice::Last),
+            Self::At(AtFrame::Peak) => Some(FrameChoice::Peak),
+        }
     }
 }
 
@@ -140,8 +142,12 @@ impl CaseFile {
         let at = At { source, folder };
         let mut runs: Vec<Run> = Vec::new();
         let mut columns = Vec::new();
+        // Files of the folder that the case reads.
+        let mut read = vec![folder.join("case.toml")];
         for (i, written) in self.runs.into_iter().enumerate() {
             let path = format!("runs.{i}");
+            let of_run = written.expect.iter().filter_map(|e| e.file.as_ref());
+            read.extend(of_run.map(|file| folder.join(file)));
             let (run, of_run) = at.run(&path, written, i == 0)?;
             if runs.iter().any(|r| r.name == run.name) {
                 return Err(at.error(&format!("{path}.name"), "two runs have this name"));
@@ -152,6 +158,7 @@ impl CaseFile {
         if runs.is_empty() {
             return Err(at.error("", "the case has no [[runs]]"));
         }
+        at.spared(&runs, &self.charts, read)?;
         let charts = self.charts.into_iter().enumerate();
         let charts = charts.map(|(i, c)| at.chart(&format!("charts.{i}"), c, &runs, &columns));
         Ok(Case {
@@ -172,6 +179,59 @@ impl At<'_> {
     fn error(&self, path: &str, message: impl Into<String>) -> StudyError {
         let error: ModelError = self.source.error(path, message, &advice(path));
         error.into()
+    }
+
+    /// Refuses names by which the study would write over what the case reads, or over what it has written: a run has
+    /// its history and its deck beside the case, a chart its picture.
+    fn spared(
+        &self,
+        runs: &[Run],
+        charts: &[ChartFile],
+        mut read: Vec<PathBuf>,
+    ) -> Result<(), StudyError> {
+        let references = charts.iter().flat_map(|chart| &chart.references);
+        read.extend(references.map(|reference| self.folder.join(&reference.file)));
+        let mut pictures: Vec<String> = Vec::new();
+        for (i, run) in runs.iter().enumerate() {
+            let file = |end: &str| self.folder.join(format!("{}{end}", run.name));
+            let own = file(".toml");
+            // A deck that stands there by this name already is not written.
+            let decks = runs.iter().map(|r| &r.deck).filter(|_| run.deck != own);
+            let mut spared = read.iter().chain(decks);
+            if let Some(over) = spared.find(|read| **read == file(".csv") || **read == own) {
+                let over = over.display();
+                let what = format!(
+                    "what comes out would be written over {over}: give the run another name"
+                );
+                return Err(self.error(&format!("runs.{i}.name"), what));
+            }
+            pictures.extend(["scene", "cracks"].map(|of| format!("{}_{of}", run.name)));
+        }
+        for (i, chart) in charts.iter().enumerate() {
+            if pictures.contains(&chart.name) {
+                let what = "another picture has this name, and one would be written over the other";
+                return Err(self.error(&format!("charts.{i}.name"), what));
+            }
+            pictures.push(chart.name.clone());
+        }
+        Ok(())
+    }
+
+    /// Refuses keys that are there and not read where this is so.
+    fn unread(
+        &self,
+        path: &str,
+        keys: &[(&str, bool)],
+        so: bool,
+        what: &str,
+    ) -> Result<(), StudyError> {
+        match keys.iter().find(|(_, there)| so && *there) {
+            Some((key, _)) => Err(self.error(
+                &format!("{path}.{key}"),
+                format!("{what} does not read `{key}`"),
+            )),
+            None => Ok(()),
+        }
     }
 
     /// A run and the columns of its history.
@@ -218,6 +278,13 @@ impl At<'_> {
             return Err(self.error(&key("energy"), "must be above 0"));
         }
         let is_point = written.point.is_some();
+        let unread = [
+            ("status", written.status.is_some()),
+            ("energy", written.energy.is_some()),
+            ("cracks", written.cracks.is_some()),
+            ("drawing", written.drawing.is_some()),
+        ];
+        self.unread(path, &unread, is_point, "a run of a `point`")?;
         let run = Run {
             short: short(self.source, &key("short"), written.short.as_ref())?,
             name: written.name,
@@ -225,14 +292,9 @@ impl At<'_> {
             deck: file,
             point: written.point,
             set,
-            status: written.status,
+            status: written.status.unwrap_or_default(),
             energy: written.energy.unwrap_or(ENERGY),
-            cracks: match written.cracks {
-                _ if is_point => None,
-                CracksFile::Is(false) => None,
-                CracksFile::Is(true) | CracksFile::At(AtFrame::Last) => Some(FrameChoice::Last),
-                CracksFile::At(AtFrame::Peak) => Some(FrameChoice::Peak),
-            },
+            cracks: written.cracks.and_then(|cracks| cracks.frame()),
             drawing: written.drawing.unwrap_or(first) && !is_point,
             expect,
         };
@@ -250,6 +312,16 @@ impl At<'_> {
         if !is_file_name(&written.name) {
             return Err(self.error(&key("name"), "no name for a file"));
         }
+        let of_measures = written.y.expect.is_some() && written.at.is_some();
+        let unread = [
+            ("runs", written.runs.is_some()),
+            ("x.column", written.x.column.is_some()),
+            ("x.factor", written.x.factor.is_some()),
+            ("y.column", written.y.column.is_some()),
+        ];
+        self.unread(path, &unread, of_measures, "a chart of measures")?;
+        let unread = [("x.expect", written.x.expect.is_some())];
+        self.unread(path, &unread, true, "a chart")?;
         let content = match (&written.y.expect, &written.at) {
             (Some(expect), Some(at)) => {
                 for name in at.keys() {
