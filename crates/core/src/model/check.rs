@@ -1,6 +1,6 @@
 //! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
 
-use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
+use super::deck::{Axis, Deck, DeckBeam, Interface, Subdivision, Turning, Wall};
 use super::findings;
 use super::masonry::{self, Masonry};
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
@@ -118,16 +118,51 @@ fn memory_mb(deck: &Deck, model: &Model, sizes: Sizes) -> f64 {
         1.0
     };
     let n = sizes.dofs as f64;
-    let layers = deck.walls().map(|(_, _, wall)| wall.mesh.thickness).max();
-    let solver = match layers {
-        Some(layers) if !deck.has_blocks() => {
-            let thick = 3.0 * (layers as f64 + 1.0);
+    let planes = planes_through(deck, model);
+    let solver = match planes {
+        Some(planes) if !deck.has_blocks() => {
+            let thick = 3.0 * planes as f64;
             n * thick * (440.0 + 34.0 * (n / thick).max(1.0).log2())
         }
         _ => 885.0 * n.powf(1.22),
     };
     PROGRAM_MB + (bodies as f64 + share * solver) * 1e-6
 }
+
+/// Planes of nodes one behind the other through the thickness of the walls: those of a unit, as often as it goes into
+/// the thickness. None without walls.
+fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
+    let walls = || deck.walls().map(|(_, _, wall)| wall);
+    let thickness = walls().map(masonry::thickness).max_by(f64::total_cmp)?;
+    let through = |wall: &Wall| usize::from(wall.along != Axis::Y);
+    let axes: Vec<usize> = [0, 1]
+        .into_iter()
+        .filter(|d| walls().any(|w| through(w) == *d))
+        .collect();
+    let mesh = &model.mesh;
+    let planes = |unit: &[usize], d: usize| {
+        let nodes = unit.iter().flat_map(|e| mesh.corners(*e));
+        let mut x: Vec<f64> = nodes.map(|x| x[d]).collect();
+        x.sort_by(f64::total_cmp);
+        x.dedup_by(|b, a| *b - *a <= SAME_PLANE);
+        let [front, back] = mesh.extent(d); // of half a wall, where a plane of symmetry cuts it
+        let times = thickness.min(back - front) / (x[x.len() - 1] - x[0]);
+        let times = times.round().clamp(1.0, MOST_LEAVES);
+        x.len() * times as usize
+    };
+    let elements: Vec<usize> = (0..mesh.elements.len()).collect();
+    let units = elements.chunk_by(|a, b| mesh.unit[*a] == mesh.unit[*b]);
+    // Of walls that run both ways a unit may lie either way: the lesser counts.
+    units
+        .filter_map(|unit| axes.iter().map(|d| planes(unit, *d)).min())
+        .max()
+}
+
+/// A wall has no more [-].
+const MOST_LEAVES: f64 = 100.0;
+
+/// Nodes closer along an axis lie in one plane [mm].
+const SAME_PLANE: f64 = 1e-6;
 
 /// What a run of two bricks takes [MB].
 const PROGRAM_MB: f64 = 12.0;

@@ -1,7 +1,7 @@
 //! Physics of a model that can be judged before it is run.
 
 use super::Model;
-use super::deck::{Bond, Deck, Interface};
+use super::deck::{Bond, Deck, FilledFrom, Interface, Subdivision};
 use super::masonry::Masonry;
 use super::tables;
 use crate::error::{Errors, ModelError, Warning};
@@ -220,8 +220,26 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
             ),
         ));
     }
+    warnings.extend(unread(deck, masonry));
     warnings.extend(wide_joints(deck, masonry));
     warnings.extend(gaps(deck, masonry));
+    warnings
+}
+
+/// Keys of a wall that other keys leave without effect.
+fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
+    let (wall, path) = (masonry.wall, &masonry.path);
+    let mut warnings = Vec::new();
+    if wall.rigid && wall.mesh != Subdivision::default() {
+        let message = "not used: rigid units have the elements that their neighbours leave them";
+        warnings.push(deck.warning(&format!("{path}.mesh"), message));
+    }
+    let filling = wall.head_filling.get();
+    if wall.filled_from != FilledFrom::Both && (filling == 0.0 || filling == 1.0) {
+        let how = if filling == 0.0 { "empty" } else { "full" };
+        let message = format!("not used: head_filling = {filling} leaves the head joints {how}");
+        warnings.push(deck.warning(&format!("{path}.filled_from"), message));
+    }
     warnings
 }
 

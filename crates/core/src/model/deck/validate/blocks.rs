@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::model::deck::{DeckArch, DeckBlock, Names};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
+use crate::model::rigid;
 
 /// Rises that are rounded may be a little more than half the span.
 const ROUNDED: f64 = 1e-9;
@@ -72,9 +73,11 @@ impl Checks<'_> {
             }
             self.known_interface(&format!("{path}.interface"), &contact.interface);
         }
-        if deck.blocks.iter().any(|b| b.rigid) {
+        // Whatever is rigid, its modulus follows from the joints': it tells nothing of theirs.
+        if rigid::any(deck) {
             let of_contacts = deck.contacts.iter().map(|c| &c.interface);
-            for name in of_contacts.chain(&deck.contact.general) {
+            let of_beams = deck.beams.iter().map(|beam| &beam.interface);
+            for name in of_contacts.chain(of_beams).chain(&deck.contact.general) {
                 self.stiffness_of_joints(name);
             }
         }
