@@ -11,7 +11,7 @@
 use super::course::TOLERANCE;
 use super::layout::{Refusal, Unit};
 use super::representative;
-use crate::model::deck::{Axis, Wall};
+use crate::model::deck::Wall;
 use crate::model::symmetry::Plane;
 
 /// What is left of the units of a wall on the side of the planes that is modelled, and at which faces planes cut it.
@@ -52,7 +52,7 @@ pub(super) fn cut(
         if farthest <= tolerance {
             continue; // it ends at the plane, or before
         }
-        if d == through(wall) && wall.head_filling.get() < 1.0 {
+        if d == wall.axes().1 && wall.head_filling.get() < 1.0 {
             return refuse(
                 "normal",
                 format!("a plane through the thickness would cut the strips of mortar of `{name}`"),
@@ -96,11 +96,6 @@ pub(super) fn cut(
     Ok((units, faces))
 }
 
-/// Axis through a wall.
-fn through(wall: &Wall) -> usize {
-    1 - usize::from(wall.along == Axis::Y)
-}
-
 /// The mirror image of each unit.
 ///
 /// # Errors
@@ -121,12 +116,20 @@ fn images(
     };
     for course in courses {
         let first = images.len();
+        let mut order: Vec<usize> = (0..course.len()).collect();
+        order.sort_by(|a, b| course[*a].own[d][0].total_cmp(&course[*b].own[d][0]));
         for unit in course {
             let mut wanted = unit.own;
             wanted[d] = [plane.image(unit.own[d][1]), plane.image(unit.own[d][0])];
-            let image = course.iter().position(|other| {
+            let is = |other: &Unit| {
                 (0..3).all(|d| near(other.own[d], wanted[d])) && other.material == unit.material
-            });
+            };
+            // Those that begin where it would.
+            let begins = |i: &usize| course[*i].own[d][0];
+            let from = order.partition_point(|i| begins(i) < wanted[d][0] - 4.0 * tolerance);
+            let there = order[from..].iter().copied();
+            let there = there.take_while(|i| begins(i) <= wanted[d][0] + 4.0 * tolerance);
+            let image = there.filter(|i| is(&course[*i])).min();
             let Some(image) = image else {
                 let [from, to] = unit.own[d];
                 let refusal = Refusal {
@@ -150,8 +153,8 @@ fn images(
     Ok(images)
 }
 
-/// Cuts a unit, of which the joint towards the plane is `joint` mm thick; false if nothing of it is left. Units are mirror images of each other, so that a plane meets them
-/// and the joints between them at their middle.
+/// Cuts a unit, of which the joint towards the plane is `joint` mm thick; false if nothing of it is left. Units are
+/// mirror images of each other, so that a plane meets them and the joints between them at their middle.
 fn keep(plane: &Plane, unit: &mut Unit, joint: f64, tolerance: f64) -> bool {
     let d = plane.axis;
     // The side that looks at the plane.
