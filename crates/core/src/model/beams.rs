@@ -13,6 +13,7 @@ use super::deck::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
     StepKind, Turning,
 };
+use super::hexahedron::range;
 use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
 use super::rigid;
 use super::scene::Increments;
@@ -115,12 +116,7 @@ fn outline(
     let path = format!("beams.{i}.on");
     let places = bodies.places(&path, &beam.on, true)?;
     let nodes = bodies.nodes(&places);
-    let of = |d: usize| {
-        let x = nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-            [r[0].min(x), r[1].max(x)]
-        })
-    };
+    let of = |d: usize| range(nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]));
     let [x, y, z] = [of(0), of(1), of(2)];
     let (vector, _) = bodies.area(&places);
     let level = z[1] - z[0] <= LEVEL && vector[2] > 0.0;

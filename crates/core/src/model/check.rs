@@ -1,6 +1,6 @@
 //! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
 
-use super::deck::{Axis, Deck, DeckBeam, Interface, Subdivision, Turning, Wall};
+use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
 use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
@@ -134,10 +134,9 @@ fn memory_mb(deck: &Deck, model: &Model, sizes: Sizes) -> f64 {
 fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
     let walls = || deck.walls().map(|(_, _, wall)| wall);
     let thickness = walls().map(masonry::thickness).max_by(f64::total_cmp)?;
-    let through = |wall: &Wall| usize::from(wall.along != Axis::Y);
     let axes: Vec<usize> = [0, 1]
         .into_iter()
-        .filter(|d| walls().any(|w| through(w) == *d))
+        .filter(|d| walls().any(|wall| wall.axes().1 == *d))
         .collect();
     let mesh = &model.mesh;
     let planes = |unit: &[usize], d: usize| {

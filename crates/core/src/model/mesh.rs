@@ -1,6 +1,6 @@
 //! Nodes and hex8 elements.
 
-use super::hexahedron::norm;
+use super::hexahedron::{norm, range};
 
 /// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
 pub const CORNERS: [[f64; 3]; 8] = [
@@ -40,10 +40,7 @@ impl Mesh {
     /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let nodes = self.elements.as_flattened().iter();
-        let x = nodes.map(|n| self.nodes[*n as usize][axis]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-            [r[0].min(x), r[1].max(x)]
-        })
+        range(nodes.map(|n| self.nodes[*n as usize][axis]))
     }
 
     /// Diagonal of the box around the solids [mm].

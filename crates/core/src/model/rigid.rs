@@ -4,6 +4,7 @@
 //! joint: what gives way is the joints, whose stiffness the deck must say.
 
 use super::deck::{Deck, DeckArch, DeckBlock, Material};
+use super::hexahedron::range;
 use super::quantity::{Number, Pressure, Quantity};
 
 /// Stiffness E/h of a rigid-like body over that of the stiffest joint: joints give way by a hundredth more.
@@ -57,10 +58,7 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
 fn sides(block: &DeckBlock) -> [f64; 3] {
     let of_corners = block.corners.map(|corners| {
         [0, 1, 2].map(|d| {
-            let x = corners.map(|c| c[d].get());
-            let [low, high] = x.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(*x), r[1].max(*x)]
-            });
+            let [low, high] = range(corners.map(|c| c[d].get()));
             high - low
         })
     });

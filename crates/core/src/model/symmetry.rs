@@ -5,7 +5,7 @@
 //! that is held, stands there for the other half, and the joint's law opens by half as much ([`mirrored`]).
 
 use super::bodies::Bodies;
-use super::deck::{Deck, DeckLoad, Keep};
+use super::deck::{Axis, Deck, DeckLoad, Keep};
 use super::hexahedron::norm;
 use super::loads::{Load, LoadOn};
 use super::overlap;
@@ -63,14 +63,14 @@ impl Plane {
     fn across(&self, what: &str) -> String {
         format!(
             "{what} along {}, across the plane of symmetry {}",
-            ["x", "y", "z"][self.axis],
+            Axis::NAMES[self.axis],
             self.called()
         )
     }
 
     /// As in `x = 480.5 mm`.
     pub(super) fn called(&self) -> String {
-        format!("{} = {} mm", ["x", "y", "z"][self.axis], self.at)
+        format!("{} = {} mm", Axis::NAMES[self.axis], self.at)
     }
 }
 
@@ -127,14 +127,14 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
         let mut fixed = [false; 3];
         fixed[d] = true;
         supports.push(Support {
-            name: format!("symmetry-{}", ["x", "y", "z"][d]),
+            name: format!("symmetry-{}", Axis::NAMES[d]),
             nodes: held,
             fixed,
         });
     }
     for mirror in &bodies.mirrors {
         supports.push(Support {
-            name: format!("mirror-{}", ["x", "y", "z"][mirror.axis]),
+            name: format!("mirror-{}", Axis::NAMES[mirror.axis]),
             nodes: mirror.facet.into(),
             fixed: [true; 3],
         });
@@ -161,7 +161,7 @@ pub(super) fn judge(
     for plane in Plane::all(deck) {
         let d = plane.axis;
         let across = |what: &str| plane.across(what);
-        let axis = ["x", "y", "z"][d];
+        let axis = Axis::NAMES[d];
         let lies_in = |beam: &Beam| {
             let mut nodes = beam.nodes.iter();
             nodes.any(|n| plane.beyond(mesh.nodes[*n as usize][d]) > -IN_PLANE)

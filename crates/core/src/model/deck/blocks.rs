@@ -118,6 +118,9 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// Names of the axes, by their index.
+    pub const NAMES: [&'static str; 3] = ["x", "y", "z"];
+
     /// 0, 1, 2.
     pub fn index(self) -> usize {
         self as usize

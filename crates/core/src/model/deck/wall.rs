@@ -322,6 +322,16 @@ pub struct Subdivision {
     pub thickness: u32,
 }
 
+impl Wall {
+    /// Axes along and through the wall.
+    pub fn axes(&self) -> (usize, usize) {
+        match self.along {
+            Axis::Y => (1, 0),
+            Axis::X | Axis::Z => (0, 1),
+        }
+    }
+}
+
 impl Subdivision {
     /// 20 hex8: the paper's coarse mesh.
     pub const COARSE: Self = Self {

@@ -145,7 +145,7 @@ impl Masonry<'_> {
     /// Shortest unit, and least distance between head joints of neighbouring courses [mm]; infinite
     /// without any. Small numbers mean slivers and through joints.
     pub(super) fn bat_and_lap(&self) -> (f64, f64) {
-        let along = usize::from(self.wall.along == super::deck::Axis::Y);
+        let (along, _) = self.wall.axes();
         let length = |u: &Unit| u.own[along][1] - u.own[along][0];
         let shortest = self.units.iter().map(length).fold(f64::INFINITY, f64::min);
         let mut heads: Vec<Vec<f64>> = vec![Vec::new(); self.wall.courses as usize];
