@@ -5,12 +5,12 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use wythe_core::study::Verdict;
 use wythe_core::study::validation::{
     Case, Options, Outcome, Validated, cases, chart, index, page, table, validate,
 };
-use wythe_core::study::{StudyError, Verdict};
 
-use super::{failed, other};
+use super::{chosen, failed, other};
 use crate::arguments::Validation;
 use crate::check::print;
 use crate::failure::Failure;
@@ -24,7 +24,10 @@ const PAGE: &str = "README.md";
 const INDEX: &str = "validation.md";
 
 pub fn validation(arguments: &Validation) -> Result<(), Failure> {
-    let cases = chosen(cases(&arguments.cases)?, &arguments.only)?;
+    let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
+    let number = |case: &Case| case.number.to_string();
+    let is = |case: &Case, n: &str| number(case) == n;
+    let cases = chosen(cases(&arguments.cases)?, &only, number, is)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let options = Options {
         short: arguments.short,
@@ -101,21 +104,6 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
     }
     write(folder, PAGE, page(validated).as_bytes())?;
     Ok(())
-}
-
-/// The cases of these numbers; all without a choice.
-fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
-    let known = |n: &&u32| !cases.iter().any(|c| c.number == **n);
-    if let Some(number) = only.iter().find(known) {
-        let all: Vec<String> = cases.iter().map(|c| c.number.to_string()).collect();
-        return Err(StudyError::Unknown {
-            kind: "case",
-            name: number.to_string(),
-            known: all.join(", "),
-        });
-    }
-    let wanted = |case: &Case| only.is_empty() || only.contains(&case.number);
-    Ok(cases.into_iter().filter(wanted).collect())
 }
 
 /// The lines of a run as it ends.
