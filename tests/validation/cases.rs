@@ -318,8 +318,8 @@ fn a_reported_distance_from_a_curve_is_told() {
 #[test]
 fn keys_that_a_point_does_not_read_are_refused() {
     let point = "point = { material = \"stone\", strain = [1e-4, 0, 0, 0, 0, 0], rows = 2 }";
-    let good = CASE.replace("column = \"load_kN\"", "column = \"stress_xx_MPa\"");
-    let good = good.replace("column = \"residual\"", "column = \"stress_xx_MPa\"");
+    let good = CASE.replace("column = \"load_kN\"", "column = \"sig_xx_MPa\"");
+    let good = good.replace("column = \"residual\"", "column = \"sig_xx_MPa\"");
     let good = &good[..good.find("[[charts]]").unwrap()];
     let good = good.replace("about = \"once\"", point);
     let columns = block(&good)

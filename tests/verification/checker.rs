@@ -181,11 +181,11 @@ fn absurd_sizes_are_refused_before_they_are_built() {
 fn memory_follows_the_thickness_that_is_laid() {
     let wall = |more: &str| {
         format!(
-            "format = 1\n[materials.brick]\nE = 10000\nnu = 0.2\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
+            "format = 1\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
              tan_phi = 0.7\nnormal_stiffness = 100\nshear_stiffness = 40\n[wall]\nunit = [200, 100, 50]\n\
              bed_joint = 0\nhead_joint = 0\nlength = 4000\ncourses = 40\nunit_material = \"brick\"\n\
              interface = \"joint\"\nclamped = false\n{more}\n[[supports]]\non = \"wall.bottom\"\n\
-             [[steps]]\nkind = \"load\"\n"
+             [[steps]]\nkind = \"gravity\"\n"
         )
     };
     // Memory of the solver for each unknown [kB], the program and the bodies with it.

@@ -139,13 +139,17 @@ fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
         .filter(|d| walls().any(|wall| wall.axes().1 == *d))
         .collect();
     let mesh = &model.mesh;
+    // Of half a wall, where a plane of symmetry cuts it.
+    let laid = [0, 1].map(|d| {
+        let [front, back] = mesh.extent(d);
+        back - front
+    });
     let planes = |unit: &[usize], d: usize| {
         let nodes = unit.iter().flat_map(|e| mesh.corners(*e));
         let mut x: Vec<f64> = nodes.map(|x| x[d]).collect();
         x.sort_by(f64::total_cmp);
         x.dedup_by(|b, a| *b - *a <= SAME_PLANE);
-        let [front, back] = mesh.extent(d); // of half a wall, where a plane of symmetry cuts it
-        let times = thickness.min(back - front) / (x[x.len() - 1] - x[0]);
+        let times = thickness.min(laid[d]) / (x[x.len() - 1] - x[0]);
         let times = times.round().clamp(1.0, MOST_LEAVES);
         x.len() * times as usize
     };
@@ -262,10 +266,14 @@ fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
     let elements: Vec<usize> = elements.collect();
     let mut units: Vec<u32> = elements.iter().map(|e| model.mesh.unit[*e]).collect();
     units.dedup();
+    let lines = if deck.walls().any(|(_, _, wall)| wall.rigid) {
+        " (units have a line of the mesh where neighbours end)"
+    } else {
+        ""
+    };
     Some(format!(
-        "rigid: {} bodies of {} hex8 in all (a line of the mesh where neighbours end), linear elastic, E = {modulus:.4e} \
-         MPa: over {side:.1} mm 100 times as stiff as the stiffest joint, k_n = {joint} N/mm^3; tables of their \
-         materials are not used",
+        "rigid: {} bodies of {} hex8 in all{lines}, linear elastic, E = {modulus:.4e} MPa: over {side:.1} mm 100 times as \
+         stiff as the stiffest interface, k_n = {joint} N/mm^3; tables of their materials are not used",
         units.len(),
         elements.len()
     ))
