@@ -41,6 +41,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     plain.beams.clear();
     let mut errors = Errors::default();
     let blocks = {
+        // All is laid for where the beams lie, and once more with them: of a deck with beams, files are read twice.
         let bodies = Bodies::new(&plain)?;
         let modulus = modulus(&bodies);
         let mut blocks = Vec::new();

@@ -75,7 +75,7 @@ pub struct Wall {
     /// Elements of a representative element.
     #[serde(default)]
     pub mesh: Subdivision,
-    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint of the deck.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Courses held as a whole; `false`: supports and steps say what holds and moves the wall, as they do
