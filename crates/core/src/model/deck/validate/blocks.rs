@@ -32,6 +32,20 @@ impl Checks<'_> {
             );
         }
         self.symmetry();
+        self.beams();
+        for (i, block) in deck.blocks.iter().enumerate() {
+            self.block(&format!("blocks.{i}"), block);
+        }
+        if let Some(arch) = &deck.arch {
+            self.arch(arch);
+        }
+        self.contacts();
+        self.supports();
+        self.springs();
+    }
+
+    fn beams(&mut self) {
+        let deck = self.deck;
         for (i, beam) in deck.beams.iter().enumerate() {
             let path = format!("beams.{i}");
             let mut letters = beam.name.chars();
@@ -50,12 +64,10 @@ impl Checks<'_> {
                 self.not_negative(&format!("{path}.density"), density);
             }
         }
-        for (i, block) in deck.blocks.iter().enumerate() {
-            self.block(&format!("blocks.{i}"), block);
-        }
-        if let Some(arch) = &deck.arch {
-            self.arch(arch);
-        }
+    }
+
+    fn contacts(&mut self) {
+        let deck = self.deck;
         for (i, contact) in deck.contacts.iter().enumerate() {
             let path = format!("contacts.{i}");
             let sides = [("slave", &contact.slave), ("master", &contact.master)];
@@ -81,6 +93,10 @@ impl Checks<'_> {
                 self.stiffness_of_joints(name);
             }
         }
+    }
+
+    fn supports(&mut self) {
+        let deck = self.deck;
         for (i, support) in deck.supports.iter().enumerate() {
             self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
             self.demand(
@@ -90,6 +106,10 @@ impl Checks<'_> {
                 &keys::example("fixed"),
             );
         }
+    }
+
+    fn springs(&mut self) {
+        let deck = self.deck;
         for (i, spring) in deck.springs.iter().enumerate() {
             self.not_empty(&format!("springs.{i}.on"), Some(&spring.on));
             for (d, stiffness) in spring.stiffness.into_iter().enumerate() {
