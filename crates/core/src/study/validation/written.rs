@@ -16,7 +16,7 @@ use crate::study::case::ENERGY;
 use crate::study::curve;
 use crate::study::expect_written::{Checker, ExpectFile};
 use crate::study::written::{ShortFile, pairs, short};
-use crate::study::{End, History, StudyError};
+use crate::study::{End, Expectation, History, StudyError};
 
 /// The serde mirror of `case.toml`.
 #[derive(Deserialize)]
@@ -263,17 +263,7 @@ impl At<'_> {
             let what = format!("`{name}` is no component: xx, yy, zz, xy, yz or zx");
             return Err(self.error(&key("point.free"), what));
         }
-        let mut expect = Vec::new();
-        for (i, written) in written.expect.into_iter().enumerate() {
-            let checker = Checker {
-                source: self.source,
-                path: key(&format!("expect.{i}")),
-                columns: &columns,
-                folder: self.folder,
-                advice,
-            };
-            expect.push(checker.expectation(written)?);
-        }
+        let expect = self.expect(path, written.expect, &columns)?;
         if written.energy.is_some_and(|e| e.is_nan() || e <= 0.0) {
             return Err(self.error(&key("energy"), "must be above 0"));
         }
@@ -301,6 +291,26 @@ impl At<'_> {
         Ok((run, columns))
     }
 
+    /// What is expected of a run whose history has these columns.
+    fn expect(
+        &self,
+        path: &str,
+        written: Vec<ExpectFile>,
+        columns: &[String],
+    ) -> Result<Vec<Expectation>, StudyError> {
+        let expectation = |(i, written)| {
+            let checker = Checker {
+                source: self.source,
+                path: format!("{path}.expect.{i}"),
+                columns,
+                folder: self.folder,
+                advice,
+            };
+            checker.expectation(written)
+        };
+        written.into_iter().enumerate().map(expectation).collect()
+    }
+
     fn chart(
         &self,
         path: &str,
@@ -312,6 +322,33 @@ impl At<'_> {
         if !is_file_name(&written.name) {
             return Err(self.error(&key("name"), "no name for a file"));
         }
+        let content = self.content(path, &written, runs, columns)?;
+        let references = written.references.iter().map(|it| self.reference(it));
+        let references = references.collect::<Result<_, _>>()?;
+        let axis = |it: AxisFile| Axis {
+            label: it.label,
+            column: it.column,
+            factor: it.factor.unwrap_or(1.0),
+        };
+        Ok(Chart {
+            name: written.name,
+            title: written.title,
+            x: axis(written.x),
+            y: axis(written.y),
+            content,
+            references,
+        })
+    }
+
+    /// What a chart shows.
+    fn content(
+        &self,
+        path: &str,
+        written: &ChartFile,
+        runs: &[Run],
+        columns: &[Vec<String>],
+    ) -> Result<Content, StudyError> {
+        let key = |name: &str| format!("{path}.{name}");
         let of_measures = written.y.expect.is_some() && written.at.is_some();
         let unread = [
             ("runs", written.runs.is_some()),
@@ -322,7 +359,7 @@ impl At<'_> {
         self.unread(path, &unread, of_measures, "a chart of measures")?;
         let unread = [("x.expect", written.x.expect.is_some())];
         self.unread(path, &unread, true, "a chart")?;
-        let content = match (&written.y.expect, &written.at) {
+        match (&written.y.expect, &written.at) {
             (Some(expect), Some(at)) => {
                 for name in at.keys() {
                     let run = self.run_named(&key("at"), name, runs)?;
@@ -331,10 +368,10 @@ impl At<'_> {
                         return Err(self.error(&key("y.expect"), what));
                     }
                 }
-                Content::Measures {
+                Ok(Content::Measures {
                     expect: expect.clone(),
                     at: at.iter().map(|(name, x)| (name.clone(), *x)).collect(),
-                }
+                })
             }
             (None, None) => {
                 let all = || runs.iter().map(|r| r.name.clone()).collect();
@@ -349,36 +386,24 @@ impl At<'_> {
                         }
                     }
                 }
-                Content::Curves(names)
+                Ok(Content::Curves(names))
             }
             _ => {
                 let what = "a chart of measures takes `y.expect` and `at`, one of curves neither";
-                return Err(self.error(&key("at"), what));
+                Err(self.error(&key("at"), what))
             }
-        };
-        let mut references = Vec::new();
-        for reference in written.references {
-            let file = self.folder.join(&reference.file);
-            let points = curve::read(&file, &reference.x, &reference.y)?;
-            let scaled = |[x, y]: curve::Point| (x * reference.x_factor, y * reference.y_factor);
-            references.push(Line {
-                name: reference.name.clone(),
-                points: points.into_iter().map(scaled).collect(),
-                marks: Vec::new(),
-            });
         }
-        let axis = |it: AxisFile| Axis {
-            label: it.label,
-            column: it.column,
-            factor: it.factor.unwrap_or(1.0),
-        };
-        Ok(Chart {
-            name: written.name,
-            title: written.title,
-            x: axis(written.x),
-            y: axis(written.y),
-            content,
-            references,
+    }
+
+    /// What is known, in the units of the axes.
+    fn reference(&self, written: &ReferenceFile) -> Result<Line, StudyError> {
+        let file = self.folder.join(&written.file);
+        let points = curve::read(&file, &written.x, &written.y)?;
+        let scaled = |[x, y]: curve::Point| (x * written.x_factor, y * written.y_factor);
+        Ok(Line {
+            name: written.name.clone(),
+            points: points.into_iter().map(scaled).collect(),
+            marks: Vec::new(),
         })
     }
 
