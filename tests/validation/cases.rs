@@ -100,7 +100,7 @@ fn without_numbers(case: &Case) -> Validated {
             cost: Cost::default(),
             energy: 0.0,
             history: History::default(),
-            deck: String::new(),
+            deck: None,
             scene: run.drawing.then(String::new),
             cracks: run.cracks.map(|_| String::new()),
         }

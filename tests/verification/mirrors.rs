@@ -109,7 +109,7 @@ fn a_mesh_without_units_is_one_error() {
             "mortar_material = \"brick\"\nunit_material",
         );
         let error = Deck::from_str(&format!("{text}{STEP}"), "wall.toml").unwrap_err();
-        let keys: Vec<&str> = error.all().map(|e| e.key()).collect();
+        let keys: Vec<&str> = error.all().map(wythe::error::ModelError::key).collect();
         assert_eq!(keys, ["wall.mesh"], "{error}");
     }
 }

@@ -6,7 +6,7 @@ mod common;
 use common::blocks::{Bad, deck as parsed, refuses};
 use common::examples::load;
 use common::scene::{rows, run};
-use wythe::model::{Model, check};
+use wythe::model::{Deck, Model, check};
 use wythe::results::Status;
 
 const PIER: &str = include_str!("../../examples/66_rocking_pier.toml");
@@ -320,6 +320,6 @@ fn keys_without_effect_are_told() {
 fn a_key_that_is_not_there_is_not_told() {
     let text = PIER.replace("kind = \"gravity\"", "kind = \"gravity\"\nbeam = \"beam\"");
     let error = Deck::from_str(&text, "scene.toml").unwrap_err();
-    let keys: Vec<&str> = error.all().map(|e| e.key()).collect();
+    let keys: Vec<&str> = error.all().map(wythe::error::ModelError::key).collect();
     assert_eq!(keys, ["steps.0.beam"], "{error}");
 }
