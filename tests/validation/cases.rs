@@ -100,7 +100,7 @@ fn without_numbers(case: &Case) -> Validated {
             cost: Cost::default(),
             energy: 0.0,
             history: History::default(),
-            deck: String::new(),
+            deck: None,
             scene: run.drawing.then(String::new),
             cracks: run.cracks.map(|_| String::new()),
         }
@@ -229,7 +229,9 @@ force = [0, 0, "-1 kN"]
 
 fn block(text: &str) -> (tempfile::TempDir, Result<Case, StudyError>) {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("block_deck.toml"), DECK).unwrap();
+    for name in ["block_deck.toml", "other.toml"] {
+        std::fs::write(folder.path().join(name), DECK).unwrap();
+    }
     let case = Case::from_str(text, "case.toml", folder.path());
     (folder, case)
 }
@@ -262,6 +264,80 @@ fn a_claim_that_does_not_hold_is_told_on_the_page() {
             lines.next_back().is_some_and(|l| l.starts_with("1,1,")),
             "{table}"
         );
+    }
+}
+
+/// A run that breaks has no files to write over those of the one before, and its claims are counted all the same; one
+/// that holds all claims and yet ends wrongly does not pass for right.
+#[test]
+fn what_breaks_is_told_in_the_list() {
+    // The force is given in the file, so that it is refused when the model is built.
+    let (folder, case) = block(CASE);
+    let deck = folder.path().join("block_deck.toml");
+    std::fs::write(&deck, DECK.replace("on = \"block.top\"", "on = \"blok\"")).unwrap();
+    let all = run(&[case.unwrap()], &folder.path().join("runs"));
+    let outcome = &all[0].outcomes[0];
+    assert!(outcome.deck.is_none() && outcome.history.rows(None).is_empty());
+    let listed = index(&all, "validation", "");
+    assert!(
+        listed.contains("| 0 of 1; **does not hold**: block |"),
+        "{listed}"
+    );
+    let (folder, case) = block(&CASE.replace("about = \"once\"", "energy = 1e-300"));
+    let all = run(&[case.unwrap()], folder.path());
+    let listed = index(&all, "validation", "");
+    assert!(
+        listed.contains("| 1 of 1; **does not hold**: block |"),
+        "{listed}"
+    );
+}
+
+/// The distance from a curve that is only reported stands on the page.
+#[test]
+fn a_reported_distance_from_a_curve_is_told() {
+    let curve = "of = \"curve\"\nx = \"time\"\ny = \"load_kN\"\nfile = \"known.csv\"";
+    let text = CASE.replace("of = \"final\"\ncolumn = \"residual\"", curve);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("block_deck.toml"), DECK).unwrap();
+    std::fs::write(
+        folder.path().join("known.csv"),
+        "time,load_kN\n0.5,1\n1,2\n",
+    )
+    .unwrap();
+    let case = Case::from_str(&text, "case.toml", folder.path()).unwrap();
+    let all = run(&[case], folder.path());
+    let page = page(&all[0]);
+    let row = page.lines().find(|l| l.contains("residual")).unwrap();
+    // Half of what is known: 1/2 and 1 over 2, a quarter to a half of the largest.
+    assert!(
+        row.contains(" % off |") && row.contains("| reported |"),
+        "{row}"
+    );
+}
+
+#[test]
+fn keys_that_a_point_does_not_read_are_refused() {
+    let point = "point = { material = \"stone\", strain = [1e-4, 0, 0, 0, 0, 0], rows = 2 }";
+    let good = CASE.replace("column = \"load_kN\"", "column = \"sig_xx_MPa\"");
+    let good = good.replace("column = \"residual\"", "column = \"sig_xx_MPa\"");
+    let good = &good[..good.find("[[charts]]").unwrap()];
+    let good = good.replace("about = \"once\"", point);
+    let columns = block(&good)
+        .1
+        .err()
+        .map(|e| format!("{:?}", miette::Report::new(e)));
+    assert!(columns.is_none(), "{columns:?}");
+    for key in [
+        "status = \"completed\"",
+        "energy = 0.1",
+        "cracks = true",
+        "drawing = true",
+    ] {
+        let text = good.replace(point, &format!("{point}\n{key}"));
+        let error = block(&text).1.unwrap_err();
+        let name = key.split(' ').next().unwrap();
+        let said = format!("{:?}", miette::Report::new(error));
+        assert!(said.contains(&format!("does not read `{name}`")), "{said}");
     }
 }
 
@@ -299,6 +375,40 @@ fn bad_cases_are_told_with_their_place() {
             "y = { column = \"load_kN\",",
             "y = { expect = \"peak\",",
             "`y.expect` and `at`",
+        ),
+        // Names by which something else would be written over.
+        (
+            "name = \"curve\"",
+            "name = \"block_scene\"",
+            "another picture",
+        ),
+        ("name = \"block\"", "name = \"case\"", "case.toml"),
+        (
+            "[[charts]]",
+            "[[runs]]\nname = \"block_deck\"\ndeck = \"other.toml\"\n[[charts]]",
+            "block_deck.toml: give the run another name",
+        ),
+        (
+            "y = { column = \"load_kN\", label = \"load [kN]\" }",
+            "y = { column = \"load_kN\", label = \"load [kN]\" }\n[[charts.references]]\nname = \"test\"\n\
+             file = \"block.csv\"\nx = \"a\"\ny = \"b\"",
+            "block.csv: give the run another name",
+        ),
+        // What the kind of run or chart does not read.
+        (
+            "x = { column = \"time\",",
+            "at = { block = 1 }\nx = { column = \"time\",",
+            "`y.expect` and `at`",
+        ),
+        (
+            "y = { column = \"load_kN\",",
+            "at = { block = 1 }\ny = { expect = \"peak\",",
+            "does not read `x.column`",
+        ),
+        (
+            "x = { column = \"time\",",
+            "x = { column = \"time\", expect = \"peak\",",
+            "does not read `x.expect`",
         ),
     ] {
         assert!(CASE.contains(from), "{from}");

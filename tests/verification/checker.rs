@@ -174,3 +174,39 @@ fn absurd_sizes_are_refused_before_they_are_built() {
         assert_eq!(error.file(), format!("--set {key}"));
     }
 }
+
+/// A wall of two leaves, or in English bond, is as thick for the solver as it has planes of nodes: more memory for each
+/// unknown than one leaf; rigid units have fewer.
+#[test]
+fn memory_follows_the_thickness_that_is_laid() {
+    let wall = |more: &str| {
+        format!(
+            "format = 1\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
+             tan_phi = 0.7\nnormal_stiffness = 100\nshear_stiffness = 40\n[wall]\nunit = [200, 100, 50]\n\
+             bed_joint = 0\nhead_joint = 0\nlength = 4000\ncourses = 40\nunit_material = \"brick\"\n\
+             interface = \"joint\"\nclamped = false\n{more}\n[[supports]]\non = \"wall.bottom\"\n\
+             [[steps]]\nkind = \"gravity\"\n"
+        )
+    };
+    // Memory of the solver for each unknown [kB], the program and the bodies with it.
+    let each = |more: &str| {
+        let deck = Deck::from_str(&wall(more), "wall.toml").unwrap_or_else(|e| panic!("{e}"));
+        let report = check(
+            &deck,
+            &Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0,
+        );
+        1e3 * report.memory_mb / report.sizes.dofs as f64
+    };
+    let one = each("mesh = [4, 2, 2]");
+    for more in [
+        "leaves = 2\nmesh = [4, 2, 2]",
+        "bond = \"english\"\nmesh = [4, 2, 2]",
+    ] {
+        // 6 planes instead of 3: nearly twice of what goes with the thickness.
+        let two = each(more);
+        assert!(two > 1.3 * one && two < 2.2 * one, "{more}: {two}, {one}");
+    }
+    // Two planes, whatever `mesh` would be.
+    let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
+    assert_eq!(rigid[0], rigid[1]);
+}

@@ -151,3 +151,36 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
         "{told:?}"
     );
 }
+
+/// More shallow overlaps than are told one by one do not hide the deep one behind them.
+#[test]
+fn shallow_overlaps_hide_no_deep_one() {
+    let block = |i: usize, from: f64| {
+        format!(
+            "[[blocks]]\nname = \"b{i}\"\nsize = [100, 100, 100]\nat = [{from}, 0, 200]\nmaterial = \"stone\"\n\
+             [[supports]]\non = \"b{i}\"\n"
+        )
+    };
+    // Each 0.5 mm into the one before, the last one 50 mm.
+    let mut row: String = (0..8).map(|i| block(i, 99.5 * i as f64)).collect();
+    row += &block(8, 99.5 * 7.0 + 50.0);
+    let error = Model::from_deck(&deck(&format!("{HEAD}{row}{GRAVITY}"))).unwrap_err();
+    assert!(
+        error.message().contains("b7 and b8 overlap by 50.000 mm"),
+        "{error}"
+    );
+}
+
+/// What is wrong with a beam is told of the table that lays it, not of blocks that the file has not.
+#[test]
+fn findings_about_beams_name_their_table() {
+    let beam = "[[beams]]\nname = \"jack\"\non = \"top.top\"\ndepth = 50\nrotation = \"free\"\ninterface = \"dry\"\n";
+    // It hangs over where the beam is laid.
+    let lid = "[[blocks]]\nname = \"lid\"\nsize = [400, 200, 50]\nat = [-100, -50, 100]\nmaterial = \"stone\"\n\
+               [[supports]]\non = \"lid\"\n";
+    let text = format!("{HEAD}{PAIR}{lid}{beam}{GRAVITY}");
+    let error = Model::from_deck(&deck(&text)).unwrap_err();
+    assert!(error.message().contains("lid and jack overlap"), "{error}");
+    assert_eq!(error.key(), "beams.0");
+    assert!(error.line().is_some());
+}

@@ -6,7 +6,7 @@ mod common;
 use common::blocks::{Bad, deck as parsed, refuses};
 use common::examples::load;
 use common::scene::{rows, run};
-use wythe::model::{Model, check};
+use wythe::model::{Deck, Model, check};
 use wythe::results::Status;
 
 const PIER: &str = include_str!("../../examples/66_rocking_pier.toml");
@@ -272,4 +272,54 @@ fn bad_columns_name_the_key_and_the_fix() {
             ),
         ],
     );
+}
+
+/// Whatever is rigid, the stiffness of what meets it must be said, below beams, too.
+#[test]
+fn joints_of_what_is_rigid_have_a_stiffness_of_their_own() {
+    let soft = "[interfaces.soft]\nf_t = 0\nc = 0\ntan_phi = 0.7\nmu = 0.7\n[contact]";
+    // Of the bodies only the wall is rigid.
+    let good = PIER.replace("[contact]", soft).replace(
+        "at = [\"-100 mm\", 0, \"-50 mm\"]\nmaterial = \"stone\"\nrigid = true",
+        "at = [\"-100 mm\", 0, \"-50 mm\"]\nmaterial = \"stone\"",
+    );
+    let changes: [Bad; 2] = [
+        (
+            "rotation = \"free\"\ninterface = \"dry\"",
+            "rotation = \"free\"\ninterface = \"soft\"",
+            "interfaces.soft",
+            "joins rigid bodies",
+            "give both",
+        ),
+        (
+            "master = \"ground.top\"\ninterface = \"dry\"",
+            "master = \"ground.top\"\ninterface = \"soft\"",
+            "interfaces.soft",
+            "joins rigid bodies",
+            "give both",
+        ),
+    ];
+    refuses(&good, &changes);
+}
+
+#[test]
+fn keys_without_effect_are_told() {
+    let keys = |text: &str| -> Vec<String> {
+        let (_, warnings) = Model::from_deck(&parsed(text)).unwrap_or_else(|e| panic!("{e}"));
+        warnings.into_iter().map(|w| w.key).collect()
+    };
+    let said = |key: &str| PIER.replace("clamped = false", &format!("clamped = false\n{key}"));
+    assert!(!keys(PIER).iter().any(|key| key.starts_with("wall.")));
+    assert!(keys(&said("mesh = [3, 3, 3]")).contains(&"wall.mesh".to_owned()));
+    let filled = said("filled_from = \"front\"");
+    assert!(keys(&filled).contains(&"wall.filled_from".to_owned()));
+}
+
+/// A step of gravity knows no beam, and is not told of a face that it does not name.
+#[test]
+fn a_key_that_is_not_there_is_not_told() {
+    let text = PIER.replace("kind = \"gravity\"", "kind = \"gravity\"\nbeam = \"beam\"");
+    let error = Deck::from_str(&text, "scene.toml").unwrap_err();
+    let keys: Vec<&str> = error.all().map(wythe::error::ModelError::key).collect();
+    assert_eq!(keys, ["steps.0.beam"], "{error}");
 }

@@ -278,6 +278,32 @@ pub struct Stability {
     pub out: Option<PathBuf>,
 }
 
+/// `wythe study validation`
+#[derive(Debug, Args)]
+pub struct Validation {
+    /// Folder of the cases, each in a folder with a case.toml.
+    #[arg(long, value_name = "DIR", default_value = "docs/validation")]
+    pub cases: PathBuf,
+    /// Cases of these numbers only, e.g. 1,4.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
+    pub only: Vec<u32>,
+    /// Wall seconds that a run may take, looked at after each increment.
+    #[arg(long, value_name = "SECONDS", default_value = "3600", value_parser = seconds)]
+    pub limit: f64,
+    /// Runs at a time, each on one thread [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// The short forms, as the tests run them.
+    #[arg(long)]
+    pub short: bool,
+    /// Folder for the folders of the runs.
+    #[arg(long, value_name = "DIR", default_value = "target/validation")]
+    pub runs: PathBuf,
+    /// Folder for the pages [default: beside the cases; of short forms: none, only the lines].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
 /// A model and what is said anew of it.
 #[derive(Debug, Args)]
 pub struct ModelArguments {
@@ -500,30 +526,4 @@ mod tests {
             assert!(parse(wrong).is_err(), "{wrong}");
         }
     }
-}
-
-/// `wythe study validation`
-#[derive(Debug, Args)]
-pub struct Validation {
-    /// Folder of the cases, each in a folder with a case.toml.
-    #[arg(long, value_name = "DIR", default_value = "docs/validation")]
-    pub cases: PathBuf,
-    /// Cases of these numbers only, e.g. 1,4.
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
-    pub only: Vec<u32>,
-    /// Wall seconds that a run may take, looked at after each increment.
-    #[arg(long, value_name = "SECONDS", default_value = "3600", value_parser = seconds)]
-    pub limit: f64,
-    /// Runs at a time, each on one thread [default: one a core].
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// The short forms, as the tests run them.
-    #[arg(long)]
-    pub short: bool,
-    /// Folder for the folders of the runs.
-    #[arg(long, value_name = "DIR", default_value = "target/validation")]
-    pub runs: PathBuf,
-    /// Folder for the pages [default: beside the cases; of short forms: none, only the lines].
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
 }

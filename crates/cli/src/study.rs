@@ -30,7 +30,14 @@ pub fn study(arguments: &Study) -> Result<(), Failure> {
 }
 
 fn stability(arguments: &Stability) -> Result<(), Failure> {
-    let cases = chosen(study::cases(&arguments.cases)?, &arguments.only)?;
+    // A number means all of its letters.
+    let is = |case: &Case, n: &str| case.id() == n || case.number.to_string() == n;
+    let cases = chosen(
+        study::cases(&arguments.cases)?,
+        &arguments.only,
+        Case::id,
+        is,
+    )?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let options = Options {
         methods: arguments.methods.clone(),
@@ -69,18 +76,22 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     print(&format!("written to {}\n", out.join(PAGE).display()))
 }
 
-/// The cases of these numbers (all letters of one) or numbers with letters; all without a choice.
-fn chosen(cases: Vec<Case>, only: &[String]) -> Result<Vec<Case>, StudyError> {
-    let known = || cases.iter().map(Case::id);
-    let is = |case: &Case, n: &String| case.id() == *n || case.number.to_string() == *n;
-    if let Some(number) = only.iter().find(|n| !cases.iter().any(|c| is(c, n))) {
+/// The cases that are named; all without a choice. `id`: the name of a case, `is`: whether one means it.
+fn chosen<C>(
+    cases: Vec<C>,
+    only: &[String],
+    id: impl Fn(&C) -> String,
+    is: impl Fn(&C, &str) -> bool,
+) -> Result<Vec<C>, StudyError> {
+    if let Some(name) = only.iter().find(|n| !cases.iter().any(|c| is(c, n))) {
+        let known: Vec<String> = cases.iter().map(&id).collect();
         return Err(StudyError::Unknown {
             kind: "case",
-            name: number.clone(),
-            known: known().collect::<Vec<_>>().join(", "),
+            name: name.clone(),
+            known: known.join(", "),
         });
     }
-    let wanted = |case: &Case| only.is_empty() || only.iter().any(|n| is(case, n));
+    let wanted = |case: &C| only.is_empty() || only.iter().any(|n| is(case, n));
     Ok(cases.into_iter().filter(wanted).collect())
 }
 

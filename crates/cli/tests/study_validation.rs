@@ -70,8 +70,9 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-fn read(path: PathBuf) -> String {
-    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+fn read(path: impl AsRef<Path>) -> String {
+    let path = path.as_ref();
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 fn row(index: &str, number: &str) -> String {
@@ -109,7 +110,7 @@ fn pages_are_written_beside_the_cases_and_a_part_leaves_the_rows_of_the_others()
     }
     assert!(folder.path().join("runs/1/torn/results.vtkhdf").is_file());
     let index = folder.path().join("docs/validation.md");
-    let before = read(index.clone());
+    let before = read(&index);
     assert!(
         row(&before, "2").contains("(validation/2/README.md)"),
         "{before}"

@@ -1,15 +1,16 @@
 //! `wythe study validation`: what comes out beside what is known.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use wythe_core::study::Verdict;
 use wythe_core::study::validation::{
     Case, Options, Outcome, Validated, cases, chart, index, page, table, validate,
 };
-use wythe_core::study::{StudyError, Verdict};
 
-use super::{failed, other};
+use super::{chosen, failed, other};
 use crate::arguments::Validation;
 use crate::check::print;
 use crate::failure::Failure;
@@ -23,7 +24,10 @@ const PAGE: &str = "README.md";
 const INDEX: &str = "validation.md";
 
 pub fn validation(arguments: &Validation) -> Result<(), Failure> {
-    let cases = chosen(cases(&arguments.cases)?, &arguments.only)?;
+    let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
+    let number = |case: &Case| case.number.to_string();
+    let is = |case: &Case, n: &str| number(case) == n;
+    let cases = chosen(cases(&arguments.cases)?, &only, number, is)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let options = Options {
         short: arguments.short,
@@ -54,11 +58,19 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     // A part of the cases leaves the rows of the others.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
-        _ => std::fs::read_to_string(beside.join(INDEX)).unwrap_or_default(),
+        _ => listed(&beside.join(INDEX))?,
     };
     let name = out.file_name().unwrap_or(out.as_os_str()).to_string_lossy();
     write(beside, INDEX, index(&all, &name, &before).as_bytes())?;
     print(&format!("{}written to {}\n", summary(&all), out.display()))
+}
+
+/// The page that lists the cases as it stands; nothing if there is none.
+fn listed(file: &Path) -> Result<String, Failure> {
+    match std::fs::read_to_string(file) {
+        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|why| failed(file, why)),
+    }
 }
 
 /// The page of a case and what stands beside it.
@@ -76,35 +88,22 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
                 write(folder, &format!("{name}_{what}.svg"), svg.as_bytes())?;
             }
         }
-        write(
-            folder,
-            &format!("{name}.csv"),
-            table(case, outcome).as_bytes(),
-        )?;
+        // A run that broke leaves the files of the one before.
+        if !outcome.history.rows(None).is_empty() {
+            let table = table(case, outcome);
+            write(folder, &format!("{name}.csv"), table.as_bytes())?;
+        }
         // A deck that stands there by this name already keeps its comments.
         let file = format!("{name}.toml");
         let of_run = case.runs.iter().find(|r| r.name == *name).map(|r| &r.deck);
-        if of_run != Some(&folder.join(&file)) {
-            write(folder, &file, outcome.deck.as_bytes())?;
+        if let Some(deck) = &outcome.deck
+            && of_run != Some(&folder.join(&file))
+        {
+            write(folder, &file, deck.as_bytes())?;
         }
     }
     write(folder, PAGE, page(validated).as_bytes())?;
     Ok(())
-}
-
-/// The cases of these numbers; all without a choice.
-fn chosen(cases: Vec<Case>, only: &[u32]) -> Result<Vec<Case>, StudyError> {
-    let known = |n: &&u32| !cases.iter().any(|c| c.number == **n);
-    if let Some(number) = only.iter().find(known) {
-        let all: Vec<String> = cases.iter().map(|c| c.number.to_string()).collect();
-        return Err(StudyError::Unknown {
-            kind: "case",
-            name: number.to_string(),
-            known: all.join(", "),
-        });
-    }
-    let wanted = |case: &Case| only.is_empty() || only.contains(&case.number);
-    Ok(cases.into_iter().filter(wanted).collect())
 }
 
 /// The lines of a run as it ends.

@@ -13,6 +13,7 @@ use super::deck::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
     StepKind, Turning,
 };
+use super::hexahedron::range;
 use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
 use super::rigid;
 use super::scene::Increments;
@@ -40,6 +41,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     plain.beams.clear();
     let mut errors = Errors::default();
     let blocks = {
+        // All is laid for where the beams lie, and once more with them: of a deck with beams, files are read twice.
         let bodies = Bodies::new(&plain)?;
         let modulus = modulus(&bodies);
         let mut blocks = Vec::new();
@@ -49,23 +51,27 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
         }
         blocks
     };
-    if blocks.len() < deck.beams.len() {
-        return Err(errors
-            .end(())
-            .err()
-            .unwrap_or_else(|| deck.error("beams", "no beam can be laid", "")));
+    let blocks = errors.end(blocks)?;
+    for (i, (beam, laid)) in deck.beams.iter().zip(&blocks).enumerate() {
+        for path in add(&mut plain, beam, laid) {
+            plain.stands_for(path, format!("beams.{i}"));
+        }
     }
-    for (beam, laid) in deck.beams.iter().zip(&blocks) {
-        add(&mut plain, beam, laid);
-    }
+    let mut told = Vec::new();
     for (i, step) in plain.steps.iter_mut().enumerate() {
         let of = |name: &String| deck.beams.iter().position(|beam| beam.name == *name);
         let Some(b) = step.beam.as_ref().and_then(of) else {
             continue; // none, or refused when the deck was read
         };
         take_over(step, &deck.steps[i], &deck.beams[b], &blocks[b]);
+        for key in ["face", "spring"] {
+            told.push((format!("steps.{i}.{key}"), format!("steps.{i}.beam")));
+        }
     }
-    errors.end(Cow::Owned(plain))
+    for (path, from) in told {
+        plain.stands_for(path, from);
+    }
+    Ok(Cow::Owned(plain))
 }
 
 /// A beam that is laid.
@@ -111,12 +117,7 @@ fn outline(
     let path = format!("beams.{i}.on");
     let places = bodies.places(&path, &beam.on, true)?;
     let nodes = bodies.nodes(&places);
-    let of = |d: usize| {
-        let x = nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-            [r[0].min(x), r[1].max(x)]
-        })
-    };
+    let of = |d: usize| range(nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]));
     let [x, y, z] = [of(0), of(1), of(2)];
     let (vector, _) = bodies.area(&places);
     let level = z[1] - z[0] <= LEVEL && vector[2] > 0.0;
@@ -136,9 +137,14 @@ fn outline(
     Ok(([x[0], y[0], z[1]], sizes))
 }
 
-/// Adds what a beam is made of.
-fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) {
+/// Adds what a beam is made of; tells the paths of that.
+fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
     let name = &beam.name;
+    let mut paths = vec![
+        format!("materials.{name}"),
+        format!("blocks.{}", plain.blocks.len()),
+        format!("contacts.{}", plain.contacts.len()),
+    ];
     let density = beam.density.map_or(0.0, Quantity::get).max(AIR);
     plain.materials.insert(
         name.clone(),
@@ -176,12 +182,14 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) {
         }
     }
     if jack != [0.0; 3] {
+        paths.push(format!("springs.{}", plain.springs.len()));
         plain.springs.push(DeckSpring {
             name: name.clone(),
             on: Names(vec![name.clone()]),
             stiffness: jack.map(SpringStiffness::new),
         });
     }
+    paths
 }
 
 /// Says what a step does with a beam by its face, its jack or a load on it.

@@ -15,7 +15,7 @@ use super::probes;
 use super::quantity::Quantity;
 use super::rigid;
 use super::scatter;
-use super::scene::{Model, NamedMaterial};
+use super::scene::{Beam, Model, NamedMaterial, Spring, Support};
 use super::symmetry;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -75,13 +75,7 @@ impl Model {
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
         // Planes of symmetry hold nothing in the plane.
-        let held = supports[..held_by_deck].iter().map(|s| &s.nodes);
-        let held = held.chain(springs.iter().map(|s| &s.nodes));
-        let held: Vec<u32> = held
-            .chain(beams.iter().map(|b| &b.nodes))
-            .flatten()
-            .copied()
-            .collect();
+        let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
         let mut floats = None;
         if moved && is_known {
             floats = errors
@@ -91,19 +85,24 @@ impl Model {
         let overlaps = errors
             .keep(overlap::overlaps(deck, &bodies))
             .unwrap_or_default();
+        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
+        let planes = &supports[held_by_deck..];
+        errors.keep(symmetry::judge_held(
+            deck,
+            &bodies,
+            planes,
+            &springs,
+            named.all(),
+            &steps,
+        ));
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
         let bond = findings::bond(deck, &bodies.walls);
-        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
         let mut model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,
-            materials: names
-                .into_iter()
-                .zip(parameters)
-                .map(|(name, parameters)| NamedMaterial { name, parameters })
-                .collect(),
+            materials: named_materials(names, parameters),
             formulation: deck.element.formulation,
             contact,
             loads: named.assign(&mut steps),
@@ -117,15 +116,26 @@ impl Model {
             warnings: Vec::new(),
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();
-        let scene = overlaps.into_iter().chain(floats);
-        let laid = imported
-            .into_iter()
-            .chain(bond)
-            .chain(warnings)
-            .chain(scene);
-        let laid = laid.collect();
+        let laid = imported.into_iter().chain(bond).chain(warnings);
+        let laid = laid.chain(overlaps).chain(floats).collect();
         findings::judged(deck, model, laid, errors)
     }
+}
+
+/// Nodes that supports, springs and faces that move as one hold.
+fn nodes_held(supports: &[Support], springs: &[Spring], beams: &[Beam]) -> Vec<u32> {
+    let of_supports = supports.iter().map(|s| &s.nodes);
+    let of_springs = springs.iter().map(|s| &s.nodes);
+    let of_beams = beams.iter().map(|b| &b.nodes);
+    let all = of_supports.chain(of_springs).chain(of_beams);
+    all.flatten().copied().collect()
+}
+
+fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {
+    let named = names.into_iter().zip(parameters);
+    named
+        .map(|(name, parameters)| NamedMaterial { name, parameters })
+        .collect()
 }
 
 /// Materials of the bodies, and what meets.

@@ -118,16 +118,54 @@ fn memory_mb(deck: &Deck, model: &Model, sizes: Sizes) -> f64 {
         1.0
     };
     let n = sizes.dofs as f64;
-    let layers = deck.walls().map(|(_, _, wall)| wall.mesh.thickness).max();
-    let solver = match layers {
-        Some(layers) if !deck.has_blocks() => {
-            let thick = 3.0 * (layers as f64 + 1.0);
+    let planes = planes_through(deck, model);
+    let solver = match planes {
+        Some(planes) if !deck.has_blocks() => {
+            let thick = 3.0 * planes as f64;
             n * thick * (440.0 + 34.0 * (n / thick).max(1.0).log2())
         }
         _ => 885.0 * n.powf(1.22),
     };
     PROGRAM_MB + (bodies as f64 + share * solver) * 1e-6
 }
+
+/// Planes of nodes one behind the other through the thickness of the walls: those of a unit, as often as it goes into
+/// the thickness. None without walls.
+fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
+    let walls = || deck.walls().map(|(_, _, wall)| wall);
+    let thickness = walls().map(masonry::thickness).max_by(f64::total_cmp)?;
+    let axes: Vec<usize> = [0, 1]
+        .into_iter()
+        .filter(|d| walls().any(|wall| wall.axes().1 == *d))
+        .collect();
+    let mesh = &model.mesh;
+    // Of half a wall, where a plane of symmetry cuts it.
+    let laid = [0, 1].map(|d| {
+        let [front, back] = mesh.extent(d);
+        back - front
+    });
+    let planes = |unit: &[usize], d: usize| {
+        let nodes = unit.iter().flat_map(|e| mesh.corners(*e));
+        let mut x: Vec<f64> = nodes.map(|x| x[d]).collect();
+        x.sort_by(f64::total_cmp);
+        x.dedup_by(|b, a| *b - *a <= SAME_PLANE);
+        let times = thickness.min(laid[d]) / (x[x.len() - 1] - x[0]);
+        let times = times.round().clamp(1.0, MOST_LEAVES);
+        x.len() * times as usize
+    };
+    let elements: Vec<usize> = (0..mesh.elements.len()).collect();
+    let units = elements.chunk_by(|a, b| mesh.unit[*a] == mesh.unit[*b]);
+    // Of walls that run both ways a unit may lie either way: the lesser counts.
+    units
+        .filter_map(|unit| axes.iter().map(|d| planes(unit, *d)).min())
+        .max()
+}
+
+/// A wall has no more [-].
+const MOST_LEAVES: f64 = 100.0;
+
+/// Nodes closer along an axis lie in one plane [mm].
+const SAME_PLANE: f64 = 1e-6;
 
 /// What a run of two bricks takes [MB].
 const PROGRAM_MB: f64 = 12.0;
@@ -228,10 +266,14 @@ fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
     let elements: Vec<usize> = elements.collect();
     let mut units: Vec<u32> = elements.iter().map(|e| model.mesh.unit[*e]).collect();
     units.dedup();
+    let lines = if deck.walls().any(|(_, _, wall)| wall.rigid) {
+        " (units have a line of the mesh where neighbours end)"
+    } else {
+        ""
+    };
     Some(format!(
-        "rigid: {} bodies of {} hex8 in all (a line of the mesh where neighbours end), linear elastic, E = {modulus:.4e} \
-         MPa: over {side:.1} mm 100 times as stiff as the stiffest joint, k_n = {joint} N/mm^3; tables of their \
-         materials are not used",
+        "rigid: {} bodies of {} hex8 in all{lines}, linear elastic, E = {modulus:.4e} MPa: over {side:.1} mm 100 times as \
+         stiff as the stiffest interface, k_n = {joint} N/mm^3; tables of their materials are not used",
         units.len(),
         elements.len()
     ))

@@ -1,8 +1,8 @@
 //! Physics of a model that can be judged before it is run.
 
 use super::Model;
-use super::deck::{Bond, Deck, Interface};
-use super::masonry::Masonry;
+use super::deck::{Bond, Deck, FilledFrom, Interface, Subdivision, Wall};
+use super::masonry::{Masonry, Unit};
 use super::tables;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{MaterialParameters, TableRow};
@@ -220,18 +220,34 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
             ),
         ));
     }
+    warnings.extend(unread(deck, masonry));
     warnings.extend(wide_joints(deck, masonry));
     warnings.extend(gaps(deck, masonry));
     warnings
 }
 
+/// Keys of a wall that other keys leave without effect.
+fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
+    let (wall, path) = (masonry.wall, &masonry.path);
+    let mut warnings = Vec::new();
+    if wall.rigid && wall.mesh != Subdivision::default() {
+        let message = "not used: rigid units have the elements that their neighbours leave them";
+        warnings.push(deck.warning(&format!("{path}.mesh"), message));
+    }
+    let filling = wall.head_filling.get();
+    if wall.filled_from != FilledFrom::Both && (filling == 0.0 || filling == 1.0) {
+        let how = if filling == 0.0 { "empty" } else { "full" };
+        let message = format!("not used: head_filling = {filling} leaves the head joints {how}");
+        warnings.push(deck.warning(&format!("{path}.filled_from"), message));
+    }
+    warnings
+}
+
 /// Head joints that are wider than the wall's, as patterns and lintels may leave them.
 fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
-    let along = usize::from(masonry.wall.along == super::deck::Axis::Y);
+    let (along, _) = masonry.wall.axes();
     let joint = masonry.wall.head_joint.get();
-    let wide = |u: &&super::masonry::Unit| {
-        u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get()
-    };
+    let wide = |u: &&Unit| u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get();
     let mut units = masonry.units.iter().filter(wide);
     let first = units.next()?;
     let [from, to] = [first.own[along][1], first.all[along][1]];
@@ -261,8 +277,8 @@ fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
 /// Units of one course beside each other that no joint joins.
 fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     let wall = masonry.wall;
-    let along = usize::from(wall.along == super::deck::Axis::Y);
-    let (origin, through) = (wall.at[along].get(), 1 - along);
+    let (along, _) = wall.axes();
+    let origin = wall.at[along].get();
     let least = 1e-6 * wall.unit[0].get();
     let in_opening = |course: u16, x: f64| {
         let courses = |o: &super::deck::DeckOpening| {
@@ -282,22 +298,14 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     };
     let mut found = Vec::new();
     for course in masonry.units.chunk_by(|a, b| a.course == b.course) {
+        let mut by_start: Vec<usize> = (0..course.len()).collect();
+        by_start.sort_by(|a, b| course[*a].own[along][0].total_cmp(&course[*b].own[along][0]));
         for unit in course {
-            let end = unit.own[along][1];
-            let beside = course.iter().filter(|other| {
-                let [a, b] = [unit.own[through], other.own[through]];
-                other.own[along][0] > end - least && a[1].min(b[1]) - a[0].max(b[0]) > least
-            });
-            // The next one in each leaf that the unit goes through.
-            for next in beside.clone() {
-                let covered = beside.clone().any(|other| {
-                    let [a, b] = [next.own[through], other.own[through]];
-                    let same = a[1].min(b[1]) - a[0].max(b[0]) > least;
-                    same && other.own[along][0] < next.own[along][0] - least
-                });
-                let gap = next.own[along][0] - unit.all[along][1].max(end);
+            for i in following(wall, course, &by_start, unit) {
+                let next = &course[i];
+                let gap = next.own[along][0] - unit.all[along][1].max(unit.own[along][1]);
                 let middle = next.own[along][0] - 0.5 * gap - origin;
-                if !covered && gap > least && gap <= most && !in_opening(unit.course, middle) {
+                if gap > least && gap <= most && !in_opening(unit.course, middle) {
                     found.push((unit, next, gap));
                 }
             }
@@ -324,4 +332,43 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
             next.own[along][0]
         ),
     ))
+}
+
+/// The next unit of a course behind `unit` in each leaf that it goes through, in ascending order. `by_start`: units of
+/// the course in the order in which they begin.
+fn following(wall: &Wall, course: &[Unit], by_start: &[usize], unit: &Unit) -> Vec<usize> {
+    let (along, through) = wall.axes();
+    let least = 1e-6 * wall.unit[0].get();
+    let start = |i: usize| course[i].own[along][0];
+    let beside = |a: &Unit, b: &Unit| {
+        let [a, b] = [a.own[through], b.own[through]];
+        a[1].min(b[1]) - a[0].max(b[0]) > least
+    };
+    let behind = by_start.partition_point(|i| start(*i) <= unit.own[along][1] - least);
+    let (mut seen, mut next): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
+    // Parts of its thickness behind which nothing has come yet.
+    let mut left = vec![unit.own[through]];
+    for &i in &by_start[behind..] {
+        let last = seen.last().map_or(f64::INFINITY, |i| start(*i));
+        if left.is_empty() && start(i) > last + least {
+            break; // all that follow stand behind others
+        }
+        let other = &course[i];
+        if !beside(unit, other) {
+            continue;
+        }
+        let covers = |s: &usize| beside(&course[*s], other) && start(*s) < start(i) - least;
+        if !seen.iter().any(covers) {
+            next.push(i);
+        }
+        seen.push(i);
+        let [front, back] = other.own[through];
+        left = left
+            .into_iter()
+            .flat_map(|[a, b]| [[a, b.min(front)], [a.max(back), b]])
+            .filter(|[a, b]| b - a > least)
+            .collect();
+    }
+    next.sort_unstable();
+    next
 }

@@ -59,53 +59,61 @@ pub(super) fn require_held(
         bodies.called(body),
         unheld.len()
     );
+    let path = format!("steps.{at_rest}");
     if deck.contact.general.is_some() {
-        let path = format!("steps.{at_rest}");
-        let inertia = [
-            DeckProcedure::Auto,
-            DeckProcedure::QuasiStatic,
-            DeckProcedure::Dynamic,
-        ];
-        if inertia.contains(&step.procedure) {
-            let message = format!("{who} and lies on nothing: it falls, as only inertia lets it");
-            return Ok(Some(deck.warning(&path, message)));
-        }
-        return Err(deck.error(
-            &path,
-            format!("{who} and lies on nothing: this step knows no equilibrium of it"),
-            "let it lie on something, hold it by [[supports]], or give it inertia: procedure = \"dynamic\"",
-        ));
+        return falls(deck, step, &path, &who).map(Some);
     }
     let touches = |t: &&Touching| [t.bodies.0, t.bodies.1].contains(&(body as u32));
-    let path = format!("steps.{at_rest}");
-    Err(match touching.iter().find(touches) {
-        None => deck.error(
-            &path,
+    Err(loose(deck, &path, &who, touching.iter().find(touches)))
+}
+
+/// A body that lies on nothing, where anything may rest on anything.
+///
+/// # Errors
+/// A step that knows no inertia.
+fn falls(deck: &Deck, step: &DeckStep, path: &str, who: &str) -> Result<Warning, ModelError> {
+    let inertia = [
+        DeckProcedure::Auto,
+        DeckProcedure::QuasiStatic,
+        DeckProcedure::Dynamic,
+    ];
+    if inertia.contains(&step.procedure) {
+        let message = format!("{who} and lies on nothing: it falls, as only inertia lets it");
+        return Ok(deck.warning(path, message));
+    }
+    Err(deck.error(
+        path,
+        format!("{who} and lies on nothing: this step knows no equilibrium of it"),
+        "let it lie on something, hold it by [[supports]], or give it inertia: procedure = \"dynamic\"",
+    ))
+}
+
+/// Why a body is held by nothing. `touches`: what it touches, if anything.
+fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> ModelError {
+    let Some(touches) = touches else {
+        return deck.error(
+            path,
             format!("{who}: it touches no other block and has no support"),
             "add [[contacts]] to what it rests on, [[supports]], or begin with kind = \"free\"",
-        ),
-        Some(t)
-            if deck
-                .interfaces
-                .get(&t.interface)
-                .is_some_and(|f| f.mu.get() == 0.0) =>
-        {
-            deck.error(
-                &format!("interfaces.{}", t.interface),
-                format!("{who}: the joint has neither bond nor friction"),
-                "give mu above 0, or f_t and c; or support the block along the joint",
-            )
-        }
-        Some(_) => deck.error(
-            &path,
-            format!("{who}: the joints are dry and no load presses them together"),
-            if deck.clamped().is_some() {
-                "begin with a preload: kind = \"preload\", top_pressure = \"0.3 MPa\""
-            } else {
-                "begin with kind = \"gravity\", or with a preload"
-            },
-        ),
-    })
+        );
+    };
+    let interface = deck.interfaces.get(&touches.interface);
+    if interface.is_some_and(|f| f.mu.get() == 0.0) {
+        return deck.error(
+            &format!("interfaces.{}", touches.interface),
+            format!("{who}: the joint has neither bond nor friction"),
+            "give mu above 0, or f_t and c; or support the block along the joint",
+        );
+    }
+    deck.error(
+        path,
+        format!("{who}: the joints are dry and no load presses them together"),
+        if deck.clamped().is_some() {
+            "begin with a preload: kind = \"preload\", top_pressure = \"0.3 MPa\""
+        } else {
+            "begin with kind = \"gravity\", or with a preload"
+        },
+    )
 }
 
 /// Bodies whose boxes are no farther apart may rest on each other [mm].

@@ -77,6 +77,30 @@ pub(super) const PLACES: [[usize; 3]; 8] = [
     [0, 1, 1],
 ];
 
+/// Pairs of corners that are edges.
+pub(crate) const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
+/// Least and largest of these; [∞, −∞] of none.
+pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    of.into_iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+}
+
 /// Whether the trilinear map of these corners has a positive volume at each of them: at a corner the
 /// determinant is the triple product of its three edges.
 pub(super) fn is_upright(corners: &Corners) -> bool {

@@ -68,6 +68,11 @@ pub(super) struct Named {
 }
 
 impl Named {
+    /// The loads, in the order in which steps first name them.
+    pub(super) fn all(&self) -> &[Load] {
+        &self.loads
+    }
+
     /// Gives the steps their values; leaves the loads.
     pub(super) fn assign(self, steps: &mut [Step]) -> Vec<Load> {
         for (step, values) in steps.iter_mut().zip(self.values) {

@@ -1,5 +1,7 @@
 //! Nodes and hex8 elements.
 
+use super::hexahedron::{norm, range};
+
 /// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
 pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
@@ -38,10 +40,26 @@ impl Mesh {
     /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let nodes = self.elements.as_flattened().iter();
-        let x = nodes.map(|n| self.nodes[*n as usize][axis]);
-        x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-            [r[0].min(x), r[1].max(x)]
-        })
+        range(nodes.map(|n| self.nodes[*n as usize][axis]))
+    }
+
+    /// Diagonal of the box around the solids [mm].
+    pub(super) fn diagonal(&self) -> f64 {
+        norm([0, 1, 2].map(|d| {
+            let [low, high] = self.extent(d);
+            high - low
+        }))
+    }
+
+    /// Nodes of the solids, ascending: all but those of mirrors, which are of no element.
+    pub(super) fn nodes_of_solids(&self) -> Vec<u32> {
+        let mut is_solid = vec![false; self.nodes.len()];
+        for n in self.elements.as_flattened() {
+            is_solid[*n as usize] = true;
+        }
+        (0..self.nodes.len() as u32)
+            .filter(|n| is_solid[*n as usize])
+            .collect()
     }
 
     /// Volume of element `e` [mm³]: ∫ det J, which 2×2×2 Gauss points integrate exactly.

@@ -1,7 +1,7 @@
 //! Mirrors: what stands for the other half of a wall where a plane of symmetry cuts its joints.
 
 use super::bodies::Bodies;
-use super::hexahedron::Face;
+use super::hexahedron::{Face, range};
 use super::masonry;
 use super::quantity::Quantity;
 use super::symmetry::Plane;
@@ -31,11 +31,8 @@ impl Bodies<'_> {
                 }
                 let (u, v) = ((d + 1) % 3, (d + 2) % 3);
                 let reach = |axis: usize| {
-                    let boxes = wall.units.iter().filter(meets).map(|unit| unit.all[axis]);
-                    let [low, high] = boxes
-                        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
-                            [r[0].min(a), r[1].max(b)]
-                        });
+                    let units = wall.units.iter().filter(meets);
+                    let [low, high] = range(units.flat_map(|unit| unit.all[axis]));
                     let margin = wall
                         .wall
                         .unit

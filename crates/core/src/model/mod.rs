@@ -35,7 +35,7 @@ pub mod scene;
 pub mod schema;
 pub mod skin;
 pub(crate) mod source;
-mod symmetry;
+pub(crate) mod symmetry;
 mod tables;
 pub mod templates;
 mod touch;

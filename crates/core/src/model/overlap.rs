@@ -7,7 +7,7 @@
 use super::Mesh;
 use super::bodies::Bodies;
 use super::deck::Deck;
-use super::hexahedron::{Corners, Face, area_vector, cross, difference, dot, norm};
+use super::hexahedron::{Corners, EDGES, Face, area_vector, cross, difference, dot, norm, range};
 use crate::error::{Errors, ModelError, Warning};
 
 /// Depth over the shortest edge above which bodies do not touch but overlap.
@@ -19,7 +19,7 @@ const TOO_DEEP: f64 = 0.05;
 /// Boxes of bodies that touch may have so much in common by rounding [mm].
 const TOUCHING: f64 = 1e-6;
 
-/// More pairs than these are not told one by one.
+/// More pairs than these, of warnings and of errors, are not told one by one.
 const MOST_TOLD: usize = 5;
 
 /// A box in the axes. `[xyz][low, high]`
@@ -78,15 +78,21 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         elements[*unit as usize].push(e);
     }
     let (mut warnings, mut errors) = (Vec::new(), Errors::default());
-    let mut told = 0;
+    let mut told = [0; 2];
     for (a, b) in near(&boxes(bodies), TOUCHING) {
         let Some((depth, edge, at)) = deepest(mesh, &elements[a], &elements[b]) else {
             continue;
         };
-        if depth <= OVERLAPS * edge || told == MOST_TOLD {
+        if depth <= OVERLAPS * edge {
             continue;
         }
-        told += 1;
+        // Errors and warnings are counted apart: shallow pairs that come first must not hide a deep one.
+        let too_deep = depth > TOO_DEEP * edge;
+        let told = &mut told[usize::from(too_deep)];
+        if *told == MOST_TOLD {
+            continue;
+        }
+        *told += 1;
         let [x, y, z] = at;
         let message = format!(
             "{} and {} overlap by {depth:.3} mm near ({x:.1}, {y:.1}, {z:.1}) mm",
@@ -94,7 +100,7 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
             bodies.called(b)
         );
         let path = path_of(deck, bodies, b);
-        if depth > TOO_DEEP * edge {
+        if too_deep {
             errors.push(deck.error(
                 &path,
                 message,
@@ -109,8 +115,20 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
 
 /// The key that tells where a body lies.
 fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
+    let table = table_of(deck, bodies, body);
+    let index = table.strip_prefix("blocks.").and_then(|i| i.parse().ok());
+    let block = index.and_then(|i: usize| deck.blocks.get(i));
+    match block {
+        Some(block) if block.corners.is_some() => format!("{table}.corners"),
+        _ if table == "arch" => table,
+        _ => format!("{table}.at"),
+    }
+}
+
+/// The table of the deck that lays a body.
+pub(super) fn table_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     if let Some(wall) = bodies.wall_of(body) {
-        return format!("{}.at", wall.path);
+        return wall.path.clone();
     }
     let name = &bodies.all[body].name;
     let is = |of: &str| {
@@ -118,15 +136,10 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
     };
     if let Some(i) = deck.blocks.iter().position(|block| is(&block.name)) {
-        let key = if deck.blocks[i].corners.is_some() {
-            "corners"
-        } else {
-            "at"
-        };
-        return format!("blocks.{i}.{key}");
+        return format!("blocks.{i}");
     }
     match deck.imports.iter().position(|import| is(&import.name)) {
-        Some(i) => format!("imports.{i}.at"),
+        Some(i) => format!("imports.{i}"),
         None => "arch".to_owned(),
     }
 }
@@ -140,42 +153,48 @@ fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])
             .collect()
     };
     let (a, b) = (boxed(a), boxed(b));
+    // Only what reaches into the other body's box can meet it there; of that the sweep of `near` finds the pairs.
+    let of_all = |of: &[(usize, Box3)]| around(of.iter().flat_map(|(_, own)| corners_of(own)));
+    let (of_a, of_b) = (of_all(&a), of_all(&b));
+    let reaches = |own: &Box3, other: &Box3| common(own, other).is_some();
+    let inner: Vec<&(usize, Box3)> = a
+        .iter()
+        .filter(|(_, own)| reaches(own, &of_b))
+        .chain(b.iter().filter(|(_, own)| reaches(own, &of_a)))
+        .collect();
+    let of_first = a.iter().filter(|(_, own)| reaches(own, &of_b)).count();
+    let boxes: Vec<Box3> = inner.iter().map(|(_, own)| *own).collect();
     let mut deepest: Option<(f64, f64, [f64; 3])> = None;
-    for (e, first) in &a {
-        for (f, second) in &b {
-            let common =
-                [0, 1, 2].map(|d| [first[d][0].max(second[d][0]), first[d][1].min(second[d][1])]);
-            if common.iter().any(|[low, high]| high - low <= TOUCHING) {
-                continue;
-            }
-            let (one, other) = (mesh.corners(*e), mesh.corners(*f));
-            let Some(depth) = depth(&one, &other) else {
-                continue;
-            };
-            if deepest.is_none_or(|(most, ..)| depth > most) {
-                let edge = shortest_edge(&one).min(shortest_edge(&other));
-                deepest = Some((depth, edge, common.map(|[low, high]| 0.5 * (low + high))));
-            }
+    for (i, j) in near(&boxes, TOUCHING) {
+        if i >= of_first || j < of_first {
+            continue; // of one body
+        }
+        let Some(common) = common(&boxes[i], &boxes[j]) else {
+            continue;
+        };
+        let (one, other) = (mesh.corners(inner[i].0), mesh.corners(inner[j].0));
+        let Some(depth) = depth(&one, &other) else {
+            continue;
+        };
+        if deepest.is_none_or(|(most, ..)| depth > most) {
+            let edge = shortest_edge(&one).min(shortest_edge(&other));
+            deepest = Some((depth, edge, common.map(|[low, high]| 0.5 * (low + high))));
         }
     }
     deepest
 }
 
-/// Pairs of corners that are edges.
-const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
+/// What two boxes have in common, if that is more than bodies have that touch.
+fn common(a: &Box3, b: &Box3) -> Option<Box3> {
+    let common = [0, 1, 2].map(|d| [a[d][0].max(b[d][0]), a[d][1].min(b[d][1])]);
+    let part = |[low, high]: &[f64; 2]| high - low > TOUCHING;
+    common.iter().all(part).then_some(common)
+}
+
+/// Lower and upper corner of a box [mm].
+fn corners_of(own: &Box3) -> [[f64; 3]; 2] {
+    [0, 1].map(|side| own.map(|r| r[side]))
+}
 
 fn edges(x: &Corners) -> impl Iterator<Item = [f64; 3]> + '_ {
     EDGES.iter().map(|[a, b]| difference(x[*b], x[*a]))
@@ -197,15 +216,8 @@ fn depth(a: &Corners, b: &Corners) -> Option<f64> {
         if length <= 1e-9 * scale * scale {
             continue; // parallel edges
         }
-        let range = |x: &Corners| {
-            let along = x.map(|x| dot(x, axis) / length);
-            along
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                    [r[0].min(*x), r[1].max(*x)]
-                })
-        };
-        let (p, q) = (range(a), range(b));
+        let along = |x: &Corners| range(x.map(|x| dot(x, axis) / length));
+        let (p, q) = (along(a), along(b));
         // Which way they would be parted sooner.
         let common = (p[1] - q[0]).min(q[1] - p[0]);
         if common <= 0.0 {

@@ -107,7 +107,7 @@ fn nodes(
     let nodes = match &place.on {
         // `minus = "base"` has no key of its own below it; an error finds the table above.
         Some(names) => named(&format!("{path}.on"), names)?,
-        None => (0..mesh.nodes.len() as u32).collect(),
+        None => mesh.nodes_of_solids(),
     };
     let Some(near) = place.near else {
         return Ok(nodes);
@@ -118,7 +118,7 @@ fn nodes(
         .iter()
         .map(|n| (away(n), *n))
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let size = extent(mesh);
+    let size = mesh.diagonal();
     match nearest {
         Some((distance, node)) if distance <= size => Ok(vec![node]),
         _ => {
@@ -133,13 +133,4 @@ fn nodes(
             ))
         }
     }
-}
-
-/// Diagonal of the box around all nodes [mm].
-fn extent(mesh: &Mesh) -> f64 {
-    let side = |d: usize| {
-        let along = || mesh.nodes.iter().map(|x| x[d]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    norm([0, 1, 2].map(side))
 }

@@ -1,9 +1,11 @@
 //! Rigid-like bodies: walls, blocks and arches that say `rigid = true`.
 //!
-//! A body is as few elements as its neighbours let it be, elastic, and a hundred times as stiff as the stiffest
-//! joint: what gives way is the joints, whose stiffness the deck must say.
+//! A body is elastic, and a hundred times as stiff as the stiffest joint: what gives way is the joints, whose stiffness
+//! the deck must say. A unit of a wall is as few elements as its neighbours let it be, a block or a voussoir as many as
+//! its `mesh` says, one if it says nothing.
 
 use super::deck::{Deck, DeckArch, DeckBlock, Material};
+use super::hexahedron::range;
 use super::quantity::{Number, Pressure, Quantity};
 
 /// Stiffness E/h of a rigid-like body over that of the stiffest joint: joints give way by a hundredth more.
@@ -14,9 +16,9 @@ const STIFFER: f64 = 100.0;
 pub(super) struct Stiffness {
     /// Young's modulus [MPa].
     pub(super) modulus: f64,
-    /// Normal stiffness of the stiffest joint [N/mm³].
+    /// Normal stiffness of the stiffest interface of the deck, whether anything meets by it or not [N/mm³].
     pub(super) joint: f64,
-    /// Longest side of such a body [mm].
+    /// Longest side of such a body [mm]; of a voussoir, of its arc along the centre line.
     pub(super) side: f64,
 }
 
@@ -42,8 +44,8 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
     let units = walls.flat_map(|(_, _, wall)| wall.unit.map(Quantity::get));
     let blocks = deck.blocks.iter().filter(|b| b.rigid).flat_map(sides);
     let stones = arch(deck).into_iter().flat_map(|arch| {
-        let chord = arch.centre_line() * arch.embrace() / f64::from(arch.voussoirs);
-        [arch.thickness.get(), arch.width.get(), chord]
+        let arc = arch.centre_line() * arch.embrace() / f64::from(arch.voussoirs);
+        [arch.thickness.get(), arch.width.get(), arc]
     });
     let side = units.chain(blocks).chain(stones).fold(0.0, f64::max);
     (joint > 0.0).then_some(Stiffness {
@@ -57,10 +59,7 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
 fn sides(block: &DeckBlock) -> [f64; 3] {
     let of_corners = block.corners.map(|corners| {
         [0, 1, 2].map(|d| {
-            let x = corners.map(|c| c[d].get());
-            let [low, high] = x.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(*x), r[1].max(*x)]
-            });
+            let [low, high] = range(corners.map(|c| c[d].get()));
             high - low
         })
     });

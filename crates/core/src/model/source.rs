@@ -28,6 +28,8 @@ pub struct Source {
     pub(super) folder: Option<PathBuf>,
     /// Advice for the key at a path; that of decks if none.
     advice: Option<fn(&str) -> String>,
+    /// Tables that the file has not, and what they were written out from.
+    written_out: Vec<(String, String)>,
 }
 
 /// Only the name: the text would drown a printed deck.
@@ -56,7 +58,23 @@ impl Source {
             places: BTreeMap::new(),
             folder: None,
             advice: None,
+            written_out: Vec::new(),
         }
+    }
+
+    /// What is found at `path` or below is the doing of what the file says at `from`.
+    pub(super) fn stands_for(&mut self, path: String, from: String) {
+        self.written_out.push((path, from));
+    }
+
+    /// The path in the file of one that may have been written out.
+    fn said<'a>(&'a self, path: &'a str) -> &'a str {
+        let is = |(table, _): &&(String, String)| {
+            let below = path.strip_prefix(table.as_str());
+            below.is_some_and(|below| below.is_empty() || below.starts_with('.'))
+        };
+        let from = self.written_out.iter().find(is);
+        from.map_or(path, |(_, from)| from)
     }
 
     /// A file that is no deck, all its keys located, with advice of its own for a key.
@@ -174,12 +192,14 @@ impl Source {
 
     /// An error about the key `path`; what is not there at all is told at the top of the file.
     pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
+        let path = self.said(path);
         let span = self.span(path).unwrap_or(0..0);
         self.error_at(Some(span), path, message.into(), help)
     }
 
     /// A warning about the key `path`.
     pub fn warning(&self, path: &str, message: impl Into<String>) -> Warning {
+        let path = self.said(path);
         let (line, column) = self.position(path).unzip();
         Warning {
             key: path.to_owned(),

@@ -5,10 +5,13 @@
 //! that is held, stands there for the other half, and the joint's law opens by half as much ([`mirrored`]).
 
 use super::bodies::Bodies;
-use super::deck::{Deck, Keep};
-use super::scene::{Beam, BeamMotion, Step, Support};
+use super::deck::{Axis, Deck, DeckLoad, Keep};
+use super::hexahedron::norm;
+use super::loads::{Load, LoadOn};
+use super::overlap;
+use super::scene::{Beam, BeamMotion, Spring, Step, Support};
 use crate::error::{Errors, ModelError};
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{Coupling, InterfaceLaw};
 
 /// A plane of symmetry.
 #[derive(Clone, Debug)]
@@ -28,6 +31,9 @@ const IN_PLANE: f64 = 0.01;
 
 /// Part of gravity that rounding of its direction may leave along a normal.
 const ROUNDING: f64 = 1e-9;
+
+/// Component of a unit normal from which a face lies in the plane.
+const ALONG: f64 = 1.0 - 1e-6;
 
 impl Plane {
     /// The planes of a deck.
@@ -53,9 +59,18 @@ impl Plane {
         2.0 * self.at - x
     }
 
+    /// What goes along the normal.
+    fn across(&self, what: &str) -> String {
+        format!(
+            "{what} along {}, across the plane of symmetry {}",
+            Axis::NAMES[self.axis],
+            self.called()
+        )
+    }
+
     /// As in `x = 480.5 mm`.
     pub(super) fn called(&self) -> String {
-        format!("{} = {} mm", ["x", "y", "z"][self.axis], self.at)
+        format!("{} = {} mm", Axis::NAMES[self.axis], self.at)
     }
 }
 
@@ -112,20 +127,24 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
         let mut fixed = [false; 3];
         fixed[d] = true;
         supports.push(Support {
-            name: format!("symmetry-{}", ["x", "y", "z"][d]),
+            name: format!("symmetry-{}", Axis::NAMES[d]),
             nodes: held,
             fixed,
         });
     }
     for mirror in &bodies.mirrors {
         supports.push(Support {
-            name: format!("mirror-{}", ["x", "y", "z"][mirror.axis]),
+            name: format!("mirror-{}", Axis::NAMES[mirror.axis]),
             nodes: mirror.facet.into(),
             fixed: [true; 3],
         });
     }
     errors.end(supports)
 }
+
+/// What to do about that which a plane forbids.
+const HELP: &str =
+    "what acts across a plane acts the other way on the other side of it: model the whole scene";
 
 /// Refuses what is no mirror image of itself; faces that move as one and lie in a plane stay in it.
 ///
@@ -141,14 +160,8 @@ pub(super) fn judge(
     let mesh = &bodies.mesh;
     for plane in Plane::all(deck) {
         let d = plane.axis;
-        let axis = ["x", "y", "z"][d];
-        let across = |what: &str| {
-            format!(
-                "{what} along {axis}, across the plane of symmetry {}",
-                plane.called()
-            )
-        };
-        let help = "what acts across a plane acts the other way on the other side of it: model the whole scene";
+        let across = |what: &str| plane.across(what);
+        let axis = Axis::NAMES[d];
         let lies_in = |beam: &Beam| {
             let mut nodes = beam.nodes.iter();
             nodes.any(|n| plane.beyond(mesh.nodes[*n as usize][d]) > -IN_PLANE)
@@ -156,14 +169,14 @@ pub(super) fn judge(
         for (i, step) in steps.iter_mut().enumerate() {
             let pulls = |part: f64| {
                 let g = step.gravity.at(part);
-                g[d].abs() > ROUNDING * super::hexahedron::norm(g)
+                g[d].abs() > ROUNDING * norm(g)
             };
             if pulls(0.5) || pulls(1.0) {
-                errors.push(deck.error(&format!("steps.{i}"), across("gravity pulls"), help));
+                errors.push(deck.error(&format!("steps.{i}"), across("gravity pulls"), HELP));
             }
             if !step.ground.acceleration[d].is_empty() {
                 let path = format!("steps.{i}.ground.{axis}");
-                errors.push(deck.error(&path, across("the ground moves"), help));
+                errors.push(deck.error(&path, across("the ground moves"), HELP));
             }
             for (beam, motion) in beams.iter().zip(&mut step.motion) {
                 if !lies_in(beam) {
@@ -172,7 +185,7 @@ pub(super) fn judge(
                 match motion[d] {
                     BeamMotion::Driven(_) => {
                         let message = across(&format!("{} is driven", beam.name));
-                        errors.push(deck.error(&format!("steps.{i}.direction"), message, help));
+                        errors.push(deck.error(&format!("steps.{i}.direction"), message, HELP));
                     }
                     // The other side pulls it the other way.
                     BeamMotion::Force(_) => motion[d] = BeamMotion::Locked,
@@ -184,24 +197,107 @@ pub(super) fn judge(
     errors.end(())
 }
 
+/// Refuses springs, velocities and loads across a plane in which it holds their nodes: `held`, by plane.
+///
+/// # Errors
+/// Springs driven across a plane, velocities and loads across it.
+pub(super) fn judge_held(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    held: &[Support],
+    springs: &[Spring],
+    loads: &[Load],
+    steps: &[Step],
+) -> Result<(), ModelError> {
+    let mut errors = Errors::default();
+    for (plane, held) in Plane::all(deck).iter().zip(held) {
+        let mut is_held = vec![false; bodies.mesh.nodes.len()];
+        for n in &held.nodes {
+            is_held[*n as usize] = true;
+        }
+        let is_held = |n: u32| is_held[n as usize];
+        let d = plane.axis;
+        for (s, step) in steps.iter().enumerate() {
+            for (spring, end) in springs.iter().zip(&step.springs) {
+                if end[d] != 0.0 && spring.nodes.iter().any(|n| is_held(*n)) {
+                    let message = plane.across(&format!("the spring {} is driven", spring.name));
+                    errors.push(deck.error(&format!("steps.{s}.direction"), message, HELP));
+                }
+            }
+            for (l, said) in deck.steps[s].loads.iter().enumerate() {
+                let load = loads.iter().find(|load| load.name == said.name);
+                if load.is_some_and(|load| acts_across(d, said, load, &is_held)) {
+                    let message = plane.across(&format!(
+                        "the load {} acts on nodes that are held",
+                        said.name
+                    ));
+                    errors.push(deck.error(&format!("steps.{s}.loads.{l}"), message, HELP));
+                }
+            }
+        }
+        for (b, body) in bodies.all.iter().enumerate() {
+            let mut moving = body.nodes.clone().filter(|n| is_held(*n));
+            let velocity = |n: u32| bodies.velocity.get(n as usize);
+            if moving.any(|n| velocity(n).is_some_and(|v| v[d] != 0.0)) {
+                let path = format!("{}.velocity", overlap::table_of(deck, bodies, b));
+                let message = plane.across(&format!("{} moves", bodies.called(b)));
+                errors.push(deck.error(&path, message, HELP));
+            }
+        }
+    }
+    errors.end(())
+}
+
+/// Whether a load acts along axis `d` on nodes that are held there. Tractions and pressures on faces that only end at
+/// the plane have their mirror image, and forces of the two at the plane cancel: they are right.
+fn acts_across(d: usize, said: &DeckLoad, load: &Load, is_held: &impl Fn(u32) -> bool) -> bool {
+    let value = said.value().map_or([0.0; 3], |(_, value)| value);
+    match &load.acts {
+        LoadOn::Follower(facets) => {
+            let in_plane = |facet: &[u32; 4]| facet.iter().all(|n| is_held(*n));
+            value[0] != 0.0 && facets.iter().any(in_plane)
+        }
+        LoadOn::Pressure(areas) => {
+            let in_plane =
+                |(n, area): &(u32, [f64; 3])| is_held(*n) && area[d].abs() > ALONG * norm(*area);
+            value[0] != 0.0 && areas.iter().any(in_plane)
+        }
+        LoadOn::Shares(shares) => {
+            let mut held = shares.iter().map(|(n, _)| is_held(*n));
+            // Of a force in all, what acts on these nodes is missing; else it is a matter of the others, too.
+            value[d] != 0.0
+                && if said.force.is_some() {
+                    held.any(|held| held)
+                } else {
+                    held.all(|held| held)
+                }
+        }
+    }
+}
+
 /// The law of a joint that lies in a plane of symmetry, of which the half is modelled: between its middle and its
-/// mirror image lies half the opening, and nothing slides.
+/// mirror image lies half the opening. Slip is free: the other side slides along, so that it meets no friction and
+/// takes nothing from the bond (δ_k = ∞).
 ///
 /// ```text
-/// t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = f_t u_k'/… = G/2
+/// t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = ∫ t' dw' = G/2
 /// ```
-pub(super) fn mirrored(law: &InterfaceLaw) -> InterfaceLaw {
+pub(crate) fn mirrored(law: &InterfaceLaw) -> InterfaceLaw {
     InterfaceLaw {
         c: 0.0,
         tan_phi: 0.0,
         mu: 0.0,
         u_k: 0.5 * law.u_k,
-        delta_k: NEVER,
+        delta_k: f64::INFINITY,
         normal_stiffness: 2.0 * law.normal_stiffness,
         shear_stiffness: 2.0 * law.shear_stiffness,
+        // Without slip in it both couplings are D = Q(w); the sum would look for H⁻¹.
+        coupling: Coupling::Max,
         ..*law
     }
 }
 
-/// A slip by which no bond is lost [mm].
-const NEVER: f64 = 1e9;
+/// Whether a law is that of a joint cut at its middle, see [`mirrored`]: no deck says an infinite δ_k.
+pub(crate) fn is_mirrored(law: &InterfaceLaw) -> bool {
+    law.delta_k == f64::INFINITY
+}

@@ -1,6 +1,6 @@
 //! Do two faces of blocks meet at rest? Faces are quadrilaterals, flat or nearly so.
 
-use super::hexahedron::{area_vector, cross, difference, dot, mean, norm};
+use super::hexahedron::{area_vector, cross, difference, dot, mean, norm, range};
 
 /// Two faces oppose each other if their unit normals have a product below this.
 const OPPOSED: f64 = -0.999;
@@ -48,14 +48,8 @@ pub(super) fn covers(face: &[[f64; 3]; 4], point: [f64; 3]) -> bool {
 
 /// Common length of the projections of two faces on a unit vector [mm].
 fn overlap(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], axis: [f64; 3]) -> f64 {
-    let range = |q: &[[f64; 3]; 4]| {
-        q.iter()
-            .map(|x| dot(*x, axis))
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(x), r[1].max(x)]
-            })
-    };
-    let (a, b) = (range(a), range(b));
+    let along = |q: &[[f64; 3]; 4]| range(q.map(|x| dot(x, axis)));
+    let (a, b) = (along(a), along(b));
     a[1].min(b[1]) - a[0].max(b[0])
 }
 

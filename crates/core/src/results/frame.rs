@@ -3,7 +3,7 @@
 use nalgebra::Vector6;
 use wythe_contact::{InterfaceHistory, InterfaceLaw};
 
-use crate::model::Model;
+use crate::model::{Model, symmetry};
 use crate::solve::{Checkpoint, Method, State};
 use crate::sym6;
 
@@ -168,6 +168,8 @@ impl InterfaceState {
         match (failed, open) {
             (true, true) => Self::FailedOpen,
             (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
+            // Its slip is the other side's too: nothing slides on anything.
+            (true, false) if law.is_dry() && symmetry::is_mirrored(law) => Self::Intact,
             (true, false) => Self::FailedSliding,
             (false, _) if history.damage > 0.0 => Self::Softening,
             (false, _) => Self::Intact,
@@ -301,4 +303,52 @@ pub trait Recorder: Send {
     /// Called after each linear solve of an increment that begins at `time` [s], with their number,
     /// those of refused attempts among them. For the terminal; default: nothing.
     fn progress(&mut self, _step: usize, _time: f64, _iterations: usize) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wythe_contact::Coupling;
+
+    /// A joint cut at its middle opens and closes, and slides freely: that is not damage.
+    #[test]
+    fn slip_along_a_plane_of_symmetry_leaves_the_bond() {
+        for coupling in [Coupling::Max, Coupling::Additive] {
+            let whole = InterfaceLaw {
+                f_t: 0.2,
+                c: 0.3,
+                u_k: 0.36,
+                delta_k: 0.4,
+                zeta: 4.38,
+                xi: 1.1,
+                coupling,
+                ..InterfaceLaw::dry(0.75, 100.0, 40.0)
+            };
+            let law = symmetry::mirrored(&whole);
+            let u_0 = law.f_t / law.normal_stiffness;
+            let after = |opening: f64| {
+                let first = law.update([0.5 * opening, 0.1, 0.0], &law.virgin()).history;
+                law.update([opening, 0.3, 0.0], &first).history
+            };
+            for held in [-0.01, 0.5 * u_0] {
+                let history = after(held);
+                assert_eq!(history.damage, 0.0, "{coupling:?}");
+                assert_eq!(InterfaceState::of(&law, &history), InterfaceState::Intact);
+            }
+            let history = after(2.0 * u_0);
+            let (expected, _) = law.opening_curve().evaluate(u_0);
+            // Rounding of an exponential.
+            assert!((history.damage - expected).abs() < 1e-14, "{coupling:?}");
+            assert_eq!(
+                InterfaceState::of(&law, &history),
+                InterfaceState::Softening
+            );
+        }
+        let law = symmetry::mirrored(&InterfaceLaw::dry(0.6, 50.0, 20.0));
+        let pressed = law.update([-0.01, 0.1, 0.0], &law.virgin()).history;
+        assert!(pressed.slip_max > 0.0);
+        assert_eq!(InterfaceState::of(&law, &pressed), InterfaceState::Intact);
+        let open = law.update([0.01, 0.1, 0.0], &law.virgin()).history;
+        assert_eq!(InterfaceState::of(&law, &open), InterfaceState::FailedOpen);
+    }
 }

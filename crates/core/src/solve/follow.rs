@@ -1,6 +1,6 @@
 //! The iterates of a path: the load moves with the displacements (see [`super::path`]).
 
-use super::line_search::{LineSearch, Probe};
+use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along, timed};
 use super::outcome::Refusal;
 use super::path::Advance;
@@ -87,16 +87,24 @@ impl Newton<'_> {
         let change = advance
             .load_change(&reached, &rate)
             .ok_or(Refusal::NoSuchLoad)?;
-        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
-        let origin: Vec<f64> = slots.map(|slot| self.q[slot]).collect();
+        // Where nothing is searched there is nothing to go back to.
+        let origin: Vec<f64> = if searches {
+            let slots = self.equations.slot_of.iter();
+            slots.map(|&slot| self.q[slot as usize]).collect()
+        } else {
+            Vec::new()
+        };
         let from = self.load_factor;
         for (d, by_load) in self.direction.iter_mut().zip(&self.by_load) {
             *d += change * by_load;
         }
-        let idle = self.idle(force);
-        let mut search = LineSearch::new(dot(&idle, &self.residual)).no_further_than(1.0);
-        let mut eta = 1.0;
-        loop {
+        let idle = if searches {
+            self.idle(force)
+        } else {
+            Vec::new()
+        };
+        let search = LineSearch::new(dot(&idle, &self.residual)).no_further_than(1.0);
+        let mut slope = |eta: f64| {
             for (e, &slot) in self.equations.slot_of.iter().enumerate() {
                 let slot = slot as usize;
                 self.q[slot] = if eta == 1.0 {
@@ -106,19 +114,13 @@ impl Newton<'_> {
                 };
             }
             self.load_to(from + eta * change, system, trial);
-            let slope = match self.evaluate(system, state, trial, along(setting)) {
-                Ok(()) => dot(&idle, &self.residual),
-                // A law that fails far away may answer nearer.
-                Err(Refusal::Local { .. }) if searches && eta > 0.1 => f64::NAN,
-                Err(refusal) => return Err(refusal),
-            };
-            if !searches {
-                return Ok(());
-            }
-            match search.next(eta, slope) {
-                Probe::Try(next) => eta = next,
-                Probe::Accept(_) => return Ok(()),
-            }
+            self.evaluate(system, state, trial, along(setting))?;
+            Ok(dot(&idle, &self.residual))
+        };
+        if searches {
+            search.run(slope)
+        } else {
+            slope(1.0).map(drop)
         }
     }
 
@@ -131,8 +133,4 @@ impl Newton<'_> {
         let both = self.direction.iter().zip(&self.by_load);
         both.map(|(d, by_load)| d - share * by_load).collect()
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

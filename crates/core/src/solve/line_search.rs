@@ -4,6 +4,8 @@
 //! grow where the slope falls (the window of stick is 2 f/k_s ≈ 4e-6 mm wide), so the norm is not
 //! looked at. A residual costs a tenth of a factorisation: a few are well spent.
 
+use super::outcome::Refusal;
+
 /// What to do next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Probe {
@@ -43,6 +45,14 @@ const SMALLEST: f64 = 0.02;
 const MOST_TO_IMPACT: usize = 16;
 const SMALLEST_TO_IMPACT: f64 = 1e-6;
 
+/// A law that fails at a shorter step fails: the increment is cut.
+const NEAR: f64 = 0.1;
+
+/// Slope of the energy along a direction d where the forces r are out of balance.
+pub(super) fn dot(d: &[f64], r: &[f64]) -> f64 {
+    d.iter().zip(r).map(|(d, r)| d * r).sum()
+}
+
 impl LineSearch {
     /// Starts from the slope at η = 0 (negative for a direction of descent).
     pub fn new(start: f64) -> Self {
@@ -70,6 +80,34 @@ impl LineSearch {
             most: MOST_TO_IMPACT,
             smallest: SMALLEST_TO_IMPACT,
             ..self
+        }
+    }
+
+    /// Searches along a direction from the full step on: `slope` goes to η, leaves the forces there and tells s(η).
+    ///
+    /// # Errors
+    /// That of `slope` where no shorter step helps.
+    pub(super) fn run(
+        mut self,
+        mut slope: impl FnMut(f64) -> Result<f64, Refusal>,
+    ) -> Result<(), Refusal> {
+        let mut eta = 1.0;
+        loop {
+            let (found, refused) = match slope(eta) {
+                Ok(found) => (found, None),
+                // A law that fails far away may answer nearer.
+                Err(why @ Refusal::Local { .. }) if eta > NEAR => (f64::NAN, Some(why)),
+                Err(why) => return Err(why),
+            };
+            match (self.next(eta, found), refused) {
+                (Probe::Try(next), _) => eta = next,
+                (Probe::Accept(_), None) => return Ok(()),
+                // The last one tried has no forces: the farthest that descends has, if there is one.
+                (Probe::Accept(_), Some(_)) if self.low.0 > 0.0 => {
+                    return slope(self.low.0).map(drop);
+                }
+                (Probe::Accept(_), Some(why)) => return Err(why),
+            }
         }
     }
 
@@ -135,6 +173,7 @@ impl LineSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::LocalFailure;
 
     fn search(slope: impl Fn(f64) -> f64) -> (f64, usize) {
         let mut search = LineSearch::new(slope(0.0));
@@ -177,6 +216,31 @@ mod tests {
     fn not_a_number_beyond_the_full_step_leads_back() {
         let (eta, _) = search(|eta| if eta > 2.5 { f64::NAN } else { 0.5 * eta - 1.2 });
         assert!((1.0..=2.5).contains(&eta), "{eta}");
+    }
+
+    /// Where the last point that may be tried has no answer, the forces that are left are those of one that has.
+    #[test]
+    fn a_search_never_ends_where_the_law_failed() {
+        let failed = || Refusal::Local {
+            element: 0,
+            why: LocalFailure::StrainNotFinite,
+        };
+        // It falls slowly up to the full step, and there is nothing beyond.
+        let mut tried = Vec::new();
+        let search = LineSearch::new(-1.0).run(|eta| {
+            tried.push(eta);
+            if eta > 1.0 {
+                Err(failed())
+            } else {
+                Ok(0.1 * eta - 1.0)
+            }
+        });
+        assert!(search.is_ok(), "{search:?}");
+        assert_eq!(tried.len(), MOST + 1);
+        assert!(tried[MOST - 1] > 1.0 && tried[MOST] == 1.0, "{tried:?}");
+        // Nothing at all: the law's own refusal.
+        let search = LineSearch::new(-1.0).run(|_| Err(failed()));
+        assert!(matches!(search, Err(Refusal::Local { .. })), "{search:?}");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::closure::pursuit;
 use super::dynamics::Motion;
 use super::hidden::Pause;
 use super::ladder::Rung;
-use super::line_search::{LineSearch, Probe};
+use super::line_search::{LineSearch, dot};
 use super::loads::Loads;
 use super::method::Method;
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
@@ -449,37 +449,20 @@ impl<'m> Newton<'m> {
         setting: Evaluation,
     ) -> Result<(), Refusal> {
         let setting = along(setting);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
         if trial.may_meet() {
             search = search.to_impact();
         }
-        let origin: Vec<f64> = self
-            .equations
-            .slot_of
-            .iter()
-            .map(|&s| self.q[s as usize])
-            .collect();
-        let mut eta = 1.0;
-        loop {
-            for ((q, d), &slot) in origin
-                .iter()
-                .zip(&self.direction)
-                .zip(&self.equations.slot_of)
-            {
+        let slots = self.equations.slot_of.iter();
+        let origin: Vec<f64> = slots.map(|&slot| self.q[slot as usize]).collect();
+        search.run(|eta| {
+            let from = origin.iter().zip(&self.direction);
+            for ((q, d), &slot) in from.zip(&self.equations.slot_of) {
                 self.q[slot as usize] = q + eta * d;
             }
-            let slope = match self.evaluate(system, state, trial, setting) {
-                Ok(()) => dot(&self.direction, &self.residual),
-                // A law that fails far away may answer nearer.
-                Err(Refusal::Local { .. }) if eta > 0.1 => f64::NAN,
-                Err(refusal) => return Err(refusal),
-            };
-            match search.next(eta, slope) {
-                Probe::Try(next) => eta = next,
-                Probe::Accept(_) => return Ok(()),
-            }
-        }
+            self.evaluate(system, state, trial, setting)?;
+            Ok(dot(&self.direction, &self.residual))
+        })
     }
 
     /// Updates extrapolated solids implicitly at the converged displacements. Returns the largest true

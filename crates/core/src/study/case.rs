@@ -9,7 +9,6 @@ use super::expect::Expectation;
 use super::judge::Terms;
 use super::written::{self, CaseFile};
 use crate::error::{DeckError, IoError, ModelError};
-use crate::model::source::Source;
 
 /// A deck, what happens in it and why methods fail there, and what must come out.
 ///
@@ -84,12 +83,8 @@ impl Case {
     /// # Errors
     /// [`StudyError`]: the file, its deck or a reference cannot be read, or says something impossible.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|why| IoError {
-            path: path.to_owned(),
-            why,
-        })?;
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let mut case = Self::from_str(&text, &path.display().to_string(), folder)?;
+        let (text, file, folder) = written::text(path)?;
+        let mut case = Self::from_str(&text, &file, folder)?;
         case.part = part(path).unwrap_or_default();
         Ok(case)
     }
@@ -99,9 +94,7 @@ impl Case {
     /// # Errors
     /// As [`Case::load`].
     pub fn from_str(text: &str, file: &str, folder: &Path) -> Result<Self, StudyError> {
-        let (source, root) = Source::other(file, text, written::advice)?;
-        let case = CaseFile::deserialize(toml::Deserializer::from(root))
-            .map_err(|error| source.toml_error(&error))?;
+        let (source, case): (_, CaseFile) = written::parsed(text, file, written::advice)?;
         case.checked(&source, folder)
     }
 
@@ -156,45 +149,21 @@ fn part(path: &Path) -> Option<String> {
     }
 }
 
-/// Paths in a folder, sorted.
-fn listed(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
-    let reading = |why| IoError {
-        path: folder.to_owned(),
-        why,
-    };
-    let mut paths = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(reading)? {
-        paths.push(entry.map_err(reading)?.path());
-    }
-    paths.sort();
-    Ok(paths)
-}
-
 /// All cases in the folders of `folder`, by number and letter.
 ///
 /// # Errors
 /// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
 pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
-    let mut cases: Vec<(PathBuf, Case)> = Vec::new();
-    let folders = listed(folder)?.into_iter().filter(|path| path.is_dir());
-    for path in folders {
-        let files = listed(&path)?.into_iter().filter(|f| part(f).is_some());
-        for file in files {
-            let case = Case::load(&file)?;
-            if let Some((other, _)) = cases.iter().find(|(_, c)| c.id() == case.id()) {
-                return Err(StudyError::SameNumber {
-                    number: case.id(),
-                    one: other.clone(),
-                    other: file,
-                });
-            }
-            cases.push((file, case));
-        }
+    let folders = written::listed(folder)?.into_iter();
+    let mut files = Vec::new();
+    for path in folders.filter(|path| path.is_dir()) {
+        files.extend(
+            written::listed(&path)?
+                .into_iter()
+                .filter(|f| part(f).is_some()),
+        );
     }
-    if cases.is_empty() {
-        return Err(StudyError::NoCase(folder.to_owned()));
-    }
-    let mut cases: Vec<Case> = cases.into_iter().map(|(_, case)| case).collect();
+    let mut cases = written::gathered(folder, &files, Case::load, Case::id)?;
     cases.sort_by_key(|case| (case.number, case.part.clone()));
     Ok(cases)
 }

@@ -40,7 +40,7 @@ pub struct ExpectFile {
     at: Option<AtFile>,
     reaches: Option<f64>,
     over: Option<String>,
-    file: Option<String>,
+    pub(super) file: Option<String>,
     x: Option<String>,
     y: Option<String>,
     value: Option<f64>,

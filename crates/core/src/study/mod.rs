@@ -22,6 +22,7 @@ mod method;
 mod parallel;
 mod picture;
 mod report;
+mod run;
 mod stability;
 pub mod validation;
 mod written;

@@ -1,16 +1,15 @@
 //! The stability atlas: every case through every method.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::case::{Case, Short, StudyError};
 use super::cell::{Cell, Cost, Verdict};
-use super::judge::{Ended, judge};
+use super::judge::judge;
 use super::method::METHODS;
 use super::parallel::{on_one_thread, side_by_side};
+use super::run::{self, Nowhere, Watch};
 use crate::model::{Deck, Model};
-use crate::results::summary::EnergyBalance;
-use crate::results::{Frame, HistoryRow, Recorder, Summary, usage};
-use crate::solve;
+use crate::results::HistoryRow;
 
 /// How the atlas is run.
 #[derive(Clone, Debug)]
@@ -77,7 +76,7 @@ pub fn stability(
     known_methods(cases, options)?;
     let run = |job: Job| {
         let case = chosen[job.row];
-        let cell = run(case, &job, options, stop);
+        let cell = cell(case, &job, options, stop);
         progress(case, &cell);
         (job.row, cell)
     };
@@ -149,7 +148,7 @@ fn known_methods(cases: &[Case], options: &Options) -> Result<(), StudyError> {
 }
 
 /// Runs one cell on a thread of its own.
-fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Sync)) -> Cell {
+fn cell(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Sync)) -> Cell {
     let mut cell = Cell {
         method: job.method.clone(),
         verdict: Verdict::Broken(String::new()),
@@ -166,19 +165,24 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
             return cell;
         }
     };
-    let solved = on_one_thread(|| solved(case, overrides, options.limit, stop));
-    let (run, summary, seconds) = match solved {
-        Ok(solved) => solved,
+    let watch = Watch {
+        limit: options.limit,
+        stop,
+    };
+    let ran = on_one_thread(|| {
+        let deck = Deck::load(&case.deck, overrides).map_err(|e| e.to_string())?;
+        let (model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
+        run::run(&model, Nowhere, watch)
+    });
+    let run = match ran {
+        Ok(ran) => {
+            cell.cost = ran.cost;
+            ran.ended
+        }
         Err(why) => {
             cell.verdict = Verdict::Broken(why);
             return cell;
         }
-    };
-    cell.cost = Cost {
-        increments: summary.increments,
-        iterations: summary.iterations,
-        cutbacks: summary.cutbacks,
-        seconds,
     };
     cell.energy = run.energy;
     let imbalances = run.rows.iter().map(|row| row.out_of_balance);
@@ -188,37 +192,6 @@ fn run(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Syn
     cell.verdict = verdict;
     cell.measured = measured.into_iter().map(|m| m.text).collect();
     cell
-}
-
-/// The run of a deck, with its summary and CPU seconds.
-fn solved(
-    case: &Case,
-    overrides: &[(String, String)],
-    limit: Duration,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Result<(Ended, Summary, f64), String> {
-    let deck = Deck::load(&case.deck, overrides).map_err(|e| e.to_string())?;
-    let (model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
-    let (started, cpu) = (Instant::now(), usage::thread_cpu_seconds());
-    let mut kept = Kept {
-        rows: Vec::new(),
-        balance: EnergyBalance::default(),
-        ends: started + limit,
-        stop,
-    };
-    let summary = solve::run(&model, &mut kept).map_err(|e| e.to_string())?;
-    let seconds = usage::thread_cpu_seconds()
-        .zip(cpu)
-        .map_or(started.elapsed().as_secs_f64(), |(now, then)| now - then);
-    let run = Ended {
-        status: summary.status,
-        message: summary.message.clone(),
-        tolerances: model.steps.iter().map(|s| s.tolerance.residual).collect(),
-        probes: model.columns(),
-        energy: kept.balance.error(),
-        rows: kept.rows,
-    };
-    Ok((run, summary, seconds))
 }
 
 /// Procedures and their increments, in the order in which they first come; none if one solved all.
@@ -235,25 +208,4 @@ fn procedures(rows: &[HistoryRow]) -> Vec<(String, usize)> {
         counts.clear();
     }
     counts
-}
-
-/// Keeps rows and watches the clock.
-struct Kept<'a> {
-    rows: Vec<HistoryRow>,
-    balance: EnergyBalance,
-    ends: Instant,
-    stop: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl Recorder for Kept<'_> {
-    fn take(
-        &mut self,
-        _model: &Model,
-        row: &HistoryRow,
-        _frame: Option<&Frame>,
-    ) -> std::io::Result<bool> {
-        self.balance.push(row);
-        self.rows.push(row.clone());
-        Ok(Instant::now() < self.ends && !(self.stop)())
-    }
 }

@@ -1,14 +1,15 @@
 //! `case.toml` as written, and what is checked of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::case::{Case, CaseMethod, ENERGY, End, Short, StudyError};
 use super::expect::Wanted;
 use super::expect_written::{Checker, ExpectFile};
 use super::history::History;
-use crate::error::ModelError;
+use crate::error::{IoError, ModelError};
 use crate::model::Deck;
 use crate::model::source::Source;
 
@@ -179,6 +180,69 @@ impl CaseFile {
             expect,
         })
     }
+}
+
+/// The text of a case at `path`, the name by which errors call it and the folder that it stands in.
+pub(super) fn text(path: &Path) -> Result<(String, String, &Path), IoError> {
+    let text = std::fs::read_to_string(path).map_err(|why| IoError {
+        path: path.to_owned(),
+        why,
+    })?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    Ok((text, path.display().to_string(), folder))
+}
+
+/// A file as written, with the places of its keys. `advice`: how a key is written.
+pub(super) fn parsed<F: DeserializeOwned>(
+    text: &str,
+    file: &str,
+    advice: fn(&str) -> String,
+) -> Result<(Source, F), StudyError> {
+    let (source, root) = Source::other(file, text, advice)?;
+    let written = F::deserialize(toml::Deserializer::from(root))
+        .map_err(|error| source.toml_error(&error))?;
+    Ok((source, written))
+}
+
+/// Paths in a folder, sorted.
+pub(super) fn listed(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    let reading = |why| IoError {
+        path: folder.to_owned(),
+        why,
+    };
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(reading)? {
+        paths.push(entry.map_err(reading)?.path());
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+/// The cases of these files, of which no two may have the same `id`.
+pub(super) fn gathered<C>(
+    folder: &Path,
+    files: &[PathBuf],
+    load: fn(&Path) -> Result<C, StudyError>,
+    id: fn(&C) -> String,
+) -> Result<Vec<C>, StudyError> {
+    let mut ids: Vec<String> = Vec::new();
+    let mut cases = Vec::new();
+    for file in files {
+        let case = load(file)?;
+        if let Some(one) = ids.iter().position(|known| *known == id(&case)) {
+            return Err(StudyError::SameNumber {
+                number: id(&case),
+                one: files[one].clone(),
+                other: file.clone(),
+            });
+        }
+        ids.push(id(&case));
+        cases.push(case);
+    }
+    if cases.is_empty() {
+        return Err(StudyError::NoCase(folder.to_owned()));
+    }
+    Ok(cases)
 }
 
 /// The form of the tests at `path`.

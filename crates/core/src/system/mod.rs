@@ -27,7 +27,7 @@ pub use outside::Outside;
 pub use pattern::Gather;
 pub use springs::Springs;
 pub use steered::Steered;
-pub use trial::{STIFFEST, STIFFEST_UNDER_LOADS, Trial};
+pub use trial::{STIFFEST_UNDER_LOADS, Trial};
 
 use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;

@@ -5,11 +5,11 @@ use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
 use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
 
-/// Largest factor of the numerical stiffness.
-pub const STIFFEST: f64 = 8.0;
-/// The same under loads with a name, which may be small beside the weight: as stiff as the law.
+/// Largest factor of the numerical stiffness [-].
+const STIFFEST: f64 = 8.0;
+/// The same under loads with a name, which may be small beside the weight [-]: as stiff as the law.
 pub const STIFFEST_UNDER_LOADS: f64 = 512.0;
-/// Growth of the factor beyond the first of these.
+/// Growth of the factor from the first of these on [-]; below it is 2.
 const QUICKER: f64 = 4.0;
 
 /// Scratch of one increment; may be dropped at any time without changing a result.
@@ -55,7 +55,7 @@ pub struct Trial {
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
-    /// Its largest value in this step.
+    /// The largest that it may grow to in this increment [-].
     pub stiffest: f64,
     /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
     /// sticks.
@@ -134,8 +134,8 @@ impl Trial {
 
     /// The tractions of this iterate become those of the last. Where pressure and friction swing
     /// against one another, the bound moves by half the change only: the fixed point is the same. Where
-    /// no point changed what it does, the numerical stiffness doubles: nothing chatters, and a stiffer
-    /// one gets there sooner.
+    /// no point changed what it does, the numerical stiffness doubles, and where it may grow beyond the usual
+    /// bound grows fourfold there: nothing chatters, and a stiffer one gets there sooner.
     pub fn keep_tractions(&mut self) {
         for (p, history) in self.interface.iter().enumerate() {
             self.traction[p] = history.traction;

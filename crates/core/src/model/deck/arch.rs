@@ -30,7 +30,7 @@ pub struct DeckArch {
     pub material: String,
     /// Interface of the radial joints.
     pub interface: String,
-    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    /// Rigid-like: a hundred times as stiff as the stiffest joint of the deck, of the elements of `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Elements of a voussoir along the arch, its width, its thickness.

@@ -34,7 +34,7 @@ pub struct DeckBlock {
     /// Elements along x, y, z.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
-    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    /// Rigid-like: a hundred times as stiff as the stiffest joint of the deck, of the elements of `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Velocity when the first step with inertia begins [mm/s].
@@ -118,6 +118,9 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// Names of the axes, by their index.
+    pub const NAMES: [&'static str; 3] = ["x", "y", "z"];
+
     /// 0, 1, 2.
     pub fn index(self) -> usize {
         self as usize

@@ -320,6 +320,11 @@ impl Deck {
         self.source.warning(path, message)
     }
 
+    /// Findings at `path`, or below, are told of the key `from`: the file has no such table.
+    pub(super) fn stands_for(&mut self, path: String, from: String) {
+        self.source.stands_for(path, from);
+    }
+
     /// Whether there are blocks, imported bodies or an arch in the scene.
     pub fn has_blocks(&self) -> bool {
         !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()

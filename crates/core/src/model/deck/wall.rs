@@ -75,7 +75,7 @@ pub struct Wall {
     /// Elements of a representative element.
     #[serde(default)]
     pub mesh: Subdivision,
-    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint.
+    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint of the deck.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Courses held as a whole; `false`: supports and steps say what holds and moves the wall, as they do
@@ -320,6 +320,16 @@ pub struct Subdivision {
     pub height: u32,
     /// Along y.
     pub thickness: u32,
+}
+
+impl Wall {
+    /// Axes along and through the wall.
+    pub fn axes(&self) -> (usize, usize) {
+        match self.along {
+            Axis::Y => (1, 0),
+            Axis::X | Axis::Z => (0, 1),
+        }
+    }
 }
 
 impl Subdivision {

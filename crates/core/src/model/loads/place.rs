@@ -45,7 +45,7 @@ impl<'a> Site<'a> {
         let path = format!("{path}.on");
         let Some(names) = &load.on else {
             return Ok(Place {
-                nodes: (0..self.mesh.nodes.len() as u32).collect(),
+                nodes: self.mesh.nodes_of_solids(),
                 ..Place::default()
             });
         };
@@ -88,7 +88,7 @@ impl<'a> Site<'a> {
         let away = |n: u32| norm(difference(self.mesh.nodes[n as usize], near));
         let nearest = nodes.iter().map(|&n| (away(n), n));
         let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
-        let size = self.extent();
+        let size = self.mesh.diagonal();
         match nearest {
             Some((distance, node)) if distance <= size => Ok(node),
             _ => {
@@ -117,7 +117,7 @@ impl<'a> Site<'a> {
     ) -> Result<Vec<(u32, f64)>, ModelError> {
         let ends = [load.from, load.to].map(|x| x.unwrap_or_default().map(Quantity::get));
         let nodes = self.on(path, load, false)?.nodes;
-        let size = self.extent();
+        let size = self.mesh.diagonal();
         let within = load.within.map_or(WITHIN * size, Quantity::get);
         let along = difference(ends[1], ends[0]);
         let length = norm(along);
@@ -165,15 +165,6 @@ impl<'a> Site<'a> {
                 corners.map(|n| (n, share))
             });
         summed(of, |sum, v| sum + v)
-    }
-
-    /// Diagonal of the box around all nodes [mm].
-    fn extent(&self) -> f64 {
-        let side = |d: usize| {
-            let along = || self.mesh.nodes.iter().map(|x| x[d]);
-            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-        };
-        norm([0, 1, 2].map(side))
     }
 }
 

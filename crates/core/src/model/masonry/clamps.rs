@@ -4,6 +4,7 @@ use super::layout::Unit;
 use super::{Kind, Masonry};
 use crate::model::bodies::Bodies;
 use crate::model::deck::Clamped;
+use crate::model::hexahedron::range;
 use crate::model::scene::{Beam, Support};
 
 /// The clamped feet of walls.
@@ -53,10 +54,7 @@ fn area(wall: &Masonry<'_>) -> f64 {
         return wall.wall.length.get() * thickness(wall);
     }
     let extent = |d: usize| {
-        let sides = wall.units.iter().map(|u| u.all[d]);
-        let [low, high] = sides.fold([f64::INFINITY, f64::NEG_INFINITY], |r, [a, b]| {
-            [r[0].min(a), r[1].max(b)]
-        });
+        let [low, high] = range(wall.units.iter().flat_map(|u| u.all[d]));
         high - low
     };
     extent(0) * extent(1)
@@ -64,7 +62,7 @@ fn area(wall: &Masonry<'_>) -> f64 {
 
 /// Thickness of a wall [mm].
 fn thickness(wall: &Masonry<'_>) -> f64 {
-    let through = 1 - usize::from(wall.wall.along == crate::model::deck::Axis::Y);
+    let (_, through) = wall.wall.axes();
     let front = wall.wall.at[through].get();
     let backs = wall.units.iter().map(|u| u.own[through][1]);
     backs.fold(front, f64::max) - front

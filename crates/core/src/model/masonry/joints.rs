@@ -9,8 +9,8 @@ use crate::material::ElasticParameters;
 use crate::model::Mesh;
 use crate::model::bodies::Bodies;
 use crate::model::body::Body;
-use crate::model::deck::{Axis, Deck};
-use crate::model::hexahedron::Face;
+use crate::model::deck::Deck;
+use crate::model::hexahedron::{Face, range};
 use crate::model::joint::{Side, law_between};
 use crate::model::meeting::Touching;
 use crate::model::scene::ContactSurfaces;
@@ -159,17 +159,16 @@ fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize,
         })
         .map(|e| {
             let x = mesh.elements[e].map(|n| mesh.nodes[n as usize][axis]);
-            let [low, high] = x.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(*x), r[1].max(*x)]
-            });
+            let [low, high] = range(x);
             (e, high - low)
         })
 }
 
-/// Index of the law of the half of a joint, see [`mirrored`].
+/// Index of the law of the half of a joint, see [`mirrored`]. It keeps the interface's name: its bond scatters as that
+/// of the others, and the checker tells its stiffnesses.
 fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
     let own = mirrored(&contact.laws[usize::from(law)]);
-    let name = format!("{} at its middle", contact.law_names[usize::from(law)]);
+    let name = contact.law_names[usize::from(law)].clone();
     let mut known = contact.laws.iter().zip(&contact.law_names);
     let found = known.position(|(l, n)| *n == name && *l == own);
     let index = found.unwrap_or_else(|| {
@@ -315,7 +314,7 @@ fn slaves(
 
 /// Interface of the joints normal to an axis.
 fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
-    let along = usize::from(wall.wall.along == Axis::Y);
+    let (along, _) = wall.wall.axes();
     let own = match axis {
         2 => None,
         a if a == along => wall.wall.head_interface.as_ref(),
@@ -354,20 +353,16 @@ fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
     };
     let facets = body.faces[face as usize].facets.iter();
     let facets = facets.map(|(element, nodes)| {
-        let range = |nodes: &[u32], d: usize| {
-            let x = nodes.iter().map(|n| mesh.nodes[*n as usize][d]);
-            x.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| {
-                [r[0].min(x), r[1].max(x)]
-            })
-        };
-        let depth = range(&mesh.elements[*element], axis);
+        let extent =
+            |nodes: &[u32], d: usize| range(nodes.iter().map(|n| mesh.nodes[*n as usize][d]));
+        let depth = extent(&mesh.elements[*element], axis);
         Facet {
             element: *element,
             nodes: *nodes,
             body: body.number,
             material: mesh.material[*element],
             plane: mesh.nodes[nodes[0] as usize][axis],
-            range: others.map(|d| range(nodes, d)),
+            range: others.map(|d| extent(nodes, d)),
             size: depth[1] - depth[0],
         }
     });

@@ -18,8 +18,9 @@ pub(super) use joints::joints;
 pub(super) use lines::lines;
 pub(super) use representative::append;
 
-use super::deck::{Clamped, Deck, Subdivision, Wall};
+use super::deck::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Subdivision, Wall};
 use super::hexahedron::Face;
+use super::quantity::Quantity;
 use super::symmetry::Plane;
 use std::ops::Range;
 
@@ -77,6 +78,24 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
     Ok(walls)
 }
 
+/// How thick a wall is [mm].
+pub(super) fn thickness(wall: &Wall) -> f64 {
+    let collar = wall.collar_joint.unwrap_or(wall.head_joint).get();
+    let [length, width, _] = wall.unit.map(Quantity::get);
+    match wall.bond {
+        Bond::Stretcher | Bond::Stack => f64::from(wall.leaves) * (width + collar) - collar,
+        Bond::Header | Bond::English | Bond::EnglishCross | Bond::Flemish => length,
+        Bond::Pattern => {
+            let of_course = |course: &DeckCourse| {
+                let leaves = course.leaves.iter();
+                let leaf = |l: &DeckLeaf| l.thickness.map_or(width, Quantity::get) + collar;
+                leaves.map(leaf).sum::<f64>() - collar
+            };
+            wall.pattern.iter().map(of_course).fold(0.0, f64::max)
+        }
+    }
+}
+
 /// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
 const MOST_ELEMENTS: f64 = 1e7;
 
@@ -126,7 +145,7 @@ impl Masonry<'_> {
     /// Shortest unit, and least distance between head joints of neighbouring courses [mm]; infinite
     /// without any. Small numbers mean slivers and through joints.
     pub(super) fn bat_and_lap(&self) -> (f64, f64) {
-        let along = usize::from(self.wall.along == super::deck::Axis::Y);
+        let (along, _) = self.wall.axes();
         let length = |u: &Unit| u.own[along][1] - u.own[along][0];
         let shortest = self.units.iter().map(length).fold(f64::INFINITY, f64::min);
         let mut heads: Vec<Vec<f64>> = vec![Vec::new(); self.wall.courses as usize];

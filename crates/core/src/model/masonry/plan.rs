@@ -10,7 +10,7 @@
 
 use super::course::{Sizes, TOLERANCE, courses};
 use super::layout::{Courses, Cut, Refusal};
-use crate::model::deck::{Axis, Deck, Wall};
+use crate::model::deck::{Deck, Wall};
 use crate::model::quantity::Quantity;
 
 /// What walls take of each other. `[wall]`
@@ -59,7 +59,7 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
                 Err((walls[b].0.clone(), refusal))
             };
             let ((_, first, wall), (_, second, other)) = (&walls[a], &walls[b]);
-            if axis(wall) == axis(other) {
+            if wall.axes().0 == other.axes().0 {
                 return refuse(
                     format!("{first} and {second} run along the same axis and overlap"),
                     "make one wall of them, or move one by `at`",
@@ -76,7 +76,7 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
             }
             for (own, through, parity) in [(a, b, 1), (b, a, 0)] {
                 let wall = walls[own].2;
-                let d = axis(wall);
+                let d = wall.axes().0;
                 let at = wall.at[d].get();
                 plan.cuts[own].push(Cut {
                     along: common[d].map(|x| x - at),
@@ -92,11 +92,6 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
     Ok(plan)
 }
 
-/// Axis along which a wall runs.
-fn axis(wall: &Wall) -> usize {
-    usize::from(wall.along == Axis::Y)
-}
-
 /// The box of a wall [mm]. `[xyz][low, high]`
 fn outline(wall: &Wall) -> Result<[[f64; 2]; 3], Refusal> {
     let sizes = Sizes::of(wall);
@@ -107,8 +102,8 @@ fn outline(wall: &Wall) -> Result<[[f64; 2]; 3], Refusal> {
     let rise = sizes.height + sizes.bed;
     let height = f64::from(wall.courses) * rise - sizes.bed;
     let mut outline = [0, 1, 2].map(|d| [at[d], at[d]]);
-    outline[axis(wall)][1] += sizes.length;
-    outline[1 - axis(wall)][1] += back;
+    outline[wall.axes().0][1] += sizes.length;
+    outline[wall.axes().1][1] += back;
     outline[2][1] += height;
     Ok(outline)
 }

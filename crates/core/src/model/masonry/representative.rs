@@ -12,7 +12,7 @@
 use super::layout::Unit;
 use crate::model::Mesh;
 use crate::model::body::{Body, Grid};
-use crate::model::deck::{Axis, FilledFrom, Subdivision, Wall};
+use crate::model::deck::{FilledFrom, Subdivision, Wall};
 use crate::model::quantity::Quantity;
 
 /// Grid planes along an axis, and which cells between them are of the unit.
@@ -46,7 +46,7 @@ pub(in crate::model) fn append(
     materials: [u16; 2],
     lines: Option<&[Vec<f64>; 3]>,
 ) -> Body {
-    let (along, through) = axes(wall);
+    let (along, through) = wall.axes();
     let counts = elements(wall, unit);
     let filled = wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
     // How deep, from the front and from the back.
@@ -99,17 +99,9 @@ pub(in crate::model) fn append(
     body
 }
 
-/// Axes along and through a wall.
-fn axes(wall: &Wall) -> (usize, usize) {
-    match wall.along {
-        Axis::Y => (1, 0),
-        Axis::X | Axis::Z => (0, 1),
-    }
-}
-
 /// Elements of the unit along x, y, z: a bat or a header has its share of those of a whole unit.
 pub(super) fn elements(wall: &Wall, unit: &Unit) -> [usize; 3] {
-    let (along, through) = axes(wall);
+    let (along, through) = wall.axes();
     let [length, thickness, height] = wall.unit.map(Quantity::get);
     let own = [0, 1, 2].map(|d| unit.own[d][1] - unit.own[d][0]);
     let whole = unit_elements(wall);
@@ -128,10 +120,12 @@ pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
     // Named meshes say how a unit is cut; a written one counts the joints where there are some.
     let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
     let joint = |thickness: f64| u32::from(named || thickness > 0.0);
+    // A mesh without an element for the unit is refused, but after planes of symmetry have asked for these.
+    let unit = |n: u32, thickness: f64| f64::from(n) - f64::from(joint(thickness));
     [
-        f64::from(m.length - joint(wall.head_joint.get())),
+        unit(m.length, wall.head_joint.get()),
         f64::from(m.thickness),
-        f64::from(m.height - joint(wall.bed_joint.get())),
+        unit(m.height, wall.bed_joint.get()),
     ]
 }
 

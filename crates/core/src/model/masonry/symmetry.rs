@@ -11,7 +11,8 @@
 use super::course::TOLERANCE;
 use super::layout::{Refusal, Unit};
 use super::representative;
-use crate::model::deck::{Axis, Wall};
+use crate::model::deck::Wall;
+use crate::model::hexahedron::range;
 use crate::model::symmetry::Plane;
 
 /// What is left of the units of a wall on the side of the planes that is modelled, and at which faces planes cut it.
@@ -30,65 +31,27 @@ pub(super) fn cut(
     let tolerance = TOLERANCE * wall.unit[0].get();
     for plane in planes {
         let d = plane.axis;
-        let refuse = |key: &str, message: String, help: &str| {
-            let refusal = Refusal {
-                key: key.to_owned(),
-                message,
-                help: help.to_owned(),
-            };
-            Err((plane.path.clone(), refusal))
-        };
-        let ends = units.iter().flat_map(|u| u.own[d]).map(|x| plane.beyond(x));
-        let (nearest, farthest) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(x), b.max(x))
-        });
+        let ends = units.iter().flat_map(|u| u.own[d]);
+        let [nearest, farthest] = range(ends.map(|x| plane.beyond(x)));
         if nearest >= -tolerance {
-            return refuse(
+            return Err(refusal(
+                plane,
                 "at",
                 format!("the wall `{name}` lies beyond the plane {}", plane.called()),
                 "keep = \"above\" keeps the other side; leave out walls that lie beyond",
-            );
+            ));
         }
         if farthest <= tolerance {
             continue; // it ends at the plane, or before
         }
-        if d == through(wall) && wall.head_filling.get() < 1.0 {
-            return refuse(
-                "normal",
-                format!("a plane through the thickness would cut the strips of mortar of `{name}`"),
-                "head_filling = 1, or model the whole thickness",
-            );
-        }
-        if d == 2 && clamped {
-            return refuse(
-                "normal",
-                format!("a level plane leaves `{name}` without its top or its foot"),
-                "clamped = false; supports and steps name the sides that are left",
-            );
-        }
+        require_fit(plane, wall, name, clamped)?;
         let images = images(plane, name, &units, tolerance)?;
         // Each layer of mortar belongs to the unit below it: where what lies above is kept, to the image.
         let owner = |i: usize| if plane.above { images[i] } else { i };
         let joints: Vec<f64> = (0..units.len())
             .map(|i| units[owner(i)].joint(d, true))
             .collect();
-        for unit in &units {
-            let [low, high] = unit.own[d].map(|x| plane.beyond(x));
-            let count = representative::elements(wall, unit)[d];
-            let crosses = low.max(high) > tolerance && low.min(high) < -tolerance;
-            if crosses && count % 2 == 1 && !wall.rigid {
-                return refuse(
-                    "at",
-                    format!(
-                        "{} would cut an element: the unit {} that it goes through has {count} of them",
-                        plane.called(),
-                        unit.name(name)
-                    ),
-                    "an even number of elements in `mesh` there, such as mesh = [5, 2, 2]: half of them are on either \
-                     side",
-                );
-            }
-        }
+        require_even(plane, wall, name, &units, tolerance)?;
         faces[2 * d + usize::from(!plane.above)] = true;
         let mut joints = joints.into_iter();
         units.retain_mut(|unit| keep(plane, unit, joints.next().unwrap_or(0.0), tolerance));
@@ -96,9 +59,68 @@ pub(super) fn cut(
     Ok((units, faces))
 }
 
-/// Axis through a wall.
-fn through(wall: &Wall) -> usize {
-    1 - usize::from(wall.along == Axis::Y)
+/// What is wrong with a plane, and where it stands.
+fn refusal(plane: &Plane, key: &str, message: String, help: &str) -> (String, Refusal) {
+    let refusal = Refusal {
+        key: key.to_owned(),
+        message,
+        help: help.to_owned(),
+    };
+    (plane.path.clone(), refusal)
+}
+
+/// Refuses planes that no wall of this kind can be cut by.
+fn require_fit(
+    plane: &Plane,
+    wall: &Wall,
+    name: &str,
+    clamped: bool,
+) -> Result<(), (String, Refusal)> {
+    if plane.axis == wall.axes().1 && wall.head_filling.get() < 1.0 {
+        return Err(refusal(
+            plane,
+            "normal",
+            format!("a plane through the thickness would cut the strips of mortar of `{name}`"),
+            "head_filling = 1, or model the whole thickness",
+        ));
+    }
+    if plane.axis == 2 && clamped {
+        return Err(refusal(
+            plane,
+            "normal",
+            format!("a level plane leaves `{name}` without its top or its foot"),
+            "clamped = false; supports and steps name the sides that are left",
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses a plane that would go through an element.
+fn require_even(
+    plane: &Plane,
+    wall: &Wall,
+    name: &str,
+    units: &[Unit],
+    tolerance: f64,
+) -> Result<(), (String, Refusal)> {
+    for unit in units {
+        let [low, high] = unit.own[plane.axis].map(|x| plane.beyond(x));
+        let count = representative::elements(wall, unit)[plane.axis];
+        let crosses = low.max(high) > tolerance && low.min(high) < -tolerance;
+        if crosses && count % 2 == 1 && !wall.rigid {
+            return Err(refusal(
+                plane,
+                "at",
+                format!(
+                    "{} would cut an element: the unit {} that it goes through has {count} of them",
+                    plane.called(),
+                    unit.name(name)
+                ),
+                "an even number of elements in `mesh` there, such as mesh = [5, 2, 2]: half of them are on either side",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The mirror image of each unit.
@@ -121,28 +143,35 @@ fn images(
     };
     for course in courses {
         let first = images.len();
+        let mut order: Vec<usize> = (0..course.len()).collect();
+        order.sort_by(|a, b| course[*a].own[d][0].total_cmp(&course[*b].own[d][0]));
         for unit in course {
             let mut wanted = unit.own;
             wanted[d] = [plane.image(unit.own[d][1]), plane.image(unit.own[d][0])];
-            let image = course.iter().position(|other| {
+            let is = |other: &Unit| {
                 (0..3).all(|d| near(other.own[d], wanted[d])) && other.material == unit.material
-            });
+            };
+            // Those that begin where it would.
+            let begins = |i: &usize| course[*i].own[d][0];
+            let from = order.partition_point(|i| begins(i) < wanted[d][0] - 4.0 * tolerance);
+            let there = order[from..].iter().copied();
+            let there = there.take_while(|i| begins(i) <= wanted[d][0] + 4.0 * tolerance);
+            let image = there.filter(|i| is(&course[*i])).min();
             let Some(image) = image else {
                 let [from, to] = unit.own[d];
-                let refusal = Refusal {
-                    key: "at".to_owned(),
-                    message: format!(
+                return Err(refusal(
+                    plane,
+                    "at",
+                    format!(
                         "the wall `{name}` is not symmetric about {}: in course {} the unit {} from {from:.2} to \
                          {to:.2} mm has no mirror image",
                         plane.called(),
                         unit.course,
                         unit.name(name)
                     ),
-                    help: "whole units that fill the length make a stretcher bond symmetric about its middle; a wall \
-                           that ends at the plane is not cut"
-                        .to_owned(),
-                };
-                return Err((plane.path.clone(), refusal));
+                    "whole units that fill the length make a stretcher bond symmetric about its middle; a wall that \
+                     ends at the plane is not cut",
+                ));
             };
             images.push(first + image);
         }
@@ -150,8 +179,8 @@ fn images(
     Ok(images)
 }
 
-/// Cuts a unit, of which the joint towards the plane is `joint` mm thick; false if nothing of it is left. Units are mirror images of each other, so that a plane meets them
-/// and the joints between them at their middle.
+/// Cuts a unit, of which the joint towards the plane is `joint` mm thick; false if nothing of it is left. Units are
+/// mirror images of each other, so that a plane meets them and the joints between them at their middle.
 fn keep(plane: &Plane, unit: &mut Unit, joint: f64, tolerance: f64) -> bool {
     let d = plane.axis;
     // The side that looks at the plane.

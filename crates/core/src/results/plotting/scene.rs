@@ -13,6 +13,7 @@ use std::collections::HashMap;
 
 use super::super::elevation::escape;
 use crate::element::hex8::FACES;
+use crate::model::hexahedron::{EDGES, range};
 use crate::model::{Mesh, Model};
 
 /// Width of the page [px].
@@ -112,23 +113,19 @@ fn interface_of(model: &Model, names: &[&str], facet: usize) -> usize {
 /// Middles of the two lowest courses, or of the whole.
 fn heights(model: &Model) -> Vec<f64> {
     let mesh = &model.mesh;
-    let range = |of: &dyn Fn(usize) -> bool| {
+    let extent = |of: &dyn Fn(usize) -> bool| {
         let elements = (0..mesh.elements.len()).filter(|e| of(*e));
-        let z = elements
-            .flat_map(|e| mesh.elements[e])
-            .map(|n| mesh.nodes[n as usize][2]);
-        z.fold([f64::INFINITY, f64::NEG_INFINITY], |r, z| {
-            [r[0].min(z), r[1].max(z)]
-        })
+        let nodes = elements.flat_map(|e| mesh.elements[e]);
+        range(nodes.map(|n| mesh.nodes[n as usize][2]))
     };
     let courses = mesh.course.iter().max().map_or(0, |c| *c);
     if courses == 0 {
-        let [low, high] = range(&|_| true);
+        let [low, high] = extent(&|_| true);
         return vec![0.5 * (low + high)];
     }
     // A little below the middle: above a bed joint half the height would be in the mortar of thin units.
     let middle = |course: u16| {
-        let [low, high] = range(&|e| mesh.course[e] == course);
+        let [low, high] = extent(&|e| mesh.course[e] == course);
         low + 0.4 * (high - low)
     };
     // Blocks count as course 0 and may be taller: the second course tells what a course is.
@@ -209,20 +206,6 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
         let (s, t) = (p[axis] - at, q[axis] - at);
         ((s < 0.0) != (t < 0.0)).then(|| axes.map(|d| p[d] + (q[d] - p[d]) * s / (s - t)))
     };
-    const EDGES: [[usize; 2]; 12] = [
-        [0, 1],
-        [1, 2],
-        [2, 3],
-        [3, 0],
-        [4, 5],
-        [5, 6],
-        [6, 7],
-        [7, 4],
-        [0, 4],
-        [1, 5],
-        [2, 6],
-        [3, 7],
-    ];
     let mut polygons = Vec::new();
     for (e, nodes) in mesh.elements.iter().enumerate() {
         let mut corners: Vec<[f64; 2]> = EDGES

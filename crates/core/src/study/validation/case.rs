@@ -2,15 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-
 use super::point::PointTest;
 use super::written::{self, CaseFile};
-use crate::error::IoError;
-use crate::model::source::Source;
 use crate::results::plotting::Line;
 use crate::results::snapshot::FrameChoice;
 use crate::study::judge::Terms;
+use crate::study::written::{gathered, listed, parsed, text};
 use crate::study::{End, Expectation, Short, StudyError};
 
 /// One page of the validation: a folder with `case.toml`; `docs/studies.md` lists the keys.
@@ -111,12 +108,8 @@ impl Case {
     /// # Errors
     /// [`StudyError`]: the file, a deck or a reference cannot be read, or says something impossible.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|why| IoError {
-            path: path.to_owned(),
-            why,
-        })?;
-        let folder = path.parent().unwrap_or(Path::new("."));
-        Self::from_str(&text, &path.display().to_string(), folder)
+        let (text, file, folder) = text(path)?;
+        Self::from_str(&text, &file, folder)
     }
 
     /// Reads a case from a text. `file` names it in errors, `folder` holds its decks and references.
@@ -124,9 +117,7 @@ impl Case {
     /// # Errors
     /// As [`Case::load`].
     pub fn from_str(text: &str, file: &str, folder: &Path) -> Result<Self, StudyError> {
-        let (source, root) = Source::other(file, text, written::advice)?;
-        let case = CaseFile::deserialize(toml::Deserializer::from(root))
-            .map_err(|error| source.toml_error(&error))?;
+        let (source, case): (_, CaseFile) = parsed(text, file, written::advice)?;
         case.checked(&source, folder)
     }
 
@@ -169,29 +160,10 @@ impl Run {
 /// # Errors
 /// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
 pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
-    let reading = |why| IoError {
-        path: folder.to_owned(),
-        why,
-    };
-    let mut cases: Vec<Case> = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(reading)? {
-        let file = entry.map_err(reading)?.path().join("case.toml");
-        if !file.is_file() {
-            continue;
-        }
-        let case = Case::load(&file)?;
-        if let Some(other) = cases.iter().find(|c| c.number == case.number) {
-            return Err(StudyError::SameNumber {
-                number: case.number.to_string(),
-                one: other.folder.join("case.toml"),
-                other: file,
-            });
-        }
-        cases.push(case);
-    }
-    if cases.is_empty() {
-        return Err(StudyError::NoCase(folder.to_owned()));
-    }
+    let folders = listed(folder)?.into_iter();
+    let files = folders.map(|path| path.join("case.toml"));
+    let files: Vec<PathBuf> = files.filter(|file| file.is_file()).collect();
+    let mut cases = gathered(folder, &files, Case::load, |case| case.number.to_string())?;
     cases.sort_by_key(|case| case.number);
     Ok(cases)
 }

@@ -1,8 +1,7 @@
 //! Runs the runs of cases.
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::case::{Case, Run};
 use super::point::PointTest;
@@ -10,14 +9,13 @@ use crate::model::{Deck, Model};
 use crate::results::elevation::crack_pattern_of;
 use crate::results::plotting::scene;
 use crate::results::snapshot::{FrameChoice, Snapshots};
-use crate::results::summary::EnergyBalance;
-use crate::results::{Frame, HistoryRow, Recorder, RunDirectory, RunFolder, Summary, usage};
-use crate::solve;
+use crate::results::{RunDirectory, RunFolder};
 use crate::study::History;
 use crate::study::cell::{Cost, Verdict};
 use crate::study::expect::Measured;
 use crate::study::judge::{Ended, compare, judge};
 use crate::study::parallel::{on_one_thread, side_by_side};
+use crate::study::run::{self, Watch};
 
 /// How cases are run.
 #[derive(Clone, Debug)]
@@ -47,8 +45,8 @@ pub struct Outcome {
     pub energy: f64,
     /// Its columns.
     pub history: History,
-    /// The deck with its overrides, as TOML.
-    pub deck: String,
+    /// The deck with its overrides, as TOML; none of a run that broke before.
+    pub deck: Option<String>,
     /// The scene, as SVG, where it was asked for.
     pub scene: Option<String>,
     /// The cracks, as SVG, where they were asked for.
@@ -118,7 +116,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
         cost: Cost::default(),
         energy: 0.0,
         history: History::default(),
-        deck: String::new(),
+        deck: None,
         scene: None,
         cracks: None,
     };
@@ -127,7 +125,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
             Err(why) => outcome.verdict = Verdict::Broken(why),
             Ok((history, deck, verdict, measured)) => {
                 outcome.cost.increments = history.rows(None).len();
-                (outcome.history, outcome.deck) = (history, deck);
+                (outcome.history, outcome.deck) = (history, Some(deck));
                 (outcome.verdict, outcome.measured) = (verdict, measured);
             }
         }
@@ -139,21 +137,15 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
         Ok(solved) => {
             let Solved {
                 ended,
-                summary,
-                seconds,
+                cost,
                 deck,
                 scene,
             } = solved;
             (outcome.verdict, outcome.measured) = judge(run.terms(), options.short, &ended);
-            outcome.cost = Cost {
-                increments: summary.increments,
-                iterations: summary.iterations,
-                cutbacks: summary.cutbacks,
-                seconds,
-            };
+            outcome.cost = cost;
             outcome.energy = ended.energy;
             outcome.history = History::new(&ended.rows, &ended.probes);
-            outcome.deck = deck;
+            outcome.deck = Some(deck);
             outcome.scene = scene;
         }
     }
@@ -187,53 +179,36 @@ fn point(run: &Run, test: &PointTest, short: bool) -> Result<OfPoint, String> {
 /// A run that ended, however it did.
 struct Solved {
     ended: Ended,
-    summary: Summary,
-    /// Of the CPU, where the system tells.
-    seconds: f64,
+    cost: Cost,
     deck: String,
     scene: Option<String>,
 }
 
 fn solved(
-    run: &Run,
+    of: &Run,
     options: &Options,
     folder: &Path,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved, String> {
-    let overrides = run.overrides(options.short).unwrap_or_default();
-    let deck = Deck::load(&run.deck, &overrides).map_err(|e| e.to_string())?;
+    let overrides = of.overrides(options.short).unwrap_or_default();
+    let deck = Deck::load(&of.deck, &overrides).map_err(|e| e.to_string())?;
     let (mut model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
     // The messages are many times the rest, and nobody replays them here.
     model.output.mcap = false;
     let directory = RunDirectory::create(folder, &model).map_err(|e| e.to_string())?;
-    let (started, cpu) = (Instant::now(), usage::thread_cpu_seconds());
-    let mut kept = Kept {
-        directory,
-        rows: Vec::new(),
-        balance: EnergyBalance::default(),
-        ends: started + options.limit,
+    let watch = Watch {
+        limit: options.limit,
         stop,
     };
-    let summary = solve::run(&model, &mut kept).map_err(|e| e.to_string())?;
-    let seconds = usage::thread_cpu_seconds()
-        .zip(cpu)
-        .map_or(started.elapsed().as_secs_f64(), |(now, then)| now - then);
-    kept.directory
-        .finish(&model, &summary, &[])
+    let ran = run::run(&model, directory, watch)?;
+    ran.recorder
+        .finish(&model, &ran.summary, &[])
         .map_err(|e| e.to_string())?;
     Ok(Solved {
-        ended: Ended {
-            status: summary.status,
-            message: summary.message.clone(),
-            tolerances: model.steps.iter().map(|s| s.tolerance.residual).collect(),
-            probes: model.columns(),
-            energy: kept.balance.error(),
-            rows: kept.rows,
-        },
-        seconds,
+        ended: ran.ended,
+        cost: ran.cost,
         deck: deck.to_toml().map_err(|e| e.to_string())?,
-        scene: run.drawing.then(|| scene(&model)),
-        summary,
+        scene: of.drawing.then(|| scene(&model)),
     })
 }
 
@@ -242,28 +217,6 @@ fn cracks(folder: &Path, frame: FrameChoice) -> Result<String, String> {
     let snapshots = Snapshots::open(&folder).map_err(|e| e.to_string())?;
     let snapshot = snapshots.at(frame).map_err(|e| e.to_string())?;
     Ok(crack_pattern_of(&snapshot))
-}
-
-/// Writes the folder, keeps the rows and watches the clock.
-struct Kept<'a> {
-    directory: RunDirectory,
-    rows: Vec<HistoryRow>,
-    balance: EnergyBalance,
-    ends: Instant,
-    stop: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl Recorder for Kept<'_> {
-    fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
-        let go_on = self.directory.take(model, row, frame)?;
-        self.balance.push(row);
-        self.rows.push(row.clone());
-        Ok(go_on && Instant::now() < self.ends && !(self.stop)())
-    }
-
-    fn note(&mut self, text: &str) {
-        self.directory.note(text);
-    }
 }
 
 impl Outcome {

@@ -9,15 +9,25 @@ use crate::study::cell::Verdict;
 use crate::study::expect::{Expectation, Measure, Measured, Wanted, percent};
 
 impl Validated {
+    /// Expectations of a run in this form.
+    fn of_form(&self, outcome: &Outcome) -> impl Iterator<Item = &Expectation> {
+        let run = self.case.runs.iter().find(|r| r.name == outcome.name);
+        let expect = run.map_or(&[][..], |r| &r.expect);
+        expect.iter().filter(|e| e.holds_of(self.short))
+    }
+
+    /// How many of them are claims.
+    fn claims(&self, outcome: &Outcome) -> usize {
+        let claims = self.of_form(outcome);
+        claims.filter(|e| e.wanted != Wanted::Reported).count()
+    }
+
     /// Expectations of a run with what was measured of them.
     fn expected<'a>(
         &'a self,
         outcome: &'a Outcome,
     ) -> impl Iterator<Item = (&'a Expectation, &'a Measured)> {
-        let run = self.case.runs.iter().find(|r| r.name == outcome.name);
-        let expect = run.map_or(&[][..], |r| &r.expect);
-        let of_form = expect.iter().filter(|e| e.holds_of(self.short));
-        of_form.zip(&outcome.measured)
+        self.of_form(outcome).zip(&outcome.measured)
     }
 
     /// What was measured of an expectation of a run, by their names.
@@ -91,8 +101,12 @@ fn measures(page: &mut String, validated: &Validated) {
                 (_, true) => "holds",
                 (_, false) => "**does not hold**",
             };
-            let value = match &expect.measure {
-                Measure::Curve { .. } => String::new(),
+            let value = match (&expect.measure, expect.wanted) {
+                // A distance, part of the largest ordinate.
+                (Measure::Curve { .. }, Wanted::Reported) => {
+                    format!("{} off", percent(measured.value).trim_start_matches('+'))
+                }
+                (Measure::Curve { .. }, _) => String::new(),
                 _ => digits(measured.value),
             };
             let _ = writeln!(
@@ -156,11 +170,12 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
         let case = &validated.case;
         let (mut claims, mut held, mut worst) = (0, 0, None::<f64>);
         for outcome in &validated.outcomes {
+            // Of a run that broke nothing was measured, and nothing holds.
+            claims += validated.claims(outcome);
             for (expect, measured) in validated.expected(outcome) {
                 if expect.wanted == Wanted::Reported {
                     continue;
                 }
-                claims += 1;
                 held += usize::from(measured.holds);
                 if let Some(error) = measured.error {
                     worst = Some(
@@ -176,9 +191,9 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
             case.folder_name(),
             validated.outcomes.len(),
             if claims == 0 {
-                "only reported".to_owned()
+                format!("only reported{}", failed(validated))
             } else {
-                format!("{held} of {claims}")
+                format!("{held} of {claims}{}", failed(validated))
             },
             worst.map_or_else(String::new, percent),
         );
@@ -188,6 +203,17 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
         let _ = writeln!(page, "{row}");
     }
     page
+}
+
+/// Runs that do not end as they must, or of which not all that is claimed holds, for a row of the index.
+fn failed(validated: &Validated) -> String {
+    let failed = validated.outcomes.iter().filter(|o| !o.holds());
+    let names: Vec<&str> = failed.map(|o| o.name.as_str()).collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!("; **does not hold**: {}", escaped(&names.join(", ")))
+    }
 }
 
 /// The number of the case that a row of the index tells of.

@@ -1,7 +1,7 @@
 //! `case.toml` of a validation case as written, and what is checked of it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ use crate::study::case::ENERGY;
 use crate::study::curve;
 use crate::study::expect_written::{Checker, ExpectFile};
 use crate::study::written::{ShortFile, pairs, short};
-use crate::study::{End, History, StudyError};
+use crate::study::{End, Expectation, History, StudyError};
 
 /// The serde mirror of `case.toml`.
 #[derive(Deserialize)]
@@ -44,11 +44,9 @@ struct RunFile {
     #[serde(default)]
     set: Vec<String>,
     short: Option<ShortFile>,
-    #[serde(default)]
-    status: End,
+    status: Option<End>,
     energy: Option<f64>,
-    #[serde(default)]
-    cracks: CracksFile,
+    cracks: Option<CracksFile>,
     drawing: Option<bool>,
     #[serde(default)]
     expect: Vec<ExpectFile>,
@@ -65,9 +63,13 @@ enum CracksFile {
     At(AtFrame),
 }
 
-impl Default for CracksFile {
-    fn default() -> Self {
-        Self::Is(false)
+impl CracksFile {
+    fn frame(&self) -> Option<FrameChoice> {
+        match self {
+            Self::Is(false) => None,
+            Self::Is(true) | Self::At(AtFrame::Last) => Some(FrameChoice::Last),
+            Self::At(AtFrame::Peak) => Some(FrameChoice::Peak),
+        }
     }
 }
 
@@ -140,8 +142,12 @@ impl CaseFile {
         let at = At { source, folder };
         let mut runs: Vec<Run> = Vec::new();
         let mut columns = Vec::new();
+        // Files of the folder that the case reads.
+        let mut read = vec![folder.join("case.toml")];
         for (i, written) in self.runs.into_iter().enumerate() {
             let path = format!("runs.{i}");
+            let of_run = written.expect.iter().filter_map(|e| e.file.as_ref());
+            read.extend(of_run.map(|file| folder.join(file)));
             let (run, of_run) = at.run(&path, written, i == 0)?;
             if runs.iter().any(|r| r.name == run.name) {
                 return Err(at.error(&format!("{path}.name"), "two runs have this name"));
@@ -152,6 +158,7 @@ impl CaseFile {
         if runs.is_empty() {
             return Err(at.error("", "the case has no [[runs]]"));
         }
+        at.spared(&runs, &self.charts, read)?;
         let charts = self.charts.into_iter().enumerate();
         let charts = charts.map(|(i, c)| at.chart(&format!("charts.{i}"), c, &runs, &columns));
         Ok(Case {
@@ -172,6 +179,59 @@ impl At<'_> {
     fn error(&self, path: &str, message: impl Into<String>) -> StudyError {
         let error: ModelError = self.source.error(path, message, &advice(path));
         error.into()
+    }
+
+    /// Refuses names by which the study would write over what the case reads, or over what it has written: a run has
+    /// its history and its deck beside the case, a chart its picture.
+    fn spared(
+        &self,
+        runs: &[Run],
+        charts: &[ChartFile],
+        mut read: Vec<PathBuf>,
+    ) -> Result<(), StudyError> {
+        let references = charts.iter().flat_map(|chart| &chart.references);
+        read.extend(references.map(|reference| self.folder.join(&reference.file)));
+        let mut pictures: Vec<String> = Vec::new();
+        for (i, run) in runs.iter().enumerate() {
+            let file = |end: &str| self.folder.join(format!("{}{end}", run.name));
+            let own = file(".toml");
+            // A deck that stands there by this name already is not written.
+            let decks = runs.iter().map(|r| &r.deck).filter(|_| run.deck != own);
+            let mut spared = read.iter().chain(decks);
+            if let Some(over) = spared.find(|read| **read == file(".csv") || **read == own) {
+                let over = over.display();
+                let what = format!(
+                    "what comes out would be written over {over}: give the run another name"
+                );
+                return Err(self.error(&format!("runs.{i}.name"), what));
+            }
+            pictures.extend(["scene", "cracks"].map(|of| format!("{}_{of}", run.name)));
+        }
+        for (i, chart) in charts.iter().enumerate() {
+            if pictures.contains(&chart.name) {
+                let what = "another picture has this name, and one would be written over the other";
+                return Err(self.error(&format!("charts.{i}.name"), what));
+            }
+            pictures.push(chart.name.clone());
+        }
+        Ok(())
+    }
+
+    /// Refuses keys that are there and not read where this is so.
+    fn unread(
+        &self,
+        path: &str,
+        keys: &[(&str, bool)],
+        so: bool,
+        what: &str,
+    ) -> Result<(), StudyError> {
+        match keys.iter().find(|(_, there)| so && *there) {
+            Some((key, _)) => Err(self.error(
+                &format!("{path}.{key}"),
+                format!("{what} does not read `{key}`"),
+            )),
+            None => Ok(()),
+        }
     }
 
     /// A run and the columns of its history.
@@ -203,21 +263,18 @@ impl At<'_> {
             let what = format!("`{name}` is no component: xx, yy, zz, xy, yz or zx");
             return Err(self.error(&key("point.free"), what));
         }
-        let mut expect = Vec::new();
-        for (i, written) in written.expect.into_iter().enumerate() {
-            let checker = Checker {
-                source: self.source,
-                path: key(&format!("expect.{i}")),
-                columns: &columns,
-                folder: self.folder,
-                advice,
-            };
-            expect.push(checker.expectation(written)?);
-        }
+        let expect = self.expect(path, written.expect, &columns)?;
         if written.energy.is_some_and(|e| e.is_nan() || e <= 0.0) {
             return Err(self.error(&key("energy"), "must be above 0"));
         }
         let is_point = written.point.is_some();
+        let unread = [
+            ("status", written.status.is_some()),
+            ("energy", written.energy.is_some()),
+            ("cracks", written.cracks.is_some()),
+            ("drawing", written.drawing.is_some()),
+        ];
+        self.unread(path, &unread, is_point, "a run of a `point`")?;
         let run = Run {
             short: short(self.source, &key("short"), written.short.as_ref())?,
             name: written.name,
@@ -225,18 +282,33 @@ impl At<'_> {
             deck: file,
             point: written.point,
             set,
-            status: written.status,
+            status: written.status.unwrap_or_default(),
             energy: written.energy.unwrap_or(ENERGY),
-            cracks: match written.cracks {
-                _ if is_point => None,
-                CracksFile::Is(false) => None,
-                CracksFile::Is(true) | CracksFile::At(AtFrame::Last) => Some(FrameChoice::Last),
-                CracksFile::At(AtFrame::Peak) => Some(FrameChoice::Peak),
-            },
+            cracks: written.cracks.and_then(|cracks| cracks.frame()),
             drawing: written.drawing.unwrap_or(first) && !is_point,
             expect,
         };
         Ok((run, columns))
+    }
+
+    /// What is expected of a run whose history has these columns.
+    fn expect(
+        &self,
+        path: &str,
+        written: Vec<ExpectFile>,
+        columns: &[String],
+    ) -> Result<Vec<Expectation>, StudyError> {
+        let expectation = |(i, written)| {
+            let checker = Checker {
+                source: self.source,
+                path: format!("{path}.expect.{i}"),
+                columns,
+                folder: self.folder,
+                advice,
+            };
+            checker.expectation(written)
+        };
+        written.into_iter().enumerate().map(expectation).collect()
     }
 
     fn chart(
@@ -250,7 +322,44 @@ impl At<'_> {
         if !is_file_name(&written.name) {
             return Err(self.error(&key("name"), "no name for a file"));
         }
-        let content = match (&written.y.expect, &written.at) {
+        let content = self.content(path, &written, runs, columns)?;
+        let references = written.references.iter().map(|it| self.reference(it));
+        let references = references.collect::<Result<_, _>>()?;
+        let axis = |it: AxisFile| Axis {
+            label: it.label,
+            column: it.column,
+            factor: it.factor.unwrap_or(1.0),
+        };
+        Ok(Chart {
+            name: written.name,
+            title: written.title,
+            x: axis(written.x),
+            y: axis(written.y),
+            content,
+            references,
+        })
+    }
+
+    /// What a chart shows.
+    fn content(
+        &self,
+        path: &str,
+        written: &ChartFile,
+        runs: &[Run],
+        columns: &[Vec<String>],
+    ) -> Result<Content, StudyError> {
+        let key = |name: &str| format!("{path}.{name}");
+        let of_measures = written.y.expect.is_some() && written.at.is_some();
+        let unread = [
+            ("runs", written.runs.is_some()),
+            ("x.column", written.x.column.is_some()),
+            ("x.factor", written.x.factor.is_some()),
+            ("y.column", written.y.column.is_some()),
+        ];
+        self.unread(path, &unread, of_measures, "a chart of measures")?;
+        let unread = [("x.expect", written.x.expect.is_some())];
+        self.unread(path, &unread, true, "a chart")?;
+        match (&written.y.expect, &written.at) {
             (Some(expect), Some(at)) => {
                 for name in at.keys() {
                     let run = self.run_named(&key("at"), name, runs)?;
@@ -259,10 +368,10 @@ impl At<'_> {
                         return Err(self.error(&key("y.expect"), what));
                     }
                 }
-                Content::Measures {
+                Ok(Content::Measures {
                     expect: expect.clone(),
                     at: at.iter().map(|(name, x)| (name.clone(), *x)).collect(),
-                }
+                })
             }
             (None, None) => {
                 let all = || runs.iter().map(|r| r.name.clone()).collect();
@@ -277,36 +386,24 @@ impl At<'_> {
                         }
                     }
                 }
-                Content::Curves(names)
+                Ok(Content::Curves(names))
             }
             _ => {
                 let what = "a chart of measures takes `y.expect` and `at`, one of curves neither";
-                return Err(self.error(&key("at"), what));
+                Err(self.error(&key("at"), what))
             }
-        };
-        let mut references = Vec::new();
-        for reference in written.references {
-            let file = self.folder.join(&reference.file);
-            let points = curve::read(&file, &reference.x, &reference.y)?;
-            let scaled = |[x, y]: curve::Point| (x * reference.x_factor, y * reference.y_factor);
-            references.push(Line {
-                name: reference.name.clone(),
-                points: points.into_iter().map(scaled).collect(),
-                marks: Vec::new(),
-            });
         }
-        let axis = |it: AxisFile| Axis {
-            label: it.label,
-            column: it.column,
-            factor: it.factor.unwrap_or(1.0),
-        };
-        Ok(Chart {
-            name: written.name,
-            title: written.title,
-            x: axis(written.x),
-            y: axis(written.y),
-            content,
-            references,
+    }
+
+    /// What is known, in the units of the axes.
+    fn reference(&self, written: &ReferenceFile) -> Result<Line, StudyError> {
+        let file = self.folder.join(&written.file);
+        let points = curve::read(&file, &written.x, &written.y)?;
+        let scaled = |[x, y]: curve::Point| (x * written.x_factor, y * written.y_factor);
+        Ok(Line {
+            name: written.name.clone(),
+            points: points.into_iter().map(scaled).collect(),
+            marks: Vec::new(),
         })
     }
 

@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::model::deck::{DeckArch, DeckBlock, Names};
 use crate::model::keys;
 use crate::model::quantity::Quantity;
+use crate::model::rigid;
 
 /// Rises that are rounded may be a little more than half the span.
 const ROUNDED: f64 = 1e-9;
@@ -31,6 +32,20 @@ impl Checks<'_> {
             );
         }
         self.symmetry();
+        self.beams();
+        for (i, block) in deck.blocks.iter().enumerate() {
+            self.block(&format!("blocks.{i}"), block);
+        }
+        if let Some(arch) = &deck.arch {
+            self.arch(arch);
+        }
+        self.contacts();
+        self.supports();
+        self.springs();
+    }
+
+    fn beams(&mut self) {
+        let deck = self.deck;
         for (i, beam) in deck.beams.iter().enumerate() {
             let path = format!("beams.{i}");
             let mut letters = beam.name.chars();
@@ -49,12 +64,10 @@ impl Checks<'_> {
                 self.not_negative(&format!("{path}.density"), density);
             }
         }
-        for (i, block) in deck.blocks.iter().enumerate() {
-            self.block(&format!("blocks.{i}"), block);
-        }
-        if let Some(arch) = &deck.arch {
-            self.arch(arch);
-        }
+    }
+
+    fn contacts(&mut self) {
+        let deck = self.deck;
         for (i, contact) in deck.contacts.iter().enumerate() {
             let path = format!("contacts.{i}");
             let sides = [("slave", &contact.slave), ("master", &contact.master)];
@@ -72,12 +85,18 @@ impl Checks<'_> {
             }
             self.known_interface(&format!("{path}.interface"), &contact.interface);
         }
-        if deck.blocks.iter().any(|b| b.rigid) {
+        // Whatever is rigid, its modulus follows from the joints': it tells nothing of theirs.
+        if rigid::any(deck) {
             let of_contacts = deck.contacts.iter().map(|c| &c.interface);
-            for name in of_contacts.chain(&deck.contact.general) {
+            let of_beams = deck.beams.iter().map(|beam| &beam.interface);
+            for name in of_contacts.chain(of_beams).chain(&deck.contact.general) {
                 self.stiffness_of_joints(name);
             }
         }
+    }
+
+    fn supports(&mut self) {
+        let deck = self.deck;
         for (i, support) in deck.supports.iter().enumerate() {
             self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
             self.demand(
@@ -87,6 +106,10 @@ impl Checks<'_> {
                 &keys::example("fixed"),
             );
         }
+    }
+
+    fn springs(&mut self) {
+        let deck = self.deck;
         for (i, spring) in deck.springs.iter().enumerate() {
             self.not_empty(&format!("springs.{i}.on"), Some(&spring.on));
             for (d, stiffness) in spring.stiffness.into_iter().enumerate() {

@@ -90,7 +90,12 @@ fn interaction(text: &mut String, name: &str, law: &InterfaceLaw) -> std::fmt::R
     writeln!(text, "*SURFACE INTERACTION, NAME={name}")?;
     if *f_t > 0.0 || *c > 0.0 {
         // Areas below the softening curves of theory C.1.
-        let area = |strength: f64, end: f64, b: f64| strength * end * (1.0 / b - 1.0 / b.exp_m1());
+        let area = |strength: f64, end: f64, b: f64| {
+            if strength == 0.0 {
+                return 0.0; // its end may be infinite
+            }
+            strength * end * (1.0 / b - 1.0 / b.exp_m1())
+        };
         let energies = [area(*f_t, *u_k, *zeta), area(*c, *delta_k, *xi)];
         writeln!(
             text,
