@@ -368,3 +368,19 @@ fn what_is_no_mirror_image_is_refused() {
     );
     refuses(&text, BAD);
 }
+
+/// A chain line in the elevation, the section or plans that it crosses, and one in the legend.
+#[test]
+fn planes_are_drawn() {
+    let lines = |text: &str| {
+        let (_, model) = model(text);
+        let svg = wythe::results::plotting::scene(&model);
+        svg.matches("stroke-dasharray").count()
+    };
+    let planes = EXAMPLE.find("[[symmetry]]").unwrap();
+    let end = EXAMPLE.find("[[supports]]").unwrap();
+    // x and z: two in the elevation, one in the section, one in each of two plans, and the legend's.
+    assert_eq!(lines(EXAMPLE), 6);
+    let whole = format!("{}{}", &EXAMPLE[..planes], &EXAMPLE[end..]);
+    assert_eq!(lines(&whole), 0);
+}

@@ -14,6 +14,8 @@ use std::collections::HashMap;
 use super::super::elevation::escape;
 use crate::element::hex8::FACES;
 use crate::model::hexahedron::{EDGES, range};
+use crate::model::scene::Support;
+use crate::model::symmetry::{is_of_plane, planes_of};
 use crate::model::{Mesh, Model};
 
 /// Width of the page [px].
@@ -37,6 +39,12 @@ const INTERFACES: [&str; 6] = [
     "#c02020", "#2060c0", "#208040", "#a05000", "#8030a0", "#007f8f",
 ];
 
+/// How planes of symmetry are drawn: chain lines, as draughtsmen do.
+const PLANE_STROKE: &str =
+    r##"stroke="#111111" stroke-width="1.2" stroke-dasharray="12 3 2 3" fill="none""##;
+/// How far they go beyond the bodies [px].
+const BEYOND: f64 = 10.0;
+
 /// A drawing in its own plane [mm].
 struct Panel {
     caption: String,
@@ -45,6 +53,8 @@ struct Panel {
     lines: Vec<([[f64; 2]; 2], usize)>,
     /// Held places.
     dots: Vec<[f64; 2]>,
+    /// Planes of symmetry: which of right and up they are normal to, and where.
+    planes: Vec<(usize, f64)>,
 }
 
 struct Polygon {
@@ -182,7 +192,8 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
             }
         }
     }
-    let held = model.supports.iter().flat_map(|s| &s.nodes);
+    let supports = model.supports.iter().filter(|s| !is_of_plane(s));
+    let held = supports.flat_map(|s| &s.nodes);
     let dots = held
         .filter(|n| x(**n)[1] <= near)
         .map(|n| flat(*n))
@@ -192,7 +203,15 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
         polygons,
         lines,
         dots,
+        planes: planes(model, [0, 2]),
     }
+}
+
+/// Planes of symmetry, seen along the third of the axes.
+fn planes(model: &Model, axes: [usize; 2]) -> Vec<(usize, f64)> {
+    let seen = planes_of(model).into_iter();
+    seen.filter_map(|(d, at)| Some((axes.iter().position(|a| *a == d)?, at)))
+        .collect()
 }
 
 /// The section normal to an axis at a place on it [mm].
@@ -241,6 +260,7 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
         polygons,
         lines,
         dots: Vec::new(),
+        planes: planes(model, axes),
     }
 }
 
@@ -274,7 +294,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
     }
     let legend = y + 30.0;
     let used: Vec<usize> = (0..model.materials.len()).collect();
-    let rows = used.len().max(names.len() + 1) as f64;
+    let rows = used.len().max(names.len() + 2) as f64;
     let height = legend + 20.0 * rows + MARGIN;
     writeln!(
         svg,
@@ -312,12 +332,24 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
             escape(name)
         )?;
     }
-    if model.supports.iter().any(|s| !s.nodes.is_empty()) {
-        let y = legend + 20.0 * names.len() as f64 + 7.0;
+    let mut marks = names.len() as f64;
+    let held = |s: &Support| !s.nodes.is_empty() && !is_of_plane(s);
+    if model.supports.iter().any(held) {
+        let y = legend + 20.0 * marks + 7.0;
+        marks += 1.0;
         writeln!(
             svg,
             r#"<circle cx="{:.0}" cy="{y:.0}" r="2.5"/><text x="{:.0}" y="{:.0}" font-size="13">held</text>"#,
             left + 12.0,
+            left + 32.0,
+            y + 5.0
+        )?;
+    }
+    if panels.iter().any(|p| !p.planes.is_empty()) {
+        let y = legend + 20.0 * marks + 7.0;
+        writeln!(
+            svg,
+            r##"<path d="M{left:.0} {y:.0}h24" {PLANE_STROKE}/><text x="{:.0}" y="{:.0}" font-size="13">plane of symmetry</text>"##,
             left + 32.0,
             y + 5.0
         )?;
@@ -371,6 +403,26 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
     for dot in &panel.dots {
         let (x, y) = at(*dot);
         writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2"/>"#)?;
+    }
+    let [_, _, x1, _] = panel.bounds();
+    for &(d, place) in &panel.planes {
+        let ends = if d == 0 {
+            [[place, y0], [place, y1]]
+        } else {
+            [[x0, place], [x1, place]]
+        };
+        let [mut a, mut b] = ends.map(at);
+        // Beyond the bodies, so that it is seen for what it is.
+        if d == 0 {
+            (a.1, b.1) = (a.1 + BEYOND, b.1 - BEYOND);
+        } else {
+            (a.0, b.0) = (a.0 - BEYOND, b.0 + BEYOND);
+        }
+        writeln!(
+            svg,
+            r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" {PLANE_STROKE}/>"#,
+            a.0, a.1, b.0, b.1
+        )?;
     }
     Ok(())
 }
