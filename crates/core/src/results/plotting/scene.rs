@@ -349,7 +349,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
         let y = legend + 20.0 * marks + 7.0;
         writeln!(
             svg,
-            r##"<path d="M{left:.0} {y:.0}h24" {PLANE_STROKE}/><text x="{:.0}" y="{:.0}" font-size="13">plane of symmetry</text>"##,
+            r#"<path d="M{left:.0} {y:.0}h24" {PLANE_STROKE}/><text x="{:.0}" y="{:.0}" font-size="13">plane of symmetry</text>"#,
             left + 32.0,
             y + 5.0
         )?;
