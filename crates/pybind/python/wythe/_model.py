@@ -355,7 +355,10 @@ class Model:
         """The folder, if a file in it decides what the model is."""
         deck = self.to_dict()
         named = any("nodes" in block for block in deck.get("blocks", ()))
-        named = named or any("ground" in step for step in deck.get("steps", ()))
+        named = named or bool(deck.get("imports"))
+        steps = deck.get("steps", ())
+        named = named or any("ground" in step for step in steps)
+        named = named or any(isinstance(step.get("amplitude"), str) for step in steps)
         named = named or deck.get("output", {}).get("experiment") is not None
         return os.path.abspath(self.folder or ".") if named else ""
 
