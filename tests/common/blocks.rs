@@ -63,10 +63,16 @@ pub fn deck(text: &str) -> Deck {
     Deck::from_str(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// A deck and its model.
+pub fn deck_and_model(text: &str) -> (Deck, Model) {
+    let deck = deck(text);
+    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
+    (deck, model)
+}
+
 /// The model of a scene between [`HEAD`] and its steps.
 pub fn model(scene: &str, steps: &str) -> Model {
-    let deck = deck(&format!("{HEAD}{scene}{steps}"));
-    Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0
+    deck_and_model(&format!("{HEAD}{scene}{steps}")).1
 }
 
 /// Corners of a facet [mm].

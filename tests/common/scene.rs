@@ -5,7 +5,7 @@ use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::general::GeneralContact;
 pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion, HeldBy,
     Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
 use wythe::model::{Deck, Mesh, Model};
@@ -238,6 +238,7 @@ pub fn hold(model: &mut Model, nodes: Vec<u32>, fixed: [bool; 3]) {
         name: "support".to_owned(),
         nodes,
         fixed,
+        by: HeldBy::Ground,
     });
 }
 

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+use common::blocks;
 use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
 use wythe::contact::InterfaceLaw;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
@@ -317,20 +318,8 @@ fn a_moving_block_has_the_same_history_on_1_2_and_4_threads() {
 
 /// A block of 40 mm, at 1 m/s, on two tables of 200 mm, the second of which is higher by `step` mm.
 fn over_a_step(step: f64) -> Recording {
-    let deck = format!(
+    let scene = format!(
         r#"
-format = 1
-[materials.stone]
-E = "10 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.3
-mu = 0.3
-[contact]
-points = "corner"
 [[blocks]]
 name = "low"
 size = [200, 100, 50]
@@ -356,17 +345,18 @@ on = ["low", "high"]
 name = "rise"
 on = "slider"
 direction = "z"
+"#
+    );
+    let slides = r#"
 [[steps]]
 kind = "free"
 gravity = "9.81 m/s^2"
 procedure = "quasi_static"
 duration = "0.1 s"
-increments = {{ initial = 0.01, max = 0.01, min = 1e-7 }}
-tolerance = {{ residual = 5e-3 }}
-"#
-    );
-    let deck = Deck::from_str(&deck, "step.toml").unwrap();
-    completed(&Model::from_deck(&deck).unwrap().0)
+increments = { initial = 0.01, max = 0.01, min = 1e-7 }
+tolerance = { residual = 5e-3 }
+"#;
+    completed(&blocks::model(&scene, slides))
 }
 
 #[test]

@@ -4,8 +4,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::blocks::{Bad, refuses};
-use wythe::model::{Deck, Model, check};
+use common::blocks::{Bad, deck_and_model as model, refuses};
+use wythe::model::{Deck, check};
 
 /// Half of a wall whose middle head joints lie in the plane.
 const HALF: &str = "format = 1
@@ -40,12 +40,6 @@ on = \"wall.bottom\"
 ";
 
 const STEP: &str = "[[steps]]\nkind = \"gravity\"\n";
-
-fn model(text: &str) -> (Deck, Model) {
-    let deck = Deck::from_str(text, "wall.toml").unwrap_or_else(|e| panic!("{e}"));
-    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
-    (deck, model)
-}
 
 /// The bond of units that meet the mirror scatters as that of the others; the checker tells their stiffness.
 #[test]

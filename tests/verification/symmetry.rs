@@ -3,10 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::blocks::{self, Bad, refuses};
+use common::blocks::{self, Bad, deck_and_model as model, refuses};
 use common::scene::rows;
 use wythe::contact::InterfaceLaw;
-use wythe::model::{Deck, Model, check};
+use wythe::model::check;
 
 const STONE: &str = "format = 1
 [materials.stone]
@@ -30,13 +30,6 @@ interface = \"dry\"
 mesh = [4, 2, 2]
 clamped = false
 ";
-
-/// The deck of a scene and its model.
-fn model(text: &str) -> (Deck, Model) {
-    let deck = blocks::deck(text);
-    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
-    (deck, model)
-}
 
 fn plane(normal: &str, at: f64, keep: &str) -> String {
     format!("[[symmetry]]\nnormal = \"{normal}\"\nat = {at}\nkeep = \"{keep}\"\n")
@@ -383,4 +376,17 @@ fn planes_are_drawn() {
     assert_eq!(lines(EXAMPLE), 6);
     let whole = format!("{}{}", &EXAMPLE[..planes], &EXAMPLE[end..]);
     assert_eq!(lines(&whole), 0);
+}
+
+/// What a body is called does not make a plane of what holds it.
+#[test]
+fn a_block_with_the_name_of_a_plane_is_held_by_the_ground() {
+    let text = format!(
+        "{}[[blocks]]\nname = \"symmetry-x\"\nsize = [200, 100, 50]\nmaterial = \"stone\"\n\
+         [[supports]]\non = \"symmetry-x.bottom\"\n{}",
+        blocks::HEAD,
+        blocks::GRAVITY
+    );
+    let svg = wythe::results::plotting::scene(&model(&text).1);
+    assert!(svg.contains(">held<") && !svg.contains("plane of symmetry"));
 }

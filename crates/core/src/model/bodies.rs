@@ -10,7 +10,7 @@ use super::mirrors::Mirror;
 use super::quantity::Quantity;
 use super::rigid;
 use super::roll::{Place, Roll};
-use super::scene::{Spring, Support, turned};
+use super::scene::{HeldBy, Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -387,6 +387,7 @@ impl<'a> Bodies<'a> {
                 name: support.on.0.join(", "),
                 nodes: self.nodes_within(i, &places)?,
                 fixed,
+                by: HeldBy::Ground,
             });
         }
         if self.deck.arch.is_some() {
@@ -395,6 +396,7 @@ impl<'a> Bodies<'a> {
                 name: "springings".to_owned(),
                 nodes: self.nodes(&self.places("arch", &springing, false)?),
                 fixed: [true; 3],
+                by: HeldBy::Ground,
             });
         }
         Ok(supports)

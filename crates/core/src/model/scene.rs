@@ -182,6 +182,25 @@ pub struct Support {
     pub nodes: Vec<u32>,
     /// Held directions x, y, z.
     pub fixed: [bool; 3],
+    /// What holds them.
+    pub by: HeldBy,
+}
+
+/// What holds the nodes of a [`Support`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum HeldBy {
+    /// The ground.
+    #[default]
+    Ground,
+    /// The plane of symmetry normal to `axis`.
+    Plane {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Where it stands on the axis [mm].
+        at: f64,
+    },
+    /// That they are a mirror, which stands for the other half of a joint and belongs to no body.
+    Mirror,
 }
 
 /// A spring from a group of nodes to a point of the ground, which steps may drive.

@@ -4,45 +4,14 @@
 //! Where a joint lies in the plane (walls, `masonry::symmetry`), its middle takes part in this: a mirror, a facet
 //! that is held, stands there for the other half, and the joint's law opens by half as much ([`mirrored`]).
 
-use super::Model;
 use super::bodies::Bodies;
 use super::deck::{Axis, Deck, DeckLoad, Keep};
 use super::hexahedron::norm;
 use super::loads::{Load, LoadOn};
 use super::overlap;
-use super::scene::{Beam, BeamMotion, Spring, Step, Support};
+use super::scene::{Beam, BeamMotion, HeldBy, Spring, Step, Support};
 use crate::error::{Errors, ModelError};
 use wythe_contact::{Coupling, InterfaceLaw};
-
-/// How the supports of planes begin, before the plane's axis: what they hold of bodies, and mirrors of joints.
-const PLANE: &str = "symmetry-";
-const MIRROR: &str = "mirror-";
-
-/// Planes of symmetry of a model: the axis that each is normal to, and where it stands [mm].
-pub(crate) fn planes_of(model: &Model) -> Vec<(usize, f64)> {
-    let x = |n: u32, d: usize| model.mesh.nodes[n as usize][d];
-    let named = |prefix: &str, d: usize| {
-        let name = format!("{prefix}{}", Axis::NAMES[d]);
-        let supports = model.supports.iter().filter(move |s| s.name == name);
-        supports.flat_map(|s| s.nodes.iter().copied()).next()
-    };
-    (0..3)
-        .filter_map(|d| {
-            let held = named(PLANE, d).map(|n| x(n, d));
-            // Where only joints lie in it: the end of the bodies that looks at the mirrors beyond.
-            let beyond = || {
-                let (mirror, [low, high]) = (x(named(MIRROR, d)?, d), model.mesh.extent(d));
-                Some(if mirror > high { high } else { low })
-            };
-            held.or_else(beyond).map(|at| (d, at))
-        })
-        .collect()
-}
-
-/// Whether a support belongs to a plane of symmetry.
-pub(crate) fn is_of_plane(support: &Support) -> bool {
-    support.name.starts_with(PLANE) || support.name.starts_with(MIRROR)
-}
 
 /// A plane of symmetry.
 #[derive(Clone, Debug)]
@@ -158,16 +127,21 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
         let mut fixed = [false; 3];
         fixed[d] = true;
         supports.push(Support {
-            name: format!("{PLANE}{}", Axis::NAMES[d]),
+            name: format!("symmetry-{}", Axis::NAMES[d]),
             nodes: held,
             fixed,
+            by: HeldBy::Plane {
+                axis: d,
+                at: plane.at,
+            },
         });
     }
     for mirror in &bodies.mirrors {
         supports.push(Support {
-            name: format!("{MIRROR}{}", Axis::NAMES[mirror.axis]),
+            name: format!("mirror-{}", Axis::NAMES[mirror.axis]),
             nodes: mirror.facet.into(),
             fixed: [true; 3],
+            by: HeldBy::Mirror,
         });
     }
     errors.end(supports)

@@ -5,7 +5,7 @@ use super::{Kind, Masonry};
 use crate::model::bodies::Bodies;
 use crate::model::deck::Clamped;
 use crate::model::hexahedron::range;
-use crate::model::scene::{Beam, Support};
+use crate::model::scene::{Beam, HeldBy, Support};
 
 /// The clamped feet of walls.
 pub(in crate::model) fn supports(bodies: &Bodies<'_>) -> Vec<Support> {
@@ -20,6 +20,7 @@ pub(in crate::model) fn supports(bodies: &Bodies<'_>) -> Vec<Support> {
             name: "bottom".to_owned(),
             nodes: nodes(bodies, wall, held),
             fixed: [true; 3],
+            by: HeldBy::Ground,
         })
     };
     bodies.walls.iter().filter_map(clamped).collect()

@@ -14,8 +14,7 @@ use std::collections::HashMap;
 use super::super::elevation::escape;
 use crate::element::hex8::FACES;
 use crate::model::hexahedron::{EDGES, range};
-use crate::model::scene::Support;
-use crate::model::symmetry::{is_of_plane, planes_of};
+use crate::model::scene::{HeldBy, Support};
 use crate::model::{Mesh, Model};
 
 /// Width of the page [px].
@@ -192,7 +191,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
             }
         }
     }
-    let supports = model.supports.iter().filter(|s| !is_of_plane(s));
+    let supports = model.supports.iter().filter(|s| s.by == HeldBy::Ground);
     let held = supports.flat_map(|s| &s.nodes);
     let dots = held
         .filter(|n| x(**n)[1] <= near)
@@ -209,9 +208,11 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
 
 /// Planes of symmetry, seen along the third of the axes.
 fn planes(model: &Model, axes: [usize; 2]) -> Vec<(usize, f64)> {
-    let seen = planes_of(model).into_iter();
-    seen.filter_map(|(d, at)| Some((axes.iter().position(|a| *a == d)?, at)))
-        .collect()
+    let stands = |support: &Support| match support.by {
+        HeldBy::Plane { axis, at } => Some((axes.iter().position(|a| *a == axis)?, at)),
+        HeldBy::Ground | HeldBy::Mirror => None,
+    };
+    model.supports.iter().filter_map(stands).collect()
 }
 
 /// The section normal to an axis at a place on it [mm].
@@ -333,7 +334,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
         )?;
     }
     let mut marks = names.len() as f64;
-    let held = |s: &Support| !s.nodes.is_empty() && !is_of_plane(s);
+    let held = |s: &Support| !s.nodes.is_empty() && s.by == HeldBy::Ground;
     if model.supports.iter().any(held) {
         let y = legend + 20.0 * marks + 7.0;
         marks += 1.0;

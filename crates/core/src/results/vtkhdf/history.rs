@@ -270,7 +270,7 @@ fn until(increments: &hdf5::Dataset, last: usize) -> hdf5::Result<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scene::{Beam, Support};
+    use crate::model::scene::{Beam, HeldBy, Support};
     use crate::results::fake;
 
     #[test]
@@ -289,6 +289,7 @@ mod tests {
             name: name.to_owned(),
             nodes: vec![0],
             fixed: [true; 3],
+            by: HeldBy::Ground,
         };
         model.supports = ["a/b", "a_b", "..", "base"].map(held).into();
         model.beams = vec![Beam {

@@ -6,7 +6,7 @@ use super::read::FieldsFile;
 use super::*;
 use crate::model::deck::ProbeQuantity;
 use crate::model::probes::Probe;
-use crate::model::scene::{Beam, Support};
+use crate::model::scene::{Beam, HeldBy, Support};
 use crate::results::fake;
 
 #[test]
@@ -111,6 +111,7 @@ fn whole_model() -> Model {
         name: "bottom".to_owned(),
         nodes: vec![0],
         fixed: [true; 3],
+        by: HeldBy::Ground,
     }];
     model
 }
