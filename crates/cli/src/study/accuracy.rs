@@ -131,5 +131,8 @@ fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
 fn summary(all: &[Studied]) -> String {
     let outcomes = || all.iter().flat_map(|s| &s.outcomes);
     let ended = outcomes().filter(|o| o.errors.is_ok()).count();
-    format!("{ended} of {} choices came to the end\n", outcomes().count())
+    format!(
+        "{ended} of {} choices came to the end\n",
+        outcomes().count()
+    )
 }

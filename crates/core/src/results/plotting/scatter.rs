@@ -103,7 +103,10 @@ impl Scatter<'_> {
             .margin(18)
             .x_label_area_size(46)
             .y_label_area_size(76)
-            .build_cartesian_2d(span(xs, 1.3, 2.0).log_scale(), span(ys, 1.6, 3.0).log_scale())?;
+            .build_cartesian_2d(
+                span(xs, 1.3, 2.0).log_scale(),
+                span(ys, 1.6, 3.0).log_scale(),
+            )?;
         chart
             .configure_mesh()
             .light_line_style(RGBColor(246, 246, 246))
@@ -164,7 +167,11 @@ impl Scatter<'_> {
 
     /// Names beside their points, where the others leave room.
     fn names<'a>(&self, root: &Area<'a>, chart: &Plane<'a, '_>) -> Result<(), Failed<'a>> {
-        let pixels: Vec<(i32, i32)> = self.spots.iter().map(|s| chart.backend_coord(&s.at)).collect();
+        let pixels: Vec<(i32, i32)> = self
+            .spots
+            .iter()
+            .map(|s| chart.backend_coord(&s.at))
+            .collect();
         let point = |(x, y): &(i32, i32)| Frame([x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS]);
         let mut taken: Vec<Frame> = pixels.iter().map(point).collect();
         for (spot, at) in self.spots.iter().zip(&pixels) {
@@ -172,7 +179,11 @@ impl Scatter<'_> {
             let place = place(*at, width, &taken);
             let colour = COLOURS[spot.series % COLOURS.len()];
             let style = ("sans-serif", LETTERS).into_font().color(&colour);
-            root.draw(&Text::new(spot.name.clone(), (place.0[0], place.0[1]), style))?;
+            root.draw(&Text::new(
+                spot.name.clone(),
+                (place.0[0], place.0[1]),
+                style,
+            ))?;
             taken.push(place);
         }
         Ok(())
@@ -194,11 +205,15 @@ impl Frame {
 fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
     let frame = |left: i32, top: i32| Frame([left, top, left + width, top + LETTERS]);
     let beside = [x + 9, x - 9 - width];
-    let shifts = (0..8).flat_map(|i| [-i, i]).map(|i| y - LETTERS / 2 + i * (LETTERS - 2));
+    let shifts = (0..8)
+        .flat_map(|i| [-i, i])
+        .map(|i| y - LETTERS / 2 + i * (LETTERS - 2));
     let mut places = shifts.flat_map(|top| beside.map(|left| frame(left, top)));
     let inside = |f: &Frame| f.0[0] > 90 && f.0[2] < SIZE.0 as i32 - 18;
     let free = |f: &Frame| inside(f) && !taken.iter().any(|t| t.meets(f));
-    places.find(free).unwrap_or(frame(beside[0], y - LETTERS / 2))
+    places
+        .find(free)
+        .unwrap_or(frame(beside[0], y - LETTERS / 2))
 }
 
 /// A range around values, with so much air on either side.
@@ -233,7 +248,14 @@ mod tests {
         let series = ["of nothing said", "never", "mesh"];
         let floor = Some((0.05, "floor"));
         let svg = scatter("Chart", ["time", "error"], &series, &spots, &front, floor).unwrap();
-        for said in ["a &lt; b", "default", "mesh", "floor", "front: nothing", "error"] {
+        for said in [
+            "a &lt; b",
+            "default",
+            "mesh",
+            "floor",
+            "front: nothing",
+            "error",
+        ] {
             assert!(svg.contains(said), "{said}");
         }
         assert!(!svg.contains("never"));

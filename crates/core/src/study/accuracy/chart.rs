@@ -28,7 +28,10 @@ pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
     if spots.is_empty() {
         return Ok(None);
     }
-    let on: Vec<(f64, f64)> = front(&points, floor).into_iter().map(|i| percent(points[i])).collect();
+    let on: Vec<(f64, f64)> = front(&points, floor)
+        .into_iter()
+        .map(|i| percent(points[i]))
+        .collect();
     let told = format!("uncertainty of the reference, {:.2} %", 100.0 * floor);
     scatter(
         &studied.scene.name(),

@@ -83,7 +83,11 @@ impl Known {
             return Err(format!("ends at {last:.4} of {}", self.range[1]));
         }
         let run = samples(&curve, self.range);
-        let squares: Vec<f64> = run.iter().zip(&self.samples).map(|(a, b)| (a - b).powi(2)).collect();
+        let squares: Vec<f64> = run
+            .iter()
+            .zip(&self.samples)
+            .map(|(a, b)| (a - b).powi(2))
+            .collect();
         let mean = area(&squares, self.range) / (self.range[1] - self.range[0]);
         Ok(Errors {
             peak: largest(&curve, self.range) / self.peak - 1.0,
@@ -159,18 +163,31 @@ mod tests {
     fn a_curve_has_no_error_against_itself_and_others_have_theirs() {
         let errors = known([0.0, 2.0]).errors(&RAMP).unwrap();
         // Both are sampled alike.
-        assert_eq!(errors, Errors { peak: 0.0, energy: 0.0, rms: 0.0 });
+        assert_eq!(
+            errors,
+            Errors {
+                peak: 0.0,
+                energy: 0.0,
+                rms: 0.0
+            }
+        );
         let scaled = RAMP.map(|[x, y]| [x, 1.1 * y]);
         let errors = known([0.0, 2.0]).errors(&scaled).unwrap();
         // Rounding, and of the mean square of a ramp (1/3) the trapezoidal rule's 1/(6 · 1000²) each way.
         assert!((errors.peak - 0.1).abs() < 1e-12 && (errors.energy - 0.1).abs() < 1e-12);
-        assert!((errors.rms - 0.1 / 3.0_f64.sqrt()).abs() < 1e-7, "{errors:?}");
+        assert!(
+            (errors.rms - 0.1 / 3.0_f64.sqrt()).abs() < 1e-7,
+            "{errors:?}"
+        );
         assert_eq!(errors.of_chart(), errors.peak.max(errors.energy));
         // Its peak lies between two points of a coarse run.
         let coarse = [[0.0, 0.0], [0.8, 8.0], [1.6, 4.0], [2.0, 0.0]];
         let errors = known([0.0, 2.0]).errors(&coarse).unwrap();
         assert!((errors.peak + 0.2).abs() < 1e-12, "{errors:?}");
-        assert!((errors.energy - (8.8 / 10.0 - 1.0)).abs() < 1e-5, "{errors:?}");
+        assert!(
+            (errors.energy - (8.8 / 10.0 - 1.0)).abs() < 1e-5,
+            "{errors:?}"
+        );
     }
 
     #[test]

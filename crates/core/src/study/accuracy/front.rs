@@ -57,7 +57,14 @@ mod tests {
 
     #[test]
     fn the_front_is_what_no_other_beats() {
-        let points = [(1.0, 0.02), (0.5, 0.1), (2.0, 0.03), (4.0, 0.001), (0.5, 0.2), (3.0, f64::NAN)];
+        let points = [
+            (1.0, 0.02),
+            (0.5, 0.1),
+            (2.0, 0.03),
+            (4.0, 0.001),
+            (0.5, 0.2),
+            (3.0, f64::NAN),
+        ];
         assert_eq!(front(&points, 0.0), [1, 0, 3]);
         // What the reference cannot tell apart is no better.
         assert_eq!(front(&points, 0.02), [1, 0]);
@@ -65,7 +72,10 @@ mod tests {
         // Every point off the front is beaten by one on it.
         let on = front(&points, 0.0);
         for (time, error) in points.iter().filter(|p| p.1.is_finite()) {
-            assert!(on.iter().any(|i| points[*i].0 <= *time && points[*i].1 <= *error));
+            assert!(
+                on.iter()
+                    .any(|i| points[*i].0 <= *time && points[*i].1 <= *error)
+            );
         }
     }
 

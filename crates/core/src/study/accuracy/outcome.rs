@@ -258,7 +258,8 @@ mod tests {
 
     #[test]
     fn the_name_of_the_processor_is_that_of_the_first() {
-        let text = "processor\t: 0\nmodel name\t: Some CPU @ 2.5 GHz\nprocessor\t: 1\nmodel name\t: B\n";
+        let text =
+            "processor\t: 0\nmodel name\t: Some CPU @ 2.5 GHz\nprocessor\t: 1\nmodel name\t: B\n";
         assert_eq!(processor(text).as_deref(), Some("Some CPU @ 2.5 GHz"));
         assert_eq!(processor("processor\t: 0\n"), None);
         assert!(Machine::this().threads >= 1);

@@ -39,7 +39,10 @@ pub fn page(
     );
     let mut sections = sections(before);
     for studied in all {
-        sections.insert(studied.scene.number, section(studied, folder, options, machine));
+        sections.insert(
+            studied.scene.number,
+            section(studied, folder, options, machine),
+        );
     }
     let sections: Vec<&str> = sections.values().map(|s| s.trim_end()).collect();
     page.push_str(&sections.join("\n\n"));
@@ -61,7 +64,11 @@ fn section(studied: &Studied, folder: &str, options: &Options, machine: &Machine
     let scene = &studied.scene;
     let at = format!("{folder}/{}", scene.folder_name());
     let mut text = format!("## {}\n\n{}\n\n", scene.name(), scene.what.trim());
-    let _ = writeln!(text, "![{}: errors over times]({at}/{CHART})\n", scene.name());
+    let _ = writeln!(
+        text,
+        "![{}: errors over times]({at}/{CHART})\n",
+        scene.name()
+    );
     if !scene.says.trim().is_empty() {
         let _ = writeln!(text, "{}\n", scene.says.trim());
     }
@@ -75,7 +82,12 @@ fn section(studied: &Studied, folder: &str, options: &Options, machine: &Machine
     let ratios = studied.ratios();
     for (i, outcome) in studied.outcomes.iter().enumerate() {
         let errors = match &outcome.errors {
-            Ok(e) => format!("{} | {} | {}", percent(e.peak), percent(e.energy), unsigned(e.rms)),
+            Ok(e) => format!(
+                "{} | {} | {}",
+                percent(e.peak),
+                percent(e.energy),
+                unsigned(e.rms)
+            ),
             Err(why) => format!("{} | | ", why.replace('|', "\\|").replace('\n', " ")),
         };
         let _ = writeln!(
@@ -91,12 +103,16 @@ fn section(studied: &Studied, folder: &str, options: &Options, machine: &Machine
             if on.contains(&i) { "×" } else { "" },
         );
     }
-    let _ = write!(text, "\n{} [The table]({at}/{TABLE}) has more digits.", sitting(options, machine));
-    if let Some((first, _)) = scene.set.split_first() {
+    let _ = write!(
+        text,
+        "\n{} [The table]({at}/{TABLE}) has more digits.",
+        sitting(options, machine)
+    );
+    if !scene.set.is_empty() {
         let all = scene.set.iter().map(|(k, v)| format!("`{k}={v}`"));
         let all: Vec<String> = all.collect();
-        let deck = scene.deck.file_name().unwrap_or_default().to_string_lossy();
-        debug_assert!(!first.0.is_empty());
+        let deck = scene.deck.file_name().unwrap_or_default();
+        let deck = deck.to_string_lossy();
         let _ = write!(text, " The scene is `{deck}` with {}.", all.join(", "));
     }
     let _ = writeln!(text, "\n");
@@ -109,14 +125,23 @@ fn settings(studied: &Studied) -> String {
     let mut text = String::from("| Choice | sets |\n|---|---|\n");
     for outcome in &studied.outcomes {
         let choice = &outcome.choice;
-        let mut set: Vec<String> = choice.set.iter().map(|(k, v)| format!("`{k}={v}`")).collect();
+        let mut set: Vec<String> = choice
+            .set
+            .iter()
+            .map(|(k, v)| format!("`{k}={v}`"))
+            .collect();
         if choice.threads > 1 {
             set.push(format!("{} threads", choice.threads));
         }
         if choice.factor != 1.0 {
             set.push(format!("forces times {}", choice.factor));
         }
-        let _ = writeln!(text, "| {} | {} |", choice.name, set.join(", ").replace('|', "\\|"));
+        let _ = writeln!(
+            text,
+            "| {} | {} |",
+            choice.name,
+            set.join(", ").replace('|', "\\|")
+        );
     }
     text
 }
@@ -133,9 +158,15 @@ fn verdict(studied: &Studied) -> String {
         return "**The default does not come to the end.**".to_owned();
     };
     let within = if errors.peak.abs() <= PROMISED {
-        format!("The default's peak is within 1 % of the reference ({})", percent(errors.peak))
+        format!(
+            "The default's peak is within 1 % of the reference ({})",
+            percent(errors.peak)
+        )
     } else {
-        format!("**The default's peak is not within 1 % of the reference** ({})", percent(errors.peak))
+        format!(
+            "**The default's peak is not within 1 % of the reference** ({})",
+            percent(errors.peak)
+        )
     };
     let faster = match beaten(&points, i, floor) {
         None => format!(
@@ -159,8 +190,15 @@ fn verdict(studied: &Studied) -> String {
 fn reference(reference: &Reference, number: u32) -> String {
     let made = match &reference.origin {
         Origin::Run(choice) => {
-            let set: Vec<String> = choice.set.iter().map(|(k, v)| format!("`{k}={v}`")).collect();
-            format!("`wythe study accuracy-speed --only {number} --references`, with {}", set.join(", "))
+            let set: Vec<String> = choice
+                .set
+                .iter()
+                .map(|(k, v)| format!("`{k}={v}`"))
+                .collect();
+            format!(
+                "`wythe study accuracy-speed --only {number} --references`, with {}",
+                set.join(", ")
+            )
         }
         Origin::Command(command) => command.trim().to_owned(),
     };
@@ -171,7 +209,10 @@ fn reference(reference: &Reference, number: u32) -> String {
 
 /// How the times were taken.
 fn sitting(options: &Options, machine: &Machine) -> String {
-    let processor = machine.processor.as_deref().unwrap_or("an unnamed processor");
+    let processor = machine
+        .processor
+        .as_deref()
+        .unwrap_or("an unnamed processor");
     let threads = machine.threads;
     let times = match options.repeats {
         1 => "each choice was run once".to_owned(),

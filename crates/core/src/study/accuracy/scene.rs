@@ -207,7 +207,11 @@ impl Scene {
     /// In words: the curve does not go along that range.
     pub fn known(&self, short: bool) -> Result<Known, String> {
         let to = if short { self.short_to } else { self.range[1] };
-        Known::new(&self.reference.curve, [self.range[0], to], self.reference.peak)
+        Known::new(
+            &self.reference.curve,
+            [self.range[0], to],
+            self.reference.peak,
+        )
     }
 }
 

@@ -98,7 +98,9 @@ pub fn advice(path: &str) -> String {
         Some("set") => "set = [\"steps.1.increments.max=0.005\"]",
         Some("uncertainty") => "uncertainty = 0.002  # part of the reference's peak",
         Some("to") => "to = 0.6  # in units of x; the reference and the runs go so far",
-        Some("command") => "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene",
+        Some("command") => {
+            "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene"
+        }
         _ => return "docs/studies.md lists the keys of a scene".to_owned(),
     };
     format!("write it like this: {line}")
@@ -121,11 +123,17 @@ impl SceneFile {
         let deck = folder.join(&self.deck);
         self.columns(&Deck::load(&deck, &set)?, &error)?;
         if !(self.from >= 0.0 && self.from < self.to && self.to.is_finite()) {
-            return Err(error("to", "must be beyond `from`, which is 0 or more".to_owned()));
+            return Err(error(
+                "to",
+                "must be beyond `from`, which is 0 or more".to_owned(),
+            ));
         }
         let short_to = self.short_to.unwrap_or(self.to);
         if !(self.from < short_to && short_to <= self.to) {
-            return Err(error("short_to", "must lie between `from` and `to`".to_owned()));
+            return Err(error(
+                "short_to",
+                "must lie between `from` and `to`".to_owned(),
+            ));
         }
         let short = short(source, "short", self.short.as_ref())?;
         let choices = choices(source, self.choices, &error)?;
@@ -216,10 +224,14 @@ fn choices(
     let mut defaults = choices.iter().filter(|c| c.group == Group::Default);
     match (defaults.next(), defaults.next()) {
         (Some(default), None) if default.short => Ok(choices),
-        (Some(_), None) => {
-            Err(error("choices", "the default must be in the short form, too".to_owned()))
-        }
-        (None, _) => Err(error("choices", "none of the choices is the default".to_owned())),
+        (Some(_), None) => Err(error(
+            "choices",
+            "the default must be in the short form, too".to_owned(),
+        )),
+        (None, _) => Err(error(
+            "choices",
+            "none of the choices is the default".to_owned(),
+        )),
         _ => Err(error("choices", "two choices are the default".to_owned())),
     }
 }
@@ -255,7 +267,10 @@ fn reference(
         }
     };
     let file = folder.join(&written.file);
-    let columns = [written.x.as_deref().unwrap_or(x), written.y.as_deref().unwrap_or(y)];
+    let columns = [
+        written.x.as_deref().unwrap_or(x),
+        written.y.as_deref().unwrap_or(y),
+    ];
     // Before it was made there is none.
     let curve = if file.exists() || matches!(origin, Origin::Command(_)) {
         curve::read(&file, columns[0], columns[1])?
@@ -263,7 +278,10 @@ fn reference(
         Vec::new()
     };
     Ok(Reference {
-        curve: curve.into_iter().map(|[x, y]| [x, written.y_factor * y]).collect(),
+        curve: curve
+            .into_iter()
+            .map(|[x, y]| [x, written.y_factor * y])
+            .collect(),
         peak: written.peak,
         file,
         how: written.how,
