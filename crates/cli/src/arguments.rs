@@ -338,6 +338,9 @@ pub struct AccuracySpeed {
     /// Make the references anew that come from runs, and nothing else.
     #[arg(long, conflicts_with_all = ["short", "out"])]
     pub references: bool,
+    /// Run nothing: page and charts anew from the tables that stand there, after a change of texts.
+    #[arg(long, conflicts_with_all = ["short", "references"])]
+    pub redraw: bool,
     /// Folder for charts and tables; the page stands beside it [default: that of the scenes; of short forms: none, only
     /// the lines].
     #[arg(long, value_name = "DIR")]

@@ -97,6 +97,11 @@ fn references_are_made_then_the_page_with_charts_and_tables() {
     let text = std::fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("It was torn.").count(), 1, "{text}");
     assert_eq!(text.matches("It is torn.").count(), 1, "{text}");
+    // All sections from the tables, nothing is run.
+    let redrawn = accuracy(folder.path(), &["--redraw"]);
+    assert_eq!(code(&redrawn), 0, "{}", stderr(&redrawn));
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert_eq!(text.matches("It is torn.").count(), 2, "{text}");
 }
 
 #[test]

@@ -8,8 +8,8 @@ use std::time::Duration;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
-    CHART, Machine, Options, Outcome, Scene, Studied, TABLE, advice, chart, link, page, renew,
-    scenes, study, table,
+    CHART, Options, Outcome, Scene, Studied, TABLE, advice, chart, link, page, read, renew, scenes,
+    study, table,
 };
 
 use super::{chosen, failed, other};
@@ -37,6 +37,12 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     if arguments.references {
         return references(&scenes, options.limit, &interrupt);
     }
+    if arguments.redraw {
+        let out = arguments.out.as_ref().unwrap_or(&arguments.scenes);
+        let table = |scene: &Scene| read(scene, &out.join(scene.folder_name()).join(TABLE));
+        let all: Result<Vec<Studied>, _> = scenes.iter().map(table).collect();
+        return written_out(&all.map_err(Failure::input_output)?, arguments, out);
+    }
     if let Some(scene) = scenes.iter().find(|s| !s.reference.there()) {
         let (file, number) = (scene.reference.file.clone(), scene.number);
         return Err(StudyError::NoReference { file, number }.into());
@@ -60,6 +66,14 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     for studied in &all {
         let folder = out.join(studied.scene.folder_name());
         write(&folder, TABLE, table(studied).as_bytes())?;
+    }
+    written_out(&all, arguments, out)
+}
+
+/// Charts, and the page beside their folder.
+fn written_out(all: &[Studied], arguments: &AccuracySpeed, out: &Path) -> Result<(), Failure> {
+    for studied in all {
+        let folder = out.join(studied.scene.folder_name());
         if let Some(svg) = chart(studied).map_err(|why| failed(&folder.join(CHART), other(why)))? {
             write(&folder, CHART, svg.as_bytes())?;
         }
@@ -71,11 +85,10 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         _ => written(&beside.join(PAGE))?,
     };
     let advice = advice(&arguments.scenes)?;
-    let how = (&options, &Machine::this());
-    let text = page(&all, &advice, &link(out), how, &before);
+    let text = page(all, &advice, &link(out), &before);
     write(beside, PAGE, text.as_bytes())?;
     let out = beside.join(PAGE);
-    print(&format!("{}written to {}\n", summary(&all), out.display()))
+    print(&format!("{}written to {}\n", summary(all), out.display()))
 }
 
 /// Makes the references anew that come from runs.

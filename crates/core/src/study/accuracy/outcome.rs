@@ -57,20 +57,22 @@ pub struct Studied {
     pub short: bool,
     /// By choice; those without the form that was asked for are missing, and those that were not begun.
     pub outcomes: Vec<Outcome>,
+    /// On what and how the times were taken, in words.
+    pub sitting: String,
 }
 
 /// What it was run on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Machine {
+struct Machine {
     /// Name of the processor, where the system tells it.
-    pub processor: Option<String>,
+    processor: Option<String>,
     /// Threads that it has for us.
-    pub threads: usize,
+    threads: usize,
 }
 
 impl Machine {
     /// This one.
-    pub fn this() -> Self {
+    fn this() -> Self {
         let told = std::fs::read_to_string("/proc/cpuinfo");
         Self {
             processor: told.ok().and_then(|text| processor(&text)),
@@ -129,6 +131,7 @@ pub fn study(
     progress: &(dyn Fn(&Scene, &Outcome, usize) + Sync),
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Studied> {
+    let machine = Machine::this();
     let studied = |scene: &Scene| {
         let of_form = scene.choices.iter();
         let of_form: Vec<&Choice> = of_form
@@ -155,10 +158,27 @@ pub fn study(
             scene: scene.clone(),
             short: options.short,
             outcomes,
+            sitting: sitting(options, &machine),
         }
     };
     let all = scenes.iter().map(studied);
     all.filter(|s| !s.outcomes.is_empty()).collect()
+}
+
+/// How the times were taken.
+fn sitting(options: &Options, machine: &Machine) -> String {
+    let processor = machine.processor.as_deref();
+    let processor = processor.unwrap_or("an unnamed processor");
+    let threads = machine.threads;
+    let times = match options.repeats {
+        1 => "each choice was run once".to_owned(),
+        n => format!("medians of {n} runs of each choice, by turns"),
+    };
+    let jobs = match options.jobs {
+        1 => "one at a time".to_owned(),
+        n => format!("{n} at a time, which disturb each other"),
+    };
+    format!("{processor}, {threads} threads; {times}, {jobs}, on one thread unless said.")
 }
 
 fn outcome(
@@ -263,5 +283,23 @@ mod tests {
         assert_eq!(processor(text).as_deref(), Some("Some CPU @ 2.5 GHz"));
         assert_eq!(processor("processor\t: 0\n"), None);
         assert!(Machine::this().threads >= 1);
+        let machine = Machine {
+            processor: Some("Z80".to_owned()),
+            threads: 1,
+        };
+        let mut options = Options {
+            short: false,
+            limit: Duration::from_secs(1),
+            jobs: 1,
+            repeats: 3,
+        };
+        let told = sitting(&options, &machine);
+        assert!(
+            told.starts_with("Z80, 1 threads; medians of 3 runs"),
+            "{told}"
+        );
+        (options.jobs, options.repeats) = (2, 1);
+        let told = sitting(&options, &machine);
+        assert!(told.contains("run once, 2 at a time"), "{told}");
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::front::{FASTER, beaten, front};
-use super::outcome::{Machine, Options, Outcome, Studied};
+use super::outcome::{Outcome, Studied};
 use super::scene::{Group, Origin, Reference};
 use crate::study::expect::percent;
 
@@ -18,13 +18,7 @@ pub const TABLE: &str = "table.csv";
 const PROMISED: f64 = 0.01;
 
 /// The page; charts and tables stand in `folder` beside it. Sections of other scenes are taken over from the page `before`.
-pub fn page(
-    all: &[Studied],
-    advice: &str,
-    folder: &str,
-    (options, machine): (&Options, &Machine),
-    before: &str,
-) -> String {
+pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String {
     let mut page = String::from("# Accuracy against speed\n\n");
     if !advice.trim().is_empty() {
         let _ = writeln!(page, "{}\n", advice.trim());
@@ -39,10 +33,7 @@ pub fn page(
     );
     let mut sections = sections(before);
     for studied in all {
-        sections.insert(
-            studied.scene.number,
-            section(studied, folder, options, machine),
-        );
+        sections.insert(studied.scene.number, section(studied, folder));
     }
     let sections: Vec<&str> = sections.values().map(|s| s.trim_end()).collect();
     page.push_str(&sections.join("\n\n"));
@@ -60,7 +51,7 @@ fn sections(page: &str) -> BTreeMap<u32, String> {
     numbered.collect()
 }
 
-fn section(studied: &Studied, folder: &str, options: &Options, machine: &Machine) -> String {
+fn section(studied: &Studied, folder: &str) -> String {
     let scene = &studied.scene;
     let at = format!("{folder}/{}", scene.folder_name());
     let mut text = format!("## {}\n\n{}\n\n", scene.name(), scene.what.trim());
@@ -105,8 +96,8 @@ fn section(studied: &Studied, folder: &str, options: &Options, machine: &Machine
     }
     let _ = write!(
         text,
-        "\n{} [The table]({at}/{TABLE}) has more digits.",
-        sitting(options, machine)
+        "\nTimes: {} [The table]({at}/{TABLE}) has more digits.",
+        studied.sitting
     );
     if !scene.set.is_empty() {
         let all = scene.set.iter().map(|(k, v)| format!("`{k}={v}`"));
@@ -207,24 +198,6 @@ fn reference(reference: &Reference, number: u32) -> String {
     format!("Reference: {how} Its uncertainty: {uncertainty}. Made by {made}.")
 }
 
-/// How the times were taken.
-fn sitting(options: &Options, machine: &Machine) -> String {
-    let processor = machine
-        .processor
-        .as_deref()
-        .unwrap_or("an unnamed processor");
-    let threads = machine.threads;
-    let times = match options.repeats {
-        1 => "each choice was run once".to_owned(),
-        n => format!("medians of {n} runs of each choice, by turns"),
-    };
-    let jobs = match options.jobs {
-        1 => "one at a time".to_owned(),
-        n => format!("{n} at a time, which disturb each other"),
-    };
-    format!("Times: {processor}, {threads} threads; {times}, {jobs}, on one thread unless said.")
-}
-
 fn group(outcome: &Outcome) -> &'static str {
     match outcome.choice.group {
         Group::Default => "",
@@ -247,16 +220,20 @@ fn number(value: f64) -> String {
 
 /// All of a scene's outcomes as CSV.
 pub fn table(studied: &Studied) -> String {
-    let mut text = String::from(
-        "choice,group,peak,peak_error,energy_error,rms,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,increments,solves,cuts,energy_imbalance\n",
+    let mut text = format!("# {}\n", studied.sitting);
+    text.push_str(
+        "choice,group,peak,peak_error,energy_error,rms,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,increments,solves,cuts,energy_imbalance,why\n",
     );
     for (outcome, ratio) in studied.outcomes.iter().zip(studied.ratios()) {
         let errors = outcome.errors.as_ref().ok();
         let errors = errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms]);
         let cost = &outcome.cost;
+        // A quote within quotes is two.
+        let why = outcome.errors.as_ref().err();
+        let why = why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")));
         let _ = writeln!(
             text,
-            "{},{},{:.6},{:.6},{:.6},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{},{},{:.1e}",
+            "{},{},{:.6},{:.6},{:.6},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{},{},{:.1e},{why}",
             outcome.choice.name,
             outcome.choice.group.name(),
             outcome.peak,
