@@ -51,13 +51,14 @@ impl Known {
                 curve[0][0], range[0], range[1]
             ));
         }
-        let largest = largest(&curve, range);
+        let samples = samples(&curve, range);
+        let largest = largest(&curve, &samples, range);
         if largest <= 0.0 || largest.is_nan() {
             return Err("the reference is nowhere above zero".to_owned());
         }
         Ok(Self {
             range,
-            samples: samples(&curve, range),
+            samples,
             peak: peak.unwrap_or(largest),
         })
     }
@@ -90,7 +91,7 @@ impl Known {
             .collect();
         let mean = area(&squares, self.range) / (self.range[1] - self.range[0]);
         Ok(Errors {
-            peak: largest(&curve, self.range) / self.peak - 1.0,
+            peak: largest(&curve, &run, self.range) / self.peak - 1.0,
             energy: area(&run, self.range) / self.energy() - 1.0,
             rms: mean.sqrt() / self.peak,
         })
@@ -122,11 +123,12 @@ fn advancing(curve: &[Point]) -> Result<Vec<Point>, String> {
     Ok(points)
 }
 
-/// Largest ordinate of the points of the range.
-fn largest(curve: &[Point], range: [f64; 2]) -> f64 {
-    let to = range[1] + SHORT_OF * (range[1] - range[0]);
-    let within = curve.iter().filter(|p| p[0] <= to);
-    within.map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max)
+/// Largest ordinate of the points up to the end of the range, and there.
+fn largest(curve: &[Point], samples: &[f64], range: [f64; 2]) -> f64 {
+    let within = curve.iter().filter(|p| p[0] <= range[1]).map(|p| p[1]);
+    within
+        .chain(samples.last().copied())
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Ordinates at equal distances, linear between the points.
