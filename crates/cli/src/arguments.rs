@@ -241,7 +241,17 @@ pub enum Study {
     /// What comes out beside what is known: tests, exact solutions, other models.
     #[command(after_help = VALIDATION_HELP)]
     Validation(Validation),
+    /// Error against time over the choices that a user has: mesh, penalty, procedure, step …
+    #[command(after_help = ACCURACY_HELP)]
+    AccuracySpeed(AccuracySpeed),
 }
+
+const ACCURACY_HELP: &str = "\
+Examples:
+  wythe study accuracy-speed --repeats 3        all scenes, page and charts into docs
+  wythe study accuracy-speed --only 1           one
+  wythe study accuracy-speed --short            what the tests run, nothing is written
+  wythe study accuracy-speed --only 2 --references   its reference made anew";
 
 const VALIDATION_HELP: &str = "\
 Examples:
@@ -300,6 +310,39 @@ pub struct Validation {
     #[arg(long, value_name = "DIR", default_value = "target/validation")]
     pub runs: PathBuf,
     /// Folder for the pages [default: beside the cases; of short forms: none, only the lines].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `wythe study accuracy-speed`
+#[derive(Debug, Args)]
+pub struct AccuracySpeed {
+    /// Folder of the scenes, each in a folder with a scene.toml.
+    #[arg(long, value_name = "DIR", default_value = "docs/accuracy-speed")]
+    pub scenes: PathBuf,
+    /// Scenes of these numbers only, e.g. 1,3.
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
+    pub only: Vec<u32>,
+    /// How often each choice is run, by turns; times are medians.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub repeats: NonZeroUsize,
+    /// Wall seconds that a run may take, looked at after each increment.
+    #[arg(long, value_name = "SECONDS", default_value = "3600", value_parser = seconds)]
+    pub limit: f64,
+    /// Runs at a time; more than one disturb each other's times.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub jobs: NonZeroUsize,
+    /// The short forms, as the tests run them.
+    #[arg(long)]
+    pub short: bool,
+    /// Make the references anew that come from runs, and nothing else.
+    #[arg(long, conflicts_with_all = ["short", "out"])]
+    pub references: bool,
+    /// Run nothing: page and charts anew from the tables that stand there, after a change of texts.
+    #[arg(long, conflicts_with_all = ["short", "references"])]
+    pub redraw: bool,
+    /// Folder for charts and tables; the page stands beside it [default: that of the scenes; of short forms: none, only
+    /// the lines].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -1,5 +1,6 @@
 //! `wythe study`: many runs side by side, judged and told on one page.
 
+mod accuracy;
 mod validation;
 
 use std::fmt::Write as _;
@@ -25,6 +26,7 @@ const PICTURE: &str = "stability.svg";
 pub fn study(arguments: &Study) -> Result<(), Failure> {
     match arguments {
         Study::Stability(arguments) => stability(arguments),
+        Study::AccuracySpeed(arguments) => accuracy::accuracy_speed(arguments),
         Study::Validation(arguments) => validation::validation(arguments),
     }
 }
@@ -34,6 +36,7 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     let is = |case: &Case, n: &str| case.id() == n || case.number.to_string() == n;
     let cases = chosen(
         study::cases(&arguments.cases)?,
+        "case",
         &arguments.only,
         Case::id,
         is,
@@ -76,9 +79,11 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     print(&format!("written to {}\n", out.join(PAGE).display()))
 }
 
-/// The cases that are named; all without a choice. `id`: the name of a case, `is`: whether one means it.
+/// The cases that are named; all without a choice. `kind`: what they are called, `id`: the name of a case, `is`: whether
+/// one means it.
 fn chosen<C>(
     cases: Vec<C>,
+    kind: &'static str,
     only: &[String],
     id: impl Fn(&C) -> String,
     is: impl Fn(&C, &str) -> bool,
@@ -86,7 +91,7 @@ fn chosen<C>(
     if let Some(name) = only.iter().find(|n| !cases.iter().any(|c| is(c, n))) {
         let known: Vec<String> = cases.iter().map(&id).collect();
         return Err(StudyError::Unknown {
-            kind: "case",
+            kind,
             name: name.clone(),
             known: known.join(", "),
         });

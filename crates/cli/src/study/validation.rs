@@ -27,7 +27,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
     let number = |case: &Case| case.number.to_string();
     let is = |case: &Case, n: &str| number(case) == n;
-    let cases = chosen(cases(&arguments.cases)?, &only, number, is)?;
+    let cases = chosen(cases(&arguments.cases)?, "case", &only, number, is)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let options = Options {
         short: arguments.short,

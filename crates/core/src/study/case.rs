@@ -187,6 +187,19 @@ pub enum StudyError {
     #[error("{} holds no case", .0.display())]
     #[diagnostic(help("a case is a folder with a case.toml: name the folder above them"))]
     NoCase(PathBuf),
+    /// No scenes.
+    #[error("{} holds no scene", .0.display())]
+    #[diagnostic(help("a scene is a folder with a scene.toml: name the folder above them"))]
+    NoScene(PathBuf),
+    /// A scene whose reference was not made yet.
+    #[error("there is no reference {}", file.display())]
+    #[diagnostic(help("make it with `wythe study accuracy-speed --only {number} --references`"))]
+    NoReference {
+        /// Its file.
+        file: PathBuf,
+        /// Number of the scene.
+        number: u32,
+    },
     /// Two of the same number.
     #[error("{} and {} both have the number {number}", one.display(), other.display())]
     #[diagnostic(help("give one of them another number"))]

@@ -123,7 +123,7 @@ pub fn compare(
 }
 
 /// The refusal alone: without the place before it and the advice behind it.
-fn reason(message: &str) -> &str {
+pub(super) fn reason(message: &str) -> &str {
     let why = message
         .split_once("an increment of")
         .and_then(|(_, rest)| rest.split_once(": "))

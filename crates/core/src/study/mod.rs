@@ -3,6 +3,8 @@
 //! The stability atlas takes every case through every method and says which one gets through, which
 //! ends with a wrong answer, and which loses convergence, where and why.
 //!
+//! [`accuracy`] sets the error of each choice that a user has beside its time.
+//!
 //! [`validation`] sets runs beside what is known of them: tests, exact solutions, other models.
 //!
 //! ```text
@@ -11,6 +13,7 @@
 //!                                     deck → run → History → judge
 //! ```
 
+pub mod accuracy;
 mod case;
 mod cell;
 mod curve;

@@ -37,11 +37,22 @@ pub fn side_by_side<J: Send, R: Send>(
 /// # Errors
 /// What the run says, why there is no pool, or what the panic said.
 pub fn on_one_thread<R: Send>(run: impl FnOnce() -> Result<R, String> + Send) -> Result<R, String> {
+    on_threads(1, |pool| pool.install(run))
+}
+
+/// Gives `run` a pool of so many threads of its own. A panic as in [`on_one_thread`].
+///
+/// # Errors
+/// As [`on_one_thread`].
+pub fn on_threads<R>(
+    threads: usize,
+    run: impl FnOnce(&rayon::ThreadPool) -> Result<R, String>,
+) -> Result<R, String> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
+        .num_threads(threads)
         .build()
         .map_err(|error| error.to_string())?;
-    let outcome = std::panic::catch_unwind(AssertUnwindSafe(|| pool.install(run)));
+    let outcome = std::panic::catch_unwind(AssertUnwindSafe(|| run(&pool)));
     outcome.unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied());

@@ -1,0 +1,151 @@
+//! `wythe study accuracy-speed`: error against time over the choices that a user has.
+
+use std::io::ErrorKind;
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use wythe_core::results::summary::write_whole;
+use wythe_core::study::StudyError;
+use wythe_core::study::accuracy::{
+    CHART, Options, Outcome, Scene, Studied, TABLE, advice, chart, link, page, read, renew, scenes,
+    study, table,
+};
+
+use super::{chosen, failed, other};
+use crate::arguments::AccuracySpeed;
+use crate::check::print;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::plot::write;
+
+/// The page, beside the folder of the scenes.
+const PAGE: &str = "accuracy-speed.md";
+
+pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
+    let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
+    let number = |scene: &Scene| scene.number.to_string();
+    let is = |scene: &Scene, n: &str| number(scene) == n;
+    let scenes = chosen(scenes(&arguments.scenes)?, "scene", &only, number, is)?;
+    let interrupt = Interrupt::listen();
+    let options = Options {
+        short: arguments.short,
+        limit: Duration::from_secs_f64(arguments.limit),
+        jobs: arguments.jobs.get(),
+        repeats: arguments.repeats.get(),
+    };
+    if arguments.references {
+        return references(&scenes, options.limit, &interrupt);
+    }
+    if arguments.redraw {
+        let out = arguments.out.as_ref().unwrap_or(&arguments.scenes);
+        let table = |scene: &Scene| read(scene, &out.join(scene.folder_name()).join(TABLE));
+        let all: Result<Vec<Studied>, _> = scenes.iter().map(table).collect();
+        return written_out(&all.map_err(Failure::input_output)?, arguments, out);
+    }
+    if let Some(scene) = scenes.iter().find(|s| !s.reference.there()) {
+        let (file, number) = (scene.reference.file.clone(), scene.number);
+        return Err(StudyError::NoReference { file, number }.into());
+    }
+    let lines = Mutex::new(());
+    let progress = |scene: &Scene, outcome: &Outcome, repeat: usize| {
+        // One at a time.
+        let _lines = lines.lock();
+        eprintln!("{}", told(scene, outcome, repeat));
+    };
+    let all = study(&scenes, &options, &progress, &|| interrupt.requested());
+    if interrupt.requested() {
+        return Err(Failure::Interrupted);
+    }
+    let out = match &arguments.out {
+        Some(out) => out.as_path(),
+        // The page tells of the full forms.
+        None if arguments.short => return print(&summary(&all)),
+        None => arguments.scenes.as_path(),
+    };
+    for studied in &all {
+        let folder = out.join(studied.scene.folder_name());
+        write(&folder, TABLE, table(studied).as_bytes())?;
+    }
+    written_out(&all, arguments, out)
+}
+
+/// Charts, and the page beside their folder.
+fn written_out(all: &[Studied], arguments: &AccuracySpeed, out: &Path) -> Result<(), Failure> {
+    for studied in all {
+        let folder = out.join(studied.scene.folder_name());
+        if let Some(svg) = chart(studied).map_err(|why| failed(&folder.join(CHART), other(why)))? {
+            write(&folder, CHART, svg.as_bytes())?;
+        }
+    }
+    let beside = out.parent().unwrap_or(Path::new("."));
+    // A part of the scenes leaves the sections of the others.
+    let before = match arguments.only.as_slice() {
+        [] => String::new(),
+        _ => written(&beside.join(PAGE))?,
+    };
+    let advice = advice(&arguments.scenes)?;
+    let text = page(all, &advice, &link(out), &before);
+    write(beside, PAGE, text.as_bytes())?;
+    let out = beside.join(PAGE);
+    print(&format!("{}written to {}\n", summary(all), out.display()))
+}
+
+/// Makes the references anew that come from runs.
+fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
+    for scene in scenes {
+        let file = &scene.reference.file;
+        let made = renew(scene, limit, &|| interrupt.requested());
+        if interrupt.requested() {
+            return Err(Failure::Interrupted);
+        }
+        let told = match made.map_err(|why| failed(file, other(why)))? {
+            None => format!("{}: its reference comes from elsewhere\n", scene.name()),
+            Some(text) => {
+                write_whole(file, text.as_bytes()).map_err(|why| failed(file, why))?;
+                format!("{}: written to {}\n", scene.name(), file.display())
+            }
+        };
+        print(&told)?;
+    }
+    Ok(())
+}
+
+/// The page as it stands; nothing if there is none.
+fn written(file: &Path) -> Result<String, Failure> {
+    match std::fs::read_to_string(file) {
+        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|why| failed(file, why)),
+    }
+}
+
+/// The line of a run as it ends.
+fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
+    let how = match &outcome.errors {
+        Ok(errors) => format!(
+            "peak {:+.2} %, energy {:+.2} %, RMS {:.2} %",
+            100.0 * errors.peak,
+            100.0 * errors.energy,
+            100.0 * errors.rms
+        ),
+        Err(why) => format!("NO ERROR: {why}"),
+    };
+    let (name, cost) = (&outcome.choice.name, &outcome.cost);
+    format!(
+        "{}, {name} ({repeat}): {how}; {} solves, {:.2} s of CPU, {:.2} s",
+        scene.name(),
+        cost.iterations,
+        outcome.cpu_seconds(),
+        outcome.wall_seconds()
+    )
+}
+
+/// How many choices came to the end.
+fn summary(all: &[Studied]) -> String {
+    let outcomes = || all.iter().flat_map(|s| &s.outcomes);
+    let ended = outcomes().filter(|o| o.errors.is_ok()).count();
+    format!(
+        "{ended} of {} choices came to the end\n",
+        outcomes().count()
+    )
+}

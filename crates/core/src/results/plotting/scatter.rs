@@ -1,0 +1,284 @@
+//! Points on two logarithmic axes, with names, colours by series, and the front that no point is beyond.
+
+use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
+use plotters::prelude::*;
+
+use crate::experiment::Point;
+
+/// Width and height of the picture [px].
+const SIZE: (u32, u32) = (1000, 660);
+/// Colours of series, again from the start if there are more.
+const COLOURS: [RGBColor; 12] = [
+    RGBColor(20, 20, 20),
+    RGBColor(178, 34, 34),
+    RGBColor(31, 78, 121),
+    RGBColor(46, 125, 50),
+    RGBColor(123, 63, 152),
+    RGBColor(190, 110, 20),
+    RGBColor(0, 127, 143),
+    RGBColor(200, 60, 130),
+    RGBColor(110, 110, 40),
+    RGBColor(90, 90, 160),
+    RGBColor(110, 80, 60),
+    RGBColor(95, 95, 95),
+];
+const FRONT: RGBColor = RGBColor(150, 170, 190);
+const FLOOR: RGBColor = RGBColor(120, 120, 120);
+/// Size of names, and width of a letter of them [px].
+const LETTERS: i32 = 13;
+const LETTER: f64 = 6.8;
+/// Radius of a point [px].
+const RADIUS: i32 = 5;
+
+/// A point with its name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spot {
+    /// Written beside it.
+    pub name: String,
+    /// Both above zero.
+    pub at: Point,
+    /// Which series it is of.
+    pub series: usize,
+    /// Ringed.
+    pub marked: bool,
+}
+
+/// Spots on logarithmic axes, as SVG text. `series`: names, those without a spot are left out of the legend; `front`: its
+/// points by x; `floor`: an ordinate with its name, below which differences mean nothing.
+///
+/// # Errors
+/// There is no spot, one is not above zero, or what plotters says if it cannot draw.
+pub fn scatter(
+    title: &str,
+    axes: [&str; 2],
+    series: &[&str],
+    spots: &[Spot],
+    front: &[Point],
+    floor: Option<(f64, &str)>,
+) -> Result<String, String> {
+    let above_zero = |p: &Point| p.0 > 0.0 && p.1 > 0.0 && p.0.is_finite() && p.1.is_finite();
+    if spots.is_empty() || !spots.iter().map(|s| &s.at).chain(front).all(above_zero) {
+        return Err("logarithmic axes want points above zero".to_owned());
+    }
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+    let scene = Scatter {
+        title,
+        axes,
+        series,
+        spots,
+        front,
+        floor,
+    };
+    scene.draw(&root).map_err(|error| error.to_string())?;
+    root.present().map_err(|error| error.to_string())?;
+    drop(root);
+    svg.push('\n');
+    Ok(svg)
+}
+
+struct Scatter<'a> {
+    title: &'a str,
+    axes: [&'a str; 2],
+    series: &'a [&'a str],
+    spots: &'a [Spot],
+    front: &'a [Point],
+    floor: Option<(f64, &'a str)>,
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Plane<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
+
+impl Scatter<'_> {
+    fn draw<'a>(&self, root: &Area<'a>) -> Result<(), Failed<'a>> {
+        root.fill(&WHITE)?;
+        let xs = self.spots.iter().map(|s| s.at.0);
+        let ys = self.spots.iter().map(|s| s.at.1);
+        let ys = ys.chain(self.floor.map(|f| f.0));
+        // Room for names on the right and the legend above.
+        let mut chart = ChartBuilder::on(root)
+            .caption(self.title, ("sans-serif", 20))
+            .margin(18)
+            .x_label_area_size(46)
+            .y_label_area_size(76)
+            .build_cartesian_2d(
+                span(xs, 1.3, 2.0).log_scale(),
+                span(ys, 1.6, 3.0).log_scale(),
+            )?;
+        chart
+            .configure_mesh()
+            .light_line_style(RGBColor(246, 246, 246))
+            .bold_line_style(RGBColor(225, 225, 225))
+            .x_desc(self.axes[0])
+            .y_desc(self.axes[1])
+            .x_label_formatter(&|v| digits(*v))
+            .y_label_formatter(&|v| digits(*v))
+            .axis_desc_style(("sans-serif", 16))
+            .label_style(("sans-serif", 14))
+            .draw()?;
+        self.lines(&mut chart)?;
+        for (i, name) in self.series.iter().enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
+            let mut of_series = self.spots.iter().filter(|s| s.series == i).peekable();
+            if of_series.peek().is_none() {
+                continue;
+            }
+            let marks = of_series.map(|s| Circle::new(s.at, RADIUS, colour.filled()));
+            chart
+                .draw_series(marks)?
+                .label(*name)
+                .legend(move |(x, y)| Circle::new((x + 8, y), RADIUS, colour.filled()));
+        }
+        let ringed = self.spots.iter().filter(|s| s.marked);
+        chart.draw_series(ringed.map(|s| Circle::new(s.at, RADIUS + 5, BLACK.stroke_width(2))))?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .margin(10)
+            .legend_area_size(20)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(200, 200, 200))
+            .label_font(("sans-serif", 13))
+            .draw()?;
+        self.names(root, &chart)
+    }
+
+    /// The front as stairs, and the floor.
+    fn lines<'a>(&self, chart: &mut Plane<'a, '_>) -> Result<(), Failed<'a>> {
+        let corner = |w: &[Point]| [w[0], (w[1].0, w[0].1)];
+        let stairs = self.front.windows(2).flat_map(corner);
+        let stairs = stairs.chain(self.front.last().copied());
+        chart
+            .draw_series(LineSeries::new(stairs, FRONT.stroke_width(3)))?
+            .label("front: nothing is better in both")
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FRONT.stroke_width(3)));
+        if let Some((floor, name)) = self.floor {
+            let range = span(self.spots.iter().map(|s| s.at.0), 1.3, 2.0);
+            let line = [(range.start, floor), (range.end, floor)];
+            chart
+                .draw_series(DashedLineSeries::new(line, 6, 5, FLOOR.stroke_width(1)))?
+                .label(name)
+                .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FLOOR.stroke_width(1)));
+        }
+        Ok(())
+    }
+
+    /// Names beside their points, where the others leave room.
+    fn names<'a>(&self, root: &Area<'a>, chart: &Plane<'a, '_>) -> Result<(), Failed<'a>> {
+        let pixels: Vec<(i32, i32)> = self
+            .spots
+            .iter()
+            .map(|s| chart.backend_coord(&s.at))
+            .collect();
+        let point = |(x, y): &(i32, i32)| Frame([x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS]);
+        let mut taken: Vec<Frame> = pixels.iter().map(point).collect();
+        for (spot, at) in self.spots.iter().zip(&pixels) {
+            let width = (LETTER * spot.name.chars().count() as f64) as i32;
+            let place = place(*at, width, &taken);
+            let colour = COLOURS[spot.series % COLOURS.len()];
+            let style = ("sans-serif", LETTERS).into_font().color(&colour);
+            root.draw(&Text::new(
+                spot.name.clone(),
+                (place.0[0], place.0[1]),
+                style,
+            ))?;
+            taken.push(place);
+        }
+        Ok(())
+    }
+}
+
+/// Left, top, right, bottom [px].
+#[derive(Clone, Copy)]
+struct Frame([i32; 4]);
+
+impl Frame {
+    fn meets(&self, other: &Self) -> bool {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        a < g && e < c && b < h && f < d
+    }
+}
+
+/// Where a name goes beside its point: the first free one of places farther and farther away, right before left.
+fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
+    let frame = |left: i32, top: i32| Frame([left, top, left + width, top + LETTERS]);
+    let beside = [x + 9, x - 9 - width];
+    let shifts = (0..8)
+        .flat_map(|i| [-i, i])
+        .map(|i| y - LETTERS / 2 + i * (LETTERS - 2));
+    let mut places = shifts.flat_map(|top| beside.map(|left| frame(left, top)));
+    let inside = |f: &Frame| f.0[0] > 90 && f.0[2] < SIZE.0 as i32 - 18;
+    let free = |f: &Frame| inside(f) && !taken.iter().any(|t| t.meets(f));
+    places
+        .find(free)
+        .unwrap_or(frame(beside[0], y - LETTERS / 2))
+}
+
+/// A range around values, with so much air on either side.
+fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    low / below..high * above
+}
+
+/// As short as can be.
+fn digits(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spot(name: &str, at: Point, series: usize) -> Spot {
+        Spot {
+            name: name.to_owned(),
+            at,
+            series,
+            marked: series == 0,
+        }
+    }
+
+    #[test]
+    fn spots_are_named_and_only_series_that_are_there_are_in_the_legend() {
+        let spots = [spot("default", (1.0, 2.0), 0), spot("a < b", (3.0, 0.1), 2)];
+        let front = [(1.0, 2.0), (3.0, 0.1)];
+        let series = ["of nothing said", "never", "mesh"];
+        let floor = Some((0.05, "floor"));
+        let svg = scatter("Chart", ["time", "error"], &series, &spots, &front, floor).unwrap();
+        for said in [
+            "a &lt; b",
+            "default",
+            "mesh",
+            "floor",
+            "front: nothing",
+            "error",
+        ] {
+            assert!(svg.contains(said), "{said}");
+        }
+        assert!(!svg.contains("never"));
+        // Two points, two in the legend, a ring.
+        assert_eq!(svg.matches("<circle ").count(), 5);
+    }
+
+    #[test]
+    fn what_has_no_logarithm_is_refused() {
+        for at in [(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)] {
+            let spots = [spot("a", at, 0)];
+            assert!(scatter("", ["", ""], &["a"], &spots, &[], None).is_err());
+        }
+        assert!(scatter("", ["", ""], &[], &[], &[], None).is_err());
+    }
+
+    #[test]
+    fn names_of_points_in_one_place_do_not_cover_each_other() {
+        let mut taken = Vec::new();
+        for _ in 0..10 {
+            let next = place((400, 300), 80, &taken);
+            assert!(!taken.iter().any(|t: &Frame| t.meets(&next)));
+            taken.push(next);
+        }
+    }
+}

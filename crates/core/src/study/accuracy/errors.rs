@@ -1,0 +1,218 @@
+//! How far a curve is from the one that is taken for right.
+
+use crate::study::curve::Point;
+
+/// Intervals of a comparison, equal in x: both curves are read alike there, a coarse one along its chords.
+const INTERVALS: usize = 2000;
+
+/// Part of the range that a run may be short of its end.
+const SHORT_OF: f64 = 1e-6;
+
+/// The reference over a range.
+#[derive(Clone, Debug)]
+pub struct Known {
+    range: [f64; 2],
+    /// Ordinates at equal distances over the range. `[INTERVALS + 1]`
+    samples: Vec<f64>,
+    /// Largest ordinate.
+    peak: f64,
+}
+
+/// Errors of a run, all relative to the reference [-].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Of the largest ordinate.
+    pub peak: f64,
+    /// Of the area under the curve, to its end.
+    pub energy: f64,
+    /// Root mean square of the difference, over the reference's peak.
+    pub rms: f64,
+}
+
+impl Errors {
+    /// The larger one of peak and energy, by magnitude: what the chart shows. The RMS is told beside: it hangs on where a
+    /// force drops, which says little of what a structure carries.
+    pub fn of_chart(&self) -> f64 {
+        self.peak.abs().max(self.energy.abs())
+    }
+}
+
+impl Known {
+    /// The reference between two abscissae; `peak`: known better than by the largest point of the curve.
+    ///
+    /// # Errors
+    /// In words: the curve turns back or ends before the range does, or is nowhere above zero.
+    pub fn new(curve: &[Point], range: [f64; 2], peak: Option<f64>) -> Result<Self, String> {
+        let curve = advancing(curve)?;
+        let last = curve.last().map_or(0.0, |p| p[0]);
+        if range[0] < curve[0][0] || last < reached(range) {
+            return Err(format!(
+                "the reference goes from {} to {last}, the comparison from {} to {}",
+                curve[0][0], range[0], range[1]
+            ));
+        }
+        let samples = samples(&curve, range);
+        let largest = largest(&curve, &samples, range);
+        if largest <= 0.0 || largest.is_nan() {
+            return Err("the reference is nowhere above zero".to_owned());
+        }
+        Ok(Self {
+            range,
+            samples,
+            peak: peak.unwrap_or(largest),
+        })
+    }
+
+    /// Its largest ordinate.
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// Its area over the range.
+    pub fn energy(&self) -> f64 {
+        area(&self.samples, self.range)
+    }
+
+    /// Errors of a curve, whose first point is where it starts from.
+    ///
+    /// # Errors
+    /// In words: it turns back, or does not come to the end of the range.
+    pub fn errors(&self, curve: &[Point]) -> Result<Errors, String> {
+        let curve = advancing(curve)?;
+        let last = curve.last().map_or(0.0, |p| p[0]);
+        if last < reached(self.range) {
+            return Err(format!("ends at {last:.4} of {}", self.range[1]));
+        }
+        let run = samples(&curve, self.range);
+        let squares: Vec<f64> = run
+            .iter()
+            .zip(&self.samples)
+            .map(|(a, b)| (a - b).powi(2))
+            .collect();
+        let mean = area(&squares, self.range) / (self.range[1] - self.range[0]);
+        Ok(Errors {
+            peak: largest(&curve, &run, self.range) / self.peak - 1.0,
+            energy: area(&run, self.range) / self.energy() - 1.0,
+            rms: mean.sqrt() / self.peak,
+        })
+    }
+}
+
+fn reached([from, to]: [f64; 2]) -> f64 {
+    to - SHORT_OF * (to - from)
+}
+
+/// The points in order; of those at one place the last, as of the rows of a preload.
+fn advancing(curve: &[Point]) -> Result<Vec<Point>, String> {
+    let mut points: Vec<Point> = Vec::new();
+    for point in curve {
+        if !point.iter().all(|v| v.is_finite()) {
+            return Err("has a point that is not finite".to_owned());
+        }
+        match points.last_mut() {
+            Some(last) if point[0] == last[0] => *last = *point,
+            Some(last) if point[0] < last[0] => {
+                return Err(format!("turns back from {:.4} to {:.4}", last[0], point[0]));
+            }
+            _ => points.push(*point),
+        }
+    }
+    if points.len() < 2 {
+        return Err("has fewer than two points".to_owned());
+    }
+    Ok(points)
+}
+
+/// Largest ordinate of the points up to the end of the range, and there.
+fn largest(curve: &[Point], samples: &[f64], range: [f64; 2]) -> f64 {
+    let within = curve.iter().filter(|p| p[0] <= range[1]).map(|p| p[1]);
+    within
+        .chain(samples.last().copied())
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Ordinates at equal distances, linear between the points.
+fn samples(curve: &[Point], [from, to]: [f64; 2]) -> Vec<f64> {
+    let mut after = 1;
+    let at = |i: usize| {
+        let x = from + (to - from) * i as f64 / INTERVALS as f64;
+        while after + 1 < curve.len() && curve[after][0] < x {
+            after += 1;
+        }
+        let ([x0, y0], [x1, y1]) = (curve[after - 1], curve[after]);
+        y0 + ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) * (y1 - y0)
+    };
+    (0..=INTERVALS).map(at).collect()
+}
+
+/// Trapezoidal rule.
+fn area(samples: &[f64], [from, to]: [f64; 2]) -> f64 {
+    let ends = 0.5 * (samples[0] + samples[samples.len() - 1]);
+    (samples.iter().sum::<f64>() - ends) * (to - from) / INTERVALS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RAMP: [Point; 3] = [[0.0, 0.0], [1.0, 10.0], [2.0, 0.0]];
+
+    fn known(range: [f64; 2]) -> Known {
+        Known::new(&RAMP, range, None).unwrap()
+    }
+
+    #[test]
+    fn a_curve_has_no_error_against_itself_and_others_have_theirs() {
+        let errors = known([0.0, 2.0]).errors(&RAMP).unwrap();
+        // Both are sampled alike.
+        assert_eq!(
+            errors,
+            Errors {
+                peak: 0.0,
+                energy: 0.0,
+                rms: 0.0
+            }
+        );
+        let scaled = RAMP.map(|[x, y]| [x, 1.1 * y]);
+        let errors = known([0.0, 2.0]).errors(&scaled).unwrap();
+        // Rounding, and of the mean square of a ramp (1/3) the trapezoidal rule's 1/(6 · 1000²) each way.
+        assert!((errors.peak - 0.1).abs() < 1e-12 && (errors.energy - 0.1).abs() < 1e-12);
+        assert!(
+            (errors.rms - 0.1 / 3.0_f64.sqrt()).abs() < 1e-7,
+            "{errors:?}"
+        );
+        assert_eq!(errors.of_chart(), errors.peak.max(errors.energy));
+        // Its peak lies between two points of a coarse run.
+        let coarse = [[0.0, 0.0], [0.8, 8.0], [1.6, 4.0], [2.0, 0.0]];
+        let errors = known([0.0, 2.0]).errors(&coarse).unwrap();
+        assert!((errors.peak + 0.2).abs() < 1e-12, "{errors:?}");
+        assert!(
+            (errors.energy - (8.8 / 10.0 - 1.0)).abs() < 1e-5,
+            "{errors:?}"
+        );
+    }
+
+    #[test]
+    fn the_range_and_the_closed_form_count() {
+        let first = known([0.0, 0.5]);
+        assert_eq!((first.peak(), first.energy()), (10.0_f64 * 0.5, 1.25));
+        let peak = Known::new(&RAMP, [0.0, 2.0], Some(12.5)).unwrap();
+        assert!((peak.errors(&RAMP).unwrap().peak + 0.2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_cannot_be_compared_says_why() {
+        let known = known([0.0, 2.0]);
+        let why = |curve: &[Point]| known.errors(curve).unwrap_err();
+        assert!(why(&RAMP[..2]).contains("ends at 1.0000 of 2"));
+        assert!(why(&[[0.0, 0.0], [1.0, 1.0], [0.5, 1.0]]).contains("turns back"));
+        assert!(why(&[[0.0, 0.0], [1.0, f64::NAN]]).contains("not finite"));
+        assert!(why(&[[0.0, 0.0], [0.0, 1.0]]).contains("fewer than two"));
+        let beyond = Known::new(&RAMP, [0.0, 3.0], None).unwrap_err();
+        assert!(beyond.contains("from 0 to 2"), "{beyond}");
+        assert!(Known::new(&[[0.0, 0.0], [1.0, 0.0]], [0.0, 1.0], None).is_err());
+        // Of the rows of a preload, all at one place, the last counts.
+        let rows = [&[[0.0, 5.0], [0.0, 0.0]][..], &RAMP[1..]].concat();
+        assert_eq!(known.errors(&rows).unwrap().energy, 0.0);
+    }
+}

@@ -1,0 +1,90 @@
+//! Which choices no other one beats, in error and time.
+
+/// How much less time makes another choice the better one where both are as accurate [-].
+pub const FASTER: f64 = 0.8;
+
+/// Median; of an even number the mean of the two in the middle. None of nothing.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let half = sorted.len() / 2;
+    let upper = sorted.get(half)?;
+    Some(if sorted.len() % 2 == 1 {
+        *upper
+    } else {
+        0.5 * (sorted[half - 1] + upper)
+    })
+}
+
+/// The Pareto front of points of time and error, fastest first: each is more accurate than all that are as fast.
+/// Errors below `floor`, the uncertainty of the reference, are equal. A NaN is on no front.
+pub fn front(points: &[(f64, f64)], floor: f64) -> Vec<usize> {
+    let key = |i: usize| (points[i].0, points[i].1.max(floor));
+    let finite = |i: &usize| points[*i].0.is_finite() && points[*i].1.is_finite();
+    let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
+    order.sort_by(|a, b| {
+        let (a, b) = (key(*a), key(*b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|i| {
+        let error = key(*i).1;
+        let better = error < least;
+        least = least.min(error);
+        better
+    });
+    order
+}
+
+/// The fastest of those that are as accurate as point `of` and take at most [`FASTER`] of its time.
+pub fn beaten(points: &[(f64, f64)], of: usize, floor: f64) -> Option<usize> {
+    let (time, error) = (points[of].0, points[of].1.max(floor));
+    let better = |i: &usize| points[*i].0 <= FASTER * time && points[*i].1 <= error;
+    let all = (0..points.len()).filter(better);
+    all.min_by(|a, b| points[*a].0.total_cmp(&points[*b].0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_are_those_of_the_middle() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0, 1.0, 9.0]), Some(3.0));
+        assert_eq!(median(&[4.0, 1.0, 2.0, 9.0]), Some(3.0));
+    }
+
+    #[test]
+    fn the_front_is_what_no_other_beats() {
+        let points = [
+            (1.0, 0.02),
+            (0.5, 0.1),
+            (2.0, 0.03),
+            (4.0, 0.001),
+            (0.5, 0.2),
+            (3.0, f64::NAN),
+        ];
+        assert_eq!(front(&points, 0.0), [1, 0, 3]);
+        // What the reference cannot tell apart is no better.
+        assert_eq!(front(&points, 0.02), [1, 0]);
+        assert_eq!(front(&[], 0.0), [0; 0]);
+        // Every point off the front is beaten by one on it.
+        let on = front(&points, 0.0);
+        for (time, error) in points.iter().filter(|p| p.1.is_finite()) {
+            assert!(
+                on.iter()
+                    .any(|i| points[*i].0 <= *time && points[*i].1 <= *error)
+            );
+        }
+    }
+
+    #[test]
+    fn a_choice_is_beaten_by_one_as_accurate_and_a_fifth_faster() {
+        let points = [(1.0, 0.01), (0.85, 0.001), (0.7, 0.02), (0.75, 0.01)];
+        assert_eq!(beaten(&points, 0, 0.0), Some(3));
+        assert_eq!(beaten(&points[..3], 0, 0.0), None);
+        assert_eq!(beaten(&points, 0, 0.02), Some(2));
+        assert_eq!(beaten(&[(1.0, 0.01), (0.1, f64::NAN)], 0, 0.0), None);
+    }
+}

@@ -1,0 +1,25 @@
+//! Accuracy against speed: one scene over the choices that a user has, error against time.
+//!
+//! ```text
+//! docs/accuracy-speed/NN-name/scene.toml ─▶ Scene ─▶ runs, interleaved ─▶ Outcome ─▶ chart, table (CSV), section
+//!                             reference.csv ─▶ Known ─┘                          └─▶ docs/accuracy-speed.md
+//! ```
+
+mod chart;
+mod errors;
+mod front;
+mod outcome;
+mod page;
+mod reading;
+mod renew;
+mod scene;
+mod written;
+
+pub use chart::chart;
+pub use errors::{Errors, Known};
+pub use front::{FASTER, beaten, front, median};
+pub use outcome::{Options, Outcome, Studied, study};
+pub use page::{CHART, TABLE, link, page, table};
+pub use reading::read;
+pub use renew::renew;
+pub use scene::{Choice, Group, Origin, Reference, Scene, advice, scenes};

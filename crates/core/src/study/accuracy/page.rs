@@ -1,0 +1,261 @@
+//! The page of the study, as Markdown, and the tables beside it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::front::{FASTER, beaten, front};
+use super::outcome::{Outcome, Studied};
+use super::scene::{Group, Origin, Reference};
+use crate::study::expect::percent;
+
+/// Names of what stands beside a `scene.toml`.
+pub const CHART: &str = "chart.svg";
+/// As [`CHART`].
+pub const TABLE: &str = "table.csv";
+
+/// The error of the default's peak that is promised [-].
+const PROMISED: f64 = 0.01;
+
+/// The page; charts and tables stand in `folder` beside it. Sections of other scenes are taken over from the page `before`.
+pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String {
+    let mut page = String::from("# Accuracy against speed\n\n");
+    if !advice.trim().is_empty() {
+        let _ = writeln!(page, "{}\n", advice.trim());
+    }
+    page.push_str(
+        "Each chart has one scene run over the choices that a user has: error against a reference of the same scene, over the CPU time \
+         of the solver as a ratio to that of the default in the same sitting. The error is the larger one of peak and energy (area under the curve, to its \
+         end); the tables have both, and the root mean square of the difference over the reference's peak. Choices on the front are beaten by no other \
+         in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end. The overlap of crack \
+         patterns is not measured.\n\n\
+         Redo it with `wythe study accuracy-speed`, one scene with `--only`, a reference with `--references`.\n\n",
+    );
+    let mut sections = sections(before);
+    for studied in all {
+        sections.insert(studied.scene.number, section(studied, folder));
+    }
+    let sections: Vec<&str> = sections.values().map(|s| s.trim_end()).collect();
+    page.push_str(&sections.join("\n\n"));
+    page.push('\n');
+    page
+}
+
+/// Sections of a page by the number of their scene.
+fn sections(page: &str) -> BTreeMap<u32, String> {
+    let parts = page.split("\n## ").skip(1);
+    let numbered = parts.filter_map(|part| {
+        let number = part.split(' ').next()?.parse().ok()?;
+        Some((number, format!("## {part}")))
+    });
+    numbered.collect()
+}
+
+fn section(studied: &Studied, folder: &str) -> String {
+    let scene = &studied.scene;
+    let at = format!("{folder}/{}", scene.folder_name());
+    let mut text = format!("## {}\n\n{}\n\n", scene.name(), scene.what.trim());
+    let _ = writeln!(
+        text,
+        "![{}: errors over times]({at}/{CHART})\n",
+        scene.name()
+    );
+    if !scene.says.trim().is_empty() {
+        let _ = writeln!(text, "{}\n", scene.says.trim());
+    }
+    let _ = writeln!(text, "{}\n", verdict(studied));
+    let _ = writeln!(text, "{}\n", reference(&scene.reference, scene.number));
+    text.push_str(
+        "| Choice | | peak | energy | RMS | CPU, ratio | CPU s | wall, ratio | wall s | solves | front |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let on = front(&studied.points(), scene.reference.uncertainty);
+    let ratios = studied.ratios();
+    for (i, outcome) in studied.outcomes.iter().enumerate() {
+        let errors = match &outcome.errors {
+            Ok(e) => format!(
+                "{} | {} | {}",
+                percent(e.peak),
+                percent(e.energy),
+                unsigned(e.rms)
+            ),
+            Err(why) => format!("{} | | ", why.replace('|', "\\|").replace('\n', " ")),
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {errors} | {} | {} | {} | {} | {} | {} |",
+            outcome.choice.name,
+            group(outcome),
+            number(ratios[i][0]),
+            number(outcome.cpu_seconds()),
+            number(ratios[i][1]),
+            number(outcome.wall_seconds()),
+            outcome.cost.iterations,
+            if on.contains(&i) { "×" } else { "" },
+        );
+    }
+    let _ = write!(
+        text,
+        "\nTimes: {} [The table]({at}/{TABLE}) has more digits.",
+        studied.sitting
+    );
+    if !scene.set.is_empty() {
+        let all = scene.set.iter().map(|(k, v)| format!("`{k}={v}`"));
+        let all: Vec<String> = all.collect();
+        let deck = scene.deck.file_name().unwrap_or_default();
+        let deck = deck.to_string_lossy();
+        let _ = write!(text, " The scene is `{deck}` with {}.", all.join(", "));
+    }
+    let _ = writeln!(text, "\n");
+    text.push_str(&settings(studied));
+    text
+}
+
+/// What each choice sets.
+fn settings(studied: &Studied) -> String {
+    let mut text = String::from("| Choice | sets |\n|---|---|\n");
+    for outcome in &studied.outcomes {
+        let choice = &outcome.choice;
+        let mut set: Vec<String> = choice
+            .set
+            .iter()
+            .map(|(k, v)| format!("`{k}={v}`"))
+            .collect();
+        if choice.threads > 1 {
+            set.push(format!("{} threads", choice.threads));
+        }
+        if choice.factor != 1.0 {
+            set.push(format!("forces times {}", choice.factor));
+        }
+        let _ = writeln!(
+            text,
+            "| {} | {} |",
+            choice.name,
+            set.join(", ").replace('|', "\\|")
+        );
+    }
+    text
+}
+
+/// Whether the default is what it should be.
+fn verdict(studied: &Studied) -> String {
+    let points = studied.points();
+    let floor = studied.scene.reference.uncertainty;
+    let mut of_default = studied.outcomes.iter().enumerate();
+    let Some((i, default)) = of_default.find(|(_, o)| o.choice.group == Group::Default) else {
+        return "The default was not run.".to_owned();
+    };
+    let Ok(errors) = &default.errors else {
+        return "**The default does not come to the end.**".to_owned();
+    };
+    let within = if errors.peak.abs() <= PROMISED {
+        format!(
+            "The default's peak is within 1 % of the reference ({})",
+            percent(errors.peak)
+        )
+    } else {
+        format!(
+            "**The default's peak is not within 1 % of the reference** ({})",
+            percent(errors.peak)
+        )
+    };
+    let faster = match beaten(&points, i, floor) {
+        None => format!(
+            "no other choice is as accurate and takes at most {} of its time.",
+            percent(FASTER).trim_start_matches('+')
+        ),
+        Some(by) => format!(
+            "**{} is as accurate in {} of its time.**",
+            studied.outcomes[by].choice.name,
+            percent(points[by].0).trim_start_matches('+')
+        ),
+    };
+    let front = if front(&points, floor).contains(&i) {
+        "on the front"
+    } else {
+        "not on the front"
+    };
+    format!("{within} and {front}; {faster}")
+}
+
+fn reference(reference: &Reference, number: u32) -> String {
+    let made = match &reference.origin {
+        Origin::Run(choice) => {
+            let set: Vec<String> = choice
+                .set
+                .iter()
+                .map(|(k, v)| format!("`{k}={v}`"))
+                .collect();
+            format!(
+                "`wythe study accuracy-speed --only {number} --references`, with {}",
+                set.join(", ")
+            )
+        }
+        Origin::Command(command) => command.trim().to_owned(),
+    };
+    let uncertainty = unsigned(reference.uncertainty);
+    let how = reference.how.trim();
+    format!("Reference: {how} Its uncertainty: {uncertainty}. Made by {made}.")
+}
+
+fn group(outcome: &Outcome) -> &'static str {
+    match outcome.choice.group {
+        Group::Default => "",
+        group => group.name(),
+    }
+}
+
+fn unsigned(part: f64) -> String {
+    percent(part).trim_start_matches('+').to_owned()
+}
+
+/// Three significant digits.
+fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return String::new();
+    }
+    let places = 2 - value.abs().max(1e-3).log10().floor() as i32;
+    format!("{value:.*}", places.max(0) as usize)
+}
+
+/// All of a scene's outcomes as CSV.
+pub fn table(studied: &Studied) -> String {
+    let mut text = format!("# {}\n", studied.sitting);
+    text.push_str(
+        "choice,group,peak,peak_error,energy_error,rms,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,increments,solves,cuts,energy_imbalance,why\n",
+    );
+    for (outcome, ratio) in studied.outcomes.iter().zip(studied.ratios()) {
+        let errors = outcome.errors.as_ref().ok();
+        let errors = errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms]);
+        let cost = &outcome.cost;
+        // A quote within quotes is two.
+        let why = outcome.errors.as_ref().err();
+        let why = why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")));
+        let _ = writeln!(
+            text,
+            "{},{},{:.6},{:.6},{:.6},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{},{},{:.1e},{why}",
+            outcome.choice.name,
+            outcome.choice.group.name(),
+            outcome.peak,
+            errors[0],
+            errors[1],
+            errors[2],
+            outcome.cpu_seconds(),
+            ratio[0],
+            outcome.wall_seconds(),
+            ratio[1],
+            outcome.choice.threads,
+            cost.increments,
+            cost.iterations,
+            cost.cutbacks,
+            outcome.energy,
+        );
+    }
+    text
+}
+
+/// The name of a folder as links have it.
+pub fn link(folder: &Path) -> String {
+    let name = folder.file_name().unwrap_or(folder.as_os_str());
+    name.to_string_lossy().into_owned()
+}

@@ -1,0 +1,41 @@
+//! Makes references anew.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use super::outcome::{curve, solved};
+use super::scene::{Origin, Scene};
+use crate::study::run::Watch;
+
+/// The reference of a scene as the text of its file, by the run that it is said to come from; none where it comes from
+/// elsewhere.
+///
+/// # Errors
+/// In words: the run breaks, or does not come to the end of the comparison.
+pub fn renew(
+    scene: &Scene,
+    limit: Duration,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<String>, String> {
+    let Origin::Run(choice) = &scene.reference.origin else {
+        return Ok(None);
+    };
+    let set = [scene.set.clone(), choice.set.clone()].concat();
+    let solved = solved(scene, choice, &set, Watch { limit, stop })?;
+    let curve = curve(scene, choice, &solved.ended);
+    let end = curve.last().map_or(0.0, |p| p[0]);
+    let [from, to] = scene.range;
+    if end < to - 1e-6 * (to - from) {
+        return Err(format!("ends at {end} of {to}: {}", solved.ended.message));
+    }
+    let (cost, number) = (solved.cost, scene.number);
+    let mut text = format!(
+        "# wythe study accuracy-speed --only {number} --references\n# {} increments, {} solves, {:.0} s of CPU\n{},{}\n",
+        cost.increments, cost.iterations, solved.cpu, scene.x, scene.y
+    );
+    for [x, y] in curve {
+        // A String cannot refuse.
+        let _ = writeln!(text, "{x:.9},{y:.9}");
+    }
+    Ok(Some(text))
+}

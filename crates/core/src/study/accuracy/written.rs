@@ -1,0 +1,291 @@
+//! `scene.toml` as written, and what is checked of it.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::errors::Known;
+use super::scene::{Choice, Group, Origin, Reference, Scene};
+use crate::model::Deck;
+use crate::model::source::Source;
+use crate::study::curve;
+use crate::study::written::{ShortFile, pairs, parsed, short, text};
+use crate::study::{History, Short, StudyError};
+
+/// The serde mirror of `scene.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    number: u32,
+    title: String,
+    what: String,
+    #[serde(default)]
+    says: String,
+    deck: String,
+    #[serde(default)]
+    set: Vec<String>,
+    short: Option<ShortFile>,
+    x: String,
+    y: String,
+    #[serde(default)]
+    from: f64,
+    to: f64,
+    short_to: Option<f64>,
+    reference: ReferenceFile,
+    choices: Vec<ChoiceFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReferenceFile {
+    file: String,
+    x: Option<String>,
+    y: Option<String>,
+    #[serde(default = "one")]
+    y_factor: f64,
+    peak: Option<f64>,
+    how: String,
+    uncertainty: f64,
+    set: Option<Vec<String>>,
+    #[serde(default = "one_thread")]
+    threads: usize,
+    factor: Option<f64>,
+    command: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChoiceFile {
+    name: String,
+    group: Group,
+    #[serde(default)]
+    set: Vec<String>,
+    #[serde(default = "one_thread")]
+    threads: usize,
+    #[serde(default = "one")]
+    factor: f64,
+    #[serde(default = "yes")]
+    short: bool,
+}
+
+/// The serde mirror of `index.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IndexFile {
+    advice: String,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn one_thread() -> usize {
+    1
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Advice for the key at `path`.
+pub fn advice(path: &str) -> String {
+    let name = path.rsplit('.').find(|part| part.parse::<usize>().is_err());
+    let line = match name {
+        Some("group") => {
+            let names = "default, element, mesh, points, penalty, procedure, step, tolerance, symmetry, fidelity, threads";
+            return format!("groups are {names} and several; one choice is the default");
+        }
+        Some("set") => "set = [\"steps.1.increments.max=0.005\"]",
+        Some("uncertainty") => "uncertainty = 0.002  # part of the reference's peak",
+        Some("to") => "to = 0.6  # in units of x; the reference and the runs go so far",
+        Some("command") => {
+            "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene"
+        }
+        _ => return "docs/studies.md lists the keys of a scene".to_owned(),
+    };
+    format!("write it like this: {line}")
+}
+
+/// The advice in `index.toml`.
+pub fn advice_of(file: &Path) -> Result<String, StudyError> {
+    let (text, name, _) = text(file)?;
+    let (_, index): (_, IndexFile) = parsed(&text, &name, advice)?;
+    Ok(index.advice)
+}
+
+impl SceneFile {
+    /// The scene, if all of it makes sense.
+    pub fn checked(self, source: &Source, folder: &Path) -> Result<Scene, StudyError> {
+        let error = |path: &str, message: String| -> StudyError {
+            source.error(path, message, &advice(path)).into()
+        };
+        let set = pairs(source, "set", &self.set)?;
+        let deck = folder.join(&self.deck);
+        self.columns(&Deck::load(&deck, &set)?, &error)?;
+        if !(self.from >= 0.0 && self.from < self.to && self.to.is_finite()) {
+            return Err(error(
+                "to",
+                "must be beyond `from`, which is 0 or more".to_owned(),
+            ));
+        }
+        let short_to = self.short_to.unwrap_or(self.to);
+        if !(self.from < short_to && short_to <= self.to) {
+            return Err(error(
+                "short_to",
+                "must lie between `from` and `to`".to_owned(),
+            ));
+        }
+        let short = short(source, "short", self.short.as_ref())?;
+        let choices = choices(source, self.choices, &error)?;
+        let reference = reference(self.reference, [&self.x, &self.y], source, folder, &error)?;
+        let there = reference.there();
+        for to in [self.to, short_to].into_iter().filter(|_| there) {
+            Known::new(&reference.curve, [self.from, to], reference.peak)
+                .map_err(|why| error("reference.file", why))?;
+        }
+        // Every choice is tried on the deck now: a slip in the last one would be found after hours.
+        for (i, choice) in choices.iter().enumerate() {
+            let forms = match &short {
+                Short::Set(more) if choice.short => vec![Vec::new(), more.clone()],
+                _ => vec![Vec::new()],
+            };
+            for form in forms {
+                let all = [set.clone(), form, choice.set.clone()].concat();
+                Deck::load(&deck, &all).map_err(|why| {
+                    let what = format!("the deck of `{}` is wrong: {why}", choice.name);
+                    error(&format!("choices.{i}"), what)
+                })?;
+            }
+        }
+        Ok(Scene {
+            number: self.number,
+            title: self.title,
+            what: self.what,
+            says: self.says,
+            folder: folder.to_owned(),
+            deck,
+            set,
+            short,
+            x: self.x,
+            y: self.y,
+            range: [self.from, self.to],
+            short_to,
+            reference,
+            choices,
+        })
+    }
+
+    /// Refuses columns that the history has not.
+    fn columns(&self, deck: &Deck, error: &Error<'_>) -> Result<(), StudyError> {
+        let own = deck.columns();
+        let columns: Vec<String> = History::names().into_iter().chain(own).collect();
+        for (key, name) in [("x", &self.x), ("y", &self.y)] {
+            if !columns.contains(name) {
+                return Err(error(key, format!("the history has no column `{name}`")));
+            }
+        }
+        Ok(())
+    }
+}
+
+type Error<'a> = dyn Fn(&str, String) -> StudyError + 'a;
+
+fn choices(
+    source: &Source,
+    written: Vec<ChoiceFile>,
+    error: &Error<'_>,
+) -> Result<Vec<Choice>, StudyError> {
+    let mut choices: Vec<Choice> = Vec::new();
+    for (i, written) in written.into_iter().enumerate() {
+        let key = |name: &str| format!("choices.{i}.{name}");
+        if choices.iter().any(|c| c.name == written.name) {
+            return Err(error(&key("name"), "two choices have this name".to_owned()));
+        }
+        // The table of a scene is a CSV file.
+        if written.name.is_empty() || written.name.contains([',', '"', '\n', '|']) {
+            let what = "a name has letters, and no comma, quote or bar".to_owned();
+            return Err(error(&key("name"), what));
+        }
+        if written.threads == 0 {
+            return Err(error(&key("threads"), "must be 1 or more".to_owned()));
+        }
+        if !(written.factor.is_finite() && written.factor > 0.0) {
+            return Err(error(&key("factor"), "must be above 0".to_owned()));
+        }
+        choices.push(Choice {
+            set: pairs(source, &key("set"), &written.set)?,
+            name: written.name,
+            group: written.group,
+            threads: written.threads,
+            factor: written.factor,
+            short: written.short,
+        });
+    }
+    let mut defaults = choices.iter().filter(|c| c.group == Group::Default);
+    match (defaults.next(), defaults.next()) {
+        (Some(default), None) if default.short => Ok(choices),
+        (Some(_), None) => Err(error(
+            "choices",
+            "the default must be in the short form, too".to_owned(),
+        )),
+        (None, _) => Err(error(
+            "choices",
+            "none of the choices is the default".to_owned(),
+        )),
+        _ => Err(error("choices", "two choices are the default".to_owned())),
+    }
+}
+
+fn reference(
+    written: ReferenceFile,
+    [x, y]: [&str; 2],
+    source: &Source,
+    folder: &Path,
+    error: &Error<'_>,
+) -> Result<Reference, StudyError> {
+    let key = |name: &str| format!("reference.{name}");
+    if !(written.uncertainty.is_finite() && written.uncertainty > 0.0) {
+        let what = "must be above 0: no number is exact".to_owned();
+        return Err(error(&key("uncertainty"), what));
+    }
+    if written.peak.is_some_and(|p| !(p.is_finite() && p > 0.0)) {
+        return Err(error(&key("peak"), "must be above 0".to_owned()));
+    }
+    let origin = match (written.set, written.command) {
+        (Some(set), None) => Origin::Run(Choice {
+            name: "reference".to_owned(),
+            group: Group::Several,
+            set: pairs(source, &key("set"), &set)?,
+            threads: written.threads.max(1),
+            factor: written.factor.unwrap_or(1.0),
+            short: false,
+        }),
+        (None, Some(command)) => Origin::Command(command),
+        _ => {
+            let what = "a reference says its `set` or its `command`, one of them".to_owned();
+            return Err(error(&key("command"), what));
+        }
+    };
+    let file = folder.join(&written.file);
+    let columns = [
+        written.x.as_deref().unwrap_or(x),
+        written.y.as_deref().unwrap_or(y),
+    ];
+    // Before it was made there is none.
+    let curve = if file.exists() || matches!(origin, Origin::Command(_)) {
+        curve::read(&file, columns[0], columns[1])?
+    } else {
+        Vec::new()
+    };
+    Ok(Reference {
+        curve: curve
+            .into_iter()
+            .map(|[x, y]| [x, written.y_factor * y])
+            .collect(),
+        peak: written.peak,
+        file,
+        how: written.how,
+        uncertainty: written.uncertainty,
+        origin,
+    })
+}

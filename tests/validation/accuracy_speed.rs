@@ -1,0 +1,308 @@
+//! The scenes of docs/accuracy-speed in their short forms: the default keeps its promise; and what is wrong with a
+//! scene is said where it is written.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use wythe::study::StudyError;
+use wythe::study::accuracy::{
+    Group, Options, Origin, Outcome, Scene, Studied, advice, chart, front, page, read, renew,
+    scenes, study, table,
+};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy-speed")
+}
+
+fn options(short: bool, repeats: usize) -> Options {
+    Options {
+        short,
+        // No run comes near it; one that hangs ends.
+        limit: Duration::from_secs(300),
+        jobs: std::thread::available_parallelism().map_or(1, usize::from),
+        repeats,
+    }
+}
+
+fn run(scenes: &[Scene], options: &Options) -> Vec<Studied> {
+    let progress = |scene: &Scene, outcome: &Outcome, _: usize| {
+        let (name, errors) = (&outcome.choice.name, &outcome.errors);
+        println!(
+            "{}, {name}: {errors:?}, {:.2} s",
+            scene.name(),
+            outcome.cpu_seconds()
+        );
+    };
+    study(scenes, options, &progress, &|| false)
+}
+
+#[test]
+fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better() {
+    let scenes = scenes(&folder()).unwrap();
+    let all = run(&scenes, &options(true, 1));
+    assert_eq!(all.len(), 2, "couplet and small wall have short forms");
+    for studied in &all {
+        let name = studied.scene.name();
+        let default = studied.default().unwrap();
+        let errors = default
+            .errors
+            .clone()
+            .unwrap_or_else(|why| panic!("{name}: {why}"));
+        // What is promised of the default.
+        assert!(errors.peak.abs() < 0.01, "{name}: {errors:?}");
+        let lost: Vec<_> = studied
+            .outcomes
+            .iter()
+            .filter(|o| o.errors.is_err())
+            .collect();
+        assert!(lost.is_empty(), "{name}: {lost:?}");
+        let points = studied.points();
+        assert!(!front(&points, studied.scene.reference.uncertainty).is_empty());
+        assert!(points.iter().all(|p| p.0 > 0.0 && p.1.is_finite()));
+        let svg = chart(studied).unwrap().unwrap();
+        for outcome in &studied.outcomes {
+            assert!(
+                svg.contains(&format!("\n{}\n", outcome.choice.name)),
+                "{name}: {}",
+                outcome.choice.name
+            );
+        }
+        assert_eq!(table(studied).lines().count(), studied.outcomes.len() + 2);
+    }
+    // Four times the step loses part of a peak that is there from the start: the study sees it.
+    let of = |name: &str| {
+        all[0]
+            .outcomes
+            .iter()
+            .find(|o| o.choice.name == name)
+            .unwrap()
+    };
+    let peak = |name: &str| of(name).errors.clone().unwrap().peak.abs();
+    assert!(peak("steps x 4") > 4.0 * peak("default"));
+}
+
+#[test]
+fn the_page_has_a_section_for_each_scene_with_its_chart_and_its_table() {
+    let text = std::fs::read_to_string(folder().join("../accuracy-speed.md")).unwrap();
+    let said = advice(&folder()).unwrap();
+    assert!(!said.trim().is_empty() && text.contains(said.trim()));
+    for scene in scenes(&folder()).unwrap() {
+        let again = format!("run `wythe study accuracy-speed --only {}`", scene.number);
+        assert!(
+            text.contains(&format!("\n## {}\n", scene.name())),
+            "{again}"
+        );
+        for said in [&scene.what, &scene.says, &scene.reference.how] {
+            assert!(text.contains(said.trim()), "{}: {again}", scene.name());
+        }
+        for choice in &scene.choices {
+            assert!(
+                text.contains(&format!("\n| {} | ", choice.name)),
+                "{}: {again}",
+                choice.name
+            );
+        }
+        for name in ["chart.svg", "table.csv"] {
+            assert!(scene.folder.join(name).is_file(), "{name}: {again}");
+        }
+    }
+}
+
+const SCENE: &str = r#"
+number = 7
+title = "A block"
+what = "It is pulled."
+deck = "deck.toml"
+x = "displacement_mm"
+y = "force_kN"
+to = 0.1
+[reference]
+file = "reference.csv"
+how = "Hooke."
+uncertainty = 0.001
+command = "by hand"
+[[choices]]
+name = "default"
+group = "default"
+[[choices]]
+name = "half"
+group = "several"
+set = ["blocks.0.size.1=50"]
+factor = 2
+"#;
+
+/// A bar of 100 mm that is free to its sides: 10 kN at 0.1 mm.
+const DECK: &str = r#"
+format = 1
+[materials.stone]
+E = "1000 MPa"
+nu = 0.0
+[[blocks]]
+name = "block"
+size = ["100 mm", "100 mm", "100 mm"]
+material = "stone"
+mesh = [1, 2, 1]
+[[supports]]
+on = "block.bottom"
+[[steps]]
+kind = "drive"
+face = "block.top"
+direction = "z"
+displacement = "0.1 mm"
+"#;
+
+/// The scene of this text in a folder with its deck and its reference.
+fn scene(text: &str) -> (tempfile::TempDir, Result<Scene, StudyError>) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("deck.toml"), DECK).unwrap();
+    let reference = "displacement_mm,force_kN\n0,0\n0.1,10\n";
+    std::fs::write(folder.path().join("reference.csv"), reference).unwrap();
+    let scene = Scene::from_str(text, "scene.toml", folder.path());
+    (folder, scene)
+}
+
+/// The message with its advice.
+fn why(text: &str) -> String {
+    let (_folder, scene) = scene(text);
+    let error = scene.expect_err(text);
+    format!("{:?}", miette::Report::new(error))
+}
+
+#[test]
+fn what_is_wrong_is_said_where_it_is_written() {
+    let changed = |from: &str, to: &str| {
+        assert!(SCENE.contains(from), "{from}");
+        why(&SCENE.replacen(from, to, 1))
+    };
+    for (from, to, said) in [
+        ("\"force_kN\"", "\"force\"", "no column `force`"),
+        ("to = 0.1", "to = 0.2", "from 0 to 0.1"),
+        ("to = 0.1", "to = -1", "beyond `from`"),
+        (
+            "to = 0.1",
+            "to = 0.1\nshort_to = 0.3",
+            "between `from` and `to`",
+        ),
+        (
+            "group = \"default\"",
+            "group = \"penalty\"",
+            "none of the choices is the default",
+        ),
+        (
+            "group = \"several\"",
+            "group = \"default\"",
+            "two choices are the default",
+        ),
+        (
+            "group = \"several\"",
+            "group = \"colour\"",
+            "known here: default, element",
+        ),
+        (
+            "name = \"half\"",
+            "name = \"default\"",
+            "two choices have this name",
+        ),
+        ("name = \"half\"", "name = \"a,b\"", "no comma"),
+        ("factor = 2", "factor = 0", "above 0"),
+        ("factor = 2", "threads = 0", "1 or more"),
+        ("factor = 2", "short = 3", "boolean"),
+        (
+            "blocks.0.size.1",
+            "blocks.0.sizes",
+            "the deck of `half` is wrong",
+        ),
+        (
+            "uncertainty = 0.001",
+            "uncertainty = 0",
+            "no number is exact",
+        ),
+        ("command = \"by hand\"", "", "its `set` or its `command`"),
+        (
+            "command = \"by hand\"",
+            "command = \"by hand\"\nset = []",
+            "a reference says its `set`",
+        ),
+        ("\"reference.csv\"", "\"other.csv\"", "other.csv"),
+    ] {
+        let why = changed(from, to);
+        assert!(why.contains(said), "{to}: {why}");
+    }
+    let in_deck = changed("set = [\"blo", "set = [\"E\", \"blo");
+    assert!(in_deck.contains("not KEY=VALUE"), "{in_deck}");
+}
+
+#[test]
+fn a_bar_by_hooke_has_no_error_whole_or_half() {
+    let (folder, scene) = scene(SCENE);
+    let all = run(&[scene.unwrap()], &options(false, 3));
+    let studied = &all[0];
+    assert_eq!(studied.outcomes.len(), 2);
+    for outcome in &studied.outcomes {
+        let errors = outcome.errors.clone().unwrap();
+        // Corotation at 0.1 % of strain, and the tolerance of the balance.
+        assert!(
+            errors.of_chart() < 2e-3,
+            "{}: {errors:?}",
+            outcome.choice.name
+        );
+        assert_eq!((outcome.cpu.len(), outcome.wall.len()), (3, 3));
+    }
+    assert_eq!(studied.ratios()[0], [1.0, 1.0]);
+
+    // A page for part of the scenes leaves the sections of the others.
+    let before = "# Accuracy against speed\n\n## 2 Another\n\nOf it.\n\n## 7 Old\n\nOld.\n";
+    let page = page(&all, "Do this.", "scenes", before);
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text}: {page}"));
+    assert!(place("Do this.") < place("## 2 Another\n\nOf it.\n\n## 7 A block"));
+    assert!(!page.contains("Old."));
+    for said in [
+        "medians of 3",
+        "| default |  | ",
+        "forces times 2",
+        "within 1 % of the reference",
+    ] {
+        place(said);
+    }
+    // The table says the same again.
+    let file = folder.path().join("table.csv");
+    std::fs::write(&file, table(studied)).unwrap();
+    let again = read(&studied.scene, &file).unwrap();
+    // Digits of times are cut, and their ratios with them: only once.
+    std::fs::write(&file, table(&again)).unwrap();
+    assert_eq!(table(&read(&studied.scene, &file).unwrap()), table(&again));
+    for (one, other) in again.outcomes.iter().zip(&studied.outcomes) {
+        assert_eq!(
+            (&one.choice, one.cost.iterations),
+            (&other.choice, other.cost.iterations)
+        );
+        assert!((one.cpu_seconds() - other.cpu_seconds()).abs() < 1e-4);
+    }
+    std::fs::write(&file, table(studied).replace("rms", "rsm")).unwrap();
+    let why = read(&studied.scene, &file).unwrap_err().to_string();
+    assert!(why.contains("no column `rms`"), "{why}");
+}
+
+#[test]
+fn a_reference_is_made_by_the_run_that_it_is_said_to_come_from() {
+    let text = SCENE.replace(
+        "command = \"by hand\"",
+        "set = [\"steps.0.increments.max=0.1\"]",
+    );
+    let text = text.replace("\"reference.csv\"", "\"made.csv\"");
+    let (folder, scene) = scene(&text);
+    let scene = scene.unwrap();
+    assert!(!scene.reference.there() && matches!(scene.reference.origin, Origin::Run(_)));
+    let made = renew(&scene, Duration::from_secs(60), &|| false)
+        .unwrap()
+        .unwrap();
+    assert!(
+        made.starts_with("# wythe study accuracy-speed --only 7 --references"),
+        "{made}"
+    );
+    std::fs::write(&scene.reference.file, made).unwrap();
+    let scene = Scene::from_str(&text, "scene.toml", folder.path()).unwrap();
+    assert!((scene.known(false).unwrap().peak() / 10.0 - 1.0).abs() < 2e-3);
+    let default = scene.choices.iter().filter(|c| c.group == Group::Default);
+    assert_eq!(default.count(), 1);
+}
