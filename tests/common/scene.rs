@@ -5,8 +5,9 @@ use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::general::GeneralContact;
 pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Formulation, Gravity, GroundMotion, HeldBy,
-    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion,
+    HeldBy, Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent,
+    Tolerance,
 };
 use wythe::model::{Deck, Mesh, Model};
 use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
@@ -115,6 +116,7 @@ pub fn empty() -> Model {
         loads: Vec::new(),
         steps: Vec::new(),
         warnings: Vec::new(),
+        fidelity: Fidelity::Full,
         output: Output {
             every: 1,
             ..Output::default()

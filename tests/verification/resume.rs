@@ -172,6 +172,21 @@ fn a_wall_that_cracks() {
     }
 }
 
+/// Of which one half is solved, and of which solids stay elastic.
+#[test]
+fn a_wall_of_less_fidelity() {
+    for (fidelity, seed) in [("auto", 51), ("elastic", 52)] {
+        let less = [
+            ("fidelity", fidelity),
+            ("wall.mesh", "[4, 2, 2]"),
+            ("steps.1.displacement", "0.3 mm"),
+        ];
+        let model = deck("tests/stability/small_wall.toml", &less);
+        let rows = goes_on_as_if_nothing_had_happened(&model, fidelity, seed);
+        assert!(rows.last().unwrap().max_interface_damage > 0.1);
+    }
+}
+
 #[test]
 fn paths_of_every_kind() {
     let snap_back = "tests/stability/cases/01-snap-back-bar/deck.toml";

@@ -114,6 +114,7 @@ impl Model {
             steps,
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
+            fidelity: deck.fidelity,
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();
         let laid = imported.into_iter().chain(bond).chain(warnings);

@@ -3,7 +3,8 @@
 use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
-use super::scene::{BeamMotion, ContactPoints, Step, Tangent};
+use super::mirrored::mirror_planes;
+use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::symmetry::{self, Plane};
 use super::{Model, rigid, scatter};
 use crate::error::Warning;
@@ -208,6 +209,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         notes.extend(wall_notes(deck, &wall));
     }
     notes.extend(symmetry_note(deck));
+    notes.extend(fidelity_note(model));
     notes.extend(rigid_note(deck, model));
     notes.extend(beams_notes(deck, model));
     if deck.has_blocks() {
@@ -322,6 +324,30 @@ fn symmetry_note(deck: &Deck) -> Option<String> {
         told.join(" and "),
         symmetry::multiplicity(deck)
     ))
+}
+
+/// What need not be computed: halves of a scene that is its own mirror image.
+fn fidelity_note(model: &Model) -> Option<String> {
+    let planes = mirror_planes(model);
+    let part = match planes.len() {
+        0 => return None,
+        1 => "one half",
+        2 => "a quarter",
+        _ => "an eighth",
+    };
+    let planes: Vec<String> = planes.iter().map(ToString::to_string).collect();
+    let mirrored = format!(
+        "the scene is its own mirror image in the plane {}",
+        planes.join(" and ")
+    );
+    Some(match model.fidelity {
+        Fidelity::Auto => {
+            format!("fidelity: {mirrored}: {part} of it is solved, and the whole is shown")
+        }
+        _ => format!(
+            "fidelity: {mirrored}: with fidelity = \"auto\" {part} of it is solved, and the whole is shown"
+        ),
+    })
 }
 
 /// What an interface is, and its stiffnesses in this model.

@@ -4,6 +4,10 @@
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("format", "format = 1"),
     ("title", "title = \"Wall J7D\""),
+    (
+        "fidelity",
+        "fidelity = \"auto\"  # or \"full\", \"elastic\"",
+    ),
     ("materials", "[materials.brick]"),
     ("E", "E = \"16.7 GPa\""),
     ("nu", "nu = 0.15"),

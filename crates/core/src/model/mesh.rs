@@ -44,7 +44,7 @@ impl Mesh {
     }
 
     /// Diagonal of the box around the solids [mm].
-    pub(super) fn diagonal(&self) -> f64 {
+    pub(crate) fn diagonal(&self) -> f64 {
         norm([0, 1, 2].map(|d| {
             let [low, high] = self.extent(d);
             high - low

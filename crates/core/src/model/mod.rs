@@ -22,6 +22,7 @@ pub mod loads;
 pub mod masonry;
 mod meeting;
 pub mod mesh;
+pub mod mirrored;
 mod mirrors;
 mod overlap;
 mod overrides;

@@ -40,6 +40,8 @@ pub struct Model {
     pub output: Output,
     /// What its author should know.
     pub warnings: Vec<Warning>,
+    /// How much of the scene is computed.
+    pub fidelity: Fidelity,
 }
 
 impl Model {
@@ -58,6 +60,29 @@ impl Model {
         self.steps.iter().any(|step| step.procedure.may_move())
             && self.materials.iter().enumerate().all(massive)
     }
+}
+
+/// How much of a scene is computed.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Fidelity {
+    /// All of it.
+    #[default]
+    Full,
+    /// What the rest does not tell: one half of what is its own mirror image.
+    Auto,
+    /// All of it, with solids that stay linear elastic: only joints open and slide.
+    Elastic,
 }
 
 /// A material and its name in the deck.

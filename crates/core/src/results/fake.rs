@@ -3,8 +3,8 @@
 use super::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
-    Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
 };
 use crate::model::{Mesh, Model};
 
@@ -75,6 +75,7 @@ pub fn model() -> Model {
             step("drive", BeamMotion::Driven(3.0)),
         ],
         warnings: Vec::new(),
+        fidelity: Fidelity::Full,
         output: Output {
             every: 1,
             ..Output::default()

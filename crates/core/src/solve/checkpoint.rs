@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::Course;
 use super::drive::{Run, RunError, steered};
+use super::fidelity::{Instead, Reached};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
 use super::ladder::Ladder;
@@ -49,6 +50,8 @@ pub struct Checkpoint {
     output_seconds: f64,
     snaps: Snaps,
     swings: Swings,
+    /// How far elastic solids have gone, in place of others.
+    pub(super) reached: Reached,
 }
 
 /// Where a step is.
@@ -96,6 +99,12 @@ pub fn resume(
     checkpoint: Checkpoint,
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
+    if let Some(instead) = Instead::of(model) {
+        let reached = checkpoint.reached;
+        return instead.show(model, recorder, reached, |model, recorder| {
+            resume(model, checkpoint, recorder)
+        });
+    }
     checkpoint.check(model)?;
     // On a thread of the pool, as a run from the start.
     rayon::scope(|_| {
@@ -132,6 +141,9 @@ impl Checkpoint {
     /// # Errors
     /// [`CheckpointError`], with what differs.
     pub fn check(&self, model: &Model) -> Result<(), CheckpointError> {
+        if let Some(instead) = Instead::of(model) {
+            return self.check(instead.model());
+        }
         match self.model.difference(&Fingerprint::of(model)) {
             Some(what) => Err(CheckpointError::OtherModel(what)),
             None => Ok(()),
@@ -141,6 +153,9 @@ impl Checkpoint {
     /// The last step of `model` is what it was and goes on beyond its end: what was the whole of it is
     /// now `part` of it. Everything counted in parts of the step is counted anew.
     pub fn lengthen(&mut self, model: &Model, part: f64) {
+        if let Some(instead) = Instead::of(model) {
+            return self.lengthen(instead.model(), part);
+        }
         if let Some(last) = model.steps.last() {
             self.model.end_with(last);
         }
@@ -197,6 +212,7 @@ impl<'m> Run<'m> {
             output_seconds: self.output_seconds,
             snaps: self.snaps,
             swings: self.swings,
+            reached: Reached::default(),
         }
     }
 

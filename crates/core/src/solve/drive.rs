@@ -5,6 +5,7 @@ use std::cell::OnceCell;
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::explain;
+use super::fidelity::{Instead, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{growth, resolving};
 use super::ladder::{Answer, Ladder, QUIET};
@@ -53,6 +54,9 @@ pub(super) const CUT: f64 = 0.4;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    if let Some(instead) = Instead::of(model) {
+        return instead.show(model, recorder, Reached::default(), run);
+    }
     // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
     // iteration would put this thread to sleep and wake it again.
     rayon::scope(|_| Run::new(model)?.finish(None, recorder))

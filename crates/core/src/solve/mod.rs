@@ -8,6 +8,7 @@ mod course;
 pub mod drive;
 mod dynamics;
 mod explain;
+mod fidelity;
 mod fields;
 mod fingerprint;
 mod follow;

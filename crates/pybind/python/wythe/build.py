@@ -252,7 +252,7 @@ def wall(
         Further ones by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``beams``,
-        ``symmetry``, ``output``, ``probes``, ``walls``, ``blocks``.
+        ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
@@ -335,7 +335,7 @@ def arch(
     mesh
         Elements of a voussoir along the arch, its width, its thickness.
     tables
-        Further tables of the deck: ``contact``, ``probes``, ``blocks``, ``contacts``, ``supports``, ...
+        Further tables of the deck: ``contact``, ``fidelity``, ``probes``, ``blocks``, ``contacts``, ``supports``, ...
     """
     return Model.from_dict(
         {
@@ -399,7 +399,7 @@ def blocks(
     search_radius
         The gap up to which a point faces the surface opposite [mm].
     tables
-        Further tables of the deck: ``beams``, ``symmetry``, ``walls``, ``arch``, ``element``, ``output``.
+        Further tables of the deck: ``beams``, ``symmetry``, ``walls``, ``arch``, ``element``, ``fidelity``, ``output``.
     """
     return Model.from_dict(
         {

@@ -44,7 +44,7 @@ pub use wall::{
 
 use super::overrides;
 use super::quantity::Length;
-use super::scene::{ContactPoints, Formulation, Output};
+use super::scene::{ContactPoints, Fidelity, Formulation, Output};
 use super::source::Source;
 use crate::error::{DeckError, Errors, IoError, ModelError};
 use crate::material::MaterialParameters;
@@ -65,6 +65,9 @@ pub struct Deck {
     /// Title; the name of the file if absent.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
+    /// How much of the scene is computed.
+    #[serde(default)]
+    pub fidelity: Fidelity,
     /// Materials by name.
     #[serde(default)]
     pub materials: BTreeMap<String, Material>,

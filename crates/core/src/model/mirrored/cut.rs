@@ -1,0 +1,342 @@
+//! The half of a model that is kept: everything on one side of a plane, held in it.
+
+use std::collections::BTreeMap;
+
+use super::images::Images;
+use crate::model::deck::Axis;
+use crate::model::loads::{Load, LoadOn};
+use crate::model::probes::Probe;
+use crate::model::scene::{Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Step, Support};
+use crate::model::{Mesh, Model};
+
+/// Part of a vector's size that rounding may leave across the plane.
+const ROUNDING: f64 = 1e-9;
+
+/// A half of a model, and where its nodes, elements and facets were.
+#[derive(Clone, Debug)]
+pub(crate) struct Half {
+    pub model: Model,
+    /// Number in the half, none if it is not kept. `[node]`
+    pub node: Vec<Option<u32>>,
+    /// `[element]`
+    pub element: Vec<Option<u32>>,
+    /// `[slave facet]`
+    pub slave: Vec<Option<u32>>,
+}
+
+/// The half below the plane, if what holds, loads and follows the model is mirrored as its mesh is.
+pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
+    let contact = &model.contact;
+    if contact.general.is_some() || !model.springs.is_empty() {
+        return None;
+    }
+    let node = numbered(images.side.iter().map(|side| *side <= 0));
+    let mesh = &model.mesh;
+    let element = numbered(mesh.elements.iter().map(|nodes| images.keeps(nodes)));
+    let slave = numbered(contact.slave_facets.iter().map(|f| images.keeps(f)));
+    let cut = Cut {
+        images,
+        node: &node,
+    };
+    let beams = model.beams.iter().map(|beam| cut.beam(beam));
+    let supports = model.supports.iter().map(|support| cut.support(support));
+    let mut supports = supports.collect::<Option<Vec<_>>>()?;
+    supports.push(cut.plane());
+    let probes = model.probes.iter().enumerate();
+    let steers = |p: usize| {
+        let controls = model.steps.iter().filter_map(|step| step.control);
+        controls.into_iter().any(|control| control.probe == p)
+    };
+    let probes = probes.map(|(p, probe)| cut.probe(probe, steers(p)));
+    let loads = model.loads.iter().map(|load| cut.load(load));
+    let steps = model.steps.iter().map(|step| cut.step(step, model));
+    let half = Model {
+        title: model.title.clone(),
+        mesh: cut.mesh(mesh),
+        materials: model.materials.clone(),
+        formulation: model.formulation,
+        contact: cut.contact(contact),
+        beams: beams.collect::<Option<_>>()?,
+        supports,
+        initial_velocity: cut.velocity(&model.initial_velocity)?,
+        springs: Vec::new(),
+        probes: probes.collect::<Option<_>>()?,
+        loads: loads.collect::<Option<_>>()?,
+        steps: steps.collect::<Option<_>>()?,
+        output: model.output.clone(),
+        warnings: Vec::new(),
+        fidelity: model.fidelity,
+    };
+    Some(Half {
+        model: half,
+        node,
+        element,
+        slave,
+    })
+}
+
+/// Numbers what is kept.
+fn numbered(kept: impl Iterator<Item = bool>) -> Vec<Option<u32>> {
+    let mut next = 0;
+    let number = |keeps: bool| {
+        keeps.then(|| {
+            next += 1;
+            next - 1
+        })
+    };
+    kept.map(number).collect()
+}
+
+struct Cut<'a> {
+    images: &'a Images,
+    node: &'a [Option<u32>],
+}
+
+impl Cut<'_> {
+    /// Numbers of those nodes that are kept.
+    fn kept(&self, nodes: &[u32]) -> Vec<u32> {
+        let kept = nodes.iter().filter_map(|n| self.node[*n as usize]);
+        kept.collect()
+    }
+
+    /// The number of a node that is kept, or of its image.
+    fn either(&self, n: u32) -> Option<u32> {
+        self.node[n as usize].or_else(|| self.node[self.images.node[n as usize] as usize])
+    }
+
+    /// Whether a vector stays in the plane.
+    fn stays(&self, v: [f64; 3]) -> bool {
+        let size = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        v[self.images.axis].abs() <= ROUNDING * size
+    }
+
+    /// Facets that are kept, with their numbers in the whole.
+    fn facets(&self, facets: &[[u32; 4]]) -> Vec<(usize, [u32; 4])> {
+        let all = facets.iter().enumerate();
+        let kept = |nodes: &[u32; 4]| <[u32; 4]>::try_from(self.kept(nodes)).ok();
+        all.filter_map(|(f, nodes)| Some((f, kept(nodes)?)))
+            .collect()
+    }
+
+    fn mesh(&self, mesh: &Mesh) -> Mesh {
+        let mut half = Mesh::default();
+        for (n, x) in mesh.nodes.iter().enumerate() {
+            if self.node[n].is_some() {
+                half.nodes.push(*x);
+            }
+        }
+        for (e, nodes) in mesh.elements.iter().enumerate() {
+            if let Ok(nodes) = <[u32; 8]>::try_from(self.kept(nodes)) {
+                half.elements.push(nodes);
+                half.material.push(mesh.material[e]);
+                half.unit.push(mesh.unit[e]);
+                half.course.push(mesh.course[e]);
+            }
+        }
+        half
+    }
+
+    fn contact(&self, contact: &ContactSurfaces) -> ContactSurfaces {
+        let mut half = ContactSurfaces {
+            laws: contact.laws.clone(),
+            law_names: contact.law_names.clone(),
+            points: contact.points,
+            search_radius: contact.search_radius,
+            ..ContactSurfaces::default()
+        };
+        for (f, nodes) in self.facets(&contact.slave_facets) {
+            half.slave_facets.push(nodes);
+            half.slave_body.push(contact.slave_body[f]);
+            half.slave_law.push(contact.slave_law[f]);
+        }
+        for (f, nodes) in self.facets(&contact.master_facets) {
+            half.master_facets.push(nodes);
+            half.master_body.push(contact.master_body[f]);
+        }
+        half
+    }
+
+    fn beam(&self, beam: &Beam) -> Option<Beam> {
+        let mirrored = self.images.hold_together(&beam.nodes) && self.stays(beam.normal);
+        mirrored.then(|| Beam {
+            name: beam.name.clone(),
+            nodes: self.kept(&beam.nodes),
+            area: 0.5 * beam.area,
+            normal: beam.normal,
+        })
+    }
+
+    fn support(&self, support: &Support) -> Option<Support> {
+        let mirrored = self.images.hold_together(&support.nodes);
+        mirrored.then(|| Support {
+            nodes: self.kept(&support.nodes),
+            ..support.clone()
+        })
+    }
+
+    /// What holds the plane.
+    fn plane(&self) -> Support {
+        let Images { axis, at, .. } = *self.images;
+        let mut fixed = [false; 3];
+        fixed[axis] = true;
+        let nodes = (0..self.node.len()).filter(|n| self.images.side[*n] == 0);
+        Support {
+            name: format!("symmetry-{}", Axis::NAMES[axis]),
+            nodes: nodes.filter_map(|n| self.node[n]).collect(),
+            fixed,
+            by: HeldBy::Plane { axis, at },
+        }
+    }
+
+    /// Motion of nodes that are not kept is that of their images; across the plane it is the other way round.
+    fn probe(&self, probe: &Probe, steers: bool) -> Option<Probe> {
+        let across = probe.axis == self.images.axis;
+        let all = || probe.nodes.iter().chain(&probe.minus);
+        let is_kept = |n: &u32| self.node[*n as usize].is_some();
+        let turned = across && !all().any(is_kept);
+        if across && !turned && !all().all(is_kept) {
+            return None;
+        }
+        let place = |nodes: &[u32]| {
+            let place: Vec<u32> = nodes.iter().filter_map(|n| self.either(*n)).collect();
+            let mut times = BTreeMap::new();
+            place
+                .iter()
+                .for_each(|n| *times.entry(*n).or_insert(0) += 1);
+            let mut counts = times.values();
+            let first = counts.next();
+            // A node of the plane counts once, and one beside it for its image, too.
+            if counts.all(|count| Some(count) == first) {
+                Some(times.into_keys().collect())
+            } else {
+                (!steers).then_some(place)
+            }
+        };
+        Some(Probe {
+            nodes: place(&probe.nodes)?,
+            minus: place(&probe.minus)?,
+            sign: if turned { -probe.sign } else { probe.sign },
+            ..probe.clone()
+        })
+    }
+
+    fn load(&self, load: &Load) -> Option<Load> {
+        let images = self.images;
+        let is_in_plane = |n: u32| images.side[n as usize] == 0;
+        let part = |n: u32| if is_in_plane(n) { 0.5 } else { 1.0 };
+        let acts = match &load.acts {
+            LoadOn::Follower(facets) => {
+                let mut all: Vec<[u32; 4]> = facets.clone();
+                all.iter_mut().for_each(|f| f.sort_unstable());
+                all.sort_unstable();
+                let mirrored = facets.iter().all(|facet| {
+                    let mut image = facet.map(|n| images.node[n as usize]);
+                    image.sort_unstable();
+                    let across = !images.keeps(facet) && !images.keeps(&image);
+                    let lies_in = facet.iter().all(|n| is_in_plane(*n));
+                    all.binary_search(&image).is_ok() && !across && !lies_in
+                });
+                mirrored.then(|| {
+                    LoadOn::Follower(self.facets(facets).into_iter().map(|(_, f)| f).collect())
+                })
+            }
+            LoadOn::Pressure(areas) => {
+                let areas = self.shares(areas, |area, other| {
+                    let size = area.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+                    let image = images.of_vector(other);
+                    (0..3).all(|i| (area[i] - image[i]).abs() <= ROUNDING * size)
+                })?;
+                let halved = |(n, area): &(u32, [f64; 3])| {
+                    (
+                        self.node[*n as usize].unwrap_or(*n),
+                        area.map(|a| part(*n) * a),
+                    )
+                };
+                Some(LoadOn::Pressure(areas.iter().map(halved).collect()))
+            }
+            LoadOn::Shares(shares) => {
+                let shares = self.shares(shares, |a, b| (a - b).abs() <= ROUNDING * a.abs())?;
+                let halved = |(n, share): &(u32, f64)| {
+                    (self.node[*n as usize].unwrap_or(*n), part(*n) * share)
+                };
+                Some(LoadOn::Shares(shares.iter().map(halved).collect()))
+            }
+        }?;
+        Some(Load {
+            acts,
+            ..load.clone()
+        })
+    }
+
+    /// Shares of nodes that are kept, if those of their images are alike. Numbers are still those of the whole.
+    fn shares<T: Copy>(
+        &self,
+        shares: &[(u32, T)],
+        alike: impl Fn(T, T) -> bool,
+    ) -> Option<Vec<(u32, T)>> {
+        let mut by_node = shares.to_vec();
+        by_node.sort_by_key(|(n, _)| *n);
+        if by_node.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+            return None;
+        }
+        let of = |n: u32| {
+            let k = by_node.binary_search_by_key(&n, |(n, _)| *n).ok()?;
+            Some(by_node[k].1)
+        };
+        let mirrored = |(n, share): &(u32, T)| {
+            of(self.images.node[*n as usize]).is_some_and(|image| alike(*share, image))
+        };
+        let is_kept = |(n, _): &&(u32, T)| self.node[*n as usize].is_some();
+        let kept = || shares.iter().filter(is_kept).copied().collect();
+        shares.iter().all(mirrored).then(kept)
+    }
+
+    fn velocity(&self, velocity: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+        let images = self.images;
+        let mirrored = |(n, v): (usize, &[f64; 3])| {
+            images.of_vector(velocity[images.node[n] as usize]) == *v || *v == [0.0; 3]
+        };
+        let kept = || {
+            let kept = velocity.iter().zip(self.node);
+            kept.filter_map(|(v, n)| n.map(|_| *v)).collect()
+        };
+        velocity.iter().enumerate().all(mirrored).then(kept)
+    }
+
+    /// A step of the half: forces are half, and nothing goes across.
+    fn step(&self, step: &Step, model: &Model) -> Option<Step> {
+        let d = self.images.axis;
+        let gravity = match step.gravity {
+            Gravity::None => true,
+            Gravity::Constant(g) | Gravity::Growing(g) => self.stays(g),
+            // About the normal it stays in the plane.
+            Gravity::Turning { from, axis, .. } => {
+                self.stays(from) && axis[d].abs() > 1.0 - ROUNDING
+            }
+        };
+        let across =
+            |l: usize, value: &[f64; 3]| !model.loads[l].is_pressure() && value[d].abs() > 0.0;
+        let mut loads = step.loads.iter().enumerate();
+        let loaded = loads.any(|(l, value)| value.is_some_and(|value| across(l, &value)));
+        if !gravity || !step.ground.acceleration[d].is_empty() || loaded {
+            return None;
+        }
+        let motion = step.motion.iter().map(|motion| {
+            let mut half = *motion;
+            for (i, motion) in half.iter_mut().enumerate() {
+                match *motion {
+                    BeamMotion::Force(force) if i != d => *motion = BeamMotion::Force(0.5 * force),
+                    BeamMotion::Force(0.0) => *motion = BeamMotion::Locked,
+                    BeamMotion::Locked | BeamMotion::Driven(_) if i != d => {}
+                    BeamMotion::Locked => {}
+                    BeamMotion::Force(_) | BeamMotion::Driven(_) => return None,
+                }
+            }
+            Some(half)
+        });
+        Some(Step {
+            motion: motion.collect::<Option<_>>()?,
+            ..step.clone()
+        })
+    }
+}

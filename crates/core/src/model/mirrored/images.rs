@@ -1,0 +1,175 @@
+//! Mirror images: which node, element and facet of a model lies where another one would be seen in a plane.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+use crate::model::Model;
+use crate::model::scene::ContactSurfaces;
+
+/// Places closer than this part of the model's diagonal are one.
+const SAME: f64 = 1e-7;
+
+/// A plane that a mesh and its joints are mirrored by, and the images.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Images {
+    /// Axis normal to the plane.
+    pub axis: usize,
+    /// Where it lies on it [mm].
+    pub at: f64,
+    /// Image of each node, itself if it lies in the plane. `[node]`
+    pub node: Vec<u32>,
+    /// Which side each node is on: −1 below the plane, 0 in it, 1 above. `[node]`
+    pub side: Vec<i8>,
+    /// Image of each element. `[element]`
+    pub element: Vec<u32>,
+    /// Image of each slave facet. `[facet]`
+    pub slave: Vec<u32>,
+}
+
+impl Images {
+    /// In the plane through the middle of the model normal to an axis, if mesh, materials and joints are mirrored by
+    /// it, and no element or facet lies across or a facet in it.
+    pub fn of(model: &Model, axis: usize) -> Option<Self> {
+        let mesh = &model.mesh;
+        let [low, high] = mesh.extent(axis);
+        let (at, unit) = (0.5 * (low + high), SAME * mesh.diagonal());
+        if !(unit > 0.0 && unit.is_finite()) {
+            return None;
+        }
+        let side = |x: &[f64; 3]| {
+            let beyond = x[axis] - at;
+            i8::from(beyond > unit) - i8::from(beyond < -unit)
+        };
+        let side: Vec<i8> = mesh.nodes.iter().map(side).collect();
+        let mut images = Self {
+            axis,
+            at,
+            node: Vec::new(),
+            side,
+            element: Vec::new(),
+            slave: Vec::new(),
+        };
+        images.node = images.of_nodes(model, unit)?;
+        images.element = images.of_elements(model)?;
+        images.slave = images.of_facets(&model.contact)?;
+        Some(images)
+    }
+
+    /// Whether all these nodes are on the side that is kept, or in the plane.
+    pub fn keeps(&self, nodes: &[u32]) -> bool {
+        nodes.iter().all(|n| self.side[*n as usize] <= 0)
+    }
+
+    /// Mirror image of a vector.
+    pub fn of_vector(&self, mut v: [f64; 3]) -> [f64; 3] {
+        v[self.axis] = -v[self.axis];
+        v
+    }
+
+    /// Whether some nodes are all each other's images.
+    pub fn hold_together(&self, nodes: &[u32]) -> bool {
+        let mut own = nodes.to_vec();
+        own.sort_unstable();
+        nodes
+            .iter()
+            .all(|n| own.binary_search(&self.node[*n as usize]).is_ok())
+    }
+
+    /// On one side of the plane, or none across.
+    fn is_on_a_side(&self, nodes: &[u32]) -> bool {
+        let side = |n: &u32| self.side[*n as usize];
+        nodes.iter().all(|n| side(n) <= 0) || nodes.iter().all(|n| side(n) >= 0)
+    }
+
+    /// Nodes of several bodies meet at one place: images are sought body by body.
+    fn of_nodes(&self, model: &Model, unit: f64) -> Option<Vec<u32>> {
+        let mesh = &model.mesh;
+        // Coordinates of decks are round: a place near the bounds of a cell is none of theirs.
+        let cell = |x: [f64; 3]| x.map(|x| (x / unit + 0.37).floor() as i64);
+        let relative = |mut x: [f64; 3]| {
+            x[self.axis] -= self.at;
+            x
+        };
+        let mut body = vec![u32::MAX; mesh.nodes.len()];
+        let bodies = mesh.unit.iter().max().map_or(0, |b| *b as usize + 1);
+        let mut centre = vec![[0.0; 4]; bodies];
+        for (nodes, &b) in mesh.elements.iter().zip(&mesh.unit) {
+            for &n in nodes {
+                body[n as usize] = b;
+                let sum = &mut centre[b as usize];
+                (0..3).for_each(|i| sum[i] += mesh.nodes[n as usize][i]);
+                sum[3] += 1.0;
+            }
+        }
+        let centre = |b: usize| relative([0, 1, 2].map(|i| centre[b][i] / centre[b][3]));
+        let at = unique((0..bodies).map(|b| (cell(centre(b)), b as u32)))?;
+        let image = |b: usize| at.get(&cell(self.of_vector(centre(b)))).copied();
+        let image = (0..bodies).map(image).collect::<Option<Vec<u32>>>()?;
+        // A node of no element stands for the other half of a joint.
+        if body.contains(&u32::MAX) {
+            return None;
+        }
+        let places = (0..mesh.nodes.len()).map(|n| (body[n], relative(mesh.nodes[n])));
+        let at = unique(
+            places
+                .clone()
+                .enumerate()
+                .map(|(n, (b, x))| ((b, cell(x)), n as u32)),
+        )?;
+        let found = places.map(|(b, x)| {
+            let place = (image[b as usize], cell(self.of_vector(x)));
+            at.get(&place).copied()
+        });
+        found.collect()
+    }
+
+    fn of_elements(&self, model: &Model) -> Option<Vec<u32>> {
+        let mesh = &model.mesh;
+        let at = mesh.elements.iter().enumerate();
+        let at = unique(at.map(|(e, nodes)| (sorted(*nodes), e as u32)))?;
+        let image = |(e, nodes): (usize, &[u32; 8])| {
+            let image = *at.get(&sorted(nodes.map(|n| self.node[n as usize])))?;
+            let alike = mesh.material[e] == mesh.material[image as usize];
+            (alike && self.is_on_a_side(nodes)).then_some(image)
+        };
+        mesh.elements.iter().enumerate().map(image).collect()
+    }
+
+    /// Master facets need only be there.
+    fn of_facets(&self, contact: &ContactSurfaces) -> Option<Vec<u32>> {
+        let image = |facets: &[[u32; 4]]| {
+            let at = facets.iter().enumerate();
+            let at = unique(at.map(|(f, nodes)| (sorted(*nodes), f as u32)))?;
+            let image = |nodes: &[u32; 4]| {
+                let lies_in = nodes.iter().all(|n| self.side[*n as usize] == 0);
+                if lies_in || !self.is_on_a_side(nodes) {
+                    return None;
+                }
+                at.get(&sorted(nodes.map(|n| self.node[n as usize])))
+                    .copied()
+            };
+            facets.iter().map(image).collect::<Option<Vec<u32>>>()
+        };
+        image(&contact.master_facets)?;
+        let slave = image(&contact.slave_facets)?;
+        let law = |f: usize| &contact.laws[usize::from(contact.slave_law[f])];
+        let alike = |(f, image): (usize, &u32)| law(f) == law(*image as usize);
+        slave.iter().enumerate().all(alike).then_some(slave)
+    }
+}
+
+/// By key; nothing if two have the same.
+fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<HashMap<K, u32>> {
+    let mut map = HashMap::new();
+    for (key, value) in entries {
+        if map.insert(key, value).is_some() {
+            return None;
+        }
+    }
+    Some(map)
+}
+
+fn sorted<const N: usize>(mut nodes: [u32; N]) -> [u32; N] {
+    nodes.sort_unstable();
+    nodes
+}

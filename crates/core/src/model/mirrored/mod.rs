@@ -1,0 +1,50 @@
+//! Models that are their own mirror image, and the half that tells of the whole.
+//!
+//! The half has the very nodes, elements, joints and laws of the whole on one side of the plane, so that each of its
+//! results is one of the whole and of its mirror image.
+
+mod cut;
+mod images;
+
+pub(crate) use cut::Half;
+pub(crate) use images::Images;
+
+use super::Model;
+use super::deck::Axis;
+use std::fmt;
+
+/// A plane by which a model is mirrored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MirrorPlane {
+    /// Axis normal to it: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Where it lies on the axis [mm].
+    pub at: f64,
+}
+
+impl fmt::Display for MirrorPlane {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {} mm", Axis::NAMES[self.axis], self.at)
+    }
+}
+
+/// The first plane by which a model, its supports, loads and all that it tells of are mirrored, and the half below it.
+pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
+    // Walls are mirrored through their thickness more often than along their length.
+    [1, 0, 2].into_iter().find_map(|axis| {
+        let images = Images::of(model, axis)?;
+        let half = cut::half(model, &images)?;
+        Some((images, half))
+    })
+}
+
+/// Planes by which a model is its own mirror image, in the order in which halves are taken of it.
+pub fn mirror_planes(model: &Model) -> Vec<MirrorPlane> {
+    let mut planes = Vec::new();
+    let mut found = halved(model);
+    while let Some((Images { axis, at, .. }, half)) = found {
+        planes.push(MirrorPlane { axis, at });
+        found = halved(&half.model);
+    }
+    planes
+}

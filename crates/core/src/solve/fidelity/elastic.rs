@@ -1,0 +1,138 @@
+//! Solids that stay linear elastic, and how far beyond their yield surface that leads them.
+
+use nalgebra::Vector6;
+use serde::{Deserialize, Serialize};
+
+use crate::material::{Material, MaterialParameters};
+use crate::model::Model;
+use crate::model::scene::Fidelity;
+use crate::results::{Frame, HistoryRow, Recorder};
+use crate::solve::{Checkpoint, State};
+
+/// The largest part of its yield stress that a solid has reached.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(in crate::solve) struct Reached {
+    /// Over the yield stress [-].
+    pub part: f64,
+    element: usize,
+    increment: usize,
+}
+
+/// A model whose solids are elastic, and what they would be.
+#[derive(Clone, Debug)]
+pub(in crate::solve) struct Elastic {
+    pub model: Model,
+    /// Laws at rest, of points without size: only where they begin to yield counts. `[material]`
+    laws: Vec<Option<Material>>,
+}
+
+impl Elastic {
+    /// Of a model to be solved at [`Fidelity::Elastic`].
+    pub fn of(model: &Model) -> Self {
+        let mut elastic = Model {
+            fidelity: Fidelity::Full,
+            ..model.clone()
+        };
+        let law = |parameters: &MaterialParameters| match parameters {
+            MaterialParameters::Elastic(_) => None,
+            MaterialParameters::DamagePlasticity(_) => {
+                Material::new(parameters, None).ok().map(|(law, _)| law)
+            }
+        };
+        let laws = elastic.materials.iter_mut().map(|material| {
+            let law = law(&material.parameters);
+            material.parameters = MaterialParameters::Elastic(*material.parameters.elastic());
+            law
+        });
+        Self {
+            laws: laws.collect(),
+            model: elastic,
+        }
+    }
+}
+
+/// Part of the yield stress that a stress reaches: 1 on the initial yield surface, which is homogeneous of degree one
+/// about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory A.2).
+fn reached(law: &Material, stress: &Vector6<f64>) -> f64 {
+    let Material::DamagePlasticity(law) = law else {
+        return 0.0;
+    };
+    let at = |stress: &Vector6<f64>| law.yield_function(stress, 0.0, 0.0);
+    1.0 - at(stress) / at(&Vector6::zeros())
+}
+
+/// Looks at the stresses of each commit.
+pub(super) struct Watch<'a> {
+    pub elastic: &'a Elastic,
+    pub recorder: &'a mut dyn Recorder,
+    pub reached: Reached,
+}
+
+impl Watch<'_> {
+    /// What is left out.
+    pub fn told(&self) -> String {
+        let Reached {
+            part: largest,
+            element: e,
+            increment,
+        } = self.reached;
+        let mesh = &self.elastic.model.mesh;
+        if largest <= 1.0 {
+            return format!(
+                "the solids reach {largest:.2} times their yield stress: that they are elastic leaves nothing out"
+            );
+        }
+        format!(
+            "fidelity is \"elastic\": the solids reach {largest:.2} times their yield stress (increment {increment}, \
+             unit {} in course {}), and what yields or cracks is left out; fidelity = \"full\" has it",
+            mesh.unit[e], mesh.course[e]
+        )
+    }
+}
+
+impl Recorder for Watch<'_> {
+    fn take(
+        &mut self,
+        model: &Model,
+        row: &HistoryRow,
+        frame: Option<&Frame>,
+    ) -> std::io::Result<bool> {
+        self.recorder.take(model, row, frame)
+    }
+
+    fn observe(&mut self, state: &State) {
+        let mesh = &self.elastic.model.mesh;
+        for (e, points) in state.material.chunks_exact(8).enumerate() {
+            let Some(law) = &self.elastic.laws[usize::from(mesh.material[e])] else {
+                continue;
+            };
+            let parts = points.iter().map(|point| reached(law, &point.stress));
+            let part = parts.fold(0.0, f64::max);
+            if part > self.reached.part {
+                self.reached = Reached {
+                    part,
+                    element: e,
+                    increment: state.increments,
+                };
+            }
+        }
+        self.recorder.observe(state);
+    }
+
+    fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
+        let reached = self.reached;
+        self.recorder.checkpoint(last, &|| {
+            let mut checkpoint = make();
+            checkpoint.reached = reached;
+            checkpoint
+        })
+    }
+
+    fn note(&mut self, text: &str) {
+        self.recorder.note(text);
+    }
+
+    fn progress(&mut self, step: usize, time: f64, iterations: usize) {
+        self.recorder.progress(step, time, iterations);
+    }
+}

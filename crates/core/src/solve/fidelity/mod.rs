@@ -1,0 +1,111 @@
+//! No more than the scene needs: what is solved instead of a model, and shown as its results.
+//!
+//! **Mirror images** ([`Fidelity::Auto`]). Of a scene that is its own mirror image one half is solved, held in the
+//! plane, and its results are shown as those of the whole: the same elements, points and equations, so that what it
+//! gives is what the whole gives as long as that stays symmetric. What bends or cracks to one side, with nothing in
+//! the scene that says to which, is left out.
+//!
+//! **Elastic solids** ([`Fidelity::Elastic`]). Only joints open and slide. How far the solids would have gone beyond
+//! their yield surface is told at the end.
+
+mod elastic;
+mod unfold;
+
+use crate::model::Model;
+use crate::model::mirrored::{MirrorPlane, halved};
+use crate::model::scene::Fidelity;
+use crate::results::{Recorder, Summary};
+pub(super) use elastic::Reached;
+use elastic::{Elastic, Watch};
+use unfold::{Places, Unfold};
+
+/// What is solved instead of a model.
+#[derive(Clone, Debug)]
+pub(super) enum Instead {
+    /// One half of it.
+    Half {
+        model: Box<Model>,
+        plane: MirrorPlane,
+        places: Places,
+    },
+    /// The same with elastic solids.
+    Elastic(Box<Elastic>),
+}
+
+impl Instead {
+    /// Nothing if the model itself is to be solved.
+    pub fn of(model: &Model) -> Option<Self> {
+        match model.fidelity {
+            Fidelity::Full => None,
+            Fidelity::Elastic => Some(Self::Elastic(Box::new(Elastic::of(model)))),
+            Fidelity::Auto => {
+                let (images, half) = halved(model)?;
+                let places = Places::of(model, &images, &half)?;
+                let (axis, at) = (images.axis, images.at);
+                Some(Self::Half {
+                    model: Box::new(half.model),
+                    plane: MirrorPlane { axis, at },
+                    places,
+                })
+            }
+        }
+    }
+
+    /// What is solved.
+    pub fn model(&self) -> &Model {
+        match self {
+            Self::Half { model, .. } => model,
+            Self::Elastic(elastic) => &elastic.model,
+        }
+    }
+
+    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`. `reached` is
+    /// what elastic solids did before.
+    pub fn show<E>(
+        &self,
+        whole: &Model,
+        recorder: &mut dyn Recorder,
+        reached: Reached,
+        go: impl FnOnce(&Model, &mut dyn Recorder) -> Result<Summary, E>,
+    ) -> Result<Summary, E> {
+        match self {
+            Self::Half {
+                model,
+                plane,
+                places,
+            } => {
+                let text = format!(
+                    "the scene is its own mirror image in the plane {plane}: one half of it is solved"
+                );
+                recorder.note(&text);
+                let mut unfold = Unfold {
+                    whole,
+                    places,
+                    recorder,
+                };
+                let mut summary = go(model, &mut unfold)?;
+                summary.log.insert(0, text);
+                let (sizes, mesh) = (&mut summary.sizes, &whole.mesh);
+                (sizes.elements, sizes.nodes) = (mesh.elements.len(), mesh.nodes.len());
+                sizes.contact_points = 4 * whole.contact.slave_facets.len();
+                Ok(summary)
+            }
+            Self::Elastic(elastic) => {
+                let mut watch = Watch {
+                    elastic,
+                    recorder,
+                    reached,
+                };
+                let mut summary = go(&elastic.model, &mut watch)?;
+                let told = watch.told();
+                watch.recorder.note(&told);
+                if watch.reached.part > 1.0 {
+                    summary.warnings.push(told);
+                } else {
+                    summary.log.push(told);
+                }
+                Ok(summary)
+            }
+        }
+    }
+}
