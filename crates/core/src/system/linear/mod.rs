@@ -17,12 +17,17 @@ mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
+mod reuse;
+#[cfg(test)]
+mod reuse_tests;
+mod schur;
 #[cfg(test)]
 mod stencils;
 mod substitution;
 mod tasks;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod tree;
 
 use std::time::Instant;
@@ -111,6 +116,8 @@ pub struct FactorStats {
     pub nnz: usize,
     /// Floating-point operations (0: unknown).
     pub flops: f64,
+    /// Share of the operations of the last factorisation that the one before it saved.
+    pub reused: f64,
     /// Wall time of the last numeric factorisation [s].
     pub seconds: f64,
     /// Wall time of the analysis [s].
@@ -235,6 +242,12 @@ impl LinearSolver {
         let start = Instant::now();
         self.factorised = false;
         self.in_refuge = false;
+        if let Engine::Multifrontal(f) = &mut self.engine {
+            if !f.is_blank() {
+                self.operator.compare(values, |i, j| f.touch(i, j));
+            }
+        }
+        self.stats.reused = 0.0;
         self.operator.store(values)?;
         let pattern = self.operator.pattern();
         match &mut self.engine {
@@ -243,7 +256,7 @@ impl LinearSolver {
                 Err(first) if self.options.backend == Backend::MultifrontalLu => {
                     self.seek_refuge().map_err(|_| first)?;
                 }
-                other => other?,
+                other => self.stats.reused = other?,
             },
             Engine::FaerLlt(f) => f.factorise(pattern, values)?,
             Engine::FaerLu(f) => {
