@@ -139,7 +139,7 @@ impl Multifrontal {
         };
         let numbers = assembly.storage[tree.len()];
         Ok(Self {
-            reuse: Reuse::new(&tree, numbers, panels),
+            reuse: Reuse::new(pattern, &tree, kind, numbers, panels),
             kept: Vec::new(),
             factors: vec![0.0; numbers],
             pivots: vec![0; pivots],
@@ -173,16 +173,10 @@ impl Multifrontal {
         }
     }
 
-    /// True if nothing is left of a matrix before.
-    pub fn is_blank(&self) -> bool {
-        self.reuse.is_blank()
-    }
-
-    /// To be told of every entry (i, j) that is not what it was in the last call of
-    /// [`Multifrontal::factorise`].
-    #[inline]
-    pub fn touch(&mut self, i: usize, j: usize) {
-        self.reuse.touch(i, j);
+    /// To be called with the values of the last factorisation, be it good or failed, and of the next one
+    /// `[entry]`.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) {
+        self.reuse.compare(old, new);
     }
 
     /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is

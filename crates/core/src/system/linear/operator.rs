@@ -47,27 +47,6 @@ impl Operator {
         &self.row_sums
     }
 
-    /// Calls `changed` with row and column of every entry read that differs by a bit from the stored one.
-    pub fn compare(&self, values: &[f64], mut changed: impl FnMut(usize, usize)) {
-        if self.values.len() != values.len() {
-            return;
-        }
-        let differ = |a: f64, b: f64| a.to_bits() ^ b.to_bits();
-        for j in 0..self.pattern.n() {
-            let range = self.first(j)..self.pattern.col_ptr()[j + 1];
-            let (old, new) = (&self.values[range.clone()], &values[range.clone()]);
-            let pairs = || old.iter().zip(new);
-            if pairs().fold(0, |any, (&a, &b)| any | differ(a, b)) == 0 {
-                continue;
-            }
-            for (&i, (&a, &b)) in self.pattern.row_idx()[range].iter().zip(pairs()) {
-                if differ(a, b) != 0 {
-                    changed(i as usize, j);
-                }
-            }
-        }
-    }
-
     /// First entry of a column that is read.
     fn first(&self, j: usize) -> usize {
         match self.kind {

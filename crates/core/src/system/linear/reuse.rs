@@ -8,11 +8,20 @@
 
 use super::schur::Panels;
 use super::tree::{ROOT, Tree};
+use super::{Kind, Pattern};
 
 /// Share of the operations that could have been saved from which on Schur complements are kept.
 const WORTH: f64 = 0.1;
 /// Numbers kept at most, of those in the factors.
 const MOST: f64 = 0.5;
+
+/// Entries of a column one after the other that enter the same unit.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    start: u32,
+    end: u32,
+    unit: u32,
+}
 
 /// Units, and what is known of their factors.
 #[derive(Debug, Default)]
@@ -20,8 +29,7 @@ pub(super) struct Reuse {
     unit: Vec<u32>,       // [supernode], ascending along its last supernodes
     parent: Vec<u32>,     // [unit], or `ROOT`
     work: Vec<f64>,       // [unit] operations
-    position: Vec<u32>,   // [equation]
-    home: Vec<u32>,       // [position] → unit
+    stretches: Vec<Stretch>, // all entries that are read
     stale: Vec<bool>,     // [unit]
     todo: Vec<bool>,      // [supernode]
     kept: Vec<usize>,     // [supernode + 1] start of its Schur complement, once they are kept
@@ -31,7 +39,13 @@ pub(super) struct Reuse {
 
 impl Reuse {
     /// Cuts a tree into units; `panels` says how Schur complements lie.
-    pub fn new(tree: &Tree, numbers: usize, panels: impl Fn(usize) -> Panels) -> Self {
+    pub fn new(
+        pattern: &Pattern,
+        tree: &Tree,
+        kind: Kind,
+        numbers: usize,
+        panels: impl Fn(usize) -> Panels,
+    ) -> Self {
         let n = tree.len();
         let sizes: Vec<usize> = (0..n).map(|s| panels(s).len()).collect();
         // Operations behind a number from which on it is kept: as few as memory allows.
@@ -46,7 +60,6 @@ impl Reuse {
         };
         let mut out = Self {
             unit: vec![0; n],
-            position: vec![0; tree.order.len()],
             todo: vec![true; n],
             kept: vec![0; n + 1],
             sizes: (0..n).map(|s| if kept[s] { sizes[s] } else { 0 }).collect(),
@@ -73,26 +86,60 @@ impl Reuse {
             }
             out.work[out.unit[s] as usize] += tree.work(s);
         }
-        for s in 0..n {
-            let unit = out.unit[s];
-            out.home.extend((tree.first[s]..tree.first[s + 1]).map(|_| unit));
-        }
-        for (p, &e) in tree.order.iter().enumerate() {
-            out.position[e as usize] = p as u32;
-        }
+        out.stretch(pattern, tree, kind);
         out
     }
 
-    /// True if nothing is known that a changed entry could spoil.
-    pub fn is_blank(&self) -> bool {
-        self.stale.iter().all(|&stale| stale)
+    /// Lists which entries enter which unit.
+    fn stretch(&mut self, pattern: &Pattern, tree: &Tree, kind: Kind) {
+        let mut home = vec![(0, 0); pattern.n()]; // [equation] → position, unit
+        for s in 0..tree.len() {
+            for p in tree.first[s]..tree.first[s + 1] {
+                home[tree.order[p] as usize] = (p, self.unit[s]);
+            }
+        }
+        for j in 0..pattern.n() {
+            let column = pattern.col_ptr()[j]..pattern.col_ptr()[j + 1];
+            let mut last: Option<Stretch> = None;
+            for e in column {
+                let i = pattern.row_idx()[e] as usize;
+                if kind == Kind::Symmetric && i < j {
+                    continue;
+                }
+                let unit = home[i].min(home[j]).1;
+                match &mut last {
+                    Some(stretch) if stretch.unit == unit => stretch.end += 1,
+                    _ => {
+                        self.stretches.extend(last);
+                        last = Some(Stretch {
+                            start: e as u32,
+                            end: e as u32 + 1,
+                            unit,
+                        });
+                    }
+                }
+            }
+            self.stretches.extend(last);
+        }
     }
 
-    /// Entry (i, j) changed: it enters the front that eliminates the first of both.
-    #[inline]
-    pub fn touch(&mut self, i: usize, j: usize) {
-        let first = self.position[i].min(self.position[j]);
-        self.stale[self.home[first as usize] as usize] = true;
+    /// Marks what differs by a bit as stale: an entry enters the front that eliminates the first of its
+    /// two equations. Values of which there are none yet differ.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) {
+        if old.len() != new.len() {
+            self.stale.fill(true);
+            return;
+        }
+        for stretch in &self.stretches {
+            let stale = &mut self.stale[stretch.unit as usize];
+            if *stale {
+                continue;
+            }
+            let range = stretch.start as usize..stretch.end as usize;
+            let pairs = old[range.clone()].iter().zip(&new[range]);
+            // Without a way out in between: that is faster over so few.
+            *stale = pairs.fold(0, |any, (a, b)| any | (a.to_bits() ^ b.to_bits())) != 0;
+        }
     }
 
     /// Decides what is to be eliminated and returns the share of the operations that are saved. All of

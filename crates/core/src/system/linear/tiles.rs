@@ -158,21 +158,21 @@ fn below<S: Simd, const R: usize, const W: usize>(
             }
         }
     } else {
-        let mut space = [0.0; MOST];
+        let whole = (R - 1) * S::F64_LANES;
         for c in 0..W {
-            space[..rows].copy_from_slice(&panel[c * m + i..][..rows]);
-            let (at, _) = S::as_simd_f64s(&space[..R * S::F64_LANES]);
-            for r in 0..R {
-                x[c][r] = simd.sub_f64s(at[r], x[c][r]);
+            let (head, tail) = panel[c * m + i..][..rows].split_at(whole);
+            let (head, _) = S::as_simd_f64s(head);
+            for r in 0..R - 1 {
+                x[c][r] = simd.sub_f64s(head[r], x[c][r]);
             }
+            x[c][R - 1] = simd.sub_f64s(simd.partial_load_f64s(tail), x[c][R - 1]);
         }
         divide(simd, &mut x, own, inverse);
         for c in 0..W {
-            let (at, _) = S::as_mut_simd_f64s(&mut space[..R * S::F64_LANES]);
-            for r in 0..R {
-                at[r] = x[c][r];
-            }
-            panel[c * m + i..][..rows].copy_from_slice(&space[..rows]);
+            let (head, tail) = panel[c * m + i..][..rows].split_at_mut(whole);
+            let (head, _) = S::as_mut_simd_f64s(head);
+            head.copy_from_slice(&x[c][..R - 1]);
+            simd.partial_store_f64s(tail, x[c][R - 1]);
         }
     }
 }
@@ -308,13 +308,16 @@ fn strip<S: Simd, const W: usize>(
     let lanes = S::F64_LANES;
     let mut i = first;
     while i < height {
-        let rows = (height - i).min(TALL * lanes);
-        match rows.div_ceil(lanes) {
-            1 => product::<S, 1, W>(simd, columns, m, top + i, top + first, tile, height, i),
-            2 => product::<S, 2, W>(simd, columns, m, top + i, top + first, tile, height, i),
-            _ => product::<S, 3, W>(simd, columns, m, top + i, top + first, tile, height, i),
+        let vectors = (height - i).div_ceil(lanes).min(TALL);
+        // The last tile ends where the panel does and writes some rows again, with the same numbers, or
+        // some above the diagonal, which nobody reads.
+        let at = i.min(height.saturating_sub(vectors * lanes));
+        match vectors {
+            1 => product::<S, 1, W>(simd, columns, m, top + at, top + first, tile, height, at),
+            2 => product::<S, 2, W>(simd, columns, m, top + at, top + first, tile, height, at),
+            _ => product::<S, 3, W>(simd, columns, m, top + at, top + first, tile, height, at),
         }
-        i += rows;
+        i += vectors * lanes;
     }
 }
 
