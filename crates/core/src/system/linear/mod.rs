@@ -21,6 +21,7 @@ mod reuse;
 #[cfg(test)]
 mod reuse_tests;
 mod schur;
+mod single;
 #[cfg(test)]
 mod stencils;
 mod substitution;
