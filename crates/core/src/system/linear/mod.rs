@@ -21,6 +21,7 @@ mod reuse;
 #[cfg(test)]
 mod reuse_tests;
 mod schur;
+mod share;
 mod single;
 #[cfg(test)]
 mod stencils;
@@ -243,11 +244,14 @@ impl LinearSolver {
         let start = Instant::now();
         self.factorised = false;
         self.in_refuge = false;
-        if let Engine::Multifrontal(f) = &mut self.engine {
-            f.compare(self.operator.values(), values);
-        }
         self.stats.reused = 0.0;
-        self.operator.store(values)?;
+        let known = match &mut self.engine {
+            Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
+            _ => false,
+        };
+        if !known {
+            self.operator.store(values)?;
+        }
         let pattern = self.operator.pattern();
         match &mut self.engine {
             Engine::Multifrontal(f) => match f.factorise(values, self.operator.row_sums()) {

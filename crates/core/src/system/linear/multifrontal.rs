@@ -11,6 +11,7 @@ use super::kernels::{self, Scratch};
 use super::ordering::{self, Graph};
 use super::reuse::Reuse;
 use super::schur::Panels;
+use super::share::{Cut, Front, Matrix, Share};
 use super::substitution::{Factors, Vectors};
 use super::tasks::{self, Places, Task};
 use super::tree::Tree;
@@ -30,8 +31,8 @@ pub(super) struct Multifrontal {
     stacks: [Vec<f64>; 2], // Schur complements
     kept: Vec<f64>,   // those that later factorisations may need again
     reuse: Reuse,
-    x: Vec<f64>,      // [supernode][column][row], of a solution
-    below: Vec<f64>,  // [supernode][column][row below]
+    x: Vec<f64>,     // [supernode][column][row], of a solution
+    below: Vec<f64>, // [supernode][column][row below]
 }
 
 /// What the analysis knows and every thread reads.
@@ -43,80 +44,6 @@ pub(super) struct Plan {
     places: Places,
     children: Vec<u32>,       // ascending within a supernode
     children_ptr: Vec<usize>, // [supernode + 1]
-}
-
-/// The matrix to factorise, and what of it.
-#[derive(Clone, Copy)]
-struct Matrix<'a> {
-    todo: &'a [bool],  // [supernode]
-    kept: &'a [usize], // [supernode + 1] start of Schur complements that are kept
-    values: &'a [f64], // [entry]
-    /// Σ_j |a_ij|. `[equation]`
-    sums: &'a [f64],
-}
-
-/// The stretch of all buffers that belongs to a range of supernodes.
-struct Share<'a> {
-    factors: &'a mut [f64],
-    pivots: &'a mut [u32],
-    stacks: [&'a mut [f64]; 2],
-    kept: &'a mut [f64],
-}
-
-/// What one front works on.
-struct Front<'a> {
-    factors: &'a mut [f64],
-    pivots: &'a mut [u32],
-    stacks: [&'a mut [f64]; 2],
-    /// Where its Schur complement goes on its stack.
-    offset: usize,
-    /// Kept Schur complements of its task.
-    kept: &'a mut [f64],
-    /// Start of these among all.
-    base: usize,
-}
-
-impl<'a> Share<'a> {
-    /// Cuts off the first numbers of each buffer.
-    fn split(self, cut: Cut) -> (Share<'a>, Share<'a>) {
-        let (factors, factors_after) = self.factors.split_at_mut(cut.factors);
-        let (pivots, pivots_after) = self.pivots.split_at_mut(cut.pivots);
-        let [even, odd] = self.stacks;
-        let (even, even_after) = even.split_at_mut(cut.stacks[0]);
-        let (odd, odd_after) = odd.split_at_mut(cut.stacks[1]);
-        let (kept, kept_after) = self.kept.split_at_mut(cut.kept);
-        let first = Share {
-            factors,
-            pivots,
-            stacks: [even, odd],
-            kept,
-        };
-        let after = Share {
-            factors: factors_after,
-            pivots: pivots_after,
-            stacks: [even_after, odd_after],
-            kept: kept_after,
-        };
-        (first, after)
-    }
-
-    fn reborrow(&mut self) -> Share<'_> {
-        let [even, odd] = &mut self.stacks;
-        Share {
-            factors: self.factors,
-            pivots: self.pivots,
-            stacks: [even, odd],
-            kept: self.kept,
-        }
-    }
-}
-
-/// Numbers of each buffer.
-struct Cut {
-    factors: usize,
-    pivots: usize,
-    stacks: [usize; 2],
-    kept: usize,
 }
 
 impl Multifrontal {
@@ -174,9 +101,9 @@ impl Multifrontal {
     }
 
     /// To be called with the values of the last factorisation, be it good or failed, and of the next one
-    /// `[entry]`.
-    pub fn compare(&mut self, old: &[f64], new: &[f64]) {
-        self.reuse.compare(old, new);
+    /// `[entry]`; true if the last one was good and no value that is read has changed.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
+        self.reuse.compare(old, new)
     }
 
     /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is

@@ -26,14 +26,14 @@ struct Stretch {
 /// Units, and what is known of their factors.
 #[derive(Debug, Default)]
 pub(super) struct Reuse {
-    unit: Vec<u32>,       // [supernode], ascending along its last supernodes
-    parent: Vec<u32>,     // [unit], or `ROOT`
-    work: Vec<f64>,       // [unit] operations
+    unit: Vec<u32>,          // [supernode], ascending along its last supernodes
+    parent: Vec<u32>,        // [unit], or `ROOT`
+    work: Vec<f64>,          // [unit] operations
     stretches: Vec<Stretch>, // all entries that are read
-    stale: Vec<bool>,     // [unit]
-    todo: Vec<bool>,      // [supernode]
-    kept: Vec<usize>,     // [supernode + 1] start of its Schur complement, once they are kept
-    sizes: Vec<usize>,    // [supernode] numbers of it where it would be kept
+    stale: Vec<bool>,        // [unit]
+    todo: Vec<bool>,         // [supernode]
+    kept: Vec<usize>,        // [supernode + 1] start of its Schur complement, once they are kept
+    sizes: Vec<usize>,       // [supernode] numbers of it where it would be kept
     keeps: bool,
 }
 
@@ -124,11 +124,11 @@ impl Reuse {
     }
 
     /// Marks what differs by a bit as stale: an entry enters the front that eliminates the first of its
-    /// two equations. Values of which there are none yet differ.
-    pub fn compare(&mut self, old: &[f64], new: &[f64]) {
+    /// two equations. Values of which there are none yet differ. True if nothing is stale.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
         if old.len() != new.len() {
             self.stale.fill(true);
-            return;
+            return false;
         }
         for stretch in &self.stretches {
             let stale = &mut self.stale[stretch.unit as usize];
@@ -140,6 +140,7 @@ impl Reuse {
             // Without a way out in between: that is faster over so few.
             *stale = pairs.fold(0, |any, (a, b)| any | (a.to_bits() ^ b.to_bits())) != 0;
         }
+        !self.stale.contains(&true)
     }
 
     /// Decides what is to be eliminated and returns the share of the operations that are saved. All of

@@ -38,7 +38,10 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
             0 => shift(pattern, &mut next, from..from + 8, 1e-3),
             1 => shift(pattern, &mut next, from..from + 40, 1e-15),
             _ => {
-                let (k, j) = (pattern.col_ptr()[from], pattern.row_idx()[pattern.col_ptr()[from]]);
+                let (k, j) = (
+                    pattern.col_ptr()[from],
+                    pattern.row_idx()[pattern.col_ptr()[from]],
+                );
                 next[k] *= 1.0 + f64::EPSILON;
                 let mirror = pattern.find(from, j as usize).unwrap();
                 next[mirror] = next[k];
@@ -93,7 +96,10 @@ fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
                 let mut saved = Vec::new();
                 for (round, (values, whole)) in list.iter().zip(&whole).enumerate() {
                     let (solved, share) = outcome(&mut solver, values);
-                    assert!(solved == *whole, "{backend:?}, {threads} threads, round {round}");
+                    assert!(
+                        solved == *whole,
+                        "{backend:?}, {threads} threads, round {round}"
+                    );
                     saved.push(share);
                 }
                 saved

@@ -20,7 +20,8 @@ impl Panels {
     /// Start of the panel that begins with column c, a multiple of the panels' width or the order.
     fn start(self, c: usize) -> usize {
         let (full, rest) = (c / self.wide, c % self.wide);
-        let before = self.wide * (self.order * full - self.wide * (full * full.saturating_sub(1) / 2));
+        let before =
+            self.wide * (self.order * full - self.wide * (full * full.saturating_sub(1) / 2));
         before + rest * (self.order - full * self.wide)
     }
 
@@ -28,7 +29,10 @@ impl Panels {
     #[inline]
     pub fn column(self, c: usize) -> (usize, usize) {
         let first = c - c % self.wide;
-        (self.start(first) + (c - first) * (self.order - first), first)
+        (
+            self.start(first) + (c - first) * (self.order - first),
+            first,
+        )
     }
 
     /// First column of each panel, with its numbers.

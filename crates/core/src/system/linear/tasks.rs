@@ -115,13 +115,7 @@ pub(super) fn plan(tree: &Tree, kind: Kind) -> (Task, Places) {
 }
 
 /// Plays the pushes and pops of a task through.
-fn place(
-    task: &mut Task,
-    tree: &Tree,
-    kind: Kind,
-    children: &[Vec<usize>],
-    places: &mut Places,
-) {
+fn place(task: &mut Task, tree: &Tree, kind: Kind, children: &[Vec<usize>], places: &mut Places) {
     let size = |s: usize| {
         let (k, b) = (tree.columns(s), tree.below(s).len());
         kernels::panels(kind, k + b, k).len()

@@ -213,7 +213,12 @@ fn sums<S: Simd, const R: usize, const W: usize>(
     let mut sum = [[simd.splat_f64s(0.0); R]; W];
     let mut at = 0;
     while at + i + rows <= done.len() {
-        add(simd, &done[at + i..][..rows], &done[at + j..][..W], &mut sum);
+        add(
+            simd,
+            &done[at + i..][..rows],
+            &done[at + j..][..W],
+            &mut sum,
+        );
         at += m;
     }
     while at < done.len() {
