@@ -140,7 +140,7 @@ pub struct SolveReport {
 /// The closed family of factorisations.
 #[derive(Debug)]
 enum Engine {
-    Multifrontal(Multifrontal),
+    Multifrontal(Box<Multifrontal>),
     FaerLlt(FaerLlt),
     FaerLu(FaerLu),
 }
@@ -186,7 +186,7 @@ impl LinearSolver {
                 let kind = options.backend.kind();
                 let fronts = Multifrontal::analyse(pattern, options.ordering, kind)?;
                 (stats.nnz, stats.flops) = (fronts.factor_nnz(), fronts.flops());
-                Engine::Multifrontal(fronts)
+                Engine::Multifrontal(Box::new(fronts))
             }
             Backend::FaerLlt => {
                 let graph = Graph::of(pattern)?;

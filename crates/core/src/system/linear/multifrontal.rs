@@ -233,7 +233,7 @@ impl Plan {
         let storage = &self.assembly.storage;
         let range = task.start..task.own.end;
         let numbers = storage[range.end] - storage[range.start];
-        let (own, rest) = share.split(Cut {
+        let (own, rest) = share.split(&Cut {
             factors: numbers,
             kept: matrix.kept[range.end] - matrix.kept[range.start],
             pivots: self.pivots(range),

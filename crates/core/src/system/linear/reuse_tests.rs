@@ -120,7 +120,9 @@ fn nothing_is_kept_of_matrices_that_change_everywhere() {
     for backend in BOTH {
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
         for _ in 0..3 {
-            values.iter_mut().for_each(|a| *a *= 1.01);
+            for a in &mut values {
+                *a *= 1.01;
+            }
             assert_eq!(solver.factorise(&values).unwrap().reused, 0.0);
         }
     }

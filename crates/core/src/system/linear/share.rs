@@ -33,7 +33,7 @@ pub(super) struct Front<'a> {
 
 impl<'a> Share<'a> {
     /// Cuts off the first numbers of each buffer.
-    pub fn split(self, cut: Cut) -> (Share<'a>, Share<'a>) {
+    pub fn split(self, cut: &Cut) -> (Share<'a>, Share<'a>) {
         let (factors, factors_after) = self.factors.split_at_mut(cut.factors);
         let (pivots, pivots_after) = self.pivots.split_at_mut(cut.pivots);
         let [even, odd] = self.stacks;

@@ -153,9 +153,7 @@ fn below<S: Simd, const R: usize, const W: usize>(
         for c in 0..W {
             let at = &mut panel[c * m + i..][..R * S::F64_LANES];
             let (at, _) = S::as_mut_simd_f64s(at);
-            for r in 0..R {
-                at[r] = x[c][r];
-            }
+            at.copy_from_slice(&x[c]);
         }
     } else {
         let whole = (R - 1) * S::F64_LANES;
@@ -260,9 +258,7 @@ fn tile<S: Simd, const R: usize, const W: usize>(
     let sum = sums::<S, R, W>(simd, done, m, i, j);
     for c in 0..W {
         let (to, _) = S::as_mut_simd_f64s(&mut out[c][..R * S::F64_LANES]);
-        for r in 0..R {
-            to[r] = sum[c][r];
-        }
+        to.copy_from_slice(&sum[c]);
     }
 }
 
