@@ -9,7 +9,8 @@
 //! Not measured here but with this binary, after `cargo bench --bench linear --no-run`:
 //! `<binary> --peers <folder>` serves `benches/peers/pardiso.py`;
 //! `<binary> --once <matrix> llt|lu [threads] [right-hand sides]` factorises one large matrix
-//! (`wall-240-5-139`, `cube-55`) and tells the memory.
+//! (`wall-240-5-139`, `cube-55`) and tells the memory; `<binary> --scale [threads] [repeats]` walls of 10,000
+//! to 500,000 unknowns, with the exponents of time and memory.
 
 #[path = "peers/matrices.rs"]
 mod matrices;
@@ -120,6 +121,14 @@ fn main() -> std::io::Result<()> {
             };
             let count = |i: usize| counts.get(i).and_then(|n| n.parse().ok()).unwrap_or(1);
             serve::once(name, backend, count(0), count(1))
+        }
+        ["--scale", ref counts @ ..] => {
+            let count = |i: usize, else_: usize| {
+                let given = counts.get(i).and_then(|n| n.parse().ok());
+                given.unwrap_or(else_)
+            };
+            serve::scale(count(0, 1), count(1, 3));
+            Ok(())
         }
         _ => {
             benches();

@@ -36,7 +36,19 @@ pub fn matrix(name: &str) -> Matrix {
 }
 
 fn wall(set: &[(&str, &str)]) -> Matrix {
-    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/03_shear_wall_j7d.toml");
+    example("03_shear_wall_j7d.toml", set)
+}
+
+/// The tangent at rest of the large wall of elastic units, of this length [mm] and so many courses.
+pub fn large_wall(length: &str, courses: &str) -> Matrix {
+    let set = [("wall.length", length), ("wall.courses", courses)];
+    example("70_large_wall.toml", &set)
+}
+
+fn example(name: &str, set: &[(&str, &str)]) -> Matrix {
+    let deck = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name);
     let own = |&(key, value): &(&str, &str)| (key.to_owned(), value.to_owned());
     let set: Vec<(String, String)> = set.iter().map(own).collect();
     let deck = Deck::load(deck.to_str().expect("a path in UTF-8"), &set).expect("a deck");

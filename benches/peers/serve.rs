@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use wythe::system::linear::{Backend, LinearSolver};
 
-use super::matrices::{Matrix, NAMES, matrix};
+use super::matrices::{Matrix, NAMES, large_wall, matrix};
 
 /// Writes `name.bin` in little endian: n and the number of entries (u64), column pointers (u64),
 /// rows (u32), values (f64), both triangles.
@@ -124,4 +124,80 @@ pub fn once(name: &str, backend: Backend, threads: usize, columns: usize) -> std
         println!("{line}");
     }
     Ok(())
+}
+
+/// Resident memory of the process [bytes] (Linux; elsewhere nought).
+fn resident() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmRSS"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok());
+    1024.0 * kilobytes.unwrap_or(0.0)
+}
+
+/// Walls of 10,000 to 500,000 unknowns by L Lᵀ: times of analysis, factorisation, the same after a change
+/// in a corner and after none, and solve, memory, and the exponents of their growth.
+pub fn scale(threads: usize, repeats: usize) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.build().expect("threads");
+    let walls = [
+        ("4317.5", "8"),
+        ("4317.5", "36"),
+        ("8647.5", "53"),
+        ("17307.5", "88"),
+    ];
+    println!("unknowns | analysis | factorise | corner | again | solve, ms | kB an unknown, kept");
+    let mut last: Option<(f64, [f64; 7])> = None;
+    for (length, courses) in walls {
+        let row = pool.install(|| grow(&large_wall(length, courses), repeats));
+        let (n, figures) = row;
+        println!("{n} | {figures:.3?}");
+        if let Some((before, old)) = last {
+            let exponent = |i: usize| (figures[i] / old[i]).ln() / (n / before).ln();
+            let exponents: Vec<f64> = (0..figures.len()).map(exponent).collect();
+            println!("  exponents {exponents:.2?}");
+        }
+        last = Some(row);
+    }
+}
+
+/// Unknowns, and what [`scale`] prints of one wall: the least of several times.
+fn grow(matrix: &Matrix, repeats: usize) -> (f64, [f64; 7]) {
+    let n = matrix.pattern.n();
+    let mut times = [f64::INFINITY; 5];
+    let note = |time: &mut f64, seconds: f64| *time = time.min(1e3 * seconds);
+    let before = resident();
+    let mut solver = matrix.analyse(Backend::MultifrontalLlt);
+    note(&mut times[0], solver.stats().analysis_seconds);
+    // The first tenth of the equations, which are numbered from one corner.
+    let mut corner = matrix.values.clone();
+    for j in 0..n / 10 {
+        let diagonal = matrix.pattern.find(j, j).expect("a diagonal");
+        corner[diagonal] *= 1.0 + 1e-6;
+    }
+    let other: Vec<f64> = matrix.values.iter().map(|a| a * 1.5).collect();
+    let mut whole = 0.0;
+    for round in 0..repeats {
+        let seconds = solver.factorise(&other).expect("factors").seconds;
+        note(&mut times[1], seconds);
+        let start = Instant::now();
+        solver.solve(&mut vec![1.0; n]).expect("a solution");
+        note(&mut times[4], start.elapsed().as_secs_f64());
+        if round == 0 {
+            whole = resident() - before - 16.0 * matrix.values.len() as f64;
+        }
+        solver.factorise(&matrix.values).expect("factors");
+        // The first change in a corner makes the solver keep Schur complements, the second is measured.
+        for values in [&corner, &matrix.values, &corner] {
+            let stats = solver.factorise(values).expect("factors");
+            if stats.reused > 0.0 {
+                note(&mut times[2], stats.seconds);
+            }
+        }
+        let seconds = solver.factorise(&corner).expect("factors").seconds;
+        note(&mut times[3], seconds);
+    }
+    let kept = resident() - before - 16.0 * matrix.values.len() as f64;
+    let [a, f, c, u, s] = times;
+    let kilobytes = |bytes: f64| 1e-3 * bytes / n as f64;
+    (n as f64, [a, f, c, u, s, kilobytes(whole), kilobytes(kept)])
 }

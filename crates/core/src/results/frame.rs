@@ -237,6 +237,8 @@ pub struct Summary {
     pub cutbacks: usize,
     /// Factorisations.
     pub factorisations: usize,
+    /// How many of them the branches of the matrix without a change saved, by their operations.
+    pub reused: f64,
     /// Evaluations of all forces, those of the line search among them.
     pub evaluations: usize,
     /// CPU-independent wall seconds by phase: elements, contact, assembly, factorise, solve, output.
@@ -260,6 +262,7 @@ impl Summary {
             iterations: 0,
             cutbacks: 0,
             factorisations: 0,
+            reused: 0.0,
             evaluations: 0,
             seconds_by_phase: [0.0; 6],
             threads,

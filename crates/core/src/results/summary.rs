@@ -43,6 +43,9 @@ pub struct SummaryFile {
     pub cutbacks: usize,
     /// Factorisations.
     pub factorisations: usize,
+    /// How many of them were saved because parts of the matrix had not changed, by their operations.
+    #[serde(default)]
+    pub reused: f64,
     /// Evaluations of all forces, those of the line search among them.
     pub force_evaluations: usize,
     /// Wall-clock time from the creation of the folder to its end [s].
@@ -227,6 +230,7 @@ impl SummaryFile {
             iterations: run.iterations,
             cutbacks: run.cutbacks,
             factorisations: run.factorisations,
+            reused: run.reused,
             force_evaluations: run.evaluations,
             wall_s: measured.wall_s,
             cpu_s: measured.cpu_s,
@@ -340,6 +344,7 @@ mod tests {
             "iterations",
             "cutbacks",
             "factorisations",
+            "reused",
             "force_evaluations",
             "wall_s",
             "cpu_s",

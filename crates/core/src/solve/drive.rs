@@ -533,6 +533,7 @@ impl<'m> Run<'m> {
     fn tally(&mut self, newton: &Newton) {
         let c = self.clock + newton.clock;
         self.summary.factorisations = c.factorisations;
+        self.summary.reused = c.reused;
         self.summary.evaluations = c.evaluations;
         self.summary.seconds_by_phase = [
             c.elements,

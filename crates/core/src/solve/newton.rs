@@ -426,7 +426,10 @@ impl<'m> Newton<'m> {
         }
         self.clock.factorisations += 1;
         timed(&mut self.clock.factorise, || linear.factorise(&self.values))
-            .and_then(|_| timed(&mut self.clock.solve, || linear.solve(&mut self.direction)))
+            .and_then(|stats| {
+                self.clock.reused += stats.reused;
+                timed(&mut self.clock.solve, || linear.solve(&mut self.direction))
+            })
             .map_err(|why| {
                 let equation = match why {
                     LinearError::Singular { equation }

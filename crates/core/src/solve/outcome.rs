@@ -118,6 +118,8 @@ pub struct Clock {
     pub solve: f64,
     /// How many factorisations.
     pub factorisations: usize,
+    /// How many of them their branches without a change of the matrix saved, by their operations.
+    pub reused: f64,
     /// How many evaluations of all forces.
     pub evaluations: usize,
 }
@@ -133,6 +135,7 @@ impl std::ops::Add for Clock {
             factorise: self.factorise + other.factorise,
             solve: self.solve + other.solve,
             factorisations: self.factorisations + other.factorisations,
+            reused: self.reused + other.reused,
             evaluations: self.evaluations + other.evaluations,
         }
     }

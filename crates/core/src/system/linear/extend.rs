@@ -1,13 +1,14 @@
 //! Adding a child's Schur complement to its parent's front.
 
 use super::assembly::Run;
+use super::schur::Panels;
 
 /// A child's Schur complement and where it goes.
 pub(super) struct Child<'a> {
-    /// `[column][row]`
+    /// Its numbers.
     pub schur: &'a [f64],
-    /// Its order.
-    pub rows: usize,
+    /// How they lie.
+    pub panels: Panels,
     /// Rows that the parent eliminates.
     pub summed: usize,
     /// Its rows in the parent's front.
@@ -15,6 +16,13 @@ pub(super) struct Child<'a> {
 }
 
 impl Child<'_> {
+    /// Column c from row `c - c % wide` on, and that row.
+    #[inline]
+    fn column(&self, c: usize) -> (&[f64], usize) {
+        let (start, first) = self.panels.column(c);
+        (&self.schur[start..][..self.panels.order - first], first)
+    }
+
     /// Adds to the lower triangle of the parent's columns (m rows).
     pub fn add_columns_lower(&self, columns: &mut [f64], m: usize) {
         for (r, run) in self.runs.iter().enumerate() {
@@ -22,24 +30,25 @@ impl Child<'_> {
                 break;
             }
             for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
+                let from = self.column(run.from as usize + i);
                 let to = &mut columns[(run.to as usize + i) * m..][..m];
-                add(&self.runs[r..], 0, i, from, to);
+                add(&self.runs[r..], i, from, to, 0);
             }
         }
     }
 
-    /// Adds to the lower triangle of the parent's Schur complement (order b, after k columns).
-    pub fn add_schur_lower(&self, schur: &mut [f64], k: usize, b: usize) {
+    /// Adds to the lower triangle of the parent's Schur complement, after k columns.
+    pub fn add_schur_lower(&self, schur: &mut [f64], k: usize, panels: Panels) {
         let start = self
             .runs
             .partition_point(|run| (run.from as usize) < self.summed);
         for r in start..self.runs.len() {
             let run = self.runs[r];
             for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
-                let to = &mut schur[(run.to as usize - k + i) * b..][..b];
-                add(&self.runs[r..], k, i, from, to);
+                let from = self.column(run.from as usize + i);
+                let (at, first) = panels.column(run.to as usize - k + i);
+                let to = &mut schur[at..][..panels.order - first];
+                add(&self.runs[r..], i, from, to, k + first);
             }
         }
     }
@@ -51,13 +60,13 @@ impl Child<'_> {
             .partition_point(|run| (run.from as usize) < self.summed);
         for run in self.runs {
             for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
+                let from = self.column(run.from as usize + i);
                 let column = run.to as usize + i;
                 if column < k {
-                    add(self.runs, 0, 0, from, &mut columns[column * m..][..m]);
+                    add(self.runs, 0, from, &mut columns[column * m..][..m], 0);
                 } else {
                     let to = &mut rest[(column - k) * k..][..k];
-                    add(&self.runs[..start], 0, 0, from, to);
+                    add(&self.runs[..start], 0, from, to, 0);
                 }
             }
         }
@@ -70,23 +79,24 @@ impl Child<'_> {
             .partition_point(|run| (run.from as usize) < self.summed);
         for run in &self.runs[start..] {
             for i in 0..run.len as usize {
-                let from = &self.schur[(run.from as usize + i) * self.rows..][..self.rows];
+                let from = self.column(run.from as usize + i);
                 let to = &mut schur[(run.to as usize - k + i) * b..][..b];
-                add(&self.runs[start..], k, 0, from, to);
+                add(&self.runs[start..], 0, from, to, k);
             }
         }
     }
 }
 
 /// Adds the rows of one column run by run, without the first `skip` of the first run; the rows of
-/// `to` are counted from `base` of the parent's front.
+/// `from` are counted from the second of it, those of `to` from `base` of the parent's front.
 #[inline]
-fn add(runs: &[Run], base: usize, skip: usize, from: &[f64], to: &mut [f64]) {
+fn add(runs: &[Run], skip: usize, from: (&[f64], usize), to: &mut [f64], base: usize) {
+    let (from, first) = from;
     let mut skip = skip;
     for run in runs {
         let len = run.len as usize - skip;
-        let source = &from[run.from as usize + skip..][..len];
-        let target = &mut to[run.to as usize - base + skip..][..len];
+        let source = &from[run.from as usize + skip - first..][..len];
+        let target = &mut to[run.to as usize + skip - base..][..len];
         for (t, s) in target.iter_mut().zip(source) {
             *t += s;
         }

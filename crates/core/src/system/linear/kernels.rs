@@ -14,16 +14,13 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
-use super::LinearError;
+use super::schur::Panels;
 use super::tree::flops;
+use super::{Kind, LinearError, tiles};
 
-/// Columns of a Schur complement that are updated by one product: the triangle above the diagonal
-/// of such a block is computed for nothing, but one product is faster than two halves.
-fn panel(b: usize) -> usize {
-    (b / 16).max(48)
-}
-/// Columns that a Cholesky front eliminates at once: few, because the products before are faster
-/// than elimination; more where those would read what no cache holds for each few columns again.
+/// Columns that a Cholesky front of many columns eliminates before it updates the others by products.
+const BLOCK: usize = 64;
+/// Columns that a large front, cut into pieces, eliminates at once.
 fn block(k: usize) -> usize {
     if k > 256 { 64 } else { 16 }
 }
@@ -81,6 +78,19 @@ pub(super) fn parts(columns: &[f64], m: usize, k: usize) -> (MatRef<'_, f64>, Ma
     MatRef::from_column_major_slice(columns, m, k).split_at_row(k)
 }
 
+/// How the Schur complement of a front is stored: of L Lᵀ the lower triangle in panels, wide ones where
+/// each is one product (the triangle above the diagonal of such a block is computed for nothing, but
+/// one product is faster than two halves).
+pub(super) fn panels(kind: Kind, m: usize, k: usize) -> Panels {
+    let order = m - k;
+    let wide = match kind {
+        Kind::Unsymmetric => order.max(1),
+        Kind::Symmetric if is_large(m, k) => (order / 16).max(48),
+        Kind::Symmetric => 16,
+    };
+    Panels { order, wide }
+}
+
 /// L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ in place of `columns` (m × k), and S = −L₂₁ L₂₁ᵀ, its lower
 /// triangle, in `schur`; returns the column whose pivot is not positive.
 pub(super) fn llt(
@@ -90,7 +100,58 @@ pub(super) fn llt(
     schur: &mut [f64],
     scratch: &mut Scratch,
 ) -> Result<(), usize> {
-    let large = is_large(m, k);
+    let panels = panels(Kind::Symmetric, m, k);
+    if is_large(m, k) {
+        eliminate_in_pieces(columns, m, k, scratch)?;
+    } else {
+        for j in (0..k).step_by(BLOCK) {
+            if j > 0 {
+                update(columns, m, j, BLOCK.min(k - j));
+            }
+            tiles::eliminate(columns, m, j, k.min(j + BLOCK))?;
+        }
+    }
+    if m == k {
+        return Ok(());
+    }
+    if !is_large(m, k) {
+        tiles::schur(columns, m, panels, schur);
+        return Ok(());
+    }
+    let (_, below) = parts(columns, m, k);
+    let panels: Vec<_> = panels.split(schur).collect();
+    panels.into_par_iter().for_each(|(j, panel)| {
+        let height = m - k - j;
+        let width = panel.len() / height;
+        matmul(
+            MatMut::from_column_major_slice_mut(panel, height, width),
+            Accum::Replace,
+            below.subrows(j, height),
+            below.subrows(j, width).transpose(),
+            -1.0,
+            Par::Seq,
+        );
+    });
+    Ok(())
+}
+
+/// Takes off columns j.. what the columns before them owe, from row j on.
+fn update(columns: &mut [f64], m: usize, j: usize, width: usize) {
+    let (done, rest) = columns.split_at_mut(j * m);
+    let done = MatRef::from_column_major_slice(done, m, j).subrows(j, m - j);
+    let block = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width);
+    let across = done.subrows(0, width).transpose();
+    let rows = block.subrows_mut(j, m - j);
+    matmul(rows, Accum::Add, done, across, -1.0, Par::Seq);
+}
+
+/// The columns of a large front, cut into pieces of rows that may run at the same time.
+fn eliminate_in_pieces(
+    columns: &mut [f64],
+    m: usize,
+    k: usize,
+    scratch: &mut Scratch,
+) -> Result<(), usize> {
     // Left-looking: block j first takes all updates from the columns before it, by one product.
     for j in (0..k).step_by(block(k)) {
         let width = block(k).min(k - j);
@@ -116,30 +177,10 @@ pub(super) fn llt(
         )
         .map_err(|LltError::NonPositivePivot { index }| j + index)?;
         let own = own.rb();
-        let most = if large { piece(m - j) } else { m };
-        in_rows(most, below, j + width, &|mut rows, first| {
+        in_rows(piece(m - j), below, j + width, &|mut rows, first| {
             update(rows.rb_mut(), first);
             solve_lower_triangular_in_place(own, rows.transpose_mut(), Par::Seq);
         });
-    }
-    let b = m - k;
-    let (_, below) = parts(columns, m, k);
-    let wide = panel(b);
-    let update = |(p, panel): (usize, &mut [f64])| {
-        let (j, width) = (p * wide, panel.len() / b);
-        matmul(
-            MatMut::from_column_major_slice_mut(panel, b, width).subrows_mut(j, b - j),
-            Accum::Replace,
-            below.subrows(j, b - j),
-            below.subrows(j, width).transpose(),
-            -1.0,
-            Par::Seq,
-        );
-    };
-    if b > 0 && large {
-        schur.par_chunks_mut(b * wide).enumerate().for_each(update);
-    } else if b > 0 {
-        schur.chunks_mut(b * wide).enumerate().for_each(update);
     }
     Ok(())
 }

@@ -17,12 +17,19 @@ mod multifrontal;
 mod operator;
 mod ordering;
 mod pattern;
+mod reuse;
+#[cfg(test)]
+mod reuse_tests;
+mod schur;
+mod share;
+mod single;
 #[cfg(test)]
 mod stencils;
 mod substitution;
 mod tasks;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod tree;
 
 use std::time::Instant;
@@ -111,6 +118,8 @@ pub struct FactorStats {
     pub nnz: usize,
     /// Floating-point operations (0: unknown).
     pub flops: f64,
+    /// Share of the operations of the last factorisation that the one before it saved.
+    pub reused: f64,
     /// Wall time of the last numeric factorisation [s].
     pub seconds: f64,
     /// Wall time of the analysis [s].
@@ -131,7 +140,7 @@ pub struct SolveReport {
 /// The closed family of factorisations.
 #[derive(Debug)]
 enum Engine {
-    Multifrontal(Multifrontal),
+    Multifrontal(Box<Multifrontal>),
     FaerLlt(FaerLlt),
     FaerLu(FaerLu),
 }
@@ -177,7 +186,7 @@ impl LinearSolver {
                 let kind = options.backend.kind();
                 let fronts = Multifrontal::analyse(pattern, options.ordering, kind)?;
                 (stats.nnz, stats.flops) = (fronts.factor_nnz(), fronts.flops());
-                Engine::Multifrontal(fronts)
+                Engine::Multifrontal(Box::new(fronts))
             }
             Backend::FaerLlt => {
                 let graph = Graph::of(pattern)?;
@@ -235,7 +244,14 @@ impl LinearSolver {
         let start = Instant::now();
         self.factorised = false;
         self.in_refuge = false;
-        self.operator.store(values)?;
+        self.stats.reused = 0.0;
+        let known = match &mut self.engine {
+            Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
+            _ => false,
+        };
+        if !known {
+            self.operator.store(values)?;
+        }
         let pattern = self.operator.pattern();
         match &mut self.engine {
             Engine::Multifrontal(f) => match f.factorise(values, self.operator.row_sums()) {
@@ -243,7 +259,7 @@ impl LinearSolver {
                 Err(first) if self.options.backend == Backend::MultifrontalLu => {
                     self.seek_refuge().map_err(|_| first)?;
                 }
-                other => other?,
+                other => self.stats.reused = other?,
             },
             Engine::FaerLlt(f) => f.factorise(pattern, values)?,
             Engine::FaerLu(f) => {

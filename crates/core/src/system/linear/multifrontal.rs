@@ -9,6 +9,9 @@ use super::assembly::Assembly;
 use super::extend::Child;
 use super::kernels::{self, Scratch};
 use super::ordering::{self, Graph};
+use super::reuse::Reuse;
+use super::schur::Panels;
+use super::share::{Cut, Front, Matrix, Share};
 use super::substitution::{Factors, Vectors};
 use super::tasks::{self, Places, Task};
 use super::tree::Tree;
@@ -26,8 +29,10 @@ pub(super) struct Multifrontal {
     factors: Vec<f64>,
     pivots: Vec<u32>, // [position], LU only: row of the front's block that came here
     stacks: [Vec<f64>; 2], // Schur complements
-    x: Vec<f64>,      // [supernode][column][row], of a solution
-    below: Vec<f64>,  // [supernode][column][row below]
+    kept: Vec<f64>,   // those that later factorisations may need again
+    reuse: Reuse,
+    x: Vec<f64>,     // [supernode][column][row], of a solution
+    below: Vec<f64>, // [supernode][column][row below]
 }
 
 /// What the analysis knows and every thread reads.
@@ -41,53 +46,6 @@ pub(super) struct Plan {
     children_ptr: Vec<usize>, // [supernode + 1]
 }
 
-/// The matrix to factorise.
-#[derive(Clone, Copy)]
-struct Matrix<'a> {
-    values: &'a [f64], // [entry]
-    /// Σ_j |a_ij|. `[equation]`
-    sums: &'a [f64],
-}
-
-/// The stretch of all buffers that belongs to a range of supernodes.
-struct Share<'a> {
-    factors: &'a mut [f64],
-    pivots: &'a mut [u32],
-    stacks: [&'a mut [f64]; 2],
-}
-
-impl Share<'_> {
-    /// Cuts off the first numbers of each buffer.
-    fn split(self, factors: usize, pivots: usize, stacks: [usize; 2]) -> (Self, Self) {
-        let (factors, factors_after) = self.factors.split_at_mut(factors);
-        let (pivots, pivots_after) = self.pivots.split_at_mut(pivots);
-        let [even, odd] = self.stacks;
-        let (even, even_after) = even.split_at_mut(stacks[0]);
-        let (odd, odd_after) = odd.split_at_mut(stacks[1]);
-        (
-            Self {
-                factors,
-                pivots,
-                stacks: [even, odd],
-            },
-            Self {
-                factors: factors_after,
-                pivots: pivots_after,
-                stacks: [even_after, odd_after],
-            },
-        )
-    }
-
-    fn reborrow(&mut self) -> Share<'_> {
-        let [even, odd] = &mut self.stacks;
-        Share {
-            factors: self.factors,
-            pivots: self.pivots,
-            stacks: [even, odd],
-        }
-    }
-}
-
 impl Multifrontal {
     /// Orders, builds the assembly tree and allocates all that factorisations need.
     pub fn analyse(pattern: &Pattern, ordering: Ordering, kind: Kind) -> Result<Self, LinearError> {
@@ -95,15 +53,22 @@ impl Multifrontal {
         let order = ordering::order(pattern, &graph, ordering)?;
         let tree = Tree::new(pattern, &graph, &order)?;
         let assembly = Assembly::new(pattern, &tree, kind)?;
-        let (mut task, places) = tasks::plan(&tree);
+        let (mut task, places) = tasks::plan(&tree, kind);
         task.allocate(&tree)?;
         let (children_ptr, children) = tree.children();
         let pivots = match kind {
             Kind::Symmetric => 0,
             Kind::Unsymmetric => pattern.n(),
         };
+        let panels = |s: usize| {
+            let k = tree.columns(s);
+            kernels::panels(kind, k + tree.below(s).len(), k)
+        };
+        let numbers = assembly.storage[tree.len()];
         Ok(Self {
-            factors: vec![0.0; assembly.storage[tree.len()]],
+            reuse: Reuse::new(pattern, &tree, kind, numbers, panels),
+            kept: Vec::new(),
+            factors: vec![0.0; numbers],
             pivots: vec![0; pivots],
             stacks: task.stack.map(|numbers| vec![0.0; numbers]),
             x: vec![0.0; pattern.n()],
@@ -135,17 +100,33 @@ impl Multifrontal {
         }
     }
 
+    /// To be called with the values of the last factorisation, be it good or failed, and of the next one
+    /// `[entry]`; true if the last one was good and no value that is read has changed.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
+        self.reuse.compare(old, new)
+    }
+
     /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is
-    /// small.
-    pub fn factorise(&mut self, values: &[f64], sums: &[f64]) -> Result<(), LinearError> {
+    /// small. Returns the share of the operations that the last factors saved: the result has the
+    /// same bits without them.
+    pub fn factorise(&mut self, values: &[f64], sums: &[f64]) -> Result<f64, LinearError> {
+        let saved = self.reuse.decide(&mut self.kept);
+        let matrix = Matrix {
+            todo: self.reuse.todo(),
+            kept: self.reuse.kept(),
+            values,
+            sums,
+        };
         let [even, odd] = &mut self.stacks;
         let share = Share {
             factors: &mut self.factors,
             pivots: &mut self.pivots,
             stacks: [even, odd],
+            kept: &mut self.kept,
         };
-        self.plan
-            .run(&mut self.task, Matrix { values, sums }, share)
+        self.plan.run(&mut self.task, matrix, share)?;
+        self.reuse.succeed();
+        Ok(saved)
     }
 
     /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`.
@@ -196,30 +177,49 @@ impl Plan {
         &self.children[self.children_ptr[s]..self.children_ptr[s + 1]]
     }
 
+    /// How the Schur complement of supernode `s` lies.
+    fn panels(&self, s: usize) -> Panels {
+        let k = self.tree.columns(s);
+        kernels::panels(self.kind, k + self.tree.below(s).len(), k)
+    }
+
     /// Works a task through: its children at once, if there are threads for them, then its own
     /// supernodes in postorder.
     fn run(&self, task: &mut Task, matrix: Matrix, mut share: Share) -> Result<(), LinearError> {
+        if !matrix.todo[task.start..task.own.end].contains(&true) {
+            return Ok(());
+        }
         self.run_all(&mut task.children, matrix, share.reborrow())?;
-        let storage = &self.assembly.storage;
-        let skip = storage[task.own.start] - storage[task.start];
-        let skip_pivots = self.pivots(task.start..task.own.start);
-        let (_, mut own) = share.split(skip, skip_pivots, [0; 2]);
         let Some(scratch) = &mut task.scratch else {
             return Ok(()); // no supernodes
         };
-        for s in task.own.clone() {
+        let storage = &self.assembly.storage;
+        let start = storage[task.start];
+        let first_pivot = self.tree.first[task.start];
+        let [even, odd] = share.stacks;
+        for s in task.own.clone().filter(|&s| matrix.todo[s]) {
             // The last one's Schur complement is handed on at the start of the stretch.
             let offset = if s + 1 == task.own.end {
                 0
             } else {
                 self.places.offset[s]
             };
-            let (mut front, rest) =
-                own.split(storage[s + 1] - storage[s], self.pivots(s..s + 1), [0; 2]);
-            own = rest;
-            front.stacks = own.stacks;
-            self.eliminate(s, offset, matrix, &mut front, scratch)?;
-            own.stacks = front.stacks;
+            let range = storage[s] - start..storage[s + 1] - start;
+            let pivots = match self.kind {
+                Kind::Symmetric => 0..0,
+                Kind::Unsymmetric => {
+                    self.tree.first[s] - first_pivot..self.tree.first[s + 1] - first_pivot
+                }
+            };
+            let mut front = Front {
+                factors: &mut share.factors[range],
+                pivots: &mut share.pivots[pivots],
+                stacks: [&mut *even, &mut *odd],
+                kept: share.kept,
+                base: matrix.kept[task.start],
+                offset,
+            };
+            self.eliminate(s, matrix, &mut front, scratch)?;
         }
         Ok(())
     }
@@ -233,7 +233,12 @@ impl Plan {
         let storage = &self.assembly.storage;
         let range = task.start..task.own.end;
         let numbers = storage[range.end] - storage[range.start];
-        let (own, rest) = share.split(numbers, self.pivots(range), task.stack);
+        let (own, rest) = share.split(&Cut {
+            factors: numbers,
+            kept: matrix.kept[range.end] - matrix.kept[range.start],
+            pivots: self.pivots(range),
+            stacks: task.stack,
+        });
         if others.is_empty() {
             return self.run(task, matrix, own);
         }
@@ -254,13 +259,12 @@ impl Plan {
         }
     }
 
-    /// Assembles and eliminates front `s`; its Schur complement goes to `offset` of its stack.
+    /// Assembles and eliminates front `s`.
     fn eliminate(
         &self,
         s: usize,
-        offset: usize,
         matrix: Matrix,
-        share: &mut Share,
+        share: &mut Front,
         scratch: &mut Scratch,
     ) -> Result<(), LinearError> {
         let (k, b) = (self.tree.columns(s), self.tree.below(s).len());
@@ -272,14 +276,26 @@ impl Plan {
         } else {
             (odd, even)
         };
-        let schur = &mut made[offset..][..b * b];
+        let panels = self.panels(s);
+        let kept = matrix.kept;
+        let (before, here) = share.kept.split_at_mut(kept[s] - share.base);
+        let schur = if kept[s + 1] > kept[s] {
+            &mut here[..panels.len()]
+        } else {
+            &mut made[share.offset..][..panels.len()]
+        };
         let children = self.children(s);
         let child = |c: u32| {
             let c = c as usize;
-            let rows = self.tree.below(c).len();
+            let panels = self.panels(c);
+            let from = if kept[c + 1] > kept[c] {
+                &before[kept[c] - share.base..]
+            } else {
+                &consumed[self.places.offset[c]..]
+            };
             Child {
-                schur: &consumed[self.places.offset[c]..][..rows * rows],
-                rows,
+                schur: &from[..panels.len()],
+                panels,
                 summed: self.assembly.summed[c] as usize,
                 runs: self.assembly.runs(c),
             }
@@ -320,7 +336,7 @@ impl Plan {
         }
         for &c in children {
             match self.kind {
-                Kind::Symmetric => child(c).add_schur_lower(schur, k, b),
+                Kind::Symmetric => child(c).add_schur_lower(schur, k, panels),
                 Kind::Unsymmetric => child(c).add_schur(schur, k, b),
             }
         }

@@ -47,6 +47,14 @@ impl Operator {
         &self.row_sums
     }
 
+    /// First entry of a column that is read.
+    fn first(&self, j: usize) -> usize {
+        match self.kind {
+            Kind::Symmetric => self.diagonal[j],
+            Kind::Unsymmetric => self.pattern.col_ptr()[j],
+        }
+    }
+
     /// Copies the values and refuses those that are not finite.
     pub fn store(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let expected = self.pattern.nnz();
@@ -60,14 +68,11 @@ impl Operator {
         self.values.clear();
         self.values.extend_from_slice(values);
         self.row_sums.fill(0.0);
-        let sums = &mut self.row_sums;
         for j in 0..self.pattern.n() {
             let end = self.pattern.col_ptr()[j + 1];
-            let start = match self.kind {
-                Kind::Symmetric => self.diagonal[j],
-                Kind::Unsymmetric => self.pattern.col_ptr()[j],
-            };
+            let start = self.first(j);
             let rows = &self.pattern.row_idx()[start..end];
+            let sums = &mut self.row_sums;
             let mut mirrored = 0.0;
             for (&i, a) in rows.iter().zip(&values[start..end]) {
                 sums[i as usize] += a.abs();
@@ -78,7 +83,7 @@ impl Operator {
             }
         }
         self.norm = 0.0;
-        for (equation, &sum) in sums.iter().enumerate() {
+        for (equation, &sum) in self.row_sums.iter().enumerate() {
             if !sum.is_finite() {
                 return Err(LinearError::NotFinite { equation });
             }

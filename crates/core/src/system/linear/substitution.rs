@@ -11,6 +11,7 @@ use faer::{MatMut, MatRef};
 use super::Kind;
 use super::kernels;
 use super::multifrontal::Plan;
+use super::single;
 use super::tasks::Task;
 
 /// The factors, read by all.
@@ -109,6 +110,10 @@ impl Plan {
             }
             let m = k + b;
             let front = &factors.numbers[self.assembly.storage[s]..][..m * k];
+            if columns == 1 && !unit {
+                single::forward(front, m, x, below);
+                continue;
+            }
             let x = MatMut::from_column_major_slice_mut(x, k, columns);
             let below = MatMut::from_column_major_slice_mut(below, b, columns);
             kernels::forward(unit, front, m, x, below);
@@ -141,20 +146,25 @@ impl Plan {
             let known = &here[..b * columns];
             let start = self.assembly.storage[s];
             let m = k + b;
-            let (own, below) = kernels::parts(&factors.numbers[start..][..m * k], m, k);
-            let (upper, rest) = match self.kind {
-                Kind::Symmetric => (own.transpose(), below.transpose()),
-                Kind::Unsymmetric => {
-                    let rest = &factors.numbers[start + m * k..][..k * b];
-                    (own, MatRef::from_column_major_slice(rest, k, b))
-                }
-            };
-            kernels::backward(
-                upper,
-                rest,
-                MatMut::from_column_major_slice_mut(x, k, columns),
-                MatRef::from_column_major_slice(known, b, columns),
-            );
+            let front = &factors.numbers[start..][..m * k];
+            if columns == 1 && self.kind == Kind::Symmetric {
+                single::backward(front, m, x, known);
+            } else {
+                let (own, below) = kernels::parts(front, m, k);
+                let (upper, rest) = match self.kind {
+                    Kind::Symmetric => (own.transpose(), below.transpose()),
+                    Kind::Unsymmetric => {
+                        let rest = &factors.numbers[start + m * k..][..k * b];
+                        (own, MatRef::from_column_major_slice(rest, k, b))
+                    }
+                };
+                kernels::backward(
+                    upper,
+                    rest,
+                    MatMut::from_column_major_slice_mut(x, k, columns),
+                    MatRef::from_column_major_slice(known, b, columns),
+                );
+            }
             for &c in self.children(s) {
                 let (_, start) = self.extent(task.start..c as usize, columns);
                 let rows = self.tree.below(c as usize).len();

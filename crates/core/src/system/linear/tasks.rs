@@ -10,9 +10,9 @@
 
 use std::ops::Range;
 
-use super::LinearError;
-use super::kernels::Scratch;
+use super::kernels::{self, Scratch};
 use super::tree::{ROOT, Tree};
+use super::{Kind, LinearError};
 
 /// A piece of the tree and of the stacks.
 #[derive(Debug, Default)]
@@ -56,7 +56,7 @@ const LEAST: f64 = 5e6;
 const MOST: f64 = 256.0;
 
 /// Cuts the tree and places the Schur complements.
-pub(super) fn plan(tree: &Tree) -> (Task, Places) {
+pub(super) fn plan(tree: &Tree, kind: Kind) -> (Task, Places) {
     let n = tree.len();
     let mut work: Vec<f64> = (0..n).map(|s| tree.work(s)).collect();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); n + 1];
@@ -110,21 +110,24 @@ pub(super) fn plan(tree: &Tree) -> (Task, Places) {
         tasks[s] = Some(task);
     }
     let mut task = tasks[n].take().unwrap_or_default();
-    place(&mut task, tree, &children, &mut places);
+    place(&mut task, tree, kind, &children, &mut places);
     (task, places)
 }
 
 /// Plays the pushes and pops of a task through.
-fn place(task: &mut Task, tree: &Tree, children: &[Vec<usize>], places: &mut Places) {
-    let square = |s: usize| tree.below(s).len().pow(2);
+fn place(task: &mut Task, tree: &Tree, kind: Kind, children: &[Vec<usize>], places: &mut Places) {
+    let size = |s: usize| {
+        let (k, b) = (tree.columns(s), tree.below(s).len());
+        kernels::panels(kind, k + b, k).len()
+    };
     let (mut top, mut base) = ([0; 2], [0; 2]);
     for child in &mut task.children {
-        place(child, tree, children, places);
+        place(child, tree, kind, children, places);
         // Its last supernode leaves its Schur complement at the start of its stretch.
         let root = child.own.end - 1;
         let q = usize::from(places.parity[root]);
         places.offset[root] = base[q];
-        top[q] = base[q] + square(root);
+        top[q] = base[q] + size(root);
         for q in 0..2 {
             base[q] += child.stack[q];
         }
@@ -133,7 +136,7 @@ fn place(task: &mut Task, tree: &Tree, children: &[Vec<usize>], places: &mut Pla
     for s in task.own.clone() {
         let own = usize::from(places.parity[s]);
         places.offset[s] = top[own];
-        top[own] += square(s);
+        top[own] += size(s);
         task.stack[own] = task.stack[own].max(top[own]);
         if let Some(&c) = children[s].first() {
             top[1 - own] = places.offset[c];

@@ -39,9 +39,9 @@ pub(super) fn flops(m: usize, k: usize) -> f64 {
 /// every front costs a fixed amount. Only ratios matter, and they only steer amalgamation.
 fn cost(m: usize, k: usize) -> f64 {
     const RATE: f64 = 3.0; // an operation
-    const HALF: f64 = 12.0; // columns at which half the rate is reached
+    const HALF: f64 = 6.0; // columns at which half the rate is reached
     const PASS: f64 = 60.0; // a number of the front assembled
-    const FRONT: f64 = 150_000.0; // a front
+    const FRONT: f64 = 50_000.0; // a front
     let b = (m - k) as f64;
     FRONT + PASS * (b * b + (m * k) as f64) + RATE * (1.0 + HALF / k as f64) * flops(m, k)
 }

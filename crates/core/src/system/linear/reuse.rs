@@ -1,0 +1,206 @@
+//! Which fronts a factorisation eliminates anew.
+//!
+//! The tree is cut into units: a front whose Schur complement is kept, with all below it down to the
+//! next ones kept. A unit is stale if an entry of the matrix that enters it changed by a bit, or a unit
+//! below it is stale; the factors of all others are what a whole factorisation would give. Schur
+//! complements are kept where much work stands behind each number, and only once a matrix has come
+//! that would have let enough be reused.
+
+use super::schur::Panels;
+use super::tree::{ROOT, Tree};
+use super::{Kind, Pattern};
+
+/// Share of the operations that could have been saved from which on Schur complements are kept.
+const WORTH: f64 = 0.1;
+/// Numbers kept at most, of those in the factors.
+const MOST: f64 = 0.5;
+
+/// Entries of a column one after the other that enter the same unit.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    start: u32,
+    end: u32,
+    unit: u32,
+}
+
+/// Units, and what is known of their factors.
+#[derive(Debug, Default)]
+pub(super) struct Reuse {
+    unit: Vec<u32>,          // [supernode], ascending along its last supernodes
+    parent: Vec<u32>,        // [unit], or `ROOT`
+    work: Vec<f64>,          // [unit] operations
+    stretches: Vec<Stretch>, // all entries that are read
+    stale: Vec<bool>,        // [unit]
+    todo: Vec<bool>,         // [supernode]
+    kept: Vec<usize>,        // [supernode + 1] start of its Schur complement, once they are kept
+    sizes: Vec<usize>,       // [supernode] numbers of it where it would be kept
+    keeps: bool,
+}
+
+impl Reuse {
+    /// Cuts a tree into units; `panels` says how Schur complements lie.
+    pub fn new(
+        pattern: &Pattern,
+        tree: &Tree,
+        kind: Kind,
+        numbers: usize,
+        panels: impl Fn(usize) -> Panels,
+    ) -> Self {
+        let n = tree.len();
+        let sizes: Vec<usize> = (0..n).map(|s| panels(s).len()).collect();
+        // Operations behind a number from which on it is kept: as few as memory allows.
+        let mut worth = 4.0;
+        let kept = loop {
+            let kept = cut(tree, &sizes, worth);
+            let total: usize = (0..n).filter(|&s| kept[s]).map(|s| sizes[s]).sum();
+            if total as f64 <= MOST * numbers as f64 {
+                break kept;
+            }
+            worth *= 1.5;
+        };
+        let mut out = Self {
+            unit: vec![0; n],
+            todo: vec![true; n],
+            kept: vec![0; n + 1],
+            sizes: (0..n).map(|s| if kept[s] { sizes[s] } else { 0 }).collect(),
+            ..Self::default()
+        };
+        let mut units = 0;
+        for s in 0..n {
+            if kept[s] {
+                out.unit[s] = units;
+                units += 1;
+            }
+        }
+        out.parent = vec![ROOT; units as usize];
+        out.work = vec![0.0; units as usize];
+        out.stale = vec![true; units as usize];
+        for s in (0..n).rev() {
+            if tree.parent[s] != ROOT {
+                let above = out.unit[tree.parent[s] as usize];
+                if kept[s] {
+                    out.parent[out.unit[s] as usize] = above;
+                } else {
+                    out.unit[s] = above;
+                }
+            }
+            out.work[out.unit[s] as usize] += tree.work(s);
+        }
+        out.stretch(pattern, tree, kind);
+        out
+    }
+
+    /// Lists which entries enter which unit.
+    fn stretch(&mut self, pattern: &Pattern, tree: &Tree, kind: Kind) {
+        let mut home = vec![(0, 0); pattern.n()]; // [equation] → position, unit
+        for s in 0..tree.len() {
+            for p in tree.first[s]..tree.first[s + 1] {
+                home[tree.order[p] as usize] = (p, self.unit[s]);
+            }
+        }
+        for j in 0..pattern.n() {
+            let column = pattern.col_ptr()[j]..pattern.col_ptr()[j + 1];
+            let mut last: Option<Stretch> = None;
+            for e in column {
+                let i = pattern.row_idx()[e] as usize;
+                if kind == Kind::Symmetric && i < j {
+                    continue;
+                }
+                let unit = home[i].min(home[j]).1;
+                match &mut last {
+                    Some(stretch) if stretch.unit == unit => stretch.end += 1,
+                    _ => {
+                        self.stretches.extend(last);
+                        last = Some(Stretch {
+                            start: e as u32,
+                            end: e as u32 + 1,
+                            unit,
+                        });
+                    }
+                }
+            }
+            self.stretches.extend(last);
+        }
+    }
+
+    /// Marks what differs by a bit as stale: an entry enters the front that eliminates the first of its
+    /// two equations. Values of which there are none yet differ. True if nothing is stale.
+    pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
+        if old.len() != new.len() {
+            self.stale.fill(true);
+            return false;
+        }
+        for stretch in &self.stretches {
+            let stale = &mut self.stale[stretch.unit as usize];
+            if *stale {
+                continue;
+            }
+            let range = stretch.start as usize..stretch.end as usize;
+            let pairs = old[range.clone()].iter().zip(&new[range]);
+            // Without a way out in between: that is faster over so few.
+            *stale = pairs.fold(0, |any, (a, b)| any | (a.to_bits() ^ b.to_bits())) != 0;
+        }
+        !self.stale.contains(&true)
+    }
+
+    /// Decides what is to be eliminated and returns the share of the operations that are saved. All of
+    /// that is stale until [`Reuse::succeed`].
+    pub fn decide(&mut self, kept: &mut Vec<f64>) -> f64 {
+        for u in 0..self.parent.len() {
+            if self.stale[u] && self.parent[u] != ROOT {
+                self.stale[self.parent[u] as usize] = true;
+            }
+        }
+        let saved = |stale: &[bool]| -> f64 {
+            let fresh = self.work.iter().zip(stale).filter(|(_, stale)| !**stale);
+            let total: f64 = self.work.iter().sum();
+            fresh.map(|(work, _)| work).sum::<f64>() / total.max(1.0)
+        };
+        let mut share = saved(&self.stale);
+        if !self.keeps && self.stale.contains(&true) {
+            if share >= WORTH {
+                self.keeps = true;
+                for (s, size) in self.sizes.iter().enumerate() {
+                    self.kept[s + 1] = self.kept[s] + size;
+                }
+                kept.resize(self.kept[self.sizes.len()], 0.0);
+            }
+            self.stale.fill(true);
+            share = 0.0;
+        }
+        for (todo, &unit) in self.todo.iter_mut().zip(&self.unit) {
+            *todo = self.stale[unit as usize];
+        }
+        share
+    }
+
+    /// All that was to be eliminated was.
+    pub fn succeed(&mut self) {
+        self.stale.fill(false);
+    }
+
+    /// Which fronts are to be eliminated. `[supernode]`
+    pub fn todo(&self) -> &[bool] {
+        &self.todo
+    }
+
+    /// Where Schur complements are kept. `[supernode + 1]`
+    pub fn kept(&self) -> &[usize] {
+        &self.kept
+    }
+}
+
+/// Which Schur complements to keep: those with at least `worth` operations a number since the last
+/// below them, and the roots', which have none.
+fn cut(tree: &Tree, sizes: &[usize], worth: f64) -> Vec<bool> {
+    let mut work = vec![0.0; tree.len()];
+    let mut kept = vec![false; tree.len()];
+    for s in 0..tree.len() {
+        work[s] += tree.work(s);
+        kept[s] = tree.parent[s] == ROOT || work[s] >= worth * sizes[s] as f64;
+        if !kept[s] {
+            work[tree.parent[s] as usize] += work[s];
+        }
+    }
+    kept
+}

@@ -1,0 +1,75 @@
+//! What a factorisation reads, and the stretches of its buffers that branches of the tree work on.
+
+/// The matrix to factorise, and what of it.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix<'a> {
+    pub todo: &'a [bool],  // [supernode]
+    pub kept: &'a [usize], // [supernode + 1] start of Schur complements that are kept
+    pub values: &'a [f64], // [entry]
+    /// Σ_j |a_ij|. `[equation]`
+    pub sums: &'a [f64],
+}
+
+/// The stretch of all buffers that belongs to a range of supernodes.
+pub(super) struct Share<'a> {
+    pub factors: &'a mut [f64],
+    pub pivots: &'a mut [u32],
+    pub stacks: [&'a mut [f64]; 2],
+    pub kept: &'a mut [f64],
+}
+
+/// What one front works on.
+pub(super) struct Front<'a> {
+    pub factors: &'a mut [f64],
+    pub pivots: &'a mut [u32],
+    pub stacks: [&'a mut [f64]; 2],
+    /// Where its Schur complement goes on its stack.
+    pub offset: usize,
+    /// Kept Schur complements of its task.
+    pub kept: &'a mut [f64],
+    /// Start of these among all.
+    pub base: usize,
+}
+
+impl<'a> Share<'a> {
+    /// Cuts off the first numbers of each buffer.
+    pub fn split(self, cut: &Cut) -> (Share<'a>, Share<'a>) {
+        let (factors, factors_after) = self.factors.split_at_mut(cut.factors);
+        let (pivots, pivots_after) = self.pivots.split_at_mut(cut.pivots);
+        let [even, odd] = self.stacks;
+        let (even, even_after) = even.split_at_mut(cut.stacks[0]);
+        let (odd, odd_after) = odd.split_at_mut(cut.stacks[1]);
+        let (kept, kept_after) = self.kept.split_at_mut(cut.kept);
+        let first = Share {
+            factors,
+            pivots,
+            stacks: [even, odd],
+            kept,
+        };
+        let after = Share {
+            factors: factors_after,
+            pivots: pivots_after,
+            stacks: [even_after, odd_after],
+            kept: kept_after,
+        };
+        (first, after)
+    }
+
+    pub fn reborrow(&mut self) -> Share<'_> {
+        let [even, odd] = &mut self.stacks;
+        Share {
+            factors: self.factors,
+            pivots: self.pivots,
+            stacks: [even, odd],
+            kept: self.kept,
+        }
+    }
+}
+
+/// Numbers of each buffer.
+pub(super) struct Cut {
+    pub factors: usize,
+    pub pivots: usize,
+    pub stacks: [usize; 2],
+    pub kept: usize,
+}
