@@ -1,5 +1,6 @@
 //! Scratch of one increment, and how the tractions of its iterates follow one another.
 
+use super::contact::Written;
 use super::general::Live;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
@@ -71,6 +72,14 @@ pub struct Trial {
     /// Energy that touches set free which are no more, and the work of their last forces in the increment
     /// [N mm].
     pub touch_loss: [f64; 2],
+    /// Normal gaps where the forces were taken last [mm]. `[point]`
+    pub(super) gaps: Vec<f64>,
+    /// Positions there [mm], none where points were paired anew since. `[node]`
+    pub(super) seen_at: Vec<[f64; 3]>,
+    /// What the cells of the interfaces were written with. `[point]`
+    pub(super) written: Vec<Written>,
+    /// Which search of candidates they belong to; none = they hold something else.
+    pub(super) written_for: Option<usize>,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -95,6 +104,9 @@ impl Trial {
         self.stiffest = STIFFEST;
         self.inertia = 0.0;
         self.before.clear();
+        // A run that is resumed here has none of it.
+        self.seen_at.clear();
+        self.written_for = None;
         // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
         // something of the increment before.
         self.cell_force.clear();
