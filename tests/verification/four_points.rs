@@ -4,13 +4,17 @@
 mod common;
 
 use common::Random;
+use common::scene::{self, Face};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use wythe::contact::pairs::stays_on;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
-    Anchor, FourPlaced, FourSeen, Kinematics, Lanes, PointStiffness, Symmetric, extend,
-    write_stiffness, write_symmetric,
+    Anchor, FourPlaced, FourSeen, InterfaceLaw, Kinematics, Lanes, PointStiffness, Symmetric,
+    extend, write_stiffness, write_symmetric,
 };
+use wythe::model::Model;
+use wythe::solve::Clock;
+use wythe::system::{Evaluation, Solids, System, Trial, Turning};
 
 /// Size of the facets, and how far off the origin they are [mm].
 const SIZE: f64 = 25.0;
@@ -237,4 +241,79 @@ fn a_cell_holds_what_the_plain_sum_of_its_points_does() {
             }
         }
     }
+}
+
+/// Two blocks of 60 × 40 × 20 mm on each other, facets of 30 × 20 below and 20 × 20 above.
+fn two_blocks() -> Model {
+    let mut model = scene::empty();
+    let (size, material) = ([60.0, 40.0, 20.0], scene::elastic(1000.0, 0.2));
+    let lower = scene::block(&mut model, [0.0; 3], size, [2, 2, 1], &material);
+    let upper = scene::block(&mut model, [0.0, 0.0, 20.0], size, [3, 2, 1], &material);
+    scene::master(&mut model, &lower, Face::Top);
+    let law = InterfaceLaw::dry(0.6, 200.0, 90.0);
+    scene::slave(&mut model, &upper, Face::Bottom, law);
+    model
+}
+
+/// What a search knows from the forces taken at the same place is what it finds where it knows nothing: facets that
+/// are passed, edges that are left, steps that are too high.
+#[test]
+fn points_are_paired_with_and_without_memory_alike() {
+    let model = two_blocks();
+    let mut random = Random(16);
+    let mut system = System::new(&model).unwrap();
+    let state = system.initial_state(&model);
+    let setting = Evaluation {
+        dt: 1.0,
+        solids: Solids::Held,
+        shifted: true,
+        tangent: false,
+        turning: Turning::Ignored,
+    };
+    let (mut passed, mut lost) = (0, 0);
+    for _ in 0..6 {
+        let mut trial = Trial::default();
+        system.start(&mut trial, &state);
+        system.search(&mut trial, &state.q);
+        let mut at = [0.0; 3];
+        let ends = [0, 1].map(|_| 30.0 * random.signed());
+        for step in 0..40 {
+            for i in 0..2 {
+                at[i] += ends[i] / 40.0;
+            }
+            at[2] = 0.02 * random.signed() - if step > 30 { 0.4 } else { 0.0 };
+            let mut q = state.q.clone();
+            for (node, slots) in system.dofs.slot.iter().enumerate() {
+                for i in 0..3 {
+                    let rigid = if node >= 18 { at[i] } else { 0.0 };
+                    q[slots[i] as usize] = rigid + 0.01 * random.signed();
+                }
+            }
+            let mut anew = trial.clone();
+            let mut clock = Clock::default();
+            system
+                .evaluate(&model, &state, &mut trial, &q, setting, &mut clock)
+                .unwrap();
+            system.search(&mut trial, &q);
+            system.search(&mut anew, &q);
+            for (known, found) in trial.pairs.iter().zip(&anew.pairs) {
+                assert_eq!(known.facet, found.facet);
+                for i in 0..2 {
+                    // Two projections from different starts; coordinates of 60 mm over facets of 20.
+                    assert!((known.xi[i] - found.xi[i]).abs() < 1e-13);
+                }
+            }
+            assert_eq!(trial.anchors.len(), anew.anchors.len());
+            let changed = state.pairs.iter().zip(&trial.pairs);
+            passed += changed
+                .filter(|(a, b)| a.facet != b.facet && b.facet.is_some())
+                .count();
+            lost += trial
+                .pairs
+                .iter()
+                .filter(|pair| pair.facet.is_none())
+                .count();
+        }
+    }
+    assert!(passed > 100 && lost > 100, "{passed} {lost}");
 }
