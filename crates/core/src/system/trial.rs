@@ -1,6 +1,5 @@
 //! Scratch of one increment, and how the tractions of its iterates follow one another.
 
-use super::contact::Written;
 use super::general::Live;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
@@ -76,10 +75,6 @@ pub struct Trial {
     pub(super) gaps: Vec<f64>,
     /// Positions there [mm], none where points were paired anew since. `[node]`
     pub(super) seen_at: Vec<[f64; 3]>,
-    /// What the cells of the interfaces were written with. `[point]`
-    pub(super) written: Vec<Written>,
-    /// Which search of candidates they belong to; none = they hold something else.
-    pub(super) written_for: Option<usize>,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -104,9 +99,8 @@ impl Trial {
         self.stiffest = STIFFEST;
         self.inertia = 0.0;
         self.before.clear();
-        // A run that is resumed here has none of it.
+        // A run that is resumed here does not have them.
         self.seen_at.clear();
-        self.written_for = None;
         // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
         // something of the increment before.
         self.cell_force.clear();

@@ -8,7 +8,6 @@ use wythe_contact::{
 };
 
 use super::sight::Sight;
-use super::written::Written;
 use super::{Contact, lost};
 use crate::model::Model;
 use crate::solve::State;
@@ -29,8 +28,6 @@ struct Seen<'a> {
     soft: [f64; 2],
     /// Tangents of points at their shear limit are those of stick.
     sticks: bool,
-    /// Whether cells still hold what [`Written`] says.
-    kept: bool,
 }
 
 /// What some facets in a row read and write.
@@ -44,7 +41,6 @@ struct Group<'a> {
     status: &'a mut [PointStatus],
     pairs: &'a mut [PointPair],
     gaps: &'a mut [f64],
-    written: &'a mut [Written],
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
@@ -65,7 +61,6 @@ impl Contact {
         trial.point_energy.resize(n, [0.0; 2]);
         trial.status.resize(n, PointStatus::default());
         trial.gaps.resize(n, 0.0);
-        trial.written.resize(n, Written::default());
         trial.seen_at.clone_from(&trial.x);
         let seen = Seen {
             contact: self,
@@ -75,11 +70,7 @@ impl Contact {
             setting,
             soft: [trial.stiffening, trial.inertia],
             sticks: trial.sticks,
-            kept: trial.written_for == Some(self.version),
         };
-        if setting.tangent {
-            trial.written_for = setting.shifted.then_some(self.version);
-        }
         let mut force = &mut trial.cell_force[first_cell..];
         let mut cells = &mut trial.cells[first_cell * CELL..];
         let mut active = &mut trial.active[first_cell..];
@@ -91,15 +82,11 @@ impl Contact {
             .zip(trial.status.chunks_mut(points))
             .zip(trial.pairs.chunks_mut(points))
             .zip(trial.gaps.chunks_mut(points))
-            .zip(trial.written.chunks_mut(points))
             .zip(trial.anchors.chunks(points))
             .zip(trial.traction.chunks(points))
             .zip(trial.bounding.chunks(points));
         let mut groups = Vec::with_capacity(n.div_ceil(points));
-        for (
-            (((((((history, energy), status), pairs), gaps), written), anchors), last),
-            bounding,
-        ) in per_point
+        for (((((((history, energy), status), pairs), gaps), anchors), last), bounding) in per_point
         {
             let first = groups.len() * GROUP;
             let facets = first..first + history.len() / 4;
@@ -119,7 +106,6 @@ impl Contact {
                 status,
                 pairs,
                 gaps,
-                written,
                 anchors,
                 last,
                 bounding,
@@ -242,11 +228,11 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         &group.pairs[4 * k..4 * k + 4],
         &group.anchors[4 * k..4 * k + 4],
     );
-    let exact = setting.tangent && !setting.shifted;
-    if exact {
+    if setting.tangent {
         active.fill(false);
     }
-    let (mut now, mut weights) = ([Written::default(); 4], [[0.0; 8]; 4]);
+    // Stiffness of each point with the place of its cell among those of the facet (shifted penalty).
+    let (mut parts, mut count) = ([(0, Symmetric::default()); 4], 0);
     for p in 0..4 {
         let at = 4 * k + p;
         let point = &contact.points[4 * f + p];
@@ -302,7 +288,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             }
         }
         sight.add_force(&response.traction, point.area, &mut forces[sight.cell]);
-        if exact {
+        if setting.tangent && !setting.shifted {
             let to = &mut cells[sight.cell * CELL..(sight.cell + 1) * CELL];
             if !active[sight.cell] {
                 to.fill(0.0);
@@ -313,8 +299,11 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
                 kin.add_exact_stiffness(&response.traction, &response.tangent, point.area, to);
             }
         } else if setting.tangent {
-            now[p] = Written::new(&sight, &response.tangent);
-            weights[p] = sight.weights;
+            let k = &response.tangent;
+            let k = [k[(0, 0)], k[(1, 1)], k[(1, 2)], k[(2, 2)]];
+            let part = Symmetric::new(sight.weights, &sight.frame, k, point.area);
+            parts[count] = (sight.cell, part);
+            count += 1;
         }
         group.history[at] = response.history;
         group.energy[at] = [
@@ -323,53 +312,18 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         ];
         group.status[at] = response.status;
     }
-    if setting.tangent && setting.shifted {
-        let areas = [0, 1, 2, 3].map(|p: usize| contact.points[4 * f + p].area);
-        let written = &mut group.written[4 * k..4 * k + 4];
-        for (cell, active) in active.iter_mut().enumerate() {
-            let to = &mut cells[cell * CELL..(cell + 1) * CELL];
-            let kept = seen.kept && *active;
-            *active = write(simd, cell, kept, &mut now, written, &weights, &areas, to);
+    for first in 0..count {
+        let cell = parts[first].0;
+        if active[cell] {
+            continue;
         }
-        written.copy_from_slice(&now);
-    }
-}
-
-/// Writes a cell of a facet with the parts that points have in it `now`, unless it still holds what was `written`
-/// and that is near; those that are kept stay what they were. Tells whether there are any.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "four points, and where they go")]
-fn write<S: Simd>(
-    simd: S,
-    cell: usize,
-    kept: bool,
-    now: &mut [Written; 4],
-    written: &[Written],
-    weights: &[[f64; 8]; 4],
-    areas: &[f64; 4],
-    to: &mut [f64],
-) -> bool {
-    let (mut kept, mut count) = (kept, 0);
-    let mut here = [0; 4];
-    for p in 0..4 {
-        let holds = now[p].is_in(cell);
-        if holds {
-            here[count] = p;
-            count += 1;
+        active[cell] = true;
+        let (mut together, mut n) = ([Symmetric::default(); 4], 0);
+        for (_, part) in parts[first..count].iter().filter(|(c, _)| *c == cell) {
+            together[n] = *part;
+            n += 1;
         }
-        kept = kept && holds == written[p].is_in(cell) && (!holds || now[p].is_near(&written[p]));
+        let to = &mut cells[cell * CELL..(cell + 1) * CELL];
+        write_symmetric(simd, &together[..n], to);
     }
-    let here = &here[..count];
-    if kept {
-        for &p in here {
-            now[p] = written[p];
-        }
-        return true;
-    }
-    let mut together = [Symmetric::default(); 4];
-    for (part, &p) in together.iter_mut().zip(here) {
-        *part = now[p].stiffness(weights[p], areas[p]);
-    }
-    write_symmetric(simd, &together[..count], to);
-    count > 0
 }

@@ -7,15 +7,12 @@ mod evaluate;
 mod pairing;
 mod sight;
 mod work;
-mod written;
 
 use nalgebra::Vector3;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, SlavePoint, Surface,
     corner_points, gauss_points,
 };
-
-pub use written::Written;
 
 use super::Trial;
 use super::numerical::{FIRM, WELL_WITHIN, numerical_stiffness};
