@@ -39,31 +39,31 @@ impl Lanes {
 
     /// Quotients.
     #[inline(always)]
-    pub fn over(self, other: Self) -> Self {
+    pub(crate) fn over(self, other: Self) -> Self {
         self.zip(other, |a, b| a / b)
     }
 
     /// Square roots.
     #[inline(always)]
-    pub fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
 
     /// Magnitudes.
     #[inline(always)]
-    pub fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         self.map(f64::abs)
     }
 
     /// The larger ones.
     #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
     /// 1 where this is less than the other, else 0; 0 where one is no number.
     #[inline(always)]
-    pub fn less(self, other: Self) -> Self {
+    pub(crate) fn less(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { 1.0 } else { 0.0 })
     }
 }
