@@ -17,7 +17,8 @@ use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::partitioning::{Bvh as ParryBvh, BvhBuildStrategy, BvhWorkspace};
 use wythe::contact::projection::{extend, project};
 use wythe::contact::{
-    Aabb, Anchor, Bvh, Candidates, Kinematics, Search, Shift, Surface, write_stiffness,
+    Aabb, Anchor, Bvh, Candidates, FourPlaced, FourSeen, Kinematics, Lanes, Search, Shift, Surface,
+    Symmetric, gauss_points, write_stiffness, write_symmetric,
 };
 
 fn law(c: &mut Criterion) {
@@ -58,6 +59,48 @@ const FLAT: [[f64; 3]; 4] = [
     [0.0, 49.0, 0.0],
 ];
 
+/// Slave corners, weights of the points, and where they look.
+type Four = ([[f64; 3]; 4], [Lanes; 4], FourPlaced);
+
+/// The Gauss points of a slave facet, a little off the feet of the last iterate.
+fn placed(slave: &[[f64; 3]; 4], master: &[[f64; 3]; 4]) -> Four {
+    let (points, mut placed) = (gauss_points(slave), FourPlaced::default());
+    for (p, point) in points.iter().enumerate() {
+        let anchor = Anchor::Same([0.0; 2]);
+        let kin = Kinematics::new(slave, &point.weights, master, [0.0; 2], anchor);
+        let foot = kin.expect("a foot").xi;
+        let start = [foot[0] + 1e-4, foot[1] - 1e-4];
+        placed.place(p, &[0.0; 3], master, start, foot);
+    }
+    let weights = [0, 1, 2, 3].map(|a| Lanes([0, 1, 2, 3].map(|p: usize| points[p].weights[a])));
+    (*slave, weights, placed)
+}
+
+/// [`FourSeen::new`] for the widest vector unit.
+struct SeeFour<'a>(&'a Four);
+
+impl pulp::NullaryFnOnce for SeeFour<'_> {
+    type Output = FourSeen;
+
+    #[inline(always)]
+    fn call(self) -> FourSeen {
+        let (slave, weights, placed) = self.0;
+        FourSeen::new(slave, weights, placed)
+    }
+}
+
+/// [`write_symmetric`] for the widest vector unit.
+struct Write<'a>(&'a [Symmetric], &'a mut [f64]);
+
+impl pulp::WithSimd for Write<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        write_symmetric(simd, self.0, self.1);
+    }
+}
+
 fn geometry(c: &mut Criterion) {
     let mut warped = FLAT;
     warped[2] = [52.0, 48.0, 0.7];
@@ -87,6 +130,23 @@ fn geometry(c: &mut Criterion) {
     group.bench_function("stiffness_of_four_points", |b| {
         b.iter(|| write_stiffness(&[kin.stiffness(black_box(&tangent), 600.0); 4], &mut cell));
     });
+    let placed = placed(&slave, &warped);
+    group.bench_function("kinematics_of_four_points", |b| {
+        let arch = pulp::Arch::new();
+        b.iter(|| arch.dispatch(SeeFour(black_box(&placed))));
+    });
+    for count in [1, 2, 4] {
+        let points = [Symmetric::new(
+            [0.2; 8],
+            &kin.frame.map(Into::into),
+            [140.0, 60.0, 1.0, 60.0],
+            600.0,
+        ); 4];
+        group.bench_function(format!("stiffness_of_{count}_written"), |b| {
+            let arch = pulp::Arch::new();
+            b.iter(|| arch.dispatch(Write(black_box(&points[..count]), &mut cell)));
+        });
+    }
     group.bench_function("exact_stiffness", |b| {
         b.iter(|| kin.add_exact_stiffness(&traction, black_box(&tangent), 600.0, &mut cell));
     });

@@ -90,7 +90,13 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
             criterion::BatchSize::LargeInput,
         );
     });
+    // Where the forces were not taken before, and where they were.
+    let elsewhere: Vec<f64> = wall.q.iter().map(|q| q + 1e-7).collect();
     group.bench_function("pairs", |b| {
+        b.iter(|| pool.install(|| wall.system.search(&mut wall.trial, &elsewhere)));
+    });
+    wall.search_and_evaluate(setting(true));
+    group.bench_function("pairs_known", |b| {
         b.iter(|| pool.install(|| wall.system.search(&mut wall.trial, &wall.q)));
     });
     group.finish();

@@ -13,6 +13,10 @@ pub(crate) struct Damage {
     pub by_slip: f64,
 }
 
+/// 1 − e^{−ζ} and 1 − e^{−ξ} once they were computed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wholes(Option<f64>, Option<f64>);
+
 /// Normal traction σ and its slopes at fixed and changing D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Normal {
@@ -30,33 +34,49 @@ impl InterfaceLaw {
         self.f_t / self.normal_stiffness
     }
 
-    /// D for the largest opening and slip of this step.
-    pub(crate) fn damage(&self, opening_max: f64, slip_max: f64, old: &InterfaceHistory) -> Damage {
+    /// D for the largest opening and slip of this step; `wholes` are kept from call to call.
+    #[inline]
+    pub(crate) fn damage(
+        &self,
+        opening_max: f64,
+        slip_max: f64,
+        old: &InterfaceHistory,
+        wholes: &mut Wholes,
+    ) -> Damage {
+        let unchanged = |value| Damage {
+            value,
+            by_opening: 0.0,
+            by_slip: 0.0,
+        };
         if self.is_dry() {
-            return Damage {
-                value: 1.0,
-                by_opening: 0.0,
-                by_slip: 0.0,
-            };
+            return unchanged(1.0);
+        }
+        let (opened, slid) = (opening_max > old.opening_max, slip_max > old.slip_max);
+        if !(opened || slid) || old.damage >= 1.0 {
+            return unchanged(old.damage);
         }
         let u0 = self.elastic_opening();
         let w = (opening_max - u0).max(0.0);
-        let opens = opening_max > old.opening_max && w > 0.0;
+        let opens = opened && w > 0.0;
         match self.coupling {
             Coupling::Max => {
-                let (q, q_slope) = self.opening_curve().evaluate(w);
-                let (h, h_slope) = self.slip_curve().evaluate(slip_max);
+                // What has not grown has nothing to add to the damage that it did.
+                let (q, q_slope) = if opens {
+                    self.opening_curve().evaluate_with(w, &mut wholes.0)
+                } else {
+                    (0.0, 0.0)
+                };
+                let (h, h_slope) = if slid {
+                    self.slip_curve().evaluate_with(slip_max, &mut wholes.1)
+                } else {
+                    (0.0, 0.0)
+                };
                 if old.damage >= q.max(h) {
-                    Damage {
-                        value: old.damage,
-                        by_opening: 0.0,
-                        by_slip: 0.0,
-                    }
+                    unchanged(old.damage)
                 } else if q >= h {
-                    let by_opening = if opens { q_slope } else { 0.0 };
                     Damage {
                         value: q,
-                        by_opening,
+                        by_opening: q_slope,
                         by_slip: 0.0,
                     }
                 } else {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::cohesive::Normal;
+use crate::cohesive::{Normal, Wholes};
 use crate::law::{InterfaceHistory, InterfaceLaw};
 
 /// The limit g(σ, D) of the shear traction with its slopes.
@@ -18,6 +18,7 @@ pub(crate) struct Limit {
 
 impl InterfaceLaw {
     /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory C.1 step 4, C.6).
+    #[inline(always)]
     pub(crate) fn limit(&self, sigma: f64, damage: f64) -> Limit {
         let cohesive = self.c - self.tan_phi * sigma;
         let bonded = if cohesive > 0.0 { 1.0 } else { 0.0 };
@@ -30,9 +31,11 @@ impl InterfaceLaw {
     }
 
     /// Shear traction over its limit; infinite where nothing presses.
+    #[inline(always)]
     pub fn utilisation(&self, traction: &[f64; 3], damage: f64) -> f64 {
         if traction[0] < 0.0 {
-            traction[1].hypot(traction[2]) / self.limit(traction[0], damage).value
+            let shear = (traction[1] * traction[1] + traction[2] * traction[2]).sqrt();
+            shear / self.limit(traction[0], damage).value
         } else {
             f64::INFINITY
         }
@@ -47,12 +50,13 @@ impl InterfaceLaw {
         opening_max: f64,
         old: &InterfaceHistory,
         normal_at: impl Fn(f64) -> Normal,
+        wholes: &mut Wholes,
     ) -> f64 {
         let k_s = self.shear_stiffness;
         let (mut low, mut high) = (0.0, size / k_s);
         // The limit without further damage is the first guess: exact for perfect friction.
         let mut dg = {
-            let damage = self.damage(opening_max, old.slip_max, old).value;
+            let damage = self.damage(opening_max, old.slip_max, old, wholes).value;
             let limit = self.limit(normal_at(damage).traction, damage);
             ((size - limit.value) / k_s).clamp(low, high)
         };
@@ -60,7 +64,7 @@ impl InterfaceLaw {
             let new = plastic + dg * n;
             let reach = new.norm();
             let slip_max = old.slip_max.max(reach);
-            let damage = self.damage(opening_max, slip_max, old);
+            let damage = self.damage(opening_max, slip_max, old, wholes);
             let normal = normal_at(damage.value);
             let limit = self.limit(normal.traction, damage.value);
             let phi = size - k_s * dg - limit.value;

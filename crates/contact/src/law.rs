@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector2};
 use serde::{Deserialize, Serialize};
 
+use crate::cohesive::Wholes;
 use crate::softening::Softening;
 
 /// How opening and slip damage the same bond (theory C.3).
@@ -167,7 +168,8 @@ impl InterfaceLaw {
 
         let trial = k_s * (slip - plastic);
         let size = trial.norm();
-        let mut damage = self.damage(opening_max, old.slip_max, old);
+        let mut wholes = Wholes::default();
+        let mut damage = self.damage(opening_max, old.slip_max, old, &mut wholes);
         let mut normal = normal_at(damage.value);
         let limit = self.limit(normal.traction, damage.value);
         let mut history = InterfaceHistory {
@@ -187,14 +189,13 @@ impl InterfaceLaw {
         }
 
         let n = trial / size;
-        let flow = self.return_slip(size, n, plastic, opening_max, old, normal_at);
-        let dg = flow;
+        let dg = self.return_slip(size, n, plastic, opening_max, old, normal_at, &mut wholes);
         let new_plastic = plastic + dg * n;
         let reach = new_plastic.norm();
         let further = reach > old.slip_max;
         history.slip_max = old.slip_max.max(reach);
         history.plastic_slip = new_plastic.into();
-        damage = self.damage(opening_max, history.slip_max, old);
+        damage = self.damage(opening_max, history.slip_max, old, &mut wholes);
         normal = normal_at(damage.value);
         history.damage = damage.value;
 
@@ -257,6 +258,7 @@ impl InterfaceLaw {
     }
 
     /// Completes a response: status and energies.
+    #[inline(always)]
     pub(crate) fn respond(
         &self,
         sigma: f64,
@@ -276,9 +278,12 @@ impl InterfaceLaw {
         } else {
             PointStatus::Stick
         };
-        let secant = self.secant_stiffness(history.opening_max, history.damage);
-        let secant_old = self.secant_stiffness(old.opening_max, old.damage);
-        let opening_work = 0.5 * u.max(0.0) * old.opening.max(0.0) * (secant_old - secant);
+        let mut opening_work = 0.0;
+        if u > 0.0 && old.opening > 0.0 {
+            let secant = self.secant_stiffness(history.opening_max, history.damage);
+            let secant_old = self.secant_stiffness(old.opening_max, old.damage);
+            opening_work = 0.5 * u * old.opening * (secant_old - secant);
+        }
         let mut slip_work = 0.0;
         for i in 0..2 {
             slip_work += 0.5

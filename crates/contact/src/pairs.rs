@@ -113,11 +113,13 @@ impl Candidates {
     }
 
     /// Candidates of a slave facet, ascending.
+    #[inline]
     pub fn of(&self, slave: usize) -> &[u32] {
         &self.facets[self.range(slave)]
     }
 
     /// Where the candidates of a slave facet lie in the list of all.
+    #[inline]
     pub fn range(&self, slave: usize) -> std::ops::Range<usize> {
         self.start[slave] as usize..self.start[slave + 1] as usize
     }
@@ -167,6 +169,11 @@ pub fn pair_point(
         }
     }
     best.map(|(_, _, facet, xi)| (facet, xi))
+}
+
+/// Whether a point whose foot has these parameters stays on its facet.
+pub fn stays_on(xi: [f64; 2]) -> bool {
+    within(xi, STAY)
 }
 
 fn within(xi: [f64; 2], beyond: f64) -> bool {

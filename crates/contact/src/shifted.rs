@@ -26,6 +26,7 @@
 
 use nalgebra::{Matrix3, Vector2};
 
+use crate::cohesive::Wholes;
 use crate::law::{InterfaceHistory, InterfaceLaw, InterfaceResponse};
 
 /// What the shifted law knows of the last iterate.
@@ -40,9 +41,11 @@ pub struct Shift {
     pub bounding: f64,
 }
 
-/// Passes for D, the opening and the slip, which depend on one another: each gains a factor of the
-/// softening slope over k'.
+/// Most passes for D, the opening and the slip, which depend on one another: a plain one gains a factor of the
+/// softening slope over k', one by the secant of the last two its square, or nearly.
 const PASSES: usize = 12;
+/// Change of D that is rounding of the softening curves.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Normal part of an iterate.
 struct Normal {
@@ -63,6 +66,7 @@ struct Shear {
 
 impl InterfaceLaw {
     /// One iterate of the shifted law at the total gap `[u, δ₁, δ₂]` [mm].
+    #[inline(always)]
     pub fn update_shifted(
         &self,
         gap: [f64; 3],
@@ -77,18 +81,25 @@ impl InterfaceLaw {
         let trial = k_shear * (slip - plastic) + (1.0 - k_shear / k_s) * last;
         let size = trial.norm();
 
+        let unit = if size > 0.0 { trial / size } else { trial };
         let mut damage = old.damage;
+        let mut wholes = Wholes::default();
+        let mut last_pass: Option<(f64, f64)> = None;
         let mut passes = 0;
-        let (normal, shear, limit, opening_max, slip_max) = loop {
-            let normal = self.shifted_normal(gap[0], damage, old, shift);
+        // What presses knows nothing of D.
+        let mut normal = self.shifted_normal(gap[0], damage, old, shift);
+        let pressed = normal.traction < 0.0;
+        let (shear, limit, opening_max, slip_max) = loop {
+            if !pressed && passes > 0 {
+                normal = self.shifted_normal(gap[0], damage, old, shift);
+            }
             // A tensile traction of an earlier iterate counts only as far as D allows it now.
             let sigma = shift.bounding.min((1.0 - damage) * self.f_t);
             let limit = self.limit(sigma, damage).value;
             let shear = if size > limit {
-                let n = trial / size;
                 Shear {
-                    traction: n * limit,
-                    plastic: plastic + n * ((size - limit) / k_shear),
+                    traction: unit * limit,
+                    plastic: plastic + unit * ((size - limit) / k_shear),
                     slides: true,
                 }
             } else {
@@ -104,23 +115,33 @@ impl InterfaceLaw {
             } else {
                 old.slip_max
             };
-            let next = self.damage(opening_max, slip_max, old).value;
+            let next = self.damage(opening_max, slip_max, old, &mut wholes).value;
+            let rest = next - damage;
             passes += 1;
-            if (next - damage).abs() <= f64::EPSILON || passes == PASSES {
-                break (normal, shear, limit, opening_max, slip_max);
+            if rest.abs() <= ROUNDING || passes == PASSES {
+                break (shear, limit, opening_max, slip_max);
             }
-            damage = next;
+            let secant = last_pass.map_or(next, |(before, rest_before)| {
+                damage - rest * (damage - before) / (rest - rest_before)
+            });
+            // A pass that gains little has come over a corner of the law: the next one is plain.
+            let gains = last_pass.is_none_or(|(_, before)| rest.abs() < 0.5 * before.abs());
+            last_pass = Some((damage, rest));
+            damage = if gains && secant >= old.damage && secant <= 1.0 {
+                secant
+            } else {
+                next
+            };
         };
 
         let mut tangent = Matrix3::zeros();
         tangent[(0, 0)] = normal.slope;
         if shear.slides {
-            let n = trial / size;
             let across = k_shear * limit / size;
             for i in 0..2 {
                 for j in 0..2 {
-                    let unit = if i == j { 1.0 } else { 0.0 };
-                    tangent[(1 + i, 1 + j)] = across * (unit - n[i] * n[j]);
+                    let one = if i == j { 1.0 } else { 0.0 };
+                    tangent[(1 + i, 1 + j)] = across * (one - unit[i] * unit[j]);
                 }
             }
         } else {
@@ -147,6 +168,7 @@ impl InterfaceLaw {
     }
 
     /// σ, its slope and the opening. The secant of an opened point is that of the step's start.
+    #[inline(always)]
     fn shifted_normal(&self, u: f64, damage: f64, old: &InterfaceHistory, shift: &Shift) -> Normal {
         let k_n = self.normal_stiffness;
         let k = shift.stiffness[0].min(k_n);

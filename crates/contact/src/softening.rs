@@ -22,6 +22,12 @@ const LINEAR: f64 = 1e-8;
 impl Softening {
     /// S(w) and S'(w) [1/mm]; slope from the left at w_k is not needed: (1, 0) from there on.
     pub fn evaluate(&self, w: f64) -> (f64, f64) {
+        self.evaluate_with(w, &mut None)
+    }
+
+    /// The same, with 1 − e^{−ζ} of an earlier call.
+    #[inline]
+    pub(crate) fn evaluate_with(&self, w: f64, whole: &mut Option<f64>) -> (f64, f64) {
         if self.ultimate <= 0.0 {
             return (if w > 0.0 { 1.0 } else { 0.0 }, 0.0);
         }
@@ -32,11 +38,10 @@ impl Softening {
         if z.abs() < LINEAR {
             return (x, 1.0 / self.ultimate);
         }
-        let whole = -(-z).exp_m1();
-        (
-            -(-z * x).exp_m1() / whole,
-            z * (-z * x).exp() / (whole * self.ultimate),
-        )
+        let whole = *whole.get_or_insert_with(|| -(-z).exp_m1());
+        let part = -(-z * x).exp_m1();
+        // e^{−ζx} is what 1 − e^{−ζx} leaves.
+        (part / whole, z * (1.0 - part) / (whole * self.ultimate))
     }
 
     /// Largest S' [1/mm]: at the start, or at w_k for a negative brittleness; 0 for a step.

@@ -13,8 +13,10 @@ pub struct Surface {
 
 impl Surface {
     /// Corner positions of a facet [mm].
+    #[inline(always)]
     pub fn corners(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
-        self.facets[facet].map(|n| x[n as usize])
+        let [a, b, c, d] = self.facets[facet];
+        [x[a as usize], x[b as usize], x[c as usize], x[d as usize]]
     }
 }
 

@@ -224,7 +224,7 @@ impl Contact {
         let Some((_, kin)) = self.see(at, &slave, anchor, pair, &trial.x) else {
             return [0.0; 3];
         };
-        let old = self.carried(&state.interface[at], anchor, pair, &kin, &trial.x);
+        let old = self.carried(&state.interface[at], anchor, pair, &kin.frame, &trial.x);
         let present = trial.interface[at].traction;
         let respond = |traction: [f64; 3]| {
             let soft = [trial.stiffening, trial.inertia];

@@ -71,6 +71,10 @@ pub struct Trial {
     /// Energy that touches set free which are no more, and the work of their last forces in the increment
     /// [N mm].
     pub touch_loss: [f64; 2],
+    /// Normal gaps where the forces were taken last [mm]. `[point]`
+    pub(super) gaps: Vec<f64>,
+    /// Positions there [mm], none where points were paired anew since. `[node]`
+    pub(super) seen_at: Vec<[f64; 3]>,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -95,6 +99,8 @@ impl Trial {
         self.stiffest = STIFFEST;
         self.inertia = 0.0;
         self.before.clear();
+        // A run that is resumed here does not have them.
+        self.seen_at.clear();
         // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
         // something of the increment before.
         self.cell_force.clear();
