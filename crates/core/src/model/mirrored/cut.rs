@@ -200,9 +200,9 @@ impl Cut<'_> {
         let place = |nodes: &[u32]| {
             let place: Vec<u32> = nodes.iter().filter_map(|n| self.either(*n)).collect();
             let mut times = BTreeMap::new();
-            place
-                .iter()
-                .for_each(|n| *times.entry(*n).or_insert(0) += 1);
+            for n in &place {
+                *times.entry(*n).or_insert(0) += 1;
+            }
             let mut counts = times.values();
             let first = counts.next();
             // A node of the plane counts once, and one beside it for its image, too.
@@ -227,7 +227,9 @@ impl Cut<'_> {
         let acts = match &load.acts {
             LoadOn::Follower(facets) => {
                 let mut all: Vec<[u32; 4]> = facets.clone();
-                all.iter_mut().for_each(|f| f.sort_unstable());
+                for facet in &mut all {
+                    facet.sort_unstable();
+                }
                 all.sort_unstable();
                 let mirrored = facets.iter().all(|facet| {
                     let mut image = facet.map(|n| images.node[n as usize]);
