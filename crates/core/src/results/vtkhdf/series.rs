@@ -7,7 +7,7 @@ use ndarray::ArrayView2;
 use super::grid::Column;
 
 /// Deflate level: higher ones gain a few percent for several times the work.
-const DEFLATE: u8 = 4;
+const DEFLATE: u8 = 1;
 /// Values a chunk of the short series, one value a step or an increment, holds: there are ninety of them, and a
 /// small run has a few dozen steps.
 pub const SERIES_CHUNK: usize = 64;
