@@ -79,6 +79,7 @@ impl DamagePlasticity {
             first_yield: FirstYield {
                 by_mean: 3.0 * alpha,
                 by_largest: strength / tension.first_yield() - (1.0 + alpha),
+                by_negative: 3.0 * (1.0 - p.k_c) / (2.0 * p.k_c - 1.0),
                 strength,
             },
             tension,

@@ -26,6 +26,8 @@ pub(super) struct FirstYield {
     pub by_mean: f64,
     /// β; negative where no bound holds.
     pub by_largest: f64,
+    /// γ, where the largest principal stress is negative.
+    pub by_negative: f64,
     /// (1−α) σ̄_c [MPa].
     pub strength: f64,
 }
@@ -82,12 +84,16 @@ impl DamagePlasticity {
 }
 
 impl FirstYield {
-    /// Whether (1−α) F ≤ 0 at invariants [MPa]; not if one of them is not finite.
+    /// Whether (1−α) F ≤ 0 at invariants [MPa], or at a bound of the largest principal stress, with which F
+    /// grows; not if one of them is not finite.
     #[inline(always)]
     fn holds(&self, q: f64, mean: f64, largest: f64) -> bool {
-        // Where the largest is negative, γ takes something off: zero is a bound.
-        let largest = if largest > 0.0 { largest } else { 0.0 };
-        q + self.by_mean * mean + self.by_largest * largest <= self.strength
+        let slope = if largest >= 0.0 {
+            self.by_largest
+        } else {
+            self.by_negative
+        };
+        q + self.by_mean * mean + slope * largest <= self.strength
     }
 }
 
@@ -135,4 +141,138 @@ fn bits(of: &[bool; 8]) -> u8 {
     of.iter()
         .enumerate()
         .fold(0, |bits, (g, &one)| bits | (u8::from(one) << g))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Vector3, Vector6};
+
+    use super::*;
+    use crate::material::{
+        DamagePlasticityParameters, Interpolation, MaterialHistory, TableRow, hooke,
+    };
+
+    fn parameters(tension: f64, k_c: f64) -> DamagePlasticityParameters {
+        let rows = |table: [[f64; 3]; 2]| {
+            let row = |[stress, inelastic_strain, damage]: [f64; 3]| TableRow {
+                stress,
+                inelastic_strain,
+                damage,
+            };
+            table.map(row).to_vec()
+        };
+        DamagePlasticityParameters {
+            elastic: ElasticParameters {
+                E: 16700.0,
+                nu: 0.15,
+                density: 0.0,
+            },
+            tension: rows([[tension, 0.0, 0.0], [0.1, 0.002, 0.9]]),
+            compression: rows([[11.0, 0.0, 0.0], [0.6, 0.007, 0.9]]),
+            dilation_angle: 0.2,
+            eccentricity: 0.1,
+            fb0_fc0: 1.16,
+            k_c,
+            tension_recovery: 0.0,
+            compression_recovery: 1.0,
+            viscosity: 0.0,
+            reference_length: None,
+            interpolation: Interpolation::Eff1,
+        }
+    }
+
+    /// Principal values where bounds are sharp, where values coincide, and where all is zero.
+    const CASES: [[f64; 3]; 10] = [
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [1.0, 1.0, 1.0],
+        [-1.0, 0.0, 0.0],
+        [-1.0, -1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, -1.0, -1.0],
+        [1.0, 1.0, -1.0],
+        [0.3, -0.2, -1.0],
+        [-0.1, -0.1, -1.0],
+    ];
+
+    /// What is screened as elastic is so by the law, and what is well inside is screened, on both sides of
+    /// the surface and on it to the last bit, in any direction.
+    #[test]
+    fn screening_is_safe_and_sharp() {
+        let mut screened = 0;
+        for (k_c, tension) in [(2.0 / 3.0, 3.5), (0.51, 1.0), (1.0, 6.0), (0.7, 8.0)] {
+            let p = parameters(tension, k_c);
+            let (law, _) = DamagePlasticity::new(&p, None).expect("a sound table");
+            for (n, case) in CASES.iter().enumerate() {
+                let turn = match n % 3 {
+                    0 => Rotation3::identity(),
+                    1 => Rotation3::new(Vector3::new(0.4, -1.0, 0.3)),
+                    _ => Rotation3::new(Vector3::new(1e-8, 0.0, 1e-5)),
+                };
+                let m = turn.matrix()
+                    * nalgebra::Matrix3::from_diagonal(&Vector3::from(*case))
+                    * turn.matrix().transpose();
+                // Strain of this stress: ε = σ (1+ν)/E − ν/E tr σ.
+                let trace = case.iter().sum::<f64>() * 0.15 / 16700.0;
+                let by = 1.15 / 16700.0;
+                let strain = Vector6::new(
+                    by * m[(0, 0)] - trace,
+                    by * m[(1, 1)] - trace,
+                    by * m[(2, 2)] - trace,
+                    2.0 * by * m[(0, 1)],
+                    2.0 * by * m[(1, 2)],
+                    2.0 * by * m[(2, 0)],
+                );
+                let f =
+                    |size: f64| law.yield_function(&hooke(&p.elastic, &(strain * size)), 0.0, 0.0);
+                let (mut low, mut high) = (0.0, 1000.0);
+                if f(high) <= 0.0 {
+                    continue; // never yields
+                }
+                while high - low > f64::EPSILON * high {
+                    let middle = 0.5 * (low + high);
+                    *(if f(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+                }
+                let sizes = [
+                    0.0,
+                    0.5 * low,
+                    low * (1.0 - 1e-4),
+                    low * (1.0 - 1e-7),
+                    low,
+                    high,
+                    high * (1.0 + 1e-7),
+                    2.0 * high,
+                ];
+                let lanes: ByPoint =
+                    std::array::from_fn(|k| std::array::from_fn(|g| strain[k] * sizes[g]));
+                let (stress, elastic) =
+                    Material::DamagePlasticity(Box::new(law.clone())).screen(&lanes);
+                for (g, size) in sizes.iter().enumerate() {
+                    let one = strain * *size;
+                    let old = MaterialHistory::default();
+                    let answer = law.update(&one, &old, 1.0, false).expect("an answer");
+                    if elastic & (1 << g) != 0 {
+                        screened += 1;
+                        assert_eq!(answer.history.kappa_t + answer.history.kappa_c, 0.0);
+                        for k in 0..6 {
+                            // Roundings of the same sums.
+                            let error = (stress[k][g] - answer.stress[k]).abs();
+                            assert!(error <= 1e-14 * answer.stress.amax(), "{case:?} {g}");
+                        }
+                    } else {
+                        assert!(
+                            g > 2,
+                            "{case:?} at {size}, k_c {k_c}: well inside, not screened"
+                        );
+                    }
+                }
+                let broken: ByPoint = lanes.map(|row| row.map(|e| e * f64::NAN));
+                let material = Material::DamagePlasticity(Box::new(law.clone()));
+                assert_eq!(material.screen(&broken).1, 0);
+                assert_eq!(Material::Elastic(p.elastic).screen(&broken).1, 0);
+                assert_eq!(Material::Elastic(p.elastic).screen(&lanes).1, 0xff);
+            }
+        }
+        assert!(screened > 100, "{screened}");
+    }
 }
