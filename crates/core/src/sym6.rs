@@ -78,11 +78,11 @@ impl Reduced {
         }
         let distinct = (2.0 * radius * c).copysign(j3);
         // The columns of a − s 1 span the plane across its direction.
-        let mut columns = [0, 1, 2].map(|i| {
-            let mut column: Vector3<f64> = a.column(i).into();
-            column[i] -= distinct;
-            column
-        });
+        let mut columns = [
+            Vector3::new(a.m11 - distinct, a.m21, a.m31),
+            Vector3::new(a.m12, a.m22 - distinct, a.m32),
+            Vector3::new(a.m13, a.m23, a.m33 - distinct),
+        ];
         take_longest(&mut columns);
         let u = columns[0].normalize();
         for column in &mut columns[1..] {
@@ -120,7 +120,12 @@ impl Reduced {
         } else {
             [pair[0], pair[1], distinct]
         };
-        values.map(|v| self.scale * v + self.mean)
+        let (scale, mean) = (self.scale, self.mean);
+        [
+            scale * values[0] + mean,
+            scale * values[1] + mean,
+            scale * values[2] + mean,
+        ]
     }
 
     /// Directions in the order of the values.

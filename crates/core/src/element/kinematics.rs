@@ -43,7 +43,9 @@ fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *f;
     for _ in 0..50 {
         // R⁻ᵀ: the cofactors over the determinant.
-        let [x, y, z]: [Vector3<f64>; 3] = [0, 1, 2].map(|i| r.column(i).into());
+        let x = Vector3::new(r.m11, r.m21, r.m31);
+        let y = Vector3::new(r.m12, r.m22, r.m32);
+        let z = Vector3::new(r.m13, r.m23, r.m33);
         let cofactors = Matrix3::from_columns(&[y.cross(&z), z.cross(&x), x.cross(&y)]);
         let determinant = x.dot(&cofactors.column(0));
         if determinant == 0.0 {

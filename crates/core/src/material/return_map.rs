@@ -94,9 +94,9 @@ pub(super) struct Slope<const N: usize> {
 /// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory A.4).
 #[inline(always)]
 pub(super) fn weight(stress: &[f64; 3]) -> f64 {
-    let sum: f64 = stress.iter().map(|s| s.abs()).sum();
+    let sum = stress[0].abs() + stress[1].abs() + stress[2].abs();
     if sum > 0.0 {
-        stress.iter().map(|s| s.max(0.0)).sum::<f64>() / sum
+        (stress[0].max(0.0) + stress[1].max(0.0) + stress[2].max(0.0)) / sum
     } else {
         0.0
     }
@@ -192,7 +192,8 @@ impl DamagePlasticity {
     #[inline(always)]
     fn state(&self, trial: &TrialStress, lambda: f64, q: f64, a: f64, eta: f64, phi: f64) -> Point {
         let mean = trial.mean - self.bulk * self.dilation * lambda;
-        let stress = trial.s.map(|s| eta * s + mean);
+        let s = &trial.s;
+        let stress = [eta * s[0] + mean, eta * s[1] + mean, eta * s[2] + mean];
         let r = weight(&stress);
         let strain = |s: f64| 1.5 * phi * s + lambda * self.dilation / 3.0;
         let (strain_max, strain_min) = (strain(trial.s[0]), strain(trial.s[2]));
@@ -360,7 +361,8 @@ impl DamagePlasticity {
         let by_eta = 1.0 / p.eta;
         let lambda = (p.a + p.phi * 3.0 * self.shear * by_eta * a2 / p.a) * (by_eta * one_by_g3);
         let mean = -self.bulk * self.dilation * lambda;
-        let stress = trial.s.map(|s| mean - s);
+        let s = &trial.s;
+        let stress = [mean - s[0], mean - s[1], mean - s[2]];
         let sum = p.stress[0].abs() + p.stress[1].abs() + p.stress[2].abs();
         let by_sum = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         let mut r = 0.0;

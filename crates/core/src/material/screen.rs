@@ -61,10 +61,15 @@ impl DamagePlasticity {
         let mut mean = [0.0; 8];
         let mut q = [0.0; 8];
         let mut elastic = [false; 8];
+        // Loops without closures: those would be compiled for the narrow unit (docs/performance.md).
         for g in 0..8 {
             mean[g] = (stress[0][g] + stress[1][g] + stress[2][g]) / 3.0;
-            let [x, y, z] = [0, 1, 2].map(|i| stress[i][g] - mean[g]);
-            let [a, b, c] = [stress[3][g], stress[4][g], stress[5][g]];
+            let (x, y, z) = (
+                stress[0][g] - mean[g],
+                stress[1][g] - mean[g],
+                stress[2][g] - mean[g],
+            );
+            let (a, b, c) = (stress[3][g], stress[4][g], stress[5][g]);
             q[g] = (1.5 * (x * x + y * y + z * z + 2.0 * (a * a + b * b + c * c))).sqrt();
         }
         for g in 0..8 {
@@ -100,8 +105,12 @@ impl FirstYield {
 /// Largest principal value of the deviator at point `g` of invariants `mean` and `q` [MPa].
 #[inline(always)]
 fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|i| stress[i][g] - mean);
-    let [a, b, c] = [stress[3][g], stress[4][g], stress[5][g]];
+    let (x, y, z) = (
+        stress[0][g] - mean,
+        stress[1][g] - mean,
+        stress[2][g] - mean,
+    );
+    let (a, b, c) = (stress[3][g], stress[4][g], stress[5][g]);
     let j3 = x * (y * z - b * b) - a * (a * z - b * c) + c * (a * b - y * c);
     let third = q / 3.0;
     let cube = third * third * third;
@@ -138,9 +147,11 @@ fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoint {
 /// Bit g of each point that is true.
 #[inline(always)]
 fn bits(of: &[bool; 8]) -> u8 {
-    of.iter()
-        .enumerate()
-        .fold(0, |bits, (g, &one)| bits | (u8::from(one) << g))
+    let mut bits = 0;
+    for g in 0..8 {
+        bits |= u8::from(of[g]) << g;
+    }
+    bits
 }
 
 #[cfg(test)]

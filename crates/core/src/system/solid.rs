@@ -1,6 +1,6 @@
 //! One element: its forces and stiffness from the frame, the law of its points and their histories.
 
-use nalgebra::Vector6;
+use nalgebra::{Matrix3, Matrix6, Vector6};
 
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
@@ -21,6 +21,41 @@ pub struct ElementSlot<'a> {
     pub energy: &'a mut PointEnergy,
     /// What the histories hold.
     pub marks: &'a mut Marks,
+    /// What the stiffness was written with.
+    pub written: &'a mut Written,
+}
+
+/// What the cell of an element holds if its secant stiffness was the last to be written: one that would
+/// hardly differ is not written again. The forces are exact whatever the matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Written {
+    rotation: Matrix3<f64>,
+    /// NaN where anything else is in the cell: it equals nothing.
+    intact: [f64; 8],
+}
+
+impl Default for Written {
+    fn default() -> Self {
+        Self {
+            rotation: Matrix3::zeros(),
+            intact: [f64::NAN; 8],
+        }
+    }
+}
+
+/// Change of the rotation up to which a secant stiffness stays as it was written.
+const TURNED: f64 = 1e-3;
+
+impl Written {
+    /// Whether a secant stiffness of these parts is written already; if not it is now.
+    #[inline(always)]
+    fn keeps(&mut self, rotation: &Matrix3<f64>, intact: &[f64; 8]) -> bool {
+        if *intact == self.intact && (rotation - self.rotation).amax() <= TURNED {
+            return true;
+        }
+        (self.rotation, self.intact) = (*rotation, *intact);
+        false
+    }
 }
 
 /// A bit for each point of an element which is not virgin: the histories of the others need not be read.
@@ -44,12 +79,6 @@ impl Marks {
             new: bits(new),
         }
     }
-}
-
-/// Points of which a bit is set.
-#[inline(always)]
-fn points(bits: u8) -> impl Iterator<Item = usize> {
-    (0..8).filter(move |g| bits & (1 << g) != 0)
 }
 
 /// One element with nodes at `positions` [mm] and histories `old` of its eight points.
@@ -116,7 +145,10 @@ impl OneElement<'_, '_> {
         };
         let mut force = shape.elastic_force(&frame.local);
         let mut intact = [1.0; 8];
-        for g in points(marks) {
+        for g in 0..8 {
+            if marks & (1 << g) == 0 {
+                continue;
+            }
             if !old[g].extrapolates_elastically() {
                 let strain = shape.strain(g, &frame.local);
                 let (part, stress) = self.law.extrapolated(&strain, &old[g], ratio);
@@ -126,6 +158,7 @@ impl OneElement<'_, '_> {
         }
         *slot.force = frame.force(shape, &force);
         if self.setting.tangent {
+            *slot.written = Written::default();
             write_secant(shape, frame, &intact, &force, slot.cell);
         }
     }
@@ -142,8 +175,7 @@ impl OneElement<'_, '_> {
             let force = shape.elastic_force(&frame.local);
             *self.slot.force = frame.force(shape, &force);
             if setting.tangent {
-                let k = shape.elastic_stiffness();
-                frame.symmetric_stiffness(shape, k, &force, self.slot.cell);
+                self.secant(frame, &[1.0; 8], &force);
             }
             return Ok(());
         }
@@ -158,15 +190,21 @@ impl OneElement<'_, '_> {
         if few {
             force = shape.elastic_force(&frame.local);
         } else {
-            for g in points(at_rest) {
+            for g in 0..8 {
+                if at_rest & (1 << g) == 0 {
+                    continue;
+                }
                 shape.add_force(g, &of_point(&stresses, g), &mut force);
             }
         }
         // Parts of the elastic stiffness, and what takes the place of others.
         let mut intact = [1.0; 8];
-        let mut others = [(0, nalgebra::Matrix6::zeros()); 8];
+        let mut others = [(0, Matrix6::zeros()); 8];
         let mut count = 0;
-        for g in points(!at_rest) {
+        for g in 0..8 {
+            if at_rest & (1 << g) != 0 {
+                continue;
+            }
             let old = &self.old[g];
             let point = law.step(&of_point(&strains, g), old, setting.dt, wanted)?;
             let elastic = if few {
@@ -202,9 +240,10 @@ impl OneElement<'_, '_> {
             return Ok(());
         }
         if count == 0 {
-            write_secant(shape, frame, &intact, &force, slot.cell);
+            self.secant(frame, &intact, &force);
             return Ok(());
         }
+        *slot.written = Written::default();
         let mut k = shape.scaled_stiffness(&intact);
         for (g, tangent) in &others[..count] {
             shape.replace_tangent(*g, tangent, &mut k);
@@ -217,11 +256,26 @@ impl OneElement<'_, '_> {
         Ok(())
     }
 
+    /// Writes the secant stiffness of points of which the parts `intact` are left, unless it is there.
+    #[inline(always)]
+    fn secant(&mut self, frame: &Corotated, intact: &[f64; 8], force: &Nodal) {
+        let slot = &mut *self.slot;
+        if self.setting.solids == Solids::Implicit {
+            *slot.written = Written::default();
+        } else if slot.written.keeps(&frame.rotation, intact) {
+            return;
+        }
+        write_secant(self.shape, frame, intact, force, slot.cell);
+    }
+
     /// Histories and energies of points that stay virgin.
     #[inline(always)]
     fn rest(&mut self, at_rest: u8, strains: &ByPoint, stresses: &ByPoint) {
         let slot = &mut *self.slot;
-        for g in points(at_rest & slot.marks.new) {
+        for g in 0..8 {
+            if (at_rest & slot.marks.new) & (1 << g) == 0 {
+                continue;
+            }
             slot.new[g] = MaterialHistory::default();
         }
         slot.marks.new &= !at_rest;
@@ -252,7 +306,11 @@ impl OneElement<'_, '_> {
 /// Components of point `g`.
 #[inline(always)]
 fn of_point(components: &ByPoint, g: usize) -> Vector6<f64> {
-    Vector6::from_fn(|k, _| components[k][g])
+    let mut one = Vector6::zeros();
+    for k in 0..6 {
+        one[k] = components[k][g];
+    }
+    one
 }
 
 /// Stiffness of an element whose points keep the parts `intact` of theirs.
