@@ -215,12 +215,19 @@ fn elements_are_those_of_their_points_one_by_one() {
         };
         let turn = Rotation3::new(Vector3::from_fn(|_, _| 0.5 * random.signed()));
         let strength = 10.0_f64.powf(-5.0 + 2.0 * random.uniform());
+        // Every other walk is uneven: some points yield, others do not.
+        let (even, uneven) = if walk % 2 == 0 {
+            (1.0, 3.0)
+        } else {
+            (0.2, 12.0)
+        };
         let mut gradient = nalgebra::Matrix3::zeros();
         let mut rough = [Vector3::zeros(); 8];
         for step in 0..8 {
-            let change = nalgebra::Matrix3::from_fn(|_, _| strength * random.signed());
-            let noise: [Vector3<f64>; 8] =
-                std::array::from_fn(|_| Vector3::from_fn(|_, _| 3.0 * strength * random.signed()));
+            let change = nalgebra::Matrix3::from_fn(|_, _| even * strength * random.signed());
+            let noise: [Vector3<f64>; 8] = std::array::from_fn(|_| {
+                Vector3::from_fn(|_, _| uneven * strength * random.signed())
+            });
             let at = |part: f64| -> [[f64; 3]; 8] {
                 std::array::from_fn(|a| {
                     let x = Vector3::from(corners[a]);
