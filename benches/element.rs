@@ -14,7 +14,7 @@ use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
 use wythe::model::scene::Formulation;
-use wythe::system::bulk::{self, ElementSlot, Marks, Written};
+use wythe::system::bulk::{self, ElementSlot, Marks};
 use wythe::system::pattern::CELL;
 use wythe::system::{Evaluation, Solids, Turning};
 
@@ -122,8 +122,6 @@ fn element(c: &mut Criterion) {
                         new: &mut new,
                         energy: &mut energy,
                         marks: &mut marks,
-                        // Written each time.
-                        written: &mut Written::default(),
                     };
                     bulk::element(&shape, &law, black_box(&x), &old, setting, &mut slot)
                 });

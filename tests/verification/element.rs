@@ -11,7 +11,7 @@ use wythe::material::{
     DamagePlasticityParameters, Material, MaterialHistory, MaterialParameters, PointEnergy,
 };
 use wythe::model::scene::Formulation;
-use wythe::system::bulk::{self, ElementSlot, Marks, Written};
+use wythe::system::bulk::{self, ElementSlot, Marks};
 use wythe::system::pattern::CELL;
 use wythe::system::{Evaluation, Solids, Turning};
 
@@ -42,7 +42,6 @@ impl One {
             new: &mut self.new,
             energy: &mut self.energy,
             marks: &mut self.marks,
-            written: &mut Written::default(),
         };
         bulk::element(&self.shape, &self.law, x, &self.old, setting, &mut slot)
             .expect("a sound element");
@@ -312,7 +311,6 @@ fn what_is_not_finite_is_refused() {
             new: &mut new,
             energy: &mut PointEnergy::default(),
             marks: &mut Marks::default(),
-            written: &mut Written::default(),
         };
         let old = [MaterialHistory::default(); 8];
         let answer = bulk::element(&shape, &law, &x, &old, setting, &mut slot);

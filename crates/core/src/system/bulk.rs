@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use super::pattern::CELL;
-pub use super::solid::{ElementSlot, Marks, Written, element};
+pub use super::solid::{ElementSlot, Marks, element};
 use super::{Evaluation, Trial};
 use crate::element::{ElementShape, ShapeError};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
@@ -150,7 +150,6 @@ impl Bulk {
             let pairs = records.zip(trial.material.par_chunks_exact(8));
             trial.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
         }
-        trial.written.resize(n, Written::default());
         let x = &trial.x;
         let failure = trial.cell_force[..n]
             .par_iter_mut()
@@ -158,10 +157,9 @@ impl Bulk {
             .zip(trial.material.par_chunks_exact_mut(8))
             .zip(trial.element_energy.par_iter_mut())
             .zip(trial.marks.par_iter_mut())
-            .zip(trial.written.par_iter_mut())
             .enumerate()
             .with_min_len(16)
-            .filter_map(|(e, (((((force, cell), new), energy), marks), written))| {
+            .filter_map(|(e, ((((force, cell), new), energy), marks))| {
                 let shape = self.shape(e);
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
@@ -172,7 +170,6 @@ impl Bulk {
                     new,
                     energy,
                     marks,
-                    written,
                 };
                 element(shape, law, &positions, old, setting, &mut slot)
                     .err()

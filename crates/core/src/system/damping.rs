@@ -50,10 +50,6 @@ impl StiffnessDamping {
         if trial.cells.len() < n * CELL {
             trial.cells.resize(n * CELL, 0.0);
         }
-        if by_displacement.is_some() {
-            // What is added to the cells must not be there the next time.
-            trial.written.clear();
-        }
         let (x, v, b) = (&trial.x, &self.velocity, self.factor);
         self.element_force
             .par_iter_mut()

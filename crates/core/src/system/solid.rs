@@ -1,6 +1,6 @@
 //! One element: its forces and stiffness from the frame, the law of its points and their histories.
 
-use nalgebra::{Matrix3, Matrix6, Vector6};
+use nalgebra::{Matrix6, Vector6};
 
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
@@ -21,41 +21,6 @@ pub struct ElementSlot<'a> {
     pub energy: &'a mut PointEnergy,
     /// What the histories hold.
     pub marks: &'a mut Marks,
-    /// What the stiffness was written with.
-    pub written: &'a mut Written,
-}
-
-/// What the cell of an element holds if its secant stiffness was the last to be written: one that would
-/// hardly differ is not written again. The forces are exact whatever the matrix.
-#[derive(Clone, Copy, Debug)]
-pub struct Written {
-    rotation: Matrix3<f64>,
-    /// NaN where anything else is in the cell: it equals nothing.
-    intact: [f64; 8],
-}
-
-impl Default for Written {
-    fn default() -> Self {
-        Self {
-            rotation: Matrix3::zeros(),
-            intact: [f64::NAN; 8],
-        }
-    }
-}
-
-/// Change of the rotation up to which a secant stiffness stays as it was written.
-const TURNED: f64 = 1e-3;
-
-impl Written {
-    /// Whether a secant stiffness of these parts is written already; if not it is now.
-    #[inline(always)]
-    fn keeps(&mut self, rotation: &Matrix3<f64>, intact: &[f64; 8]) -> bool {
-        if *intact == self.intact && (rotation - self.rotation).amax() <= TURNED {
-            return true;
-        }
-        (self.rotation, self.intact) = (*rotation, *intact);
-        false
-    }
 }
 
 /// A bit for each point of an element which is not virgin: the histories of the others need not be read.
@@ -158,7 +123,6 @@ impl OneElement<'_, '_> {
         }
         *slot.force = frame.force(shape, &force);
         if self.setting.tangent {
-            *slot.written = Written::default();
             write_secant(shape, frame, &intact, &force, slot.cell);
         }
     }
@@ -175,7 +139,8 @@ impl OneElement<'_, '_> {
             let force = shape.elastic_force(&frame.local);
             *self.slot.force = frame.force(shape, &force);
             if setting.tangent {
-                self.secant(frame, &[1.0; 8], &force);
+                let k = shape.elastic_stiffness();
+                frame.symmetric_stiffness(shape, k, &force, self.slot.cell);
             }
             return Ok(());
         }
@@ -240,10 +205,9 @@ impl OneElement<'_, '_> {
             return Ok(());
         }
         if count == 0 {
-            self.secant(frame, &intact, &force);
+            write_secant(shape, frame, &intact, &force, slot.cell);
             return Ok(());
         }
-        *slot.written = Written::default();
         let mut k = shape.scaled_stiffness(&intact);
         for (g, tangent) in &others[..count] {
             shape.replace_tangent(*g, tangent, &mut k);
@@ -254,18 +218,6 @@ impl OneElement<'_, '_> {
             frame.symmetric_stiffness(shape, &k, &force, slot.cell);
         }
         Ok(())
-    }
-
-    /// Writes the secant stiffness of points of which the parts `intact` are left, unless it is there.
-    #[inline(always)]
-    fn secant(&mut self, frame: &Corotated, intact: &[f64; 8], force: &Nodal) {
-        let slot = &mut *self.slot;
-        if self.setting.solids == Solids::Implicit {
-            *slot.written = Written::default();
-        } else if slot.written.keeps(&frame.rotation, intact) {
-            return;
-        }
-        write_secant(self.shape, frame, intact, force, slot.cell);
     }
 
     /// Histories and energies of points that stay virgin.

@@ -1,6 +1,6 @@
 //! Scratch of one increment, and how the tractions of its iterates follow one another.
 
-use super::bulk::{Marks, Written};
+use super::bulk::Marks;
 use super::general::Live;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
@@ -35,8 +35,6 @@ pub struct Trial {
     pub element_energy: Vec<PointEnergy>,
     /// What both histories of the solids hold; none: not looked at yet. `[element]`
     pub(super) marks: Vec<Marks>,
-    /// What the cells of the solids were written with in this increment. `[element]`
-    pub(super) written: Vec<Written>,
     /// New histories of the interfaces. `[point]`
     pub interface: Vec<InterfaceHistory>,
     /// Elastic energy and dissipation of each point [N mm]. `[point]`
@@ -91,8 +89,6 @@ impl Trial {
     pub fn start(&mut self, state: &State) {
         self.material.clone_from(&state.material);
         self.marks.clear();
-        // A run resumed here has nothing written either.
-        self.written.clear();
         self.interface.clone_from(&state.interface);
         self.pairs.clone_from(&state.pairs);
         self.anchors.clone_from(&state.pairs);
