@@ -182,7 +182,7 @@ const ALL: [Solids; 3] = [Solids::Implicit, Solids::Secant, Solids::Softened];
 fn elements_are_those_of_their_points_one_by_one() {
     let mut random = Random(71);
     let (mut whole, mut mixed, mut damaged) = (0, 0, 0);
-    for walk in 0..150 {
+    for walk in 0..300 {
         let p = random_parameters(&mut random);
         let elastic = p.elastic;
         let parameters = if walk % 10 == 9 {
