@@ -89,7 +89,7 @@ fn element(c: &mut Criterion) {
     damaged[2] = cracked[2];
     let mut force = [[0.0; 3]; 8];
     let mut energy = PointEnergy::default();
-    for (name, solids, old, x) in [
+    let cases = vec![
         ("secant_elastic", Solids::Secant, [virgin; 8], pressed),
         ("held_elastic", Solids::Held, [virgin; 8], pressed),
         ("implicit_elastic", Solids::Implicit, [virgin; 8], pressed),
@@ -103,7 +103,8 @@ fn element(c: &mut Criterion) {
         ("secant_cracked", Solids::Secant, cracked, x),
         ("softened_cracked", Solids::Softened, cracked, x),
         ("implicit_cracked", Solids::Implicit, cracked, x),
-    ] {
+    ];
+    for (name, solids, old, x) in cases {
         let mut new = old;
         let mut marks = Marks::of(&old, &new);
         for (kind, tangent) in [("force", false), ("force_and_stiffness", true)] {

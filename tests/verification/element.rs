@@ -118,12 +118,11 @@ impl One {
             alike &= yields(found) == yields(exact);
             let intact = 1.0 - exact.viscous_damage;
             tangents[g] = match (&self.law, solids) {
-                (_, Solids::Implicit) => answer.tangent,
+                (_, Solids::Implicit) | (Material::Elastic(_), _) => answer.tangent,
                 (Material::DamagePlasticity(law), Solids::Softened) if yields(exact) => {
                     law.bounded(&answer.tangent, intact)
                 }
                 (Material::DamagePlasticity(law), _) => law.secant_stiffness(intact),
-                (Material::Elastic(_), _) => answer.tangent,
             };
         }
         let work = large
