@@ -1,4 +1,4 @@
-//! One hex8 in the rotated frame: elastic, extrapolated with damage, implicit with a crack.
+//! One hex8 in the rotated frame: elastic, with one point yielding, extrapolated with damage, cracked.
 //!
 //! Not covered: the way from and to memory (`benches/system.rs` runs over a wall).
 
@@ -14,9 +14,49 @@ use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
 use wythe::model::scene::Formulation;
-use wythe::system::bulk::{self, ElementSlot};
+use wythe::system::bulk::{self, ElementSlot, Marks};
 use wythe::system::pattern::CELL;
 use wythe::system::{Evaluation, Solids, Turning};
+
+/// Corners bent and stretched until exactly one of the Gauss points yields.
+fn one_yielding(
+    shape: &ElementShape,
+    law: &DamagePlasticity,
+    corners: &[[f64; 3]; 8],
+) -> [[f64; 3]; 8] {
+    let virgin = MaterialHistory::default();
+    let at = |size: f64| {
+        CORNERS.map(|c| {
+            let bent = 1.0 + 0.3 * c[1] + 0.2 * c[2] + 0.1 * c[1] * c[2];
+            [size * c[0] * bent, 0.5 * size * c[0]]
+        })
+    };
+    for step in 1..1000 {
+        let mut x = *corners;
+        for (x, u) in x.iter_mut().zip(at(1e-4 * f64::from(step))) {
+            x[0] += u[0];
+            x[1] += u[1];
+        }
+        let frame = Corotated::new(shape, &x).expect("a sound element");
+        let yields = |e| {
+            law.update(e, &virgin, 1.0, false)
+                .expect("an answer")
+                .history
+                .kappa_t
+                > 0.0
+        };
+        if shape
+            .strains(&frame.local)
+            .iter()
+            .filter(|e| yields(*e))
+            .count()
+            == 1
+        {
+            return x;
+        }
+    }
+    panic!("no stretch lets a single point yield");
+}
 
 fn element(c: &mut Criterion) {
     let (law, _) = DamagePlasticity::new(&brick(), None).expect("the tables are sound");
@@ -30,6 +70,9 @@ fn element(c: &mut Criterion) {
         let noise = Vector3::new(random.signed(), random.signed(), random.signed()) * 1e-3;
         (turn * (Vector3::new(1.0006 * c[0], c[1], c[2]) + noise)).into()
     });
+    // Some MPa of compression, as in a wall under its load.
+    let pressed = corners.map(|c| (turn * Vector3::new(c[0], c[1], 0.9999 * c[2])).into());
+    let bent = one_yielding(&shape, &law, &corners);
     let frame = Corotated::new(&shape, &x).expect("a sound element");
     let strains = shape.strains(&frame.local);
     let virgin = MaterialHistory::default();
@@ -45,16 +88,25 @@ fn element(c: &mut Criterion) {
     let mut damaged = [virgin; 8];
     damaged[2] = cracked[2];
     let mut force = [[0.0; 3]; 8];
-    let mut new = [virgin; 8];
     let mut energy = PointEnergy::default();
-    for (name, solids, old) in [
-        ("extrapolated_intact", extrapolated, [virgin; 8]),
-        ("extrapolated_one_point_damaged", extrapolated, damaged),
-        ("extrapolated_damaged", extrapolated, cracked),
-        ("secant_cracking", Solids::Secant, [virgin; 8]),
-        ("secant_cracked", Solids::Secant, cracked),
-        ("implicit_cracked", Solids::Implicit, cracked),
-    ] {
+    let cases = vec![
+        ("secant_elastic", Solids::Secant, [virgin; 8], pressed),
+        ("held_elastic", Solids::Held, [virgin; 8], pressed),
+        ("implicit_elastic", Solids::Implicit, [virgin; 8], pressed),
+        ("secant_one_yielding", Solids::Secant, [virgin; 8], bent),
+        ("softened_one_yielding", Solids::Softened, [virgin; 8], bent),
+        ("implicit_one_yielding", Solids::Implicit, [virgin; 8], bent),
+        ("extrapolated_intact", extrapolated, [virgin; 8], x),
+        ("extrapolated_one_point_damaged", extrapolated, damaged, x),
+        ("extrapolated_damaged", extrapolated, cracked, x),
+        ("secant_cracking", Solids::Secant, [virgin; 8], x),
+        ("secant_cracked", Solids::Secant, cracked, x),
+        ("softened_cracked", Solids::Softened, cracked, x),
+        ("implicit_cracked", Solids::Implicit, cracked, x),
+    ];
+    for (name, solids, old, x) in cases {
+        let mut new = old;
+        let mut marks = Marks::of(&old, &new);
         for (kind, tangent) in [("force", false), ("force_and_stiffness", true)] {
             let setting = Evaluation {
                 dt: 1.0,
@@ -70,6 +122,7 @@ fn element(c: &mut Criterion) {
                         cell: &mut cell,
                         new: &mut new,
                         energy: &mut energy,
+                        marks: &mut marks,
                     };
                     bulk::element(&shape, &law, black_box(&x), &old, setting, &mut slot)
                 });

@@ -2,25 +2,32 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 
+/// Voigt components of eight points, the points in lanes. `[component][point]`
+pub type ByPoint = [[f64; 8]; 6];
+
 /// Unit tensor.
 pub const UNIT: Vector6<f64> = Vector6::new(1.0, 1.0, 1.0, 0.0, 0.0, 0.0);
 
 /// Mean of the normal components.
+#[inline(always)]
 pub fn mean(s: &Vector6<f64>) -> f64 {
     (s[0] + s[1] + s[2]) / 3.0
 }
 
 /// s:s of a stress-like tensor (shear components as they are).
+#[inline(always)]
 pub fn norm_squared(s: &Vector6<f64>) -> f64 {
     s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
 }
 
 /// As a matrix; stress-like.
+#[inline(always)]
 pub fn matrix(s: &Vector6<f64>) -> Matrix3<f64> {
     Matrix3::new(s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2])
 }
 
 /// n ⊗ n, stress-like.
+#[inline(always)]
 pub fn dyad(n: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(
         n.x * n.x,
@@ -50,6 +57,7 @@ impl Reduced {
     /// 4007: the root of the characteristic cubic that lies apart is well conditioned, and so is the
     /// 2 × 2 problem left across its direction; the cubic's other two roots would lose half of
     /// their digits where they coincide. None for a multiple of the unit tensor.
+    #[inline(always)]
     fn new(s: &Vector6<f64>) -> Option<Self> {
         let mean = mean(s);
         let deviator = s - UNIT * mean;
@@ -70,11 +78,11 @@ impl Reduced {
         }
         let distinct = (2.0 * radius * c).copysign(j3);
         // The columns of a − s 1 span the plane across its direction.
-        let mut columns = [0, 1, 2].map(|i| {
-            let mut column: Vector3<f64> = a.column(i).into();
-            column[i] -= distinct;
-            column
-        });
+        let mut columns = [
+            Vector3::new(a.m11 - distinct, a.m21, a.m31),
+            Vector3::new(a.m12, a.m22 - distinct, a.m32),
+            Vector3::new(a.m13, a.m23, a.m33 - distinct),
+        ];
         take_longest(&mut columns);
         let u = columns[0].normalize();
         for column in &mut columns[1..] {
@@ -93,6 +101,7 @@ impl Reduced {
     }
 
     /// Half the trace, half the difference and half the distance of the values of the block.
+    #[inline(always)]
     fn circle(&self) -> (f64, f64, f64) {
         let [uu, vv, uv] = self.block;
         let half = 0.5 * (uu - vv);
@@ -100,6 +109,7 @@ impl Reduced {
     }
 
     /// Values in descending order.
+    #[inline(always)]
     fn values(&self) -> [f64; 3] {
         let (middle, _, radius) = self.circle();
         let pair = [middle + radius, middle - radius];
@@ -110,10 +120,16 @@ impl Reduced {
         } else {
             [pair[0], pair[1], distinct]
         };
-        values.map(|v| self.scale * v + self.mean)
+        let (scale, mean) = (self.scale, self.mean);
+        [
+            scale * values[0] + mean,
+            scale * values[1] + mean,
+            scale * values[2] + mean,
+        ]
     }
 
     /// Directions in the order of the values.
+    #[inline(always)]
     fn directions(&self) -> [Vector3<f64>; 3] {
         let (_, half, radius) = self.circle();
         let [n, u, v] = self.basis;
@@ -137,6 +153,7 @@ impl Reduced {
 }
 
 /// Brings the longest vector to the front.
+#[inline(always)]
 fn take_longest(vectors: &mut [Vector3<f64>]) {
     for i in 1..vectors.len() {
         if vectors[i].norm_squared() > vectors[0].norm_squared() {
@@ -146,17 +163,46 @@ fn take_longest(vectors: &mut [Vector3<f64>]) {
 }
 
 /// Principal values in descending order, accurate to a few roundings of the largest also where
+/// values coincide; directions only if asked for.
+pub(crate) struct Principal {
+    mean: f64,
+    /// None for a multiple of the unit tensor.
+    reduced: Option<Reduced>,
+}
+
+impl Principal {
+    #[inline(always)]
+    pub fn of(s: &Vector6<f64>) -> Self {
+        Self {
+            mean: mean(s),
+            reduced: Reduced::new(s),
+        }
+    }
+
+    #[inline(always)]
+    pub fn values(&self) -> [f64; 3] {
+        self.reduced
+            .as_ref()
+            .map_or([self.mean; 3], Reduced::values)
+    }
+
+    #[inline(always)]
+    pub fn directions(&self) -> [Vector3<f64>; 3] {
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        self.reduced.as_ref().map_or(axes, Reduced::directions)
+    }
+}
+
+/// Principal values in descending order, accurate to a few roundings of the largest also where
 /// values coincide.
 pub fn principal_values(s: &Vector6<f64>) -> [f64; 3] {
-    Reduced::new(s).map_or_else(|| [mean(s); 3], |reduced| reduced.values())
+    Principal::of(s).values()
 }
 
 /// Principal values in descending order, and their directions.
 pub fn principal(s: &Vector6<f64>) -> ([f64; 3], [Vector3<f64>; 3]) {
-    Reduced::new(s).map_or_else(
-        || ([mean(s); 3], [Vector3::x(), Vector3::y(), Vector3::z()]),
-        |reduced| (reduced.values(), reduced.directions()),
-    )
+    let principal = Principal::of(s);
+    (principal.values(), principal.directions())
 }
 
 #[cfg(test)]

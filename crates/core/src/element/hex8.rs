@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 use crate::material::{ElasticParameters, elastic_stiffness, hooke};
 pub use crate::model::mesh::CORNERS;
 use crate::model::scene::Formulation;
+use crate::sym6::ByPoint;
 
 /// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
 pub type Nodal = [[f64; 8]; 3];
@@ -47,6 +48,8 @@ pub struct ElementShape {
     pub relative: Nodal,
     /// Strain operators B̃ [1/mm]. `[gauss point]`
     pub operator: [Operator; 8],
+    /// The same with the points in lanes. `[xyz][node][component][gauss point]`
+    by_point: Box<[[ByPoint; 8]; 3]>,
     /// det J · w [mm³]. `[gauss point]`
     pub weight: [f64; 8],
     /// Gradients of the shape functions at the centroid [1/mm].
@@ -170,9 +173,14 @@ impl ElementShape {
             make_symmetric(&mut point_stiffness[p]);
             add_scaled(&point_stiffness[p], 1.0, &mut stiffness);
         }
+        let mut by_point = Box::new([[[[0.0; 8]; 6]; 8]; 3]);
+        for (j, n, k, g) in (0..3 * 8 * 6 * 8).map(|i| (i / 384, i / 48 % 8, i / 8 % 6, i % 8)) {
+            by_point[j][n][k][g] = operator[g][k][j][n];
+        }
         Ok(Self {
             relative: transpose(&relative),
             operator,
+            by_point,
             weight,
             gradient: transpose(&gradient),
             volume,
@@ -204,6 +212,22 @@ impl ElementShape {
         let mut strains = [Vector6::zeros(); 8];
         for (g, strain) in strains.iter_mut().enumerate() {
             *strain = self.strain(g, local);
+        }
+        strains
+    }
+
+    /// Strains of local displacements [mm], the Gauss points in lanes.
+    #[inline(always)]
+    pub fn strains_by_point(&self, local: &Nodal) -> ByPoint {
+        let mut strains = [[0.0; 8]; 6];
+        for (columns, u) in self.by_point.iter().zip(local) {
+            for (column, u) in columns.iter().zip(u) {
+                for k in 0..6 {
+                    for g in 0..8 {
+                        strains[k][g] += column[k][g] * u;
+                    }
+                }
+            }
         }
         strains
     }
@@ -285,6 +309,13 @@ impl ElementShape {
             }
         }
         k
+    }
+
+    /// K̄ += B̃ᵀ (D − C₀) B̃ w of a tangent D at Gauss point `g`, which K̄ takes as intact.
+    #[inline(always)]
+    pub fn replace_tangent(&self, g: usize, tangent: &Matrix6<f64>, k: &mut Stiffness) {
+        let change = tangent - elastic_stiffness(&self.elastic);
+        add_btdb(&self.operator[g], &change, self.weight[g], k);
     }
 }
 

@@ -39,10 +39,19 @@ pub struct Corotated {
 #[inline(always)]
 fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     /// A change δ leaves an error of δ²/2.
-    const LAST: f64 = 1e-9;
+    const LAST: f64 = 1e-8;
     let mut r = *f;
     for _ in 0..50 {
-        let next = (r + r.try_inverse()?.transpose()) * 0.5;
+        // R⁻ᵀ: the cofactors over the determinant.
+        let x = Vector3::new(r.m11, r.m21, r.m31);
+        let y = Vector3::new(r.m12, r.m22, r.m32);
+        let z = Vector3::new(r.m13, r.m23, r.m33);
+        let cofactors = Matrix3::from_columns(&[y.cross(&z), z.cross(&x), x.cross(&y)]);
+        let determinant = x.dot(&cofactors.column(0));
+        if determinant == 0.0 {
+            return None;
+        }
+        let next = r * 0.5 + cofactors * (0.5 / determinant);
         let change = (next - r).amax();
         r = next;
         if change <= LAST {

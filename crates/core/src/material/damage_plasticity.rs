@@ -6,17 +6,18 @@ use std::f64::consts::SQRT_2;
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-use super::hooke;
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
 use super::return_map::{Point, Slope, TrialStress, Variation, weight};
+use super::screen::FirstYield;
 use super::uniaxial::{Branch, Curve, TableError, TableWarning};
+use super::{Wanted, hooke};
 use crate::sym6;
 
 /// The law in elements of one size.
 #[derive(Clone, Debug)]
 pub struct DamagePlasticity {
-    elastic: ElasticParameters,
+    pub(super) elastic: ElasticParameters,
     /// Shear modulus G [MPa].
     pub(super) shear: f64,
     /// Bulk modulus K [MPa].
@@ -31,6 +32,8 @@ pub struct DamagePlasticity {
     pub(super) a: f64,
     pub(super) tension: Curve,
     pub(super) compression: Curve,
+    /// F before anything has happened.
+    pub(super) first_yield: FirstYield,
     tension_recovery: f64,
     compression_recovery: f64,
     viscosity: f64,
@@ -63,14 +66,22 @@ impl DamagePlasticity {
         let (compression, more) = curve(Branch::Compression, &p.compression)?;
         warnings.extend(more);
         let dilation = p.dilation_angle.tan();
+        let alpha = (p.fb0_fc0 - 1.0) / (2.0 * p.fb0_fc0 - 1.0);
+        let strength = (1.0 - alpha) * compression.first_yield();
         let law = Self {
             elastic: p.elastic,
             shear: p.elastic.shear_modulus(),
             bulk: p.elastic.bulk_modulus(),
-            alpha: (p.fb0_fc0 - 1.0) / (2.0 * p.fb0_fc0 - 1.0),
+            alpha,
             gamma: 3.0 * (1.0 - p.k_c) / (2.0 * p.k_c - 1.0),
             dilation,
             a: p.eccentricity * tension.first_yield() * dilation,
+            first_yield: FirstYield {
+                by_mean: 3.0 * alpha,
+                by_largest: strength / tension.first_yield() - (1.0 + alpha),
+                by_negative: 3.0 * (1.0 - p.k_c) / (2.0 * p.k_c - 1.0),
+                strength,
+            },
             tension,
             compression,
             tension_recovery: p.tension_recovery,
@@ -112,12 +123,37 @@ impl DamagePlasticity {
         dt: f64,
         want_tangent: bool,
     ) -> Result<Response, LocalFailure> {
+        let wanted = if want_tangent {
+            Wanted::Everywhere
+        } else {
+            Wanted::Nowhere
+        };
+        // Compiled for every vector unit, as elements are, in which the step is inlined.
+        pulp::Arch::new().dispatch(OneStep {
+            law: self,
+            strain,
+            old,
+            dt,
+            wanted,
+        })
+    }
+
+    /// [`Self::update`], with the tangent where it is wanted.
+    #[inline(always)]
+    pub(super) fn step(
+        &self,
+        strain: &Vector6<f64>,
+        old: &MaterialHistory,
+        dt: f64,
+        wanted: Wanted,
+    ) -> Result<Response, LocalFailure> {
         if !strain.iter().all(|e| e.is_finite()) {
             return Err(LocalFailure::StrainNotFinite);
         }
         let trial_stress = hooke(&self.elastic, &(strain - old.plastic_strain));
-        let inviscid = self.inviscid(&trial_stress, old, want_tangent)?;
+        let inviscid = self.inviscid(&trial_stress, old, wanted)?;
         let (_, damage) = self.intact(&inviscid.point);
+        let want_tangent = inviscid.is_wanted(wanted);
         if !inviscid.is_plastic() && rests(old, damage) {
             return Ok(self.at_rest(strain, old, &inviscid, want_tangent));
         }
@@ -218,12 +254,13 @@ impl DamagePlasticity {
         bounded.component_div(&(kelvin * kelvin.transpose()))
     }
 
-    /// The inviscid step from a trial stress; principal directions only where they are wanted.
+    /// The inviscid step from a trial stress; principal directions only where a tangent is wanted.
+    #[inline(always)]
     fn inviscid(
         &self,
         trial_stress: &Vector6<f64>,
         old: &MaterialHistory,
-        want_directions: bool,
+        wanted: Wanted,
     ) -> Result<Inviscid, LocalFailure> {
         let mean = sym6::mean(trial_stress);
         let deviator = trial_stress - sym6::UNIT * mean;
@@ -253,27 +290,27 @@ impl DamagePlasticity {
                 directions: None,
             });
         }
-        let mut directions = None;
-        if want_directions {
-            let (s, n) = sym6::principal(&deviator);
-            (trial.s, directions) = (s, Some(n));
-        } else {
-            trial.s = sym6::principal_values(&deviator);
-        }
+        let principal = sym6::Principal::of(&deviator);
+        trial.s = principal.values();
         let mut point = self.point(&trial, 0.0);
         // Not finite, it has no root either.
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
             point = self.solve(&trial, &point)?;
         }
-        Ok(Inviscid {
+        let mut inviscid = Inviscid {
             trial,
             point,
             deviator,
-            directions,
-        })
+            directions: None,
+        };
+        if inviscid.is_wanted(wanted) {
+            inviscid.directions = Some(principal.directions());
+        }
+        Ok(inviscid)
     }
 
     /// An elastic step that changes no history: that of most points of a wall.
+    #[inline(always)]
     fn at_rest(
         &self,
         strain: &Vector6<f64>,
@@ -306,6 +343,7 @@ impl DamagePlasticity {
     }
 
     /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
+    #[inline(always)]
     fn intact(&self, p: &Point) -> ([f64; 2], f64) {
         let s_t = 1.0 - self.tension_recovery * p.r;
         let s_c = 1.0 - self.compression_recovery * (1.0 - p.r);
@@ -318,6 +356,7 @@ impl DamagePlasticity {
 
     /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
     /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory A.7, B.2).
+    #[inline(always)]
     fn tangent(
         &self,
         inviscid: &Inviscid,
@@ -358,6 +397,7 @@ impl DamagePlasticity {
     }
 
     /// Derivatives by the strain at constant λ, by λ, and ∇λ = −∇f/f_λ (zero in an elastic step).
+    #[inline(always)]
     fn gradients(
         &self,
         inviscid: &Inviscid,
@@ -396,6 +436,7 @@ impl DamagePlasticity {
 
     /// Energies of the step. With work by the trapezoidal rule the dissipation is
     /// ½(σ_n + σ_{n+1}):Δε_v + ½ (C₀:e_n):e_{n+1} Δd_v to the last bit.
+    #[inline(always)]
     fn energies(
         &self,
         old: &MaterialHistory,
@@ -431,8 +472,27 @@ impl DamagePlasticity {
     }
 }
 
+/// Arguments of [`DamagePlasticity::update`].
+struct OneStep<'a> {
+    law: &'a DamagePlasticity,
+    strain: &'a Vector6<f64>,
+    old: &'a MaterialHistory,
+    dt: f64,
+    wanted: Wanted,
+}
+
+impl pulp::NullaryFnOnce for OneStep<'_> {
+    type Output = Result<Response, LocalFailure>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        self.law.step(self.strain, self.old, self.dt, self.wanted)
+    }
+}
+
 /// Whether an elastic step to this damage leaves the history as it is: no recovery, and nothing
 /// that viscosity still holds back.
+#[inline(always)]
 fn rests(old: &MaterialHistory, damage: f64) -> bool {
     damage == old.damage && damage == old.viscous_damage && old.viscous_strain == old.plastic_strain
 }
@@ -448,17 +508,30 @@ struct Inviscid {
 }
 
 impl Inviscid {
+    #[inline(always)]
     fn is_plastic(&self) -> bool {
         self.point.lambda > 0.0
     }
 
+    /// Whether its tangent is wanted.
+    #[inline(always)]
+    fn is_wanted(&self, wanted: Wanted) -> bool {
+        match wanted {
+            Wanted::Nowhere => false,
+            Wanted::WherePlastic => self.is_plastic(),
+            Wanted::Everywhere => true,
+        }
+    }
+
     /// Effective stress at the end [MPa].
+    #[inline(always)]
     fn effective(&self) -> Vector6<f64> {
         self.deviator * self.point.eta + sym6::UNIT * self.point.mean
     }
 }
 
 /// K 1⊗1 + 2G dev, engineering Voigt.
+#[inline(always)]
 fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
     let mut d = Matrix6::zeros();
     for i in 0..3 {
@@ -492,6 +565,7 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
 
 /// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no
 /// arbitrary choice of directions.
+#[inline(always)]
 fn average_repeated(s: &[f64; 3], grad: &mut [Vector6<f64>; 3]) {
     let close = 1e-9 * (s[0].abs() + s[2].abs());
     let (upper, lower) = (s[0] - s[1] <= close, s[1] - s[2] <= close);

@@ -31,6 +31,29 @@ pub struct MaterialHistory {
     pub stress: Vector6<f64>,
 }
 
+impl MaterialHistory {
+    /// True if nothing has ever happened to the point: all is zero but the stress.
+    pub fn is_virgin(&self) -> bool {
+        self.extrapolates_elastically()
+            && self.plastic_strain == Vector6::zeros()
+            && [
+                self.kappa_t,
+                self.kappa_c,
+                self.damage,
+                self.tensile_damage,
+                self.compressive_damage,
+            ] == [0.0; 5]
+    }
+
+    /// True if its extrapolation is C₀ : ε, whatever the ratio.
+    pub fn extrapolates_elastically(&self) -> bool {
+        self.viscous_damage == 0.0
+            && self.viscous_damage_step == 0.0
+            && self.viscous_strain == Vector6::zeros()
+            && self.viscous_strain_step == Vector6::zeros()
+    }
+}
+
 /// Energy densities of one point [N/mm² = MJ/m³], each integrated where it arises (theory F).
 /// Dissipations are those of this step (trapezoidal rule between its ends).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

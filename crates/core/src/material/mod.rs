@@ -4,6 +4,7 @@ pub mod damage_plasticity;
 pub mod law;
 pub mod parameters;
 mod return_map;
+mod screen;
 pub mod uniaxial;
 
 pub use damage_plasticity::DamagePlasticity;
@@ -89,29 +90,47 @@ impl Material {
         }
     }
 
-    /// Symmetric positive definite stand-in for the tangent of a point of which a part is intact: for one
-    /// that yields, asked by its old history and Δt, the consistent one bounded, else (1−d) C₀.
+    /// [`Self::update`], with the tangent where it is wanted.
     ///
     /// # Errors
     /// [`LocalFailure`] if the law has no answer.
-    pub fn softened(
+    #[inline(always)]
+    pub(crate) fn step(
         &self,
         strain: &Vector6<f64>,
-        intact: f64,
-        asked: Option<(&MaterialHistory, f64)>,
-    ) -> Result<Matrix6<f64>, LocalFailure> {
-        match (self, asked) {
-            (Self::DamagePlasticity(law), Some((old, dt))) => {
-                let tangent = law.update(strain, old, dt, true)?.tangent;
-                Ok(law.bounded(&tangent, intact))
-            }
-            (Self::DamagePlasticity(law), None) => Ok(law.secant_stiffness(intact)),
-            (Self::Elastic(e), _) => Ok(elastic_stiffness(e)),
+        old: &MaterialHistory,
+        dt: f64,
+        tangent: Wanted,
+    ) -> Result<Response, LocalFailure> {
+        match self {
+            Self::Elastic(e) => elastic(e, strain),
+            Self::DamagePlasticity(law) => law.step(strain, old, dt, tangent),
+        }
+    }
+
+    /// Symmetric positive definite stand-in for the tangent of a point that yields, of which a part is
+    /// intact.
+    pub(crate) fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
+        match self {
+            Self::Elastic(e) => elastic_stiffness(e),
+            Self::DamagePlasticity(law) => law.bounded(tangent, intact),
         }
     }
 }
 
+/// Where a consistent tangent is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Nowhere.
+    Nowhere,
+    /// At points that yield.
+    WherePlastic,
+    /// Everywhere.
+    Everywhere,
+}
+
 /// C₀ : ε without the matrix.
+#[inline(always)]
 pub(crate) fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
     let shear = elastic.shear_modulus();
     let lame = elastic.bulk_modulus() - 2.0 / 3.0 * shear;
@@ -126,6 +145,7 @@ pub(crate) fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f6
     )
 }
 
+#[inline(always)]
 fn elastic(
     parameters: &ElasticParameters,
     strain: &Vector6<f64>,

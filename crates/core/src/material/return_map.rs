@@ -92,10 +92,11 @@ pub(super) struct Slope<const N: usize> {
 }
 
 /// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory A.4).
+#[inline(always)]
 pub(super) fn weight(stress: &[f64; 3]) -> f64 {
-    let sum: f64 = stress.iter().map(|s| s.abs()).sum();
+    let sum = stress[0].abs() + stress[1].abs() + stress[2].abs();
     if sum > 0.0 {
-        stress.iter().map(|s| s.max(0.0)).sum::<f64>() / sum
+        (stress[0].max(0.0) + stress[1].max(0.0) + stress[2].max(0.0)) / sum
     } else {
         0.0
     }
@@ -132,6 +133,7 @@ impl Point {
 
 impl DamagePlasticity {
     /// q(λ) of R1, by Newton from below where the concave function rises monotonically.
+    #[inline(always)]
     fn mises(&self, q_trial: f64, lambda: f64) -> f64 {
         if lambda == 0.0 || q_trial == 0.0 {
             return q_trial;
@@ -157,6 +159,7 @@ impl DamagePlasticity {
     }
 
     /// State at λ.
+    #[inline(always)]
     pub(super) fn point(&self, trial: &TrialStress, lambda: f64) -> Point {
         let q = self.mises(trial.q, lambda);
         let a = (self.a * self.a + q * q).sqrt();
@@ -173,8 +176,24 @@ impl DamagePlasticity {
         } else {
             (1.0 - eta) / g3
         };
+        self.state(trial, lambda, q, a, eta, phi)
+    }
+
+    /// State at μ = 1 − η = 3Gφ, of which λ = μA/3Gη is explicit. Only the vertex of a cone is at no μ < 1.
+    #[inline(always)]
+    fn point_at(&self, trial: &TrialStress, mu: f64) -> Point {
+        let eta = 1.0 - mu;
+        let q = eta * trial.q;
+        let a = (self.a * self.a + q * q).sqrt();
+        let phi = mu * (1.0 / (3.0 * self.shear));
+        self.state(trial, phi / eta * a, q, a, eta, phi)
+    }
+
+    #[inline(always)]
+    fn state(&self, trial: &TrialStress, lambda: f64, q: f64, a: f64, eta: f64, phi: f64) -> Point {
         let mean = trial.mean - self.bulk * self.dilation * lambda;
-        let stress = trial.s.map(|s| eta * s + mean);
+        let s = &trial.s;
+        let stress = [eta * s[0] + mean, eta * s[1] + mean, eta * s[2] + mean];
         let r = weight(&stress);
         let strain = |s: f64| 1.5 * phi * s + lambda * self.dilation / 3.0;
         let (strain_max, strain_min) = (strain(trial.s[0]), strain(trial.s[2]));
@@ -202,6 +221,7 @@ impl DamagePlasticity {
     }
 
     /// (1−α) F (theory A.2) [MPa].
+    #[inline(always)]
     pub(super) fn yield_value(
         &self,
         q: f64,
@@ -219,11 +239,13 @@ impl DamagePlasticity {
     }
 
     /// β (theory A.2).
+    #[inline(always)]
     pub(super) fn beta(&self, tension: &CurvePoint, compression: &CurvePoint) -> f64 {
         (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha)
     }
 
     /// Derivatives at a point along a change of trial state and λ (theory B.2).
+    #[inline(always)]
     pub(super) fn slope<const N: usize>(
         &self,
         trial: &TrialStress,
@@ -285,13 +307,102 @@ impl DamagePlasticity {
         }
     }
 
-    /// Root of f(λ) beyond a trial state `start` with f(0) > 0: Newton inside a bracket.
-    ///
-    /// f falls to −∞ for T > 0, so a bracket exists; it is closed only where Newton needs it.
+    /// Root of f(λ) beyond a trial state `start` with f(0) > 0.
+    #[inline(always)]
     pub(super) fn solve(&self, trial: &TrialStress, start: &Point) -> Result<Point, LocalFailure> {
         // Theory B.1, and what rounding of the trial stress leaves.
         let rounding = 8.0 * f64::EPSILON * (trial.q + trial.mean.abs());
         let tolerance = (1e-12 * self.compression.first_yield()).max(rounding);
+        self.along_curve(trial, start, tolerance)
+            .map_or_else(|| self.bracketed(trial, start, tolerance), Ok)
+    }
+
+    /// Newton along μ, in which λ is explicit and, where q is well above a, f nearly as straight as in λ;
+    /// none where it leaves its bracket or takes long.
+    #[inline(always)]
+    fn along_curve(&self, trial: &TrialStress, start: &Point, tolerance: f64) -> Option<Point> {
+        // What rounding leaves of f: nothing for a step more.
+        let exact = 2.0 * f64::EPSILON * trial.q;
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut p, mut mu) = (*start, 0.0);
+        for _ in 0..MOST_STEPS {
+            let next = mu - p.f / self.fall(trial, &p);
+            // One more step of Newton takes off what the tolerance leaves.
+            let done = p.f.abs() <= tolerance;
+            // NaN is not inside either.
+            if !(next > low && next < high) {
+                return done.then_some(p);
+            }
+            let before = p;
+            p = self.point_at(trial, next);
+            if done {
+                let better = p.f.abs() < before.f.abs();
+                return Some(if better { p } else { before });
+            }
+            if p.f.abs() <= exact {
+                return Some(p);
+            }
+            mu = next;
+            if p.f > 0.0 {
+                low = mu;
+            } else {
+                high = mu;
+            }
+        }
+        None
+    }
+
+    /// df/dμ: [`Self::slope`] along μ, with what it shares taken once.
+    #[inline(always)]
+    fn fall(&self, trial: &TrialStress, p: &Point) -> f64 {
+        let one_by_g3 = 1.0 / (3.0 * self.shear);
+        let a2 = self.a * self.a;
+        // dη = −dμ, 3G dφ = dμ, and of λ = φ A/η
+        let by_eta = 1.0 / p.eta;
+        let lambda = (p.a + p.phi * 3.0 * self.shear * by_eta * a2 / p.a) * (by_eta * one_by_g3);
+        let mean = -self.bulk * self.dilation * lambda;
+        let s = &trial.s;
+        let stress = [mean - s[0], mean - s[1], mean - s[2]];
+        let sum = p.stress[0].abs() + p.stress[1].abs() + p.stress[2].abs();
+        let by_sum = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let mut r = 0.0;
+        for (s, ds) in p.stress.iter().zip(stress) {
+            let positive = if *s > 0.0 { 1.0 - p.r } else { p.r };
+            r += ds * if *s == 0.0 { 0.0 } else { positive };
+        }
+        r *= by_sum;
+        let volume = lambda * self.dilation / 3.0;
+        let strain = |s: f64| 1.5 * one_by_g3 * s + volume;
+        let (mut tension, mut compression) = (0.0, 0.0);
+        if p.strain_max > 0.0 {
+            tension = p.tension.effective_slope * (r * p.strain_max + strain(trial.s[0]) * p.r);
+        }
+        if p.strain_min < 0.0 {
+            let by_strain = strain(trial.s[2]) * (1.0 - p.r);
+            compression = p.compression.effective_slope * (r * p.strain_min - by_strain);
+        }
+        let one = 1.0 - self.alpha;
+        let by_largest = if p.stress[0] >= 0.0 {
+            let share = 1.0 / p.tension.effective;
+            let ratio = p.compression.effective * share;
+            let beta = one * ratio - (1.0 + self.alpha);
+            stress[0] * beta + (compression - tension * ratio) * (one * share) * p.stress[0]
+        } else {
+            stress[0] * self.gamma
+        };
+        3.0 * self.alpha * mean - trial.q + by_largest - one * compression
+    }
+
+    /// Newton inside a bracket: f falls to −∞ for T > 0, so that one exists; it is closed only where
+    /// Newton needs it.
+    #[cold]
+    #[inline(never)]
+    fn bracketed(
+        &self,
+        trial: &TrialStress,
+        start: &Point,
+        tolerance: f64,
+    ) -> Result<Point, LocalFailure> {
         let along = Variation::along_lambda();
         let newton = |p: &Point| p.lambda - p.f / self.slope(trial, p, &along).f[0];
         let (mut low, mut high) = (0.0, f64::INFINITY);
@@ -331,6 +442,12 @@ impl DamagePlasticity {
     }
 }
 
+/// Steps of Newton beyond which something is amiss: five are usual.
+const MOST_STEPS: usize = 12;
+
 fn refused(p: &Point) -> LocalFailure {
     LocalFailure::ReturnMap { residual: p.f }
 }
+
+#[cfg(test)]
+mod tests;

@@ -263,6 +263,7 @@ impl Curve {
     }
 
     /// σ̄, d and their slopes at κ ≥ 0.
+    #[inline(always)]
     pub fn at(&self, kappa: f64) -> CurvePoint {
         let later = &self.segments[1..];
         let i = if later.len() <= FEW {

@@ -1,13 +1,12 @@
 //! The solids: every element's forces and stiffness, in parallel, each in its own slot.
 
-use nalgebra::{Matrix6, Vector6};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 use super::pattern::CELL;
+pub use super::solid::{ElementSlot, Marks, element};
 use super::{Evaluation, Trial};
-use crate::element::hex8::Nodal;
-use crate::element::{Corotated, ElementShape, ShapeError};
+use crate::element::{ElementShape, ShapeError};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
 use crate::model::Model;
 use crate::solve::State;
@@ -146,15 +145,21 @@ impl Bulk {
         let n = self.elements.len();
         trial.material.resize(8 * n, MaterialHistory::default());
         trial.element_energy.resize(n, PointEnergy::default());
+        if trial.marks.len() != n {
+            let records = state.material.par_chunks_exact(8);
+            let pairs = records.zip(trial.material.par_chunks_exact(8));
+            trial.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
+        }
         let x = &trial.x;
         let failure = trial.cell_force[..n]
             .par_iter_mut()
             .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
             .zip(trial.material.par_chunks_exact_mut(8))
             .zip(trial.element_energy.par_iter_mut())
+            .zip(trial.marks.par_iter_mut())
             .enumerate()
             .with_min_len(16)
-            .filter_map(|(e, (((force, cell), new), energy))| {
+            .filter_map(|(e, ((((force, cell), new), energy), marks))| {
                 let shape = self.shape(e);
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
@@ -164,6 +169,7 @@ impl Bulk {
                     cell,
                     new,
                     energy,
+                    marks,
                 };
                 element(shape, law, &positions, old, setting, &mut slot)
                     .err()
@@ -173,158 +179,6 @@ impl Bulk {
         trial.active[..n].fill(true);
         failure.map_or(Ok(()), Err)
     }
-}
-
-/// Where one element writes.
-#[derive(Debug)]
-pub struct ElementSlot<'a> {
-    /// Nodal forces [N]. `[node][xyz]`
-    pub force: &'a mut [[f64; 3]; 8],
-    /// Stiffness [N/mm], written if the setting asks for tangents. `[CELL]`
-    pub cell: &'a mut [f64],
-    /// New histories, written if implicit. `[gauss point]`
-    pub new: &'a mut [MaterialHistory],
-    /// Energies, written if implicit [N mm].
-    pub energy: &'a mut PointEnergy,
-}
-
-/// One element with nodes at `positions` [mm] and histories `old` of its eight points.
-///
-/// # Errors
-/// [`LocalFailure`] if it is inverted or its law gave no answer.
-pub fn element(
-    shape: &ElementShape,
-    law: &Material,
-    positions: &[[f64; 3]; 8],
-    old: &[MaterialHistory],
-    setting: Evaluation,
-    slot: &mut ElementSlot,
-) -> Result<(), LocalFailure> {
-    // What is inlined below is compiled once for every vector unit, and the widest one is taken.
-    // The operations and their order stay the same, and so does every bit of the results.
-    pulp::Arch::new().dispatch(OneElement {
-        shape,
-        law,
-        positions,
-        old,
-        setting,
-        slot,
-    })
-}
-
-/// Arguments of [`element`].
-struct OneElement<'a, 'b> {
-    shape: &'a ElementShape,
-    law: &'a Material,
-    positions: &'a [[f64; 3]; 8],
-    old: &'a [MaterialHistory],
-    setting: Evaluation,
-    slot: &'a mut ElementSlot<'b>,
-}
-
-impl pulp::NullaryFnOnce for OneElement<'_, '_> {
-    type Output = Result<(), LocalFailure>;
-
-    #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self {
-            shape,
-            law,
-            positions,
-            old,
-            setting,
-            slot,
-        } = self;
-        let frame = Corotated::new(shape, positions)?;
-        match setting.solids {
-            Solids::Extrapolated { .. } | Solids::Held => {
-                let (old, ratio) = match setting.solids {
-                    Solids::Extrapolated { ratio } => (old, ratio),
-                    _ => (&*slot.new, 0.0),
-                };
-                let mut force = shape.elastic_force(&frame.local);
-                let mut intact = [1.0; 8];
-                for (g, old) in old.iter().enumerate() {
-                    if !is_virgin(old) {
-                        let strain = shape.strain(g, &frame.local);
-                        let (part, stress) = law.extrapolated(&strain, old, ratio);
-                        shape.add_force(g, &(stress - shape.elastic_stress(&strain)), &mut force);
-                        intact[g] = part;
-                    }
-                }
-                *slot.force = frame.force(shape, &force);
-                if setting.tangent {
-                    write_secant(shape, &frame, &intact, &force, slot.cell);
-                }
-            }
-            Solids::Implicit | Solids::Secant | Solids::Softened => {
-                let consistent = setting.tangent && setting.solids == Solids::Implicit;
-                let strains = shape.strains(&frame.local);
-                let mut stresses = [Vector6::zeros(); 8];
-                let mut tangents = [Matrix6::zeros(); 8];
-                *slot.energy = PointEnergy::default();
-                for g in 0..8 {
-                    let point = law.update(&strains[g], &old[g], setting.dt, consistent)?;
-                    stresses[g] = point.stress;
-                    tangents[g] = point.tangent;
-                    slot.new[g] = point.history;
-                    slot.energy.add(&point.energy, shape.weight[g]);
-                }
-                let force = shape.internal_force(&stresses);
-                *slot.force = frame.force(shape, &force);
-                if consistent {
-                    let k = shape.stiffness(&tangents);
-                    frame.stiffness(shape, &k, &force, slot.cell);
-                } else if setting.tangent {
-                    let intact = std::array::from_fn(|g| 1.0 - slot.new[g].viscous_damage);
-                    let flows = |g: usize| flows(&old[g], &slot.new[g]);
-                    if setting.solids == Solids::Softened && (0..8).any(flows) {
-                        for g in 0..8 {
-                            let asked = flows(g).then_some((&old[g], setting.dt));
-                            tangents[g] = law.softened(&strains[g], intact[g], asked)?;
-                        }
-                        let k = shape.stiffness(&tangents);
-                        frame.symmetric_stiffness(shape, &k, &force, slot.cell);
-                    } else {
-                        write_secant(shape, &frame, &intact, &force, slot.cell);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Stiffness of an element whose points keep the parts `intact` of theirs.
-#[inline(always)]
-fn write_secant(
-    shape: &ElementShape,
-    frame: &Corotated,
-    intact: &[f64; 8],
-    force: &Nodal,
-    cell: &mut [f64],
-) {
-    let scaled;
-    let k = if *intact == [1.0; 8] {
-        shape.elastic_stiffness()
-    } else {
-        scaled = shape.scaled_stiffness(intact);
-        &scaled
-    };
-    frame.symmetric_stiffness(shape, k, force, cell);
-}
-
-/// True if nothing has happened to the point: its extrapolation is C₀ : ε.
-fn is_virgin(old: &MaterialHistory) -> bool {
-    old.viscous_damage == 0.0
-        && old.viscous_damage_step == 0.0
-        && old.viscous_strain == Vector6::zeros()
-        && old.viscous_strain_step == Vector6::zeros()
-}
-
-/// True if the point yields in this increment.
-fn flows(old: &MaterialHistory, new: &MaterialHistory) -> bool {
-    new.kappa_t > old.kappa_t || new.kappa_c > old.kappa_c
 }
 
 /// Coordinates relative to the first corner, in units of [`SAME`] times the element's size.

@@ -13,6 +13,7 @@ mod outside;
 pub mod pattern;
 mod patterns;
 mod rounding;
+mod solid;
 mod springs;
 mod steered;
 mod trial;

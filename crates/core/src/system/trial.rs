@@ -1,5 +1,6 @@
 //! Scratch of one increment, and how the tractions of its iterates follow one another.
 
+use super::bulk::Marks;
 use super::general::Live;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
@@ -32,6 +33,8 @@ pub struct Trial {
     pub material: Vec<MaterialHistory>,
     /// Energies of the solids, integrated over each element [N mm]. `[element]`
     pub element_energy: Vec<PointEnergy>,
+    /// What both histories of the solids hold; none: not looked at yet. `[element]`
+    pub(super) marks: Vec<Marks>,
     /// New histories of the interfaces. `[point]`
     pub interface: Vec<InterfaceHistory>,
     /// Elastic energy and dissipation of each point [N mm]. `[point]`
@@ -85,6 +88,7 @@ impl Trial {
     /// Begins an increment from the committed state.
     pub fn start(&mut self, state: &State) {
         self.material.clone_from(&state.material);
+        self.marks.clear();
         self.interface.clone_from(&state.interface);
         self.pairs.clone_from(&state.pairs);
         self.anchors.clone_from(&state.pairs);

@@ -1,0 +1,289 @@
+//! Which of an element's eight points stay elastic with certainty: one pass with the points in lanes.
+//!
+//! The yield function of an intact point needs its largest principal stress alone. First a bound of it,
+//! σ_max ≤ σ_m + ⅔ q; where that does not do, the value itself from the cubic's trigonometric form,
+//!
+//! ```text
+//! 4c³ − 3c = |cos 3θ| = 27 |J₃| / 2q³,   c in [√3/2, 1]
+//! σ_max = σ_m + ⅔ q c  (J₃ ≥ 0),   σ_m + ⅓ q (c + √3 √(1−c²))  (J₃ < 0)
+//! ```
+//!
+//! which loses half of its digits where two values coincide (c = 1): a margin makes up for it. What is not
+//! certain here is left to the law.
+
+use super::Material;
+use super::damage_plasticity::DamagePlasticity;
+use super::parameters::ElasticParameters;
+use crate::sym6::ByPoint;
+
+/// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
+const MARGIN: f64 = 1e-6;
+
+/// The yield function of a point that nothing has happened to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstYield {
+    /// 3α.
+    pub by_mean: f64,
+    /// β; negative where no bound holds.
+    pub by_largest: f64,
+    /// γ, where the largest principal stress is negative.
+    pub by_negative: f64,
+    /// (1−α) σ̄_c [MPa].
+    pub strength: f64,
+}
+
+impl Material {
+    /// Elastic stresses C₀ : ε [MPa], and a bit for each point that stays elastic if nothing has happened
+    /// to it before.
+    #[inline(always)]
+    pub(crate) fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
+        match self {
+            Self::Elastic(e) => {
+                let stress = hooke_by_point(e, strain);
+                // What is not finite is reported by the law.
+                let finite: [bool; 8] =
+                    std::array::from_fn(|g| strain.iter().all(|e| e[g].is_finite()));
+                (stress, bits(&finite))
+            }
+            Self::DamagePlasticity(law) => law.screen(strain),
+        }
+    }
+}
+
+impl DamagePlasticity {
+    #[inline(always)]
+    fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
+        let stress = hooke_by_point(&self.elastic, strain);
+        let first = &self.first_yield;
+        if first.by_largest < 0.0 {
+            return (stress, 0);
+        }
+        let mut mean = [0.0; 8];
+        let mut q = [0.0; 8];
+        let mut elastic = [false; 8];
+        // Loops without closures: those would be compiled for the narrow unit (docs/performance.md).
+        for g in 0..8 {
+            mean[g] = (stress[0][g] + stress[1][g] + stress[2][g]) / 3.0;
+            let (x, y, z) = (
+                stress[0][g] - mean[g],
+                stress[1][g] - mean[g],
+                stress[2][g] - mean[g],
+            );
+            let (a, b, c) = (stress[3][g], stress[4][g], stress[5][g]);
+            q[g] = (1.5 * (x * x + y * y + z * z + 2.0 * (a * a + b * b + c * c))).sqrt();
+        }
+        for g in 0..8 {
+            let largest = mean[g] + 2.0 / 3.0 * q[g];
+            elastic[g] = first.holds(q[g], mean[g], largest);
+        }
+        let certain = bits(&elastic);
+        if certain == 0xff {
+            return (stress, certain);
+        }
+        for g in 0..8 {
+            let largest = mean[g] + largest_deviatoric(&stress, g, mean[g], q[g]) + MARGIN * q[g];
+            elastic[g] = first.holds(q[g], mean[g], largest);
+        }
+        (stress, certain | bits(&elastic))
+    }
+}
+
+impl FirstYield {
+    /// Whether (1−α) F ≤ 0 at invariants [MPa], or at a bound of the largest principal stress, with which F
+    /// grows; not if one of them is not finite.
+    #[inline(always)]
+    fn holds(&self, q: f64, mean: f64, largest: f64) -> bool {
+        let slope = if largest >= 0.0 {
+            self.by_largest
+        } else {
+            self.by_negative
+        };
+        q + self.by_mean * mean + slope * largest <= self.strength
+    }
+}
+
+/// Largest principal value of the deviator at point `g` of invariants `mean` and `q` [MPa].
+#[inline(always)]
+fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
+    let (x, y, z) = (
+        stress[0][g] - mean,
+        stress[1][g] - mean,
+        stress[2][g] - mean,
+    );
+    let (a, b, c) = (stress[3][g], stress[4][g], stress[5][g]);
+    let j3 = x * (y * z - b * b) - a * (a * z - b * c) + c * (a * b - y * c);
+    let third = q / 3.0;
+    let cube = third * third * third;
+    // A stress of zero has a w of zero.
+    let w = 0.5 * j3.abs() / if cube > 0.0 { cube } else { 1.0 };
+    let w = if w < 1.0 { w } else { 1.0 };
+    // As in `sym6`: 4e-5 off, and each step of Newton doubles its digits.
+    let mut c = 0.866_066_33 + w * (0.165_330_35 + w * (-0.040_691_2 + w * 0.009_319_68));
+    for _ in 0..2 {
+        c -= ((4.0 * c * c - 3.0) * c - w) / (12.0 * c * c - 3.0);
+    }
+    let across = 1.0 - c * c;
+    let across = if across > 0.0 { across } else { 0.0 };
+    let paired = c + 3.0_f64.sqrt() * across.sqrt();
+    third * if j3 >= 0.0 { 2.0 * c } else { paired }
+}
+
+/// C₀ : ε.
+#[inline(always)]
+fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoint {
+    let shear = elastic.shear_modulus();
+    let lame = elastic.bulk_modulus() - 2.0 / 3.0 * shear;
+    let mut stress = [[0.0; 8]; 6];
+    for g in 0..8 {
+        let volume = lame * (e[0][g] + e[1][g] + e[2][g]);
+        for i in 0..3 {
+            stress[i][g] = volume + 2.0 * shear * e[i][g];
+            stress[3 + i][g] = shear * e[3 + i][g];
+        }
+    }
+    stress
+}
+
+/// Bit g of each point that is true.
+#[inline(always)]
+fn bits(of: &[bool; 8]) -> u8 {
+    let mut bits = 0;
+    for g in 0..8 {
+        bits |= u8::from(of[g]) << g;
+    }
+    bits
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Vector3, Vector6};
+
+    use super::*;
+    use crate::material::{
+        DamagePlasticityParameters, Interpolation, MaterialHistory, TableRow, hooke,
+    };
+
+    fn parameters(tension: f64, k_c: f64) -> DamagePlasticityParameters {
+        let rows = |table: [[f64; 3]; 2]| {
+            let row = |[stress, inelastic_strain, damage]: [f64; 3]| TableRow {
+                stress,
+                inelastic_strain,
+                damage,
+            };
+            table.map(row).to_vec()
+        };
+        DamagePlasticityParameters {
+            elastic: ElasticParameters {
+                E: 16700.0,
+                nu: 0.15,
+                density: 0.0,
+            },
+            tension: rows([[tension, 0.0, 0.0], [0.1, 0.002, 0.9]]),
+            compression: rows([[11.0, 0.0, 0.0], [0.6, 0.007, 0.9]]),
+            dilation_angle: 0.2,
+            eccentricity: 0.1,
+            fb0_fc0: 1.16,
+            k_c,
+            tension_recovery: 0.0,
+            compression_recovery: 1.0,
+            viscosity: 0.0,
+            reference_length: None,
+            interpolation: Interpolation::Eff1,
+        }
+    }
+
+    /// Principal values where bounds are sharp, where values coincide, and where all is zero.
+    const CASES: [[f64; 3]; 10] = [
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [1.0, 1.0, 1.0],
+        [-1.0, 0.0, 0.0],
+        [-1.0, -1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, -1.0, -1.0],
+        [1.0, 1.0, -1.0],
+        [0.3, -0.2, -1.0],
+        [-0.1, -0.1, -1.0],
+    ];
+
+    /// What is screened as elastic is so by the law, and what is well inside is screened, on both sides of
+    /// the surface and on it to the last bit, in any direction.
+    #[test]
+    fn screening_is_safe_and_sharp() {
+        let mut screened = 0;
+        for (k_c, tension) in [(2.0 / 3.0, 3.5), (0.51, 1.0), (1.0, 6.0), (0.7, 8.0)] {
+            let p = parameters(tension, k_c);
+            let (law, _) = DamagePlasticity::new(&p, None).expect("a sound table");
+            for (n, case) in CASES.iter().enumerate() {
+                let turn = match n % 3 {
+                    0 => Rotation3::identity(),
+                    1 => Rotation3::new(Vector3::new(0.4, -1.0, 0.3)),
+                    _ => Rotation3::new(Vector3::new(1e-8, 0.0, 1e-5)),
+                };
+                let m = turn.matrix()
+                    * nalgebra::Matrix3::from_diagonal(&Vector3::from(*case))
+                    * turn.matrix().transpose();
+                // Strain of this stress: ε = σ (1+ν)/E − ν/E tr σ.
+                let trace = case.iter().sum::<f64>() * 0.15 / 16700.0;
+                let by = 1.15 / 16700.0;
+                let strain = Vector6::new(
+                    by * m[(0, 0)] - trace,
+                    by * m[(1, 1)] - trace,
+                    by * m[(2, 2)] - trace,
+                    2.0 * by * m[(0, 1)],
+                    2.0 * by * m[(1, 2)],
+                    2.0 * by * m[(2, 0)],
+                );
+                let f =
+                    |size: f64| law.yield_function(&hooke(&p.elastic, &(strain * size)), 0.0, 0.0);
+                let (mut low, mut high) = (0.0, 1000.0);
+                if f(high) <= 0.0 {
+                    continue; // never yields
+                }
+                while high - low > f64::EPSILON * high {
+                    let middle = 0.5 * (low + high);
+                    *(if f(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+                }
+                let sizes = [
+                    0.0,
+                    0.5 * low,
+                    low * (1.0 - 1e-4),
+                    low * (1.0 - 1e-7),
+                    low,
+                    high,
+                    high * (1.0 + 1e-7),
+                    2.0 * high,
+                ];
+                let lanes: ByPoint =
+                    std::array::from_fn(|k| std::array::from_fn(|g| strain[k] * sizes[g]));
+                let (stress, elastic) =
+                    Material::DamagePlasticity(Box::new(law.clone())).screen(&lanes);
+                for (g, size) in sizes.iter().enumerate() {
+                    let one = strain * *size;
+                    let old = MaterialHistory::default();
+                    let answer = law.update(&one, &old, 1.0, false).expect("an answer");
+                    if elastic & (1 << g) != 0 {
+                        screened += 1;
+                        assert_eq!(answer.history.kappa_t + answer.history.kappa_c, 0.0);
+                        for k in 0..6 {
+                            // Roundings of the same sums.
+                            let error = (stress[k][g] - answer.stress[k]).abs();
+                            assert!(error <= 1e-14 * answer.stress.amax(), "{case:?} {g}");
+                        }
+                    } else {
+                        assert!(
+                            g > 2,
+                            "{case:?} at {size}, k_c {k_c}: well inside, not screened"
+                        );
+                    }
+                }
+                let broken: ByPoint = lanes.map(|row| row.map(|e| e * f64::NAN));
+                let material = Material::DamagePlasticity(Box::new(law.clone()));
+                assert_eq!(material.screen(&broken).1, 0);
+                assert_eq!(Material::Elastic(p.elastic).screen(&broken).1, 0);
+                assert_eq!(Material::Elastic(p.elastic).screen(&lanes).1, 0xff);
+            }
+        }
+        assert!(screened > 100, "{screened}");
+    }
+}
