@@ -8,8 +8,8 @@ use wythe_core::material::{ElasticParameters, MaterialParameters};
 use wythe_core::model::deck::ProbeQuantity;
 use wythe_core::model::probes::Probe;
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Formulation, Gravity, GroundMotion, Increments, NamedMaterial,
-    Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::{Mesh, Model};
 use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Summary};
@@ -92,6 +92,7 @@ fn model() -> Model {
             amplitude: None,
         }],
         warnings: Vec::new(),
+        fidelity: Fidelity::Full,
         output: Output {
             every: 1,
             ..Output::default()
