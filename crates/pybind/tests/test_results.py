@@ -167,6 +167,23 @@ def test_the_summary_and_its_figures(wall: wythe.Results) -> None:
     assert math.isnan(wall.displacement_at_80_percent) == (eighty is None)
 
 
+def test_half_of_a_wall_is_shown_whole(tmp_path: Path) -> None:
+    shear = wythe.templates.shear_wall(drive="0.05 mm", length="420.5 mm", courses=4)
+    shear = shear.with_(output__every=1, steps__0__tolerance__residual=1e-3)
+    full, auto = (
+        shear.with_(fidelity=fidelity).run(tmp_path / fidelity) for fidelity in ("full", "auto")
+    )
+    assert any("one half of it is solved" in told for told in auto.log)
+    assert auto.summary["dofs"] < 0.6 * full.summary["dofs"]
+    assert auto.summary["elements"] == full.summary["elements"]
+    a, b = full.frame("last"), auto.frame("last")
+    assert a.displacement.shape == b.displacement.shape
+    # What the tolerance leaves of each increment.
+    assert auto.peak_force == pytest.approx(full.peak_force, rel=0.01)
+    assert abs(a.displacement - b.displacement).max() < 0.01 * abs(a.displacement).max()
+    assert abs(a.stress - b.stress).max() < 0.02 * abs(a.stress).max()
+
+
 def test_what_was_not_driven_has_no_peak() -> None:
     run = wythe.templates.arch().with_({"steps.1": None}).run()
     figures = (run.peak_force, run.displacement_at_peak, run.initial_stiffness)

@@ -443,6 +443,11 @@ impl<'m> Newton<'m> {
         Ok(())
     }
 
+    /// Whether the direction carries something farther than a point of contact sees.
+    pub(super) fn flies(&self, system: &System) -> bool {
+        largest(&self.direction).0 > system.contact.reach()
+    }
+
     /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
     fn search_line(
         &mut self,
@@ -453,7 +458,7 @@ impl<'m> Newton<'m> {
     ) -> Result<(), Refusal> {
         let setting = along(setting);
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
-        if trial.may_meet() {
+        if trial.may_meet() || self.flies(system) {
             search = search.to_impact();
         }
         let slots = self.equations.slot_of.iter();

@@ -69,6 +69,15 @@ impl Contact {
         pressed.map(|(point, _)| point.area).sum()
     }
 
+    /// How far a point may be from what it faces [mm]: what goes farther at once may pass through it unseen.
+    pub fn reach(&self) -> f64 {
+        if self.points.is_empty() {
+            f64::INFINITY
+        } else {
+            self.radius
+        }
+    }
+
     /// Prepares the surfaces of a model; nothing is searched yet.
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;
