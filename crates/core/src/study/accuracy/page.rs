@@ -30,7 +30,7 @@ pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String
          end); the tables have both, and the root mean square of the difference over the reference's peak. Choices on the front are beaten by no other \
          in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end.\n\n\
          *Cracks* is the overlap of the crack pattern with that of the reference at the end, seen in elevation: cells of 10 mm with an element torn by half or a crack of \
-         0.05 mm, or with a joint without cohesion, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
+         0.05 mm, or with a joint that has lost half of its bond, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
          fine ones, and lose overlap by that alone.\n\n\
          Redo it with `wythe study accuracy-speed`, one scene with `--only`, a reference with `--references`.\n\n",
     );

@@ -1,7 +1,7 @@
 //! Crack patterns on a grid in the elevation, so that runs with other meshes can be laid over each other.
 //!
 //! ```text
-//!   z ▲   . . # . .      # an element of the cell is torn, or a failed piece of a joint lies in it,
+//!   z ▲   . . # . .      # an element of the cell is torn, or a joint in it has lost half of its bond,
 //!     │   . . # # .        whatever its place in y: a half by symmetry in y shows what the whole shows
 //!     └──▶ x
 //! ```
@@ -18,7 +18,7 @@ pub const PATTERN: &str = "pattern.txt";
 
 /// Side of a cell [mm]: about the thickness of a joint.
 const CELL: f64 = 10.0;
-/// Tensile damage from which an element counts as cracked [-].
+/// Damage from which an element (tensile) or a piece of a joint counts as cracked [-].
 const TORN: f64 = 0.5;
 /// Crack width from which it does [mm]: seen with the naked eye.
 const WIDE: f64 = 0.05;
@@ -31,20 +31,23 @@ pub struct Cracks {
     /// `[element]`
     torn: Vec<bool>,
     /// `[slave facet][point]`, four points to a facet.
-    failed: Vec<bool>,
+    parted: Vec<bool>,
 }
 
 impl Cracks {
     /// Those of a frame.
     pub fn of(frame: &Frame) -> Self {
         let elements = frame.tensile_damage.iter().zip(&frame.crack_width);
-        let failed = |state: &InterfaceState| match state {
+        let points = frame.interfaces.state.iter().zip(&frame.interfaces.damage);
+        // A dry joint has no bond to lose: what it does is its state.
+        let parted = |(state, damage): (&InterfaceState, &f64)| match state {
             InterfaceState::FailedOpen | InterfaceState::FailedSliding => true,
-            InterfaceState::Intact | InterfaceState::Softening => false,
+            InterfaceState::Softening => *damage >= TORN,
+            InterfaceState::Intact => false,
         };
         Self {
             torn: elements.map(|(d, w)| *d >= TORN || *w >= WIDE).collect(),
-            failed: frame.interfaces.state.iter().map(failed).collect(),
+            parted: points.map(parted).collect(),
         }
     }
 }
@@ -109,9 +112,9 @@ impl Pattern {
             pattern.fill(&model.mesh.corners(e));
         }
         let facets = model.contact.slave_facets.iter();
-        for (facet, failed) in facets.zip(cracks.failed.chunks_exact(4)) {
+        for (facet, parted) in facets.zip(cracks.parted.chunks_exact(4)) {
             let corners = facet.map(|n| model.mesh.nodes[n as usize]);
-            for k in (0..4).filter(|k| failed[*k]) {
+            for k in (0..4).filter(|k| parted[*k]) {
                 pattern.fill(&quarter(&corners, k));
             }
         }
@@ -368,11 +371,14 @@ mod tests {
         frame.interfaces.state = vec![
             InterfaceState::Intact,
             InterfaceState::Softening,
+            InterfaceState::Softening,
             InterfaceState::FailedOpen,
             InterfaceState::FailedSliding,
         ];
+        // That of a dry joint is 1 from the start.
+        frame.interfaces.damage = vec![1.0, 0.49, 0.5, 1.0, 1.0];
         let cracks = Cracks::of(&frame);
         assert_eq!(cracks.torn, [false, true, true]);
-        assert_eq!(cracks.failed, [false, false, true, true]);
+        assert_eq!(cracks.parted, [false, false, true, true, true]);
     }
 }
