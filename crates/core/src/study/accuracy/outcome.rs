@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
-use super::errors::Errors;
+use super::errors::{Errors, SLACK};
 use super::front::median;
 use super::pattern::{Cracks, Grid, Pattern};
 use super::peer::Peer;
@@ -279,7 +279,8 @@ pub(super) fn solved(
         let (started, cpu) = (Instant::now(), cpu_of(pool));
         let last = Last {
             x: &scene.x,
-            to: scene.range[1],
+            // Displacement control ends beyond by what its tolerance leaves.
+            to: scene.range[1] + SLACK * (scene.range[1] - scene.range[0]),
             cracks: None,
         };
         let ran = pool.install(|| run::run(&model, last, watch))?;
@@ -301,6 +302,7 @@ pub(super) fn solved(
 struct Last<'a> {
     /// Column along which curves are compared.
     x: &'a str,
+    /// How far a frame may be.
     to: f64,
     cracks: Option<Cracks>,
 }
@@ -315,7 +317,7 @@ impl Recorder for Last<'_> {
         if let Some(frame) = frame {
             let history = History::new(std::slice::from_ref(row), &model.columns());
             let x = history.column(self.x).first();
-            if x.is_some_and(|x| *x <= self.to * (1.0 + 1e-9)) {
+            if x.is_some_and(|x| *x <= self.to) {
                 self.cracks = Some(Cracks::of(frame));
             }
         }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use super::errors::SLACK;
 use super::outcome::{curve, solved};
 use super::pattern::Pattern;
 use super::scene::{Origin, Scene};
@@ -35,7 +36,7 @@ pub fn renew(
     let curve = curve(scene, choice, &solved.ended);
     let end = curve.last().map_or(0.0, |p| p[0]);
     let [from, to] = scene.range;
-    if end < to - 1e-6 * (to - from) {
+    if end < to - SLACK * (to - from) {
         return Err(format!("ends at {end} of {to}: {}", solved.ended.message));
     }
     let (cost, number) = (solved.cost, scene.number);
