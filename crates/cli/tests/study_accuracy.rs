@@ -68,6 +68,7 @@ fn references_are_made_then_the_page_with_charts_and_tables() {
     let made = accuracy(folder.path(), &["--references"]);
     assert_eq!(code(&made), 0, "{}", stderr(&made));
     assert!(scenes(folder.path()).join("2/reference.csv").is_file());
+    assert!(scenes(folder.path()).join("2/pattern.txt").is_file());
 
     let all = accuracy(folder.path(), &["--repeats", "2"]);
     assert_eq!(code(&all), 0, "{}", stderr(&all));

@@ -8,8 +8,8 @@ use std::time::Duration;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
-    CHART, Options, Outcome, Scene, Studied, TABLE, advice, chart, link, page, read, renew, scenes,
-    study, table,
+    CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, link, page, read,
+    renew, scenes, study, table,
 };
 
 use super::{chosen, failed, other};
@@ -101,8 +101,11 @@ fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Resul
         }
         let told = match made.map_err(|why| failed(file, other(why)))? {
             None => format!("{}: its reference comes from elsewhere\n", scene.name()),
-            Some(text) => {
-                write_whole(file, text.as_bytes()).map_err(|why| failed(file, why))?;
+            Some(made) => {
+                write_whole(file, made.curve.as_bytes()).map_err(|why| failed(file, why))?;
+                if let Some(text) = &made.pattern {
+                    write(&scene.folder, PATTERN, text.as_bytes())?;
+                }
                 format!("{}: written to {}\n", scene.name(), file.display())
             }
         };
@@ -121,9 +124,11 @@ fn written(file: &Path) -> Result<String, Failure> {
 
 /// The line of a run as it ends.
 fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
+    let cracks = |part: f64| format!(", cracks {:.0} %", 100.0 * part);
+    let cracks = outcome.cracks.map_or_else(String::new, cracks);
     let how = match &outcome.errors {
         Ok(errors) => format!(
-            "peak {:+.2} %, energy {:+.2} %, RMS {:.2} %",
+            "peak {:+.2} %, energy {:+.2} %, RMS {:.2} %{cracks}",
             100.0 * errors.peak,
             100.0 * errors.energy,
             100.0 * errors.rms

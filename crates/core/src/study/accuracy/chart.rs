@@ -24,13 +24,19 @@ pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
         series: outcome.choice.group as usize,
         marked: outcome.choice.group == Group::Default,
     };
-    let spots: Vec<Spot> = finite.map(spot).collect();
+    let mut spots: Vec<Spot> = finite.map(spot).collect();
+    spots.extend(peers(studied));
     if spots.is_empty() {
         return Ok(None);
     }
     let on: Vec<(f64, f64)> = front(&points, floor)
         .into_iter()
         .map(|i| percent(points[i]))
+        .collect();
+    let series: Vec<&str> = Group::ALL
+        .iter()
+        .map(|g| g.name())
+        .chain(["peer"])
         .collect();
     let told = format!("uncertainty of the reference, {:.2} %", 100.0 * floor);
     scatter(
@@ -39,10 +45,26 @@ pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
             "CPU time over that of the default",
             "error: the larger of peak and energy [%]",
         ],
-        &Group::ALL.map(Group::name),
+        &series,
         &spots,
         &on,
         Some((100.0 * floor, &told)),
     )
     .map(Some)
+}
+
+/// Peers that came to the end, as a series of their own.
+fn peers(studied: &Studied) -> Vec<Spot> {
+    let least = LEAST * studied.scene.reference.uncertainty;
+    let peers = studied.peers().into_iter();
+    let spots = peers.filter_map(|(peer, errors)| {
+        let error = errors.ok()?.of_chart();
+        Some(Spot {
+            name: peer.name.clone(),
+            at: (peer.ratio(), 100.0 * error.max(least)),
+            series: Group::ALL.len(),
+            marked: false,
+        })
+    });
+    spots.collect()
 }

@@ -5,8 +5,8 @@ use crate::study::curve::Point;
 /// Intervals of a comparison, equal in x: both curves are read alike there, a coarse one along its chords.
 const INTERVALS: usize = 2000;
 
-/// Part of the range that a run may be short of its end.
-const SHORT_OF: f64 = 1e-6;
+/// Part of the range by which a run may miss its end, or swing back: what the balance leaves open.
+pub(super) const SLACK: f64 = 1e-6;
 
 /// The reference over a range.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Known {
     /// # Errors
     /// In words: the curve turns back or ends before the range does, or is nowhere above zero.
     pub fn new(curve: &[Point], range: [f64; 2], peak: Option<f64>) -> Result<Self, String> {
-        let curve = advancing(curve)?;
+        let curve = advancing(curve, range)?;
         let last = curve.last().map_or(0.0, |p| p[0]);
         if range[0] < curve[0][0] || last < reached(range) {
             return Err(format!(
@@ -78,7 +78,7 @@ impl Known {
     /// # Errors
     /// In words: it turns back, or does not come to the end of the range.
     pub fn errors(&self, curve: &[Point]) -> Result<Errors, String> {
-        let curve = advancing(curve)?;
+        let curve = advancing(curve, self.range)?;
         let last = curve.last().map_or(0.0, |p| p[0]);
         if last < reached(self.range) {
             return Err(format!("ends at {last:.4} of {}", self.range[1]));
@@ -99,11 +99,11 @@ impl Known {
 }
 
 fn reached([from, to]: [f64; 2]) -> f64 {
-    to - SHORT_OF * (to - from)
+    to - SLACK * (to - from)
 }
 
 /// The points in order; of those at one place the last, as of the rows of a preload.
-fn advancing(curve: &[Point]) -> Result<Vec<Point>, String> {
+fn advancing(curve: &[Point], [from, to]: [f64; 2]) -> Result<Vec<Point>, String> {
     let mut points: Vec<Point> = Vec::new();
     for point in curve {
         if !point.iter().all(|v| v.is_finite()) {
@@ -111,6 +111,10 @@ fn advancing(curve: &[Point]) -> Result<Vec<Point>, String> {
         }
         match points.last_mut() {
             Some(last) if point[0] == last[0] => *last = *point,
+            // At rest a probe may swing about zero.
+            Some(last) if point[0] < last[0] && last[0] - point[0] <= SLACK * (to - from) => {
+                last[1] = point[1];
+            }
             Some(last) if point[0] < last[0] => {
                 return Err(format!("turns back from {:.4} to {:.4}", last[0], point[0]));
             }
@@ -211,6 +215,10 @@ mod tests {
         let beyond = Known::new(&RAMP, [0.0, 3.0], None).unwrap_err();
         assert!(beyond.contains("from 0 to 2"), "{beyond}");
         assert!(Known::new(&[[0.0, 0.0], [1.0, 0.0]], [0.0, 1.0], None).is_err());
+        // What swings back by less than can be told counts where it was.
+        let swung = [&[[0.0, 0.0], [1e-7, 0.0], [-1e-7, 0.0]][..], &RAMP[1..]].concat();
+        assert!(known.errors(&swung).unwrap().energy.abs() < 1e-6);
+        assert!(why(&[[0.0, 0.0], [1e-3, 0.0], [0.0, 0.0], [2.0, 0.0]]).contains("turns back"));
         // Of the rows of a preload, all at one place, the last counts.
         let rows = [&[[0.0, 5.0], [0.0, 0.0]][..], &RAMP[1..]].concat();
         assert_eq!(known.errors(&rows).unwrap().energy, 0.0);

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! docs/accuracy-speed/NN-name/scene.toml ─▶ Scene ─▶ runs, interleaved ─▶ Outcome ─▶ chart, table (CSV), section
-//!                             reference.csv ─▶ Known ─┘                          └─▶ docs/accuracy-speed.md
+//!                             reference.csv ─▶ Known ─┤                          └─▶ docs/accuracy-speed.md
+//!                             pattern.txt ─▶ Pattern ─┘
 //! ```
 
 mod chart;
@@ -10,6 +11,8 @@ mod errors;
 mod front;
 mod outcome;
 mod page;
+mod pattern;
+mod peer;
 mod reading;
 mod renew;
 mod scene;
@@ -20,6 +23,8 @@ pub use errors::{Errors, Known};
 pub use front::{FASTER, beaten, front, median};
 pub use outcome::{Options, Outcome, Studied, study};
 pub use page::{CHART, TABLE, link, page, table};
+pub use pattern::{Cracks, Grid, PATTERN, Pattern};
+pub use peer::Peer;
 pub use reading::read;
-pub use renew::renew;
+pub use renew::{Renewed, renew};
 pub use scene::{Choice, Group, Origin, Reference, Scene, advice, scenes};

@@ -4,17 +4,19 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
-use super::errors::Errors;
+use super::errors::{Errors, SLACK};
 use super::front::median;
+use super::pattern::{Cracks, Grid, Pattern};
+use super::peer::Peer;
 use super::scene::{Choice, Group, Scene};
 use crate::model::{Deck, Model};
-use crate::results::{Status, usage};
+use crate::results::{Frame, HistoryRow, Recorder, Status, usage};
 use crate::study::History;
 use crate::study::cell::Cost;
 use crate::study::curve::Point;
 use crate::study::judge::{Ended, reason};
 use crate::study::parallel::{on_threads, side_by_side};
-use crate::study::run::{self, Nowhere, Watch};
+use crate::study::run::{self, Watch};
 
 /// How scenes are run.
 #[derive(Clone, Debug)]
@@ -36,6 +38,8 @@ pub struct Outcome {
     pub choice: Choice,
     /// Errors against the reference, or why there are none: the run ended early, or broke.
     pub errors: Result<Errors, String>,
+    /// Overlap of its crack pattern with that of the reference [-]; none where one of them is missing.
+    pub cracks: Option<f64>,
     /// Largest ordinate of the run, in units of its column; NaN of a run that broke.
     pub peak: f64,
     /// Increments, solves and cut-backs.
@@ -115,6 +119,13 @@ impl Studied {
         self.outcomes.iter().map(ratio).collect()
     }
 
+    /// The scene's peers with their errors; none of a short form.
+    pub fn peers(&self) -> Vec<(&Peer, Result<Errors, String>)> {
+        let peers = self.scene.peers.iter().filter(|_| !self.short);
+        let errors = |peer: &Peer| peer.errors(&self.scene.known(false)?);
+        peers.map(|peer| (peer, errors(peer))).collect()
+    }
+
     /// CPU time over the default's and the error of the chart; NaN where there is none. `[outcome]`
     pub fn points(&self) -> Vec<(f64, f64)> {
         let ratios = self.ratios().into_iter().zip(&self.outcomes);
@@ -190,6 +201,7 @@ fn outcome(
     let mut outcome = Outcome {
         choice: choice.clone(),
         errors: Err(String::new()),
+        cracks: None,
         peak: f64::NAN,
         cost: Cost::default(),
         energy: f64::NAN,
@@ -201,12 +213,19 @@ fn outcome(
         limit: options.limit,
         stop,
     };
-    match solved(scene, choice, &set, watch) {
+    let pattern = scene.pattern(options.short);
+    let grid = pattern.map(Pattern::grid);
+    match solved(scene, choice, &set, watch, grid) {
         Err(why) => outcome.errors = Err(why),
         Ok(solved) => {
             let curve = curve(scene, choice, &solved.ended);
             outcome.peak = curve.iter().map(|p| p[1]).fold(f64::NAN, f64::max);
             outcome.errors = errors(scene, options.short, &curve, &solved.ended);
+            // Of what ended early there is none at the end.
+            let cracked = solved.pattern.filter(|_| outcome.errors.is_ok());
+            outcome.cracks = cracked
+                .zip(pattern)
+                .and_then(|(own, known)| own.overlap(known));
             outcome.cost = solved.cost;
             outcome.energy = solved.ended.energy;
             outcome.cpu.push(solved.cpu);
@@ -240,30 +259,70 @@ pub(super) struct Solved {
     pub cost: Cost,
     pub cpu: f64,
     pub wall: f64,
+    /// Its cracks at the end of the range; none without a frame up to there.
+    pub pattern: Option<Pattern>,
 }
 
-/// Runs a choice on its threads. The times are those of the solver: no reading of the deck, no results.
+/// Runs a choice on its threads. The times are those of the solver: no reading of the deck, no results. The pattern is on
+/// `grid`; without one on that over all solids.
 pub(super) fn solved(
     scene: &Scene,
     choice: &Choice,
     set: &[(String, String)],
     watch: Watch<'_>,
+    grid: Option<Grid>,
 ) -> Result<Solved, String> {
     on_threads(choice.threads, |pool| {
         let deck = Deck::load(&scene.deck, set).map_err(|e| e.to_string())?;
         let (mut model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
-        // Nobody looks at frames.
         model.output.mcap = false;
         let (started, cpu) = (Instant::now(), cpu_of(pool));
-        let ran = pool.install(|| run::run(&model, Nowhere, watch))?;
+        let last = Last {
+            x: &scene.x,
+            // Displacement control ends beyond by what its tolerance leaves.
+            to: scene.range[1] + SLACK * (scene.range[1] - scene.range[0]),
+            cracks: None,
+        };
+        let ran = pool.install(|| run::run(&model, last, watch))?;
         let wall = started.elapsed().as_secs_f64();
+        let cpu = cpu_of(pool).zip(cpu).map_or(wall, |(now, then)| now - then);
+        let grid = grid.unwrap_or_else(|| Grid::over(&model.mesh));
+        let cracks = ran.recorder.cracks;
         Ok(Solved {
             ended: ran.ended,
             cost: ran.cost,
-            cpu: cpu_of(pool).zip(cpu).map_or(wall, |(now, then)| now - then),
+            cpu,
             wall,
+            pattern: cracks.map(|cracks| Pattern::of(&model, &cracks, grid)),
         })
     })
+}
+
+/// Keeps the cracks of the last frame at or before the end of the range, nothing else.
+struct Last<'a> {
+    /// Column along which curves are compared.
+    x: &'a str,
+    /// How far a frame may be.
+    to: f64,
+    cracks: Option<Cracks>,
+}
+
+impl Recorder for Last<'_> {
+    fn take(
+        &mut self,
+        model: &Model,
+        row: &HistoryRow,
+        frame: Option<&Frame>,
+    ) -> std::io::Result<bool> {
+        if let Some(frame) = frame {
+            let history = History::new(std::slice::from_ref(row), &model.columns());
+            let x = history.column(self.x).first();
+            if x.is_some_and(|x| *x <= self.to) {
+                self.cracks = Some(Cracks::of(frame));
+            }
+        }
+        Ok(true)
+    }
 }
 
 /// CPU seconds of all threads of a pool.

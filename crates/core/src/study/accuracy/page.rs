@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::errors::Errors;
 use super::front::{FASTER, beaten, front};
 use super::outcome::{Outcome, Studied};
 use super::scene::{Group, Origin, Reference};
@@ -27,8 +28,10 @@ pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String
         "Each chart has one scene run over the choices that a user has: error against a reference of the same scene, over the CPU time \
          of the solver as a ratio to that of the default in the same sitting. The error is the larger one of peak and energy (area under the curve, to its \
          end); the tables have both, and the root mean square of the difference over the reference's peak. Choices on the front are beaten by no other \
-         in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end. The overlap of crack \
-         patterns is not measured.\n\n\
+         in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end.\n\n\
+         *Cracks* is the overlap of the crack pattern with that of the reference at the end, seen in elevation: cells of 10 mm with an element torn by half or a crack of \
+         0.05 mm, or with a joint that has lost half of its bond, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
+         fine ones, and lose overlap by that alone.\n\n\
          Redo it with `wythe study accuracy-speed`, one scene with `--only`, a reference with `--references`.\n\n",
     );
     let mut sections = sections(before);
@@ -66,24 +69,17 @@ fn section(studied: &Studied, folder: &str) -> String {
     let _ = writeln!(text, "{}\n", verdict(studied));
     let _ = writeln!(text, "{}\n", reference(&scene.reference, scene.number));
     text.push_str(
-        "| Choice | | peak | energy | RMS | CPU, ratio | CPU s | wall, ratio | wall s | solves | front |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| Choice | | peak | energy | RMS | cracks | CPU, ratio | CPU s | wall, ratio | wall s | solves | front |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let on = front(&studied.points(), scene.reference.uncertainty);
     let ratios = studied.ratios();
     for (i, outcome) in studied.outcomes.iter().enumerate() {
-        let errors = match &outcome.errors {
-            Ok(e) => format!(
-                "{} | {} | {}",
-                percent(e.peak),
-                percent(e.energy),
-                unsigned(e.rms)
-            ),
-            Err(why) => format!("{} | | ", why.replace('|', "\\|").replace('\n', " ")),
-        };
+        let errors = told(&outcome.errors);
+        let cracks = outcome.cracks.map_or_else(String::new, unsigned);
         let _ = writeln!(
             text,
-            "| {} | {} | {errors} | {} | {} | {} | {} | {} | {} |",
+            "| {} | {} | {errors} | {cracks} | {} | {} | {} | {} | {} | {} |",
             outcome.choice.name,
             group(outcome),
             number(ratios[i][0]),
@@ -94,6 +90,7 @@ fn section(studied: &Studied, folder: &str) -> String {
             if on.contains(&i) { "×" } else { "" },
         );
     }
+    text.push_str(&peers(studied));
     let _ = write!(
         text,
         "\nTimes: {} [The table]({at}/{TABLE}) has more digits.",
@@ -109,6 +106,40 @@ fn section(studied: &Studied, folder: &str) -> String {
     let _ = writeln!(text, "\n");
     text.push_str(&settings(studied));
     text
+}
+
+/// Errors as three cells of a row.
+fn told(errors: &Result<Errors, String>) -> String {
+    match errors {
+        Ok(e) => format!(
+            "{} | {} | {}",
+            percent(e.peak),
+            percent(e.energy),
+            unsigned(e.rms)
+        ),
+        Err(why) => format!("{} | | ", why.replace('|', "\\|").replace('\n', " ")),
+    }
+}
+
+/// Rows of the peers, and what differs in their models.
+fn peers(studied: &Studied) -> String {
+    let (mut rows, mut differ) = (String::new(), String::new());
+    for (peer, errors) in studied.peers() {
+        let name = &peer.name;
+        let (ratio, cpu) = (number(peer.ratio()), number(peer.cpu));
+        let _ = writeln!(
+            rows,
+            "| {name} | peer | {} | | {ratio} | {cpu} | | | | |",
+            told(&errors)
+        );
+        let ours = number(peer.default_cpu);
+        let _ = writeln!(
+            differ,
+            "\n*{name}*, in a sitting of its own, where the default took {ours} s of CPU. {}",
+            peer.differs.trim()
+        );
+    }
+    rows + &differ
 }
 
 /// What each choice sets.
@@ -222,24 +253,21 @@ fn number(value: f64) -> String {
 pub fn table(studied: &Studied) -> String {
     let mut text = format!("# {}\n", studied.sitting);
     text.push_str(
-        "choice,group,peak,peak_error,energy_error,rms,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,increments,solves,cuts,energy_imbalance,why\n",
+        "choice,group,peak,peak_error,energy_error,rms,cracks,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,increments,solves,cuts,energy_imbalance,why\n",
     );
     for (outcome, ratio) in studied.outcomes.iter().zip(studied.ratios()) {
-        let errors = outcome.errors.as_ref().ok();
-        let errors = errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms]);
+        let (errors, why) = (numbers(&outcome.errors), why(&outcome.errors));
         let cost = &outcome.cost;
-        // A quote within quotes is two.
-        let why = outcome.errors.as_ref().err();
-        let why = why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")));
         let _ = writeln!(
             text,
-            "{},{},{:.6},{:.6},{:.6},{:.6},{:.4},{:.4},{:.4},{:.4},{},{},{},{},{:.1e},{why}",
+            "{},{},{:.6},{:.6},{:.6},{:.6},{:.4},{:.4},{:.4},{:.4},{:.4},{},{},{},{},{:.1e},{why}",
             outcome.choice.name,
             outcome.choice.group.name(),
             outcome.peak,
             errors[0],
             errors[1],
             errors[2],
+            outcome.cracks.unwrap_or(f64::NAN),
             outcome.cpu_seconds(),
             ratio[0],
             outcome.wall_seconds(),
@@ -251,7 +279,34 @@ pub fn table(studied: &Studied) -> String {
             outcome.energy,
         );
     }
+    for (peer, errors) in studied.peers() {
+        let (of, why) = (numbers(&errors), why(&errors));
+        let _ = writeln!(
+            text,
+            "{},peer,{:.6},{:.6},{:.6},{:.6},NaN,{:.4},{:.4},NaN,NaN,1,NaN,NaN,NaN,NaN,{why}",
+            peer.name,
+            peer.peak(),
+            of[0],
+            of[1],
+            of[2],
+            peer.cpu,
+            peer.ratio(),
+        );
+    }
     text
+}
+
+/// Of peak, energy and RMS; NaN where there are none.
+fn numbers(errors: &Result<Errors, String>) -> [f64; 3] {
+    let errors = errors.as_ref().ok();
+    errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms])
+}
+
+/// Why there are none, as a field of CSV.
+fn why(errors: &Result<Errors, String>) -> String {
+    // A quote within quotes is two.
+    let why = errors.as_ref().err();
+    why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")))
 }
 
 /// The name of a folder as links have it.

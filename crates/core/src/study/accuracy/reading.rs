@@ -37,6 +37,8 @@ fn parsed(scene: &Scene, text: &str) -> Result<Studied, String> {
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
         let field = |name: &str| Ok::<_, String>(record.get(place(name)?).unwrap_or_default());
+        // Tables of before cracks were looked at have none.
+        let cracks = record.get(place("cracks").unwrap_or(usize::MAX));
         let number = |name: &str| {
             let field = field(name)?;
             let number = field.parse::<f64>();
@@ -57,6 +59,9 @@ fn parsed(scene: &Scene, text: &str) -> Result<Studied, String> {
         outcomes.push(Outcome {
             choice: choice.clone(),
             errors,
+            cracks: cracks
+                .and_then(|c| c.parse().ok())
+                .filter(|c: &f64| c.is_finite()),
             peak: number("peak")?,
             cost: Cost {
                 increments: number("increments")? as usize,

@@ -3,11 +3,22 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use super::errors::SLACK;
 use super::outcome::{curve, solved};
+use super::pattern::Pattern;
 use super::scene::{Origin, Scene};
 use crate::study::run::Watch;
 
-/// The reference of a scene as the text of its file, by the run that it is said to come from; none where it comes from
+/// A reference, as the texts of its files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Renewed {
+    /// Its curve.
+    pub curve: String,
+    /// Its cracks; none where the run shows no frame within the range.
+    pub pattern: Option<String>,
+}
+
+/// The reference of a scene as the texts of its files, by the run that it is said to come from; none where it comes from
 /// elsewhere.
 ///
 /// # Errors
@@ -16,16 +27,16 @@ pub fn renew(
     scene: &Scene,
     limit: Duration,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<String>, String> {
+) -> Result<Option<Renewed>, String> {
     let Origin::Run(choice) = &scene.reference.origin else {
         return Ok(None);
     };
     let set = [scene.set.clone(), choice.set.clone()].concat();
-    let solved = solved(scene, choice, &set, Watch { limit, stop })?;
+    let solved = solved(scene, choice, &set, Watch { limit, stop }, None)?;
     let curve = curve(scene, choice, &solved.ended);
     let end = curve.last().map_or(0.0, |p| p[0]);
     let [from, to] = scene.range;
-    if end < to - 1e-6 * (to - from) {
+    if end < to - SLACK * (to - from) {
         return Err(format!("ends at {end} of {to}: {}", solved.ended.message));
     }
     let (cost, number) = (solved.cost, scene.number);
@@ -37,5 +48,8 @@ pub fn renew(
         // A String cannot refuse.
         let _ = writeln!(text, "{x:.9},{y:.9}");
     }
-    Ok(Some(text))
+    Ok(Some(Renewed {
+        curve: text,
+        pattern: solved.pattern.as_ref().map(Pattern::text),
+    }))
 }

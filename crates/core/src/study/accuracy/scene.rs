@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::errors::Known;
+use super::pattern::Pattern;
+use super::peer::Peer;
 use super::written::{self, SceneFile};
 use crate::study::curve::Point;
 use crate::study::written::{gathered, listed, parsed, text};
@@ -41,6 +43,8 @@ pub struct Scene {
     pub reference: Reference,
     /// What it is run over; one of them is of the group [`Group::Default`].
     pub choices: Vec<Choice>,
+    /// Other programs on the same scene.
+    pub peers: Vec<Peer>,
 }
 
 /// The curve that is taken for right.
@@ -50,6 +54,8 @@ pub struct Reference {
     pub curve: Vec<Point>,
     /// The peak in closed form, where there is one.
     pub peak: Option<f64>,
+    /// Its cracks at the end of the range; none where none were looked at.
+    pub pattern: Option<Pattern>,
     /// The file of the curve.
     pub file: PathBuf,
     /// How far it can be trusted, and why.
@@ -199,6 +205,12 @@ impl Scene {
         }
         set.extend(choice.set.iter().cloned());
         (choice.short || !short).then_some(set)
+    }
+
+    /// Cracks of the reference at the end of a form's range; none where that is not the end of the reference's.
+    pub fn pattern(&self, short: bool) -> Option<&Pattern> {
+        let pattern = self.reference.pattern.as_ref();
+        pattern.filter(|_| !short || self.short_to == self.range[1])
     }
 
     /// The reference over the range of a form.

@@ -5,6 +5,8 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::errors::Known;
+use super::pattern::{PATTERN, Pattern};
+use super::peer::{Peer, spent_to};
 use super::scene::{Choice, Group, Origin, Reference, Scene};
 use crate::model::Deck;
 use crate::model::source::Source;
@@ -33,6 +35,8 @@ pub struct SceneFile {
     short_to: Option<f64>,
     reference: ReferenceFile,
     choices: Vec<ChoiceFile>,
+    #[serde(default)]
+    peers: Vec<PeerFile>,
 }
 
 #[derive(Deserialize)]
@@ -68,6 +72,21 @@ struct ChoiceFile {
     short: bool,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PeerFile {
+    name: String,
+    differs: String,
+    file: String,
+    x: Option<String>,
+    y: Option<String>,
+    #[serde(default = "one")]
+    y_factor: f64,
+    #[serde(default = "cpu")]
+    cpu: String,
+    default_cpu: f64,
+}
+
 /// The serde mirror of `index.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -81,6 +100,10 @@ fn one() -> f64 {
 
 fn one_thread() -> usize {
     1
+}
+
+fn cpu() -> String {
+    "cpu_s".to_owned()
 }
 
 fn yes() -> bool {
@@ -97,6 +120,9 @@ pub fn advice(path: &str) -> String {
         }
         Some("set") => "set = [\"steps.1.increments.max=0.005\"]",
         Some("uncertainty") => "uncertainty = 0.002  # part of the reference's peak",
+        Some("default_cpu") => {
+            "default_cpu = 25.1  # CPU seconds of the scene's default in the same sitting"
+        }
         Some("to") => "to = 0.6  # in units of x; the reference and the runs go so far",
         Some("command") => {
             "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene"
@@ -137,6 +163,25 @@ impl SceneFile {
         }
         let short = short(source, "short", self.short.as_ref())?;
         let choices = choices(source, self.choices, &error)?;
+        let of_peer = |(i, peer): (usize, PeerFile)| {
+            checked_peer(peer, i, [&self.x, &self.y], self.to, folder, &error)
+        };
+        let peers: Vec<Peer> = self
+            .peers
+            .into_iter()
+            .enumerate()
+            .map(of_peer)
+            .collect::<Result<_, _>>()?;
+        for (i, peer) in peers.iter().enumerate() {
+            let others = choices
+                .iter()
+                .map(|c| &c.name)
+                .chain(peers[..i].iter().map(|p| &p.name));
+            if others.into_iter().any(|name| *name == peer.name) {
+                let what = "two choices or peers have this name".to_owned();
+                return Err(error(&format!("peers.{i}.name"), what));
+            }
+        }
         let reference = reference(self.reference, [&self.x, &self.y], source, folder, &error)?;
         let there = reference.there();
         for to in [self.to, short_to].into_iter().filter(|_| there) {
@@ -172,6 +217,7 @@ impl SceneFile {
             short_to,
             reference,
             choices,
+            peers,
         })
     }
 
@@ -202,10 +248,7 @@ fn choices(
             return Err(error(&key("name"), "two choices have this name".to_owned()));
         }
         // The table of a scene is a CSV file.
-        if written.name.is_empty() || written.name.contains([',', '"', '\n', '|']) {
-            let what = "a name has letters, and no comma, quote or bar".to_owned();
-            return Err(error(&key("name"), what));
-        }
+        named(&written.name, &key("name"), error)?;
         if written.threads == 0 {
             return Err(error(&key("threads"), "must be 1 or more".to_owned()));
         }
@@ -234,6 +277,46 @@ fn choices(
         )),
         _ => Err(error("choices", "two choices are the default".to_owned())),
     }
+}
+
+fn named(name: &str, key: &str, error: &Error<'_>) -> Result<(), StudyError> {
+    if name.is_empty() || name.contains([',', '"', '\n', '|']) {
+        let what = "a name has letters, and no comma, quote or bar".to_owned();
+        return Err(error(key, what));
+    }
+    Ok(())
+}
+
+fn checked_peer(
+    written: PeerFile,
+    i: usize,
+    [x, y]: [&str; 2],
+    to: f64,
+    folder: &Path,
+    error: &Error<'_>,
+) -> Result<Peer, StudyError> {
+    let key = |name: &str| format!("peers.{i}.{name}");
+    named(&written.name, &key("name"), error)?;
+    if !(written.default_cpu.is_finite() && written.default_cpu > 0.0) {
+        return Err(error(&key("default_cpu"), "must be above 0".to_owned()));
+    }
+    let file = folder.join(&written.file);
+    let x = written.x.as_deref().unwrap_or(x);
+    let curve = curve::read(&file, x, written.y.as_deref().unwrap_or(y))?;
+    let spent = curve::read(&file, x, &written.cpu)?;
+    let Some(cpu) = spent_to(&spent, to).filter(|cpu| *cpu > 0.0) else {
+        let what = format!("its curve does not come to {to}, or its time there is not above 0");
+        return Err(error(&key("file"), what));
+    };
+    let curve = curve.into_iter().map(|[x, y]| [x, written.y_factor * y]);
+    Ok(Peer {
+        name: written.name,
+        differs: written.differs,
+        curve: curve.collect(),
+        file,
+        cpu,
+        default_cpu: written.default_cpu,
+    })
 }
 
 fn reference(
@@ -277,7 +360,12 @@ fn reference(
     } else {
         Vec::new()
     };
+    let pattern = folder.join(PATTERN);
     Ok(Reference {
+        pattern: pattern
+            .exists()
+            .then(|| Pattern::read(&pattern))
+            .transpose()?,
         curve: curve
             .into_iter()
             .map(|[x, y]| [x, written.y_factor * y])
