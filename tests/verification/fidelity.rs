@@ -357,9 +357,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Whatever it is made of and however it is pressed and pushed: force and energies of a wall that cracks and
-    /// slides are those of the whole. Its path hangs on what the tolerance leaves of every increment, in the half and in
-    /// the whole alike: so they may differ by 0.2 %, or by as much as the whole from itself at a quarter
-    /// of its tolerance.
+    /// slides are those of the whole within the half per cent that `auto` promises. Its path hangs on what the tolerance
+    /// leaves of every increment: where the whole moves by more than a quarter of a per cent at a quarter of its
+    /// tolerance, the half may be as far off again, to the other side.
     #[test]
     fn random_walls_are_told_by_their_half(
         brick in 2.0..20.0_f64,
@@ -409,7 +409,7 @@ tolerance = {{ residual = {tolerance}, max_iterations = 100 }}
             let own = apart(curve(&full), curve(&closer));
             let apart = apart(curve(&full), curve(&auto));
             println!("apart {apart:.1e}, whole from itself {own:.1e}");
-            prop_assert!(apart < own.max(2e-3), "{} {} {:?}", apart, own, text(4e-3));
+            prop_assert!(apart < (2.0 * own).max(5e-3), "{} {} {:?}", apart, own, text(4e-3));
         }
     }
 }
