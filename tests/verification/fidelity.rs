@@ -62,6 +62,12 @@ on = "wall.right"
 direction = "z"
 "#;
 
+/// One unit a course: head joints rest on nothing, and their points would open and close at no load.
+fn stack() -> String {
+    WALL.replace("length = 300", "length = 200\nbond = \"stack\"")
+        .replace("near = [300", "near = [200")
+}
+
 /// Weight and a wind on one end, then pressed and pushed.
 const STEPS: &str = r#"
 [[steps]]
@@ -153,10 +159,7 @@ fn frames_apart(a: &Frame, b: &Frame) -> Vec<(&'static str, f64)> {
 /// 1e-8 of a mean nodal force leaves of fields, which a condition of some hundreds makes 1e-6 of.
 #[test]
 fn a_half_shows_every_field_of_the_whole() {
-    // Without head joints, which rest on nothing: their points would open and close at no load.
-    let stack = format!("{WALL}{STEPS}")
-        .replace("length = 300", "length = 200\nbond = \"stack\"")
-        .replace("near = [300", "near = [200");
+    let stack = format!("{}{STEPS}", stack());
     let [(model, full), (_, auto)] = both(&stack);
     assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 30.0 }]);
     assert_eq!(full.rows.len(), auto.rows.len());
@@ -192,44 +195,15 @@ fn a_half_shows_every_field_of_the_whole() {
 /// A quarter is a half of a half.
 #[test]
 fn two_planes_leave_a_quarter() {
-    let stack = "[materials.brick]
-E = \"10 GPa\"
-nu = 0.2
-density = \"1800 kg/m^3\"
-[interfaces.joint]
-f_t = \"0.3 MPa\"
-c = \"0.4 MPa\"
-tan_phi = 0.7
-mu = 0.7
-u_k = \"0.3 mm\"
-delta_k = \"0.4 mm\"
-zeta = 4
-xi = 1
-penalty_factor = 20
-[wall]
-unit = [200, 60, 50]
-length = 200
-courses = 3
-bed_joint = 0
-head_joint = 0
-bond = \"stack\"
-unit_material = \"brick\"
-interface = \"joint\"
-mesh = [4, 2, 2]
-clamped = false
-[[supports]]
-on = \"wall.bottom\"
-[[probes]]
-name = \"swells\"
-near = [200, 60, 75]
-direction = \"y\"
+    let pressed = r#"
 [[steps]]
-kind = \"load\"
-loads = [{ name = \"weight\", on = \"wall.top\", pressure = 1.0 }]
-tangent = \"direct\"
+kind = "load"
+loads = [{ name = "weight", on = "wall.top", pressure = 1.0 }]
+tangent = "direct"
 tolerance = { residual = 1e-8 }
-";
-    let [(model, full), (_, auto)] = both(&format!("format = 1\n{stack}"));
+"#;
+    let text = format!("{}{pressed}", stack());
+    let [(model, full), (_, auto)] = both(&text);
     let at = |axis, at| MirrorPlane { axis, at };
     assert_eq!(mirror_planes(&model), [at(1, 30.0), at(0, 100.0)]);
     for (a, b) in full.frames.iter().zip(&auto.frames) {

@@ -4,6 +4,8 @@ pub mod damage_plasticity;
 pub mod law;
 pub mod parameters;
 mod return_map;
+#[cfg(test)]
+mod sample;
 mod screen;
 pub mod uniaxial;
 

@@ -159,36 +159,16 @@ mod tests {
     use nalgebra::{Rotation3, Vector3, Vector6};
 
     use super::*;
-    use crate::material::{
-        DamagePlasticityParameters, Interpolation, MaterialHistory, TableRow, hooke,
-    };
+    use crate::material::sample::brick;
+    use crate::material::{DamagePlasticityParameters, MaterialHistory, hooke};
 
     fn parameters(tension: f64, k_c: f64) -> DamagePlasticityParameters {
-        let rows = |table: [[f64; 3]; 2]| {
-            let row = |[stress, inelastic_strain, damage]: [f64; 3]| TableRow {
-                stress,
-                inelastic_strain,
-                damage,
-            };
-            table.map(row).to_vec()
-        };
         DamagePlasticityParameters {
-            elastic: ElasticParameters {
-                E: 16700.0,
-                nu: 0.15,
-                density: 0.0,
-            },
-            tension: rows([[tension, 0.0, 0.0], [0.1, 0.002, 0.9]]),
-            compression: rows([[11.0, 0.0, 0.0], [0.6, 0.007, 0.9]]),
-            dilation_angle: 0.2,
-            eccentricity: 0.1,
-            fb0_fc0: 1.16,
             k_c,
-            tension_recovery: 0.0,
-            compression_recovery: 1.0,
-            viscosity: 0.0,
-            reference_length: None,
-            interpolation: Interpolation::Eff1,
+            ..brick(
+                &[[tension, 0.0, 0.0], [0.1, 0.002, 0.9]],
+                &[[11.0, 0.0, 0.0], [0.6, 0.007, 0.9]],
+            )
         }
     }
 

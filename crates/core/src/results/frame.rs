@@ -287,7 +287,8 @@ pub trait Recorder: Send {
     ) -> std::io::Result<bool>;
 
     /// Called once an increment is committed, before [`Recorder::take`], with all that the run knows:
-    /// histories of every point, pairs of contact, energies. Default: nothing.
+    /// histories of every point, pairs of contact, energies; of a scene of which one half is solved, those of the half.
+    /// Default: nothing.
     fn observe(&mut self, _state: &State) {}
 
     /// Called after [`Recorder::take`], once everything is ready for the next increment: `make` gives

@@ -1,35 +1,19 @@
 //! The explicit way along μ against the general one.
 
 use super::*;
-use crate::material::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
+use crate::material::DamagePlasticityParameters;
+use crate::material::sample::brick;
 
 fn laws() -> Vec<DamagePlasticity> {
-    let rows = |table: &[[f64; 3]]| {
-        let row = |r: &[f64; 3]| TableRow {
-            stress: r[0],
-            inelastic_strain: r[1],
-            damage: r[2],
-        };
-        table.iter().map(row).collect()
-    };
     let with = |dilation_angle, eccentricity, k_c| {
         let p = DamagePlasticityParameters {
-            elastic: ElasticParameters {
-                E: 16700.0,
-                nu: 0.15,
-                density: 0.0,
-            },
-            tension: rows(&[[3.5, 0.0, 0.0], [0.3, 0.002, 0.95]]),
-            compression: rows(&[[11.0, 0.0, 0.0], [11.5, 0.001, 0.0], [0.6, 0.007, 0.95]]),
             dilation_angle,
             eccentricity,
-            fb0_fc0: 1.16,
             k_c,
-            tension_recovery: 0.0,
-            compression_recovery: 1.0,
-            viscosity: 0.0,
-            reference_length: None,
-            interpolation: Interpolation::Eff1,
+            ..brick(
+                &[[3.5, 0.0, 0.0], [0.3, 0.002, 0.95]],
+                &[[11.0, 0.0, 0.0], [11.5, 0.001, 0.0], [0.6, 0.007, 0.95]],
+            )
         };
         DamagePlasticity::new(&p, None).expect("a sound table").0
     };

@@ -295,9 +295,8 @@ impl Cut<'_> {
 
     fn velocity(&self, velocity: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
         let images = self.images;
-        let mirrored = |(n, v): (usize, &[f64; 3])| {
-            images.of_vector(velocity[images.node[n] as usize]) == *v || *v == [0.0; 3]
-        };
+        let mirrored =
+            |(n, v): (usize, &[f64; 3])| images.of_vector(velocity[images.node[n] as usize]) == *v;
         let kept = || {
             let kept = velocity.iter().zip(self.node);
             kept.filter_map(|(v, n)| n.map(|_| *v)).collect()

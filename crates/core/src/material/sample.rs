@@ -1,0 +1,34 @@
+//! A brick for the tests of this room.
+
+use super::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
+
+/// Elastic constants of Table 3 (D'Altri et al. 2018) and tables of stress [MPa], inelastic strain, damage; change
+/// what differs.
+pub fn brick(tension: &[[f64; 3]], compression: &[[f64; 3]]) -> DamagePlasticityParameters {
+    let rows = |table: &[[f64; 3]]| {
+        let row = |&[stress, inelastic_strain, damage]: &[f64; 3]| TableRow {
+            stress,
+            inelastic_strain,
+            damage,
+        };
+        table.iter().map(row).collect()
+    };
+    DamagePlasticityParameters {
+        elastic: ElasticParameters {
+            E: 16700.0,
+            nu: 0.15,
+            density: 0.0,
+        },
+        tension: rows(tension),
+        compression: rows(compression),
+        dilation_angle: 0.2,
+        eccentricity: 0.1,
+        fb0_fc0: 1.16,
+        k_c: 2.0 / 3.0,
+        tension_recovery: 0.0,
+        compression_recovery: 1.0,
+        viscosity: 0.0,
+        reference_length: None,
+        interpolation: Interpolation::Eff1,
+    }
+}
