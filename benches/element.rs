@@ -123,6 +123,7 @@ fn element(c: &mut Criterion) {
                         new: &mut new,
                         energy: &mut energy,
                         marks: &mut marks,
+                        kept: None,
                     };
                     bulk::element(&shape, &law, black_box(&x), &old, setting, &mut slot)
                 });

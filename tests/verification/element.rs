@@ -42,6 +42,7 @@ impl One {
             new: &mut self.new,
             energy: &mut self.energy,
             marks: &mut self.marks,
+            kept: None,
         };
         bulk::element(&self.shape, &self.law, x, &self.old, setting, &mut slot)
             .expect("a sound element");
@@ -310,6 +311,7 @@ fn what_is_not_finite_is_refused() {
             new: &mut new,
             energy: &mut PointEnergy::default(),
             marks: &mut Marks::default(),
+            kept: None,
         };
         let old = [MaterialHistory::default(); 8];
         let answer = bulk::element(&shape, &law, &x, &old, setting, &mut slot);

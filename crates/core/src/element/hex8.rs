@@ -56,6 +56,8 @@ pub struct ElementShape {
     pub gradient: Nodal,
     /// Volume [mm³].
     pub volume: f64,
+    /// Edge of a cube of that volume [mm].
+    pub size: f64,
     elastic: ElasticParameters,
     /// Elastic stiffness of each Gauss point's share [N/mm].
     point_stiffness: Box<[Stiffness]>,
@@ -184,6 +186,7 @@ impl ElementShape {
             weight,
             gradient: transpose(&gradient),
             volume,
+            size: volume.cbrt(),
             elastic: *elastic,
             point_stiffness,
             stiffness,

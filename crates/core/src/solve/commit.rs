@@ -54,6 +54,7 @@ impl Run<'_> {
         state.interface.copy_from_slice(&trial.interface);
         state.pairs.copy_from_slice(&trial.pairs);
         state.touches = self.system.general.committed(trial);
+        self.system.follow(&mut state.poses, trial);
         state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
         state.last = Some(LastIncrement {
             dq: dq.clone(),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, PointPair};
 
 use crate::material::MaterialHistory;
-use crate::system::Touch;
+use crate::system::{Poses, Touch};
 
 /// Energies since the start [N mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -104,6 +104,8 @@ pub struct State {
     pub pairs: Vec<PointPair>,
     /// Where bodies touch by general contact.
     pub touches: Vec<Touch>,
+    /// Where the stiffness of what hardly turns is taken.
+    pub poses: Poses,
     /// Last increment, none after a change of the boundary conditions.
     pub last: Option<LastIncrement>,
     /// Largest mean nodal force of any commit [N]: what is left of it when all forces vanish scales

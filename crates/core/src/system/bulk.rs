@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use super::pattern::CELL;
-pub use super::solid::{ElementSlot, Marks, element};
+pub use super::solid::{ElementSlot, Kept, Marks, element};
 use super::{Evaluation, Trial};
 use crate::element::{ElementShape, ShapeError};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
@@ -150,6 +150,11 @@ impl Bulk {
             let pairs = records.zip(trial.material.par_chunks_exact(8));
             trial.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
         }
+        let keeps = setting.keeps(&state.poses);
+        if setting.tangent && !keeps {
+            trial.held.forget();
+        }
+        trial.held.fit_solids(n);
         let x = &trial.x;
         let failure = trial.cell_force[..n]
             .par_iter_mut()
@@ -157,9 +162,10 @@ impl Bulk {
             .zip(trial.material.par_chunks_exact_mut(8))
             .zip(trial.element_energy.par_iter_mut())
             .zip(trial.marks.par_iter_mut())
+            .zip(trial.held.solids.par_iter_mut())
             .enumerate()
             .with_min_len(16)
-            .filter_map(|(e, ((((force, cell), new), energy), marks))| {
+            .filter_map(|(e, (((((force, cell), new), energy), marks), held))| {
                 let shape = self.shape(e);
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
@@ -170,6 +176,10 @@ impl Bulk {
                     new,
                     energy,
                     marks,
+                    kept: keeps.then(|| Kept {
+                        pose: &state.poses.solids[e],
+                        held,
+                    }),
                 };
                 element(shape, law, &positions, old, setting, &mut slot)
                     .err()

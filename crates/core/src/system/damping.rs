@@ -50,6 +50,9 @@ impl StiffnessDamping {
         if trial.cells.len() < n * CELL {
             trial.cells.resize(n * CELL, 0.0);
         }
+        if by_displacement.is_some() {
+            trial.held.solids.clear();
+        }
         let (x, v, b) = (&trial.x, &self.velocity, self.factor);
         self.element_force
             .par_iter_mut()

@@ -12,6 +12,7 @@ mod numerical;
 mod outside;
 pub mod pattern;
 mod patterns;
+mod quiet;
 mod rounding;
 mod solid;
 mod springs;
@@ -26,12 +27,14 @@ pub use general::{General, Kind, Live, Touch};
 pub use mass::Mass;
 pub use outside::Outside;
 pub use pattern::Gather;
+pub use quiet::{PointPose, Poses};
 pub use springs::Springs;
 pub use steered::Steered;
 pub use trial::{STIFFEST_UNDER_LOADS, Trial};
 
 use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;
+use crate::model::scene::Fidelity;
 use crate::solve::State;
 use linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 use pattern::CELL;
@@ -87,6 +90,14 @@ pub struct System {
     analysed_pairs: Vec<[u32; 2]>,
 }
 
+impl Evaluation {
+    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see.
+    fn keeps(&self, poses: &Poses) -> bool {
+        let secant = matches!(self.solids, Solids::Secant | Solids::Softened);
+        self.tangent && self.shifted && secant && !poses.is_empty()
+    }
+}
+
 impl System {
     /// Prepares a model.
     ///
@@ -129,6 +140,7 @@ impl System {
             interface: self.contact.virgin(model),
             pairs: vec![PointPair::default(); self.contact.points.len()],
             touches: Vec::new(),
+            poses: self.poses(model),
             last: None,
             largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
@@ -139,6 +151,21 @@ impl System {
         self.search(&mut trial, &state.q);
         state.pairs = trial.pairs;
         state
+    }
+
+    /// Where stiffness is taken at rest: where bodies are, unless the model keeps that of what hardly turns.
+    fn poses(&self, model: &Model) -> Poses {
+        match model.fidelity {
+            Fidelity::Auto => Poses::at_rest(&self.bulk, &self.contact),
+            Fidelity::Full | Fidelity::Elastic => Poses::default(),
+        }
+    }
+
+    /// Takes the stiffness of what has turned too far since where the trial ends. `poses`: of the state that it becomes.
+    pub fn follow(&self, poses: &mut Poses, trial: &mut Trial) {
+        if !poses.is_empty() {
+            poses.follow(&self.bulk, &self.contact, trial);
+        }
     }
 
     /// Begins an increment from the committed state.

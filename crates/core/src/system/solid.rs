@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
+use super::quiet::{TURN, lies_as};
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
 use crate::element::{Corotated, ElementShape};
@@ -21,6 +22,17 @@ pub struct ElementSlot<'a> {
     pub energy: &'a mut PointEnergy,
     /// What the histories hold.
     pub marks: &'a mut Marks,
+    /// Where stiffness may be taken; none: where the element is.
+    pub kept: Option<Kept<'a>>,
+}
+
+/// Where the stiffness of an elastic element may be taken instead of where it is.
+#[derive(Debug)]
+pub struct Kept<'a> {
+    /// Positions of the corners [mm]. `[node][xyz]`
+    pub pose: &'a [[f64; 3]; 8],
+    /// Whether the cell holds that stiffness.
+    pub held: &'a mut bool,
 }
 
 /// A bit for each point of an element which is not virgin: the histories of the others need not be read.
@@ -139,8 +151,7 @@ impl OneElement<'_, '_> {
             let force = shape.elastic_force(&frame.local);
             *self.slot.force = frame.force(shape, &force);
             if setting.tangent {
-                let k = shape.elastic_stiffness();
-                frame.symmetric_stiffness(shape, k, &force, self.slot.cell);
+                self.write_elastic(frame, &force);
             }
             return Ok(());
         }
@@ -204,6 +215,9 @@ impl OneElement<'_, '_> {
         if !setting.tangent {
             return Ok(());
         }
+        if let Some(kept) = &mut slot.kept {
+            *kept.held = false;
+        }
         if count == 0 {
             write_secant(shape, frame, &intact, &force, slot.cell);
             return Ok(());
@@ -218,6 +232,26 @@ impl OneElement<'_, '_> {
             frame.symmetric_stiffness(shape, &k, &force, slot.cell);
         }
         Ok(())
+    }
+
+    /// Stiffness of an element that nothing happened to, at its pose if it is near.
+    #[inline(always)]
+    fn write_elastic(&mut self, frame: &Corotated, force: &Nodal) {
+        let (shape, slot) = (self.shape, &mut *self.slot);
+        let k = shape.elastic_stiffness();
+        if let Some(kept) = &mut slot.kept {
+            let near = lies_as(self.positions, kept.pose, shape.size, TURN);
+            if near && *kept.held {
+                return;
+            }
+            *kept.held = near;
+            if near && let Ok(posed) = Corotated::new(shape, kept.pose) {
+                let force = shape.elastic_force(&posed.local);
+                posed.symmetric_stiffness(shape, k, &force, slot.cell);
+                return;
+            }
+        }
+        frame.symmetric_stiffness(shape, k, force, slot.cell);
     }
 
     /// Histories and energies of points that stay virgin.

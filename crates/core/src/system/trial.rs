@@ -2,6 +2,7 @@
 
 use super::bulk::Marks;
 use super::general::Live;
+use super::quiet::Held;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
 use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
@@ -23,6 +24,8 @@ pub struct Trial {
     pub cell_force: Vec<[[f64; 3]; 8]>,
     /// Stiffness of each cell [N/mm]. `[cell][CELL]`
     pub(super) cells: Vec<f64>,
+    /// What the cells hold.
+    pub(super) held: Held,
     /// Cells that have a stiffness now. `[cell]`
     pub(super) active: Vec<bool>,
     /// Internal forces of the nodes, held ones too [N]. `[node][xyz]`

@@ -12,6 +12,7 @@ use super::{Contact, lost};
 use crate::model::Model;
 use crate::solve::State;
 use crate::system::pattern::CELL;
+use crate::system::quiet::Joint;
 use crate::system::{Evaluation, Trial};
 
 /// Facets of a task: some ten microseconds, which outweigh its scheduling.
@@ -28,6 +29,8 @@ struct Seen<'a> {
     soft: [f64; 2],
     /// Tangents of points at their shear limit are those of stick.
     sticks: bool,
+    /// Stiffness may be taken at poses.
+    keeps: bool,
 }
 
 /// What some facets in a row read and write.
@@ -41,6 +44,7 @@ struct Group<'a> {
     status: &'a mut [PointStatus],
     pairs: &'a mut [PointPair],
     gaps: &'a mut [f64],
+    held: &'a mut [Joint],
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
@@ -62,6 +66,7 @@ impl Contact {
         trial.status.resize(n, PointStatus::default());
         trial.gaps.resize(n, 0.0);
         trial.seen_at.clone_from(&trial.x);
+        trial.held.fit_joints(n / 4, self.version);
         let seen = Seen {
             contact: self,
             model,
@@ -70,6 +75,7 @@ impl Contact {
             setting,
             soft: [trial.stiffening, trial.inertia],
             sticks: trial.sticks,
+            keeps: setting.keeps(&state.poses),
         };
         let mut force = &mut trial.cell_force[first_cell..];
         let mut cells = &mut trial.cells[first_cell * CELL..];
@@ -82,11 +88,13 @@ impl Contact {
             .zip(trial.status.chunks_mut(points))
             .zip(trial.pairs.chunks_mut(points))
             .zip(trial.gaps.chunks_mut(points))
+            .zip(trial.held.joints.chunks_mut(GROUP))
             .zip(trial.anchors.chunks(points))
             .zip(trial.traction.chunks(points))
             .zip(trial.bounding.chunks(points));
         let mut groups = Vec::with_capacity(n.div_ceil(points));
-        for (((((((history, energy), status), pairs), gaps), anchors), last), bounding) in per_point
+        for ((((((((history, energy), status), pairs), gaps), held), anchors), last), bounding) in
+            per_point
         {
             let first = groups.len() * GROUP;
             let facets = first..first + history.len() / 4;
@@ -106,6 +114,7 @@ impl Contact {
                 status,
                 pairs,
                 gaps,
+                held,
                 anchors,
                 last,
                 bounding,
@@ -233,6 +242,9 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
     }
     // Stiffness of each point with the place of its cell among those of the facet (shifted penalty).
     let (mut parts, mut count) = ([(0, Symmetric::default()); 4], 0);
+    // The same at the points' poses, if all are near.
+    let (mut posed, mut joint) = ([Symmetric::default(); 4], Joint::default());
+    joint.held = seen.keeps;
     for p in 0..4 {
         let at = 4 * k + p;
         let point = &contact.points[4 * f + p];
@@ -303,6 +315,13 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             let k = [k[(0, 0)], k[(1, 1)], k[(1, 2)], k[(2, 2)]];
             let part = Symmetric::new(sight.weights, &sight.frame, k, point.area);
             parts[count] = (sight.cell, part);
+            if joint.held {
+                let pose = &state.poses.points[4 * f + p];
+                joint.held = pose.stands_for(&pair, &sight);
+                joint.seen |= 1 << p;
+                joint.k[p] = k;
+                posed[count] = pose.stiffness(&point.weights, k, point.area);
+            }
             count += 1;
         }
         group.history[at] = response.history;
@@ -311,6 +330,20 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             response.dissipation * point.area,
         ];
         group.status[at] = response.status;
+    }
+    if setting.tangent && joint.held {
+        if group.held[k] == joint {
+            for (cell, _) in &parts[..count] {
+                active[*cell] = true;
+            }
+            return;
+        }
+        for (part, posed) in parts[..count].iter_mut().zip(&posed) {
+            part.1 = *posed;
+        }
+    }
+    if setting.tangent {
+        group.held[k] = joint;
     }
     for first in 0..count {
         let cell = parts[first].0;

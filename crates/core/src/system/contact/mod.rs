@@ -8,6 +8,8 @@ mod pairing;
 mod sight;
 mod work;
 
+pub(super) use sight::Sight;
+
 use nalgebra::Vector3;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, SlavePoint, Surface,
@@ -40,7 +42,7 @@ const STEP: f64 = 0.01;
 #[derive(Clone, Debug)]
 pub struct Contact {
     pub(super) slave: Surface,
-    master: Surface,
+    pub(super) master: Surface,
     pub(super) law_of: Vec<u16>,
     /// Normal and shear stiffness of the shifted penalty [N/mm³]. `[slave facet]`
     pub(super) numerical: Vec<[f64; 2]>,

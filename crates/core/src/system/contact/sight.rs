@@ -8,7 +8,7 @@ use super::Contact;
 
 /// Kinematics of a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sight {
+pub(in crate::system) struct Sight {
     /// Place of its cell among those of its facet.
     pub cell: usize,
     /// Normal gap [mm].

@@ -1,0 +1,183 @@
+//! Stiffness of what hardly turns: written once, for many iterates.
+//!
+//! A crack turns few elements and opens few joints of a façade. The stiffness of an elastic element depends on its
+//! turning alone, that of a point that sticks on its facet's: where neither has moved by more than [`TURN`] from
+//! where it was when the stiffness was written, the cell stays as it is, to the last bit, and with it all that the
+//! factorisation made of it (`linear::reuse`). Forces are always those of the law at the present place, and so is
+//! the balance that ends an increment: what is kept costs no accuracy, only a ten-thousandth of the tangent.
+//!
+//! These places are part of the state, so that a run which is resumed goes the same way.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use wythe_contact::surface::weights_at;
+use wythe_contact::{PointPair, Symmetric, frame_at};
+
+use super::contact::Sight;
+use super::{Bulk, Contact, Trial};
+
+/// How far a body may turn, over its size, before its stiffness is written anew [-].
+pub(super) const TURN: f64 = 1e-4;
+/// The same at a commit: what is nearly there would be there in the next iterates.
+const TURN_AT_COMMIT: f64 = 0.5 * TURN;
+
+/// Where the stiffness of elements and points is taken. Empty: where they are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Poses {
+    /// Positions of the corners [mm]. `[element][node][xyz]`
+    pub solids: Vec<[[f64; 3]; 8]>,
+    /// Feet and frames. `[slave facet][point]`
+    pub points: Vec<PointPose>,
+}
+
+/// Foot of a contact point on its master facet, and the frame there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PointPose {
+    /// Facet and foot.
+    pub pair: PointPair,
+    /// n, t₁, t₂.
+    pub frame: [[f64; 3]; 3],
+}
+
+/// What the cells of a slave facet hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Joint {
+    /// Whether they hold the stiffness of these points at their poses.
+    pub held: bool,
+    /// A bit for each point that is seen.
+    pub seen: u8,
+    /// Unique entries of each point's stiffness, `[n, 11, 12, 22]` [N/mm³].
+    pub k: [[f64; 4]; 4],
+}
+
+/// What the cells of a trial hold; written anew wherever it is empty.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Held {
+    /// Whether the cell holds the stiffness at its pose. `[element]`
+    pub solids: Vec<bool>,
+    /// `[slave facet]`
+    pub joints: Vec<Joint>,
+    /// Version of the candidates that the joints' cells belong to.
+    pub version: usize,
+}
+
+impl Held {
+    /// Makes room for all elements.
+    pub fn fit_solids(&mut self, elements: usize) {
+        self.solids.resize(elements, false);
+    }
+
+    /// Makes room for all facets; cells of other candidates hold nothing.
+    pub fn fit_joints(&mut self, facets: usize, version: usize) {
+        if self.version != version {
+            self.joints.clear();
+            self.version = version;
+        }
+        self.joints.resize(facets, Joint::default());
+    }
+
+    /// Cells have been written without regard to poses.
+    pub fn forget(&mut self) {
+        self.solids.clear();
+        self.joints.clear();
+    }
+}
+
+/// Whether corners `x` lie as `pose` does, up to a translation and a part `turn` of `size` [mm].
+#[inline(always)]
+pub(super) fn lies_as(x: &[[f64; 3]; 8], pose: &[[f64; 3]; 8], size: f64, turn: f64) -> bool {
+    let mut most = 0.0_f64;
+    for a in 1..8 {
+        for i in 0..3 {
+            let now = x[a][i] - x[0][i];
+            let then = pose[a][i] - pose[0][i];
+            most = most.max((now - then).abs());
+        }
+    }
+    most <= turn * size
+}
+
+impl PointPose {
+    /// Whether a point with this foot and frame is where the pose is.
+    #[inline(always)]
+    fn is_near(&self, pair: &PointPair, frame: &[[f64; 3]; 3], turn: f64) -> bool {
+        if self.pair.facet != pair.facet {
+            return false;
+        }
+        let mut most = 0.0_f64;
+        for i in 0..2 {
+            most = most.max((self.pair.xi[i] - pair.xi[i]).abs());
+        }
+        for axis in 0..3 {
+            for i in 0..3 {
+                most = most.max((self.frame[axis][i] - frame[axis][i]).abs());
+            }
+        }
+        most <= turn
+    }
+
+    /// Whether what is seen is near enough for its stiffness to be taken at the pose.
+    #[inline(always)]
+    pub(super) fn stands_for(&self, pair: &PointPair, sight: &Sight) -> bool {
+        self.is_near(pair, &sight.frame, TURN)
+    }
+
+    /// The stiffness of a point with slave weights `slave` at the pose.
+    #[inline(always)]
+    pub(super) fn stiffness(&self, slave: &[f64; 4], k: [f64; 4], area: f64) -> Symmetric {
+        let [a, b, c, d] = weights_at(self.pair.xi);
+        let [e, f, g, h] = *slave;
+        let weights = [e, f, g, h, -a, -b, -c, -d];
+        Symmetric::new(weights, &self.frame, k, area)
+    }
+}
+
+impl Poses {
+    /// Those of bodies at rest, whose points have not been seen yet.
+    pub fn at_rest(bulk: &Bulk, contact: &Contact) -> Self {
+        let corners = |nodes: &[u32; 8]| nodes.map(|n| bulk.reference[n as usize]);
+        Self {
+            solids: bulk.elements.iter().map(corners).collect(),
+            points: vec![PointPose::default(); contact.points.len()],
+        }
+    }
+
+    /// True where stiffness is not kept.
+    pub fn is_empty(&self) -> bool {
+        self.solids.is_empty()
+    }
+
+    /// What has turned too far since, at the positions that `trial` ends with, is taken there from now on.
+    pub(super) fn follow(&mut self, bulk: &Bulk, contact: &Contact, trial: &mut Trial) {
+        let Trial { x, pairs, held, .. } = trial;
+        held.fit_solids(self.solids.len());
+        held.fit_joints(self.points.len() / 4, contact.version());
+        let elements = bulk.elements.par_iter().enumerate();
+        let solids = self.solids.par_iter_mut().zip(&mut held.solids);
+        solids.zip(elements).for_each(|((pose, held), (e, nodes))| {
+            let corners = nodes.map(|n| x[n as usize]);
+            if !lies_as(&corners, pose, bulk.shape(e).size, TURN_AT_COMMIT) {
+                (*pose, *held) = (corners, false);
+            }
+        });
+        let facets = self.points.par_chunks_exact_mut(4).zip(&mut held.joints);
+        let pairs = pairs.par_chunks_exact(4);
+        facets.zip(pairs).for_each(|((poses, joint), pairs)| {
+            for (pose, pair) in poses.iter_mut().zip(pairs) {
+                let frame = contact.frame_of(pair, x).unwrap_or_default();
+                if !pose.is_near(pair, &frame, TURN_AT_COMMIT) {
+                    *pose = PointPose { pair: *pair, frame };
+                    joint.held = false;
+                }
+            }
+        });
+    }
+}
+
+impl Contact {
+    /// n, t₁, t₂ at the foot of a point; none if it faces nothing.
+    fn frame_of(&self, pair: &PointPair, x: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
+        let corners = self.master.corners(pair.facet? as usize, x);
+        Some(frame_at(&corners, pair.xi).map(Into::into))
+    }
+}
