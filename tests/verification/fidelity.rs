@@ -255,6 +255,95 @@ fn what_is_no_mirror_image_is_solved_whole() {
     }
 }
 
+/// A wall whose ground parts below its middle: one crack climbs, and the rest hardly knows of it.
+const PARTED: &str = r#"format = 1
+[materials.brick]
+E = "16.7 GPa"
+nu = 0.15
+density = "1900 kg/m^3"
+tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]
+compression = [[11.0, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]
+reference_length = "50 mm"
+[materials.ground]
+E = "30 GPa"
+nu = 0.2
+[interfaces.joint]
+f_t = "0.2 MPa"
+c = "0.22 MPa"
+tan_phi = 0.75
+mu = 0.75
+u_k = "0.36 mm"
+delta_k = "0.4 mm"
+zeta = 4.4
+xi = 1.1
+[wall]
+unit = [204, 98, 50]
+length = 2040
+courses = 8
+bed_joint = 0
+head_joint = 0
+unit_material = "brick"
+interface = "joint"
+mesh = [2, 1, 1]
+clamped = false
+[[blocks]]
+name = "firm"
+size = [1020, 98, 100]
+at = [0, 0, -100]
+material = "ground"
+mesh = [10, 1, 1]
+[[blocks]]
+name = "soft"
+size = [1020, 98, 100]
+at = [1020, 0, -100]
+material = "ground"
+mesh = [10, 1, 1]
+[[contacts]]
+slave = "wall.bottom"
+master = ["firm.top", "soft.top"]
+interface = "joint"
+[[supports]]
+on = "firm.bottom"
+[[springs]]
+name = "ground"
+on = "soft.bottom"
+stiffness = [1e9, 1e9, 1e9]
+[[steps]]
+kind = "gravity"
+[[steps]]
+kind = "drive"
+spring = "ground"
+direction = "x"
+displacement = "0.03 mm"
+increments = { initial = 0.1, max = 0.1 }
+"#;
+
+/// What hardly turns keeps its stiffness, and the factorisation what it made of it. Forces follow the law all the
+/// same: those of the run with nothing kept, to what the tolerance leaves of either (2e-3 in the root mean square).
+#[test]
+fn what_is_far_from_a_crack_is_not_factorised_again() {
+    let (_, mut model) = deck_and_model(PARTED);
+    assert_eq!(mirror_planes(&model), []);
+    let mut run = |fidelity| {
+        model.fidelity = fidelity;
+        scene::run(&model)
+    };
+    let (whole, all) = run(Fidelity::Full);
+    let (kept, some) = run(Fidelity::Auto);
+    assert_eq!(all.reused, 0.0);
+    let share = some.reused / some.factorisations as f64;
+    assert!(share > 0.3, "{share}");
+    let last = |rows: &[HistoryRow]| rows[rows.len() - 1].clone();
+    let (a, b) = (last(&whole.rows), last(&kept.rows));
+    assert!(a.max_interface_damage > 0.2, "{a:?}");
+    let apart = |a: f64, b: f64| (a - b).abs() / a.abs();
+    assert!(apart(a.force_kN, b.force_kN) < 2e-3, "{a:?} {b:?}");
+    assert!(
+        apart(a.elastic_energy_J, b.elastic_energy_J) < 4e-3,
+        "{a:?} {b:?}"
+    );
+}
+
 /// The checker tells of the plane, whether it is used or not.
 #[test]
 fn the_checker_offers_the_half() {

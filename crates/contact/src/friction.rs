@@ -41,6 +41,23 @@ impl InterfaceLaw {
         }
     }
 
+    /// Shear traction over its limit, or tension over what the bond carries, whichever is more; infinite where there is
+    /// tension and no bond.
+    #[inline(always)]
+    pub fn exertion(&self, traction: &[f64; 3], damage: f64) -> f64 {
+        let [sigma, t1, t2] = *traction;
+        if sigma < 0.0 {
+            return self.utilisation(traction, damage);
+        }
+        let strength = (1.0 - damage) * self.f_t;
+        let limit = self.limit(sigma, damage).value;
+        if strength > 0.0 && limit > 0.0 {
+            (sigma / strength).max(t1.hypot(t2) / limit)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
     pub(crate) fn return_slip(
         &self,

@@ -149,7 +149,8 @@ impl System {
         let mut trial = Trial::default();
         trial.start(&state);
         self.search(&mut trial, &state.q);
-        state.pairs = trial.pairs;
+        state.pairs.clone_from(&trial.pairs);
+        self.follow(&mut state.poses, &mut trial);
         state
     }
 

@@ -18,7 +18,7 @@
 use nalgebra::{Matrix3, Vector3};
 use wythe_contact::{PointStatus, Shift};
 
-use super::contact::{Contact, total_gap};
+use super::contact::{Contact, Soft, total_gap};
 use super::{System, Trial};
 use crate::model::Model;
 use crate::solve::State;
@@ -227,7 +227,7 @@ impl Contact {
         let old = self.carried(&state.interface[at], anchor, pair, &kin.frame, &trial.x);
         let present = trial.interface[at].traction;
         let respond = |traction: [f64; 3]| {
-            let soft = [trial.stiffening, trial.inertia];
+            let soft = Soft::of(state, trial);
             let shift = Shift {
                 stiffness: self.shifted_stiffness(f, law, &traction, old.damage, soft),
                 traction,

@@ -117,6 +117,11 @@ impl Trial {
         self.touch_loss = [0.0; 2];
     }
 
+    /// Whether the numerical stiffness may grow to that of the law.
+    pub(super) fn is_under_loads(&self) -> bool {
+        self.stiffest > STIFFEST
+    }
+
     /// Whether the tractions of the last iterate are those of what touches.
     pub fn is_settled(&self) -> bool {
         self.touches.iter().all(|one| one.settled)

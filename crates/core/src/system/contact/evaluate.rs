@@ -8,7 +8,7 @@ use wythe_contact::{
 };
 
 use super::sight::Sight;
-use super::{Contact, lost};
+use super::{Contact, Soft, lost};
 use crate::model::Model;
 use crate::solve::State;
 use crate::system::pattern::CELL;
@@ -25,8 +25,7 @@ struct Seen<'a> {
     state: &'a State,
     x: &'a [[f64; 3]],
     setting: Evaluation,
-    /// Factor of the numerical stiffness [-], and the least one from what inertia opposes [1/s²].
-    soft: [f64; 2],
+    soft: Soft,
     /// Tangents of points at their shear limit are those of stick.
     sticks: bool,
     /// Stiffness may be taken at poses.
@@ -73,7 +72,7 @@ impl Contact {
             state,
             x: &trial.x,
             setting,
-            soft: [trial.stiffening, trial.inertia],
+            soft: Soft::of(state, trial),
             sticks: trial.sticks,
             keeps: setting.keeps(&state.poses),
         };

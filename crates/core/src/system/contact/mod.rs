@@ -17,7 +17,7 @@ use wythe_contact::{
 };
 
 use super::Trial;
-use super::numerical::{FIRM, WELL_WITHIN, numerical_stiffness};
+use super::numerical::{FAR_WITHIN, FIRM, WELL_WITHIN, numerical_stiffness};
 use crate::model::Model;
 use crate::model::scene::ContactPoints;
 use crate::solve::State;
@@ -214,7 +214,7 @@ impl Contact {
         }
     }
 
-    /// Numerical stiffness of a point with traction `last`, of `[factor, inertia]` [N/mm³].
+    /// Numerical stiffness of a point with traction `last` [N/mm³].
     #[inline(always)]
     pub(super) fn shifted_stiffness(
         &self,
@@ -222,12 +222,38 @@ impl Contact {
         law: &InterfaceLaw,
         last: &[f64; 3],
         damage: f64,
-        [stiffening, inertia]: [f64; 2],
+        soft: Soft,
     ) -> [f64; 2] {
-        let firm = law.utilisation(last, damage) < WELL_WITHIN;
-        let factor = stiffening.max(if firm { FIRM } else { 1.0 });
-        let least = inertia * self.areal_mass[facet];
+        let factor = if soft.steady && law.exertion(last, damage) < FAR_WITHIN {
+            FIRM
+        } else {
+            let firm = law.utilisation(last, damage) < WELL_WITHIN;
+            soft.factor.max(if firm { FIRM } else { 1.0 })
+        };
+        let least = soft.inertia * self.areal_mass[facet];
         self.numerical[facet].map(|k| (k * factor).max(least))
+    }
+}
+
+/// How soft the penalty is in an iterate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Soft {
+    /// Factor of the numerical stiffness [-].
+    pub factor: f64,
+    /// Least stiffness over the mass behind it, from what inertia opposes [1/s²].
+    pub inertia: f64,
+    /// Whether points far from their limits leave the factor to others, so that their stiffness stays written.
+    pub steady: bool,
+}
+
+impl Soft {
+    /// That of the present iterate.
+    pub fn of(state: &State, trial: &Trial) -> Self {
+        Self {
+            factor: trial.stiffening,
+            inertia: trial.inertia,
+            steady: !state.poses.is_empty() && !trial.is_under_loads(),
+        }
     }
 }
 
