@@ -256,67 +256,7 @@ fn what_is_no_mirror_image_is_solved_whole() {
 }
 
 /// A wall whose ground parts below its middle: one crack climbs, and the rest hardly knows of it.
-const PARTED: &str = r#"format = 1
-[materials.brick]
-E = "16.7 GPa"
-nu = 0.15
-density = "1900 kg/m^3"
-tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]
-compression = [[11.0, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]
-reference_length = "50 mm"
-[materials.ground]
-E = "30 GPa"
-nu = 0.2
-[interfaces.joint]
-f_t = "0.2 MPa"
-c = "0.22 MPa"
-tan_phi = 0.75
-mu = 0.75
-u_k = "0.36 mm"
-delta_k = "0.4 mm"
-zeta = 4.4
-xi = 1.1
-[wall]
-unit = [204, 98, 50]
-length = 2040
-courses = 8
-bed_joint = 0
-head_joint = 0
-unit_material = "brick"
-interface = "joint"
-mesh = [2, 1, 1]
-clamped = false
-[[blocks]]
-name = "firm"
-size = [1020, 98, 100]
-at = [0, 0, -100]
-material = "ground"
-mesh = [10, 1, 1]
-[[blocks]]
-name = "soft"
-size = [1020, 98, 100]
-at = [1020, 0, -100]
-material = "ground"
-mesh = [10, 1, 1]
-[[contacts]]
-slave = "wall.bottom"
-master = ["firm.top", "soft.top"]
-interface = "joint"
-[[supports]]
-on = "firm.bottom"
-[[springs]]
-name = "ground"
-on = "soft.bottom"
-stiffness = [1e9, 1e9, 1e9]
-[[steps]]
-kind = "gravity"
-[[steps]]
-kind = "drive"
-spring = "ground"
-direction = "x"
-displacement = "0.03 mm"
-increments = { initial = 0.1, max = 0.1 }
-"#;
+const PARTED: &str = include_str!("../../benches/facade.toml");
 
 /// What hardly turns keeps its stiffness, and the factorisation what it made of it. Forces follow the law all the
 /// same: those of the run with nothing kept, to what the tolerance leaves of either (2e-3 in the root mean square).

@@ -14,9 +14,6 @@ const NUMERICAL_PENALTY: f64 = 1.0;
 /// A point whose shear is below this part of its limit is in no danger of chatter, and takes [`FIRM`]
 /// times the numerical stiffness (docs/decisions.md).
 pub(super) const WELL_WITHIN: f64 = 0.85;
-/// A point below this part of its limits, in shear and in tension, has that factor whatever others do, if its stiffness
-/// is to stay written.
-pub(super) const FAR_WITHIN: f64 = 0.5;
 /// Factor of the numerical stiffness of such a point.
 pub(super) const FIRM: f64 = 3.0;
 

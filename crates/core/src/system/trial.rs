@@ -8,7 +8,7 @@ use crate::solve::State;
 use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
 
 /// Largest factor of the numerical stiffness [-].
-const STIFFEST: f64 = 8.0;
+pub(super) const STIFFEST: f64 = 8.0;
 /// The same under loads with a name, which may be small beside the weight [-]: as stiff as the law.
 pub const STIFFEST_UNDER_LOADS: f64 = 512.0;
 /// Growth of the factor from the first of these on [-]; below it is 2.

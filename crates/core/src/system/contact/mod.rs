@@ -16,8 +16,8 @@ use wythe_contact::{
     corner_points, gauss_points,
 };
 
-use super::Trial;
-use super::numerical::{FAR_WITHIN, FIRM, WELL_WITHIN, numerical_stiffness};
+use super::numerical::{FIRM, WELL_WITHIN, numerical_stiffness};
+use super::trial::{STIFFEST, Trial};
 use crate::model::Model;
 use crate::model::scene::ContactPoints;
 use crate::solve::State;
@@ -224,8 +224,13 @@ impl Contact {
         damage: f64,
         soft: Soft,
     ) -> [f64; 2] {
-        let factor = if soft.steady && law.exertion(last, damage) < FAR_WITHIN {
-            FIRM
+        let factor = if soft.steady && law.exertion(last, damage) < WELL_WITHIN {
+            // In two steps, so that its stiffness seldom changes.
+            if soft.factor < STIFFEST {
+                FIRM
+            } else {
+                soft.factor
+            }
         } else {
             let firm = law.utilisation(last, damage) < WELL_WITHIN;
             soft.factor.max(if firm { FIRM } else { 1.0 })
@@ -242,7 +247,8 @@ pub(super) struct Soft {
     pub factor: f64,
     /// Least stiffness over the mass behind it, from what inertia opposes [1/s²].
     pub inertia: f64,
-    /// Whether points far from their limits leave the factor to others, so that their stiffness stays written.
+    /// Whether points well within their limits follow the factor in two steps only, so that their stiffness stays
+    /// written.
     pub steady: bool,
 }
 
@@ -252,7 +258,7 @@ impl Soft {
         Self {
             factor: trial.stiffening,
             inertia: trial.inertia,
-            steady: !state.poses.is_empty() && !trial.is_under_loads(),
+            steady: state.poses.steady && !trial.is_under_loads(),
         }
     }
 }

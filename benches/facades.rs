@@ -1,0 +1,130 @@
+//! Façades of 100 to 10,000 units with one crack each (benches/facade.toml), solved in full and with
+//! `fidelity = "auto"`: what the crack costs, and what the rest of the façade does. One thread, CPU time, one run each, in turn; no
+//! results are written. It writes `docs/facades/table.csv` and `chart.svg` anew and prints the table;
+//! `WYTHE_BENCH_UNITS=1000` stops at that size and writes nothing.
+
+use std::fmt::Write as _;
+
+use rayon::ThreadPoolBuilder;
+use wythe::model::scene::Fidelity;
+use wythe::model::{Deck, Model};
+use wythe::results::plotting::{Spot, scatter};
+use wythe::results::usage::cpu_seconds;
+use wythe::results::{Frame, HistoryRow, Recorder, Summary};
+
+const DECK: &str = include_str!("facade.toml");
+/// Units a course and courses.
+const SIZES: [[usize; 2]; 6] = [[12, 9], [22, 16], [36, 28], [60, 42], [90, 64], [124, 81]];
+
+/// The last row alone.
+#[derive(Default)]
+struct Last(Option<HistoryRow>);
+
+impl Recorder for Last {
+    fn take(&mut self, _: &Model, row: &HistoryRow, _: Option<&Frame>) -> std::io::Result<bool> {
+        self.0 = Some(row.clone());
+        Ok(true)
+    }
+}
+
+/// `units` in each of some courses, on ground that parts below the middle.
+fn facade([units, courses]: [usize; 2]) -> Model {
+    let half = 102 * units;
+    let set = |key: &str, value: String| (key.to_owned(), value);
+    let overrides = [
+        set("wall.length", (2 * half).to_string()),
+        set("wall.courses", courses.to_string()),
+        set("blocks.0.size", format!("[{half}, 98, 100]")),
+        set("blocks.0.mesh", format!("[{units}, 1, 1]")),
+        set("blocks.1.size", format!("[{half}, 98, 100]")),
+        set("blocks.1.mesh", format!("[{units}, 1, 1]")),
+        set("blocks.1.at", format!("[{half}, 0, -100]")),
+    ];
+    let deck = Deck::from_str_with(DECK, "facade.toml", &overrides).expect("the deck");
+    let (model, _) = Model::from_deck(&deck).expect("its model");
+    model
+}
+
+/// CPU seconds, the last row, and what the run tells.
+fn run(model: &Model) -> (f64, HistoryRow, Summary) {
+    let mut last = Last::default();
+    let before = cpu_seconds().expect("a clock");
+    let summary = wythe::solve::run(model, &mut last).expect("a run");
+    let seconds = cpu_seconds().expect("a clock") - before;
+    (seconds, last.0.expect("a row"), summary)
+}
+
+/// Exponent of y over x.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0.ln()), mean(|p| p.1.ln()));
+    let along: f64 = points.iter().map(|p| (p.0.ln() - x).powi(2)).sum();
+    points
+        .iter()
+        .map(|p| (p.0.ln() - x) * (p.1.ln() - y))
+        .sum::<f64>()
+        / along
+}
+
+fn main() {
+    let most: Option<usize> = std::env::var("WYTHE_BENCH_UNITS")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    let pool = ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.expect("a thread");
+    let names = ["full", "auto"];
+    let mut table = String::from(
+        "units,elements,fidelity,cpu_s,increments,solves,reused,force_kN,interface_dissipation_J,damage\n",
+    );
+    let (mut spots, mut curves) = (Vec::new(), [Vec::new(), Vec::new()]);
+    for size in SIZES {
+        let units = size[0] * size[1];
+        if most.is_some_and(|most| units > most) {
+            break;
+        }
+        let mut model = facade(size);
+        for (series, fidelity) in [Fidelity::Full, Fidelity::Auto].into_iter().enumerate() {
+            model.fidelity = fidelity;
+            let (seconds, row, summary) = pool.install(|| run(&model));
+            let a_solve = seconds / summary.factorisations.max(1) as f64;
+            writeln!(
+                table,
+                "{units},{},{},{seconds:.2},{},{},{:.1},{:.4},{:.5},{:.4}",
+                summary.sizes.elements,
+                names[series],
+                summary.increments,
+                summary.iterations,
+                summary.reused,
+                row.force_kN,
+                row.interface_dissipation_J,
+                row.max_interface_damage,
+            )
+            .expect("a string takes it");
+            println!("{}", table.lines().last().unwrap_or_default());
+            curves[series].push((units as f64, a_solve));
+            spots.push(Spot {
+                name: String::new(),
+                at: (units as f64, 1e3 * a_solve),
+                series,
+                marked: false,
+            });
+        }
+    }
+    for (name, curve) in names.iter().zip(&curves) {
+        println!(
+            "{name}: CPU time of a solve grows as n^{:.2}",
+            exponent(curve)
+        );
+    }
+    if most.is_some() {
+        return;
+    }
+    let axes = ["units", "CPU time of a solve [ms]"];
+    let title = "Façades with one crack";
+    let svg = scatter(title, axes, &names, &spots, &[], None).expect("a chart");
+    let folder = format!("{}/docs/facades", env!("CARGO_MANIFEST_DIR"));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(format!("{folder}/table.csv"), table).expect("a table");
+    std::fs::write(format!("{folder}/chart.svg"), svg).expect("a chart");
+}
