@@ -6,6 +6,7 @@ mod common;
 use common::blocks::{deck, deck_and_model};
 use common::scene::{self, Recording, completed};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use wythe::model::mirrored::{MirrorPlane, mirror_planes};
 use wythe::model::scene::Fidelity;
 use wythe::model::{Deck, Model, check};
@@ -357,8 +358,23 @@ fn elastic_solids_tell_how_far_they_went() {
     assert!((1.7..4.0).contains(&times), "{told}");
 }
 
+/// The same walls every time, so that a change is told from chance; `PROPTEST_RNG_SEED` makes others.
+fn random() -> ProptestConfig {
+    let given = ProptestConfig::default();
+    let rng_seed = match given.rng_seed {
+        RngSeed::Random => RngSeed::Fixed(2018),
+        fixed => fixed,
+    };
+    ProptestConfig {
+        cases: 8,
+        failure_persistence: None,
+        rng_seed,
+        ..given
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(random())]
 
     /// Whatever it is made of and however it is pressed and pushed: force and energies of a wall that cracks and
     /// slides are those of the whole within the half per cent that `auto` promises. Its path hangs on what the tolerance

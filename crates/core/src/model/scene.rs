@@ -79,7 +79,7 @@ pub enum Fidelity {
     /// All of it.
     #[default]
     Full,
-    /// What the rest does not tell: one half of what is its own mirror image.
+    /// What the rest does not tell: one half of what is its own mirror image, and no stiffness anew of what hardly turns.
     Auto,
     /// All of it, with solids that stay linear elastic: only joints open and slide.
     Elastic,
