@@ -29,7 +29,7 @@ pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, Point
 pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
 pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};
-pub use shifted::Shift;
+pub use shifted::{Loose, Shift};
 pub use stencil::{
     Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, write_stiffness,
 };

@@ -23,6 +23,11 @@
 //! At the fixed point every branch is that of [`InterfaceLaw::update`], because σ₋ = σ and both
 //! returns leave g − t/k. The tangent leaves out ∂D and negative stiffness; it is symmetric and
 //! positive semidefinite, and exact for the lagged problem otherwise.
+//!
+//! Three branches have no stiffness: the envelope, slip along its way, and the opening of what has no bond.
+//! Newton's method goes far along them, comes back by a branch that is stiff, and circles. A point that has
+//! left such a branch and come back since the increment began, or the other way round, is held on it
+//! ([`InterfaceResponse::hold`]): its tangent is a secant there. The fixed point is the same.
 
 use nalgebra::{Matrix3, Vector2};
 
@@ -40,6 +45,9 @@ pub struct Shift {
     /// ones where it swings.
     pub bounding: f64,
 }
+
+/// The branches without stiffness: whether a point opens along the envelope, slides, is open without traction.
+pub type Loose = [bool; 3];
 
 /// Most passes for D, the opening and the slip, which depend on one another: a plain one gains a factor of the
 /// softening slope over k', one by the secant of the last two its square, or nearly.
@@ -62,6 +70,40 @@ struct Shear {
     traction: Vector2<f64>,
     plastic: Vector2<f64>,
     slides: bool,
+}
+
+impl InterfaceResponse {
+    /// Which of the branches without stiffness an iterate from `old` is on.
+    #[inline(always)]
+    pub fn loose(&self, old: &InterfaceHistory) -> Loose {
+        let (now, sigma) = (&self.history, self.traction[0]);
+        let opens = sigma > 0.0 && now.damage > 0.0 && now.opening > old.opening_max;
+        [opens, now.plastic_slip != old.plastic_slip, sigma == 0.0]
+    }
+
+    /// Gives the tangent of an iterate on one of the branches `held` a stiffness: the secant, `stiffness` [N/mm³] at
+    /// most, along the envelope, all of that where nothing bonds, the secant of slip along it.
+    #[inline(always)]
+    pub fn hold(&mut self, held: Loose, loose: Loose, stiffness: f64) {
+        let [opens, slides, open] = [0, 1, 2].map(|i| held[i] && loose[i]);
+        let k = &mut self.tangent;
+        if k[(0, 0)] == 0.0 {
+            if opens {
+                k[(0, 0)] = (self.traction[0] / self.history.opening).min(stiffness);
+            } else if open {
+                k[(0, 0)] = stiffness;
+            }
+        }
+        if slides {
+            // Across its way it has that secant, along it nothing.
+            let secant = k[(1, 1)] + k[(2, 2)];
+            for i in 1..3 {
+                for j in 1..3 {
+                    k[(i, j)] = if i == j { secant } else { 0.0 };
+                }
+            }
+        }
+    }
 }
 
 impl InterfaceLaw {
@@ -236,5 +278,76 @@ impl InterfaceLaw {
             self.f_t * self.opening_curve().steepest(),
             self.c * self.slip_curve().steepest(),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::Coupling;
+
+    /// Normal and shear stiffness of an iterate [N/mm³].
+    const SOFT: [f64; 2] = [300.0, 130.0];
+
+    fn iterate(law: &InterfaceLaw, gap: [f64; 3], bounding: f64) -> (InterfaceResponse, Loose) {
+        let shift = Shift {
+            stiffness: SOFT,
+            traction: [0.0; 3],
+            bounding,
+        };
+        let response = law.update_shifted(gap, &law.virgin(), &shift);
+        let loose = response.loose(&law.virgin());
+        (response, loose)
+    }
+
+    #[test]
+    fn a_point_is_held_only_where_it_has_no_stiffness() {
+        let law = InterfaceLaw {
+            f_t: 0.2,
+            c: 0.2,
+            tan_phi: 0.75,
+            mu: 0.75,
+            u_k: 0.36,
+            zeta: 4.38,
+            delta_k: 0.4,
+            xi: 1.1,
+            normal_stiffness: 150_000.0,
+            shear_stiffness: 65_000.0,
+            coupling: Coupling::Max,
+        };
+        let every = [true; 3];
+        // Bonded: nothing to hold.
+        let (mut bonded, loose) = iterate(&law, [1e-4, 1e-4, 0.0], 0.0);
+        let before = bonded.tangent;
+        assert_eq!(loose, [false; 3]);
+        bonded.hold(every, loose, SOFT[0]);
+        assert_eq!(bonded.tangent, before);
+        // Just beyond the envelope the secant is stiffer than the iterate; far beyond it is the softer one.
+        for (gap, stiff) in [(0.7e-3, true), (0.1, false)] {
+            let (mut opening, loose) = iterate(&law, [gap, 0.0, 0.0], 0.0);
+            assert_eq!(loose, [true, false, false]);
+            assert_eq!(opening.tangent[(0, 0)], 0.0);
+            opening.hold([false, true, true], loose, SOFT[0]);
+            assert_eq!(opening.tangent[(0, 0)], 0.0, "of another branch");
+            opening.hold(every, loose, SOFT[0]);
+            let secant = opening.traction[0] / opening.history.opening;
+            assert_eq!(secant > SOFT[0], stiff);
+            assert_eq!(opening.tangent[(0, 0)], secant.min(SOFT[0]));
+        }
+        // Slip: what it has across its way it gets along it, too.
+        let (mut sliding, loose) = iterate(&law, [-1e-3, 0.01, 0.0], -0.3);
+        assert_eq!(loose, [false, true, false]);
+        let across = sliding.tangent[(2, 2)];
+        assert!(across > 0.0 && sliding.tangent[(1, 1)].abs() < 1e-12 * across);
+        sliding.hold(every, loose, SOFT[0]);
+        // Rounding of a projector.
+        assert!((sliding.tangent[(1, 1)] / across - 1.0).abs() < 1e-12);
+        assert_eq!(sliding.tangent[(1, 2)], 0.0);
+        // What has no bond and is open.
+        let dry = InterfaceLaw::dry(0.6, 150_000.0, 65_000.0);
+        let (mut open, loose) = iterate(&dry, [1e-3, 0.0, 0.0], 0.0);
+        assert_eq!(loose, [false, false, true]);
+        open.hold(every, loose, SOFT[0]);
+        assert_eq!(open.tangent[(0, 0)], SOFT[0]);
     }
 }

@@ -7,6 +7,7 @@ mod dissipation;
 pub mod dofs;
 mod general;
 pub mod linear;
+mod loose;
 mod mass;
 mod numerical;
 mod outside;

@@ -2,6 +2,7 @@
 
 use super::bulk::Marks;
 use super::general::Live;
+use super::loose::LoosePoints;
 use super::quiet::Held;
 use crate::material::{MaterialHistory, PointEnergy};
 use crate::solve::State;
@@ -81,6 +82,8 @@ pub struct Trial {
     pub(super) gaps: Vec<f64>,
     /// Positions there [mm], none where points were paired anew since. `[node]`
     pub(super) seen_at: Vec<[f64; 3]>,
+    /// Points on branches without stiffness (shifted penalty).
+    pub loose: LoosePoints,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
@@ -106,6 +109,7 @@ impl Trial {
         self.stiffest = STIFFEST;
         self.inertia = 0.0;
         self.before.clear();
+        self.loose.start();
         // A run that is resumed here does not have them.
         self.seen_at.clear();
         // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
@@ -155,6 +159,7 @@ impl Trial {
     /// no point changed what it does, the numerical stiffness doubles, and where it may grow beyond the usual
     /// bound grows fourfold there: nothing chatters, and a stiffer one gets there sooner.
     pub fn keep_tractions(&mut self) {
+        self.loose.keep();
         for (p, history) in self.interface.iter().enumerate() {
             self.traction[p] = history.traction;
             let change = history.traction[0] - self.bounding[p];

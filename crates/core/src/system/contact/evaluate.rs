@@ -3,7 +3,7 @@
 use pulp::Simd;
 use rayon::prelude::*;
 use wythe_contact::{
-    FourPlaced, FourSeen, InterfaceHistory, Lanes, PointPair, PointStatus, Shift, Symmetric,
+    FourPlaced, FourSeen, InterfaceHistory, Lanes, Loose, PointPair, PointStatus, Shift, Symmetric,
     write_symmetric,
 };
 
@@ -43,10 +43,12 @@ struct Group<'a> {
     status: &'a mut [PointStatus],
     pairs: &'a mut [PointPair],
     gaps: &'a mut [f64],
-    held: &'a mut [Joint],
+    joints: &'a mut [Joint],
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
+    loose: &'a mut [Loose],
+    held: &'a [Loose],
 }
 
 impl Contact {
@@ -64,6 +66,7 @@ impl Contact {
         trial.point_energy.resize(n, [0.0; 2]);
         trial.status.resize(n, PointStatus::default());
         trial.gaps.resize(n, 0.0);
+        trial.loose.resize(n);
         trial.seen_at.clone_from(&trial.x);
         trial.held.fit_joints(n / 4, self.version);
         let seen = Seen {
@@ -90,11 +93,17 @@ impl Contact {
             .zip(trial.held.joints.chunks_mut(GROUP))
             .zip(trial.anchors.chunks(points))
             .zip(trial.traction.chunks(points))
-            .zip(trial.bounding.chunks(points));
+            .zip(trial.bounding.chunks(points))
+            .zip(trial.loose.now.chunks_mut(points))
+            .zip(trial.loose.held.chunks(points));
         let mut groups = Vec::with_capacity(n.div_ceil(points));
-        for ((((((((history, energy), status), pairs), gaps), held), anchors), last), bounding) in
-            per_point
-        {
+        for per_point in per_point {
+            let (rest, held) = per_point;
+            let (rest, loose) = rest;
+            let (
+                (((((((history, energy), status), pairs), gaps), joints), anchors), last),
+                bounding,
+            ) = rest;
             let first = groups.len() * GROUP;
             let facets = first..first + history.len() / 4;
             let count = self.candidates.range(facets.end - 1).end
@@ -113,10 +122,12 @@ impl Contact {
                 status,
                 pairs,
                 gaps,
-                held,
+                joints,
                 anchors,
                 last,
                 bounding,
+                loose,
+                held,
             });
         }
         // What is inlined into it is compiled once for every vector unit, and the widest one is taken: the
@@ -257,6 +268,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             // What the point stored is set free.
             group.energy[at] = [0.0, law.free_energy(old) * point.area];
             group.status[at] = PointStatus::Open;
+            group.loose[at] = [false, false, true];
             continue;
         };
         let pair = PointPair {
@@ -279,14 +291,14 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             old.slip[1] + sight.slip[1],
         ];
         let last = &group.last[at];
-        let mut stick = law.shear_stiffness;
+        let mut stick = [law.normal_stiffness, law.shear_stiffness];
         let mut response = if setting.shifted {
             let shift = Shift {
                 stiffness: contact.shifted_stiffness(f, law, last, old.damage, seen.soft),
                 traction: *last,
                 bounding: group.bounding[at],
             };
-            stick = stick.min(shift.stiffness[1]);
+            stick = [0, 1].map(|i| stick[i].min(shift.stiffness[i]));
             law.update_shifted(gap, old, &shift)
         } else {
             law.update(gap, old)
@@ -294,9 +306,14 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         if seen.sticks && response.status == PointStatus::Slip {
             for i in 1..3 {
                 for j in 0..3 {
-                    response.tangent[(i, j)] = if i == j { stick } else { 0.0 };
+                    response.tangent[(i, j)] = if i == j { stick[1] } else { 0.0 };
                 }
             }
+        }
+        if setting.shifted {
+            let loose = response.loose(old);
+            group.loose[at] = loose;
+            response.hold(group.held[at], loose, stick[0]);
         }
         sight.add_force(&response.traction, point.area, &mut forces[sight.cell]);
         if setting.tangent && !setting.shifted {
@@ -331,7 +348,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         group.status[at] = response.status;
     }
     if setting.tangent && joint.held {
-        if group.held[k] == joint {
+        if group.joints[k] == joint {
             for (cell, _) in &parts[..count] {
                 active[*cell] = true;
             }
@@ -342,7 +359,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         }
     }
     if setting.tangent {
-        group.held[k] = joint;
+        group.joints[k] = joint;
     }
     for first in 0..count {
         let cell = parts[first].0;
