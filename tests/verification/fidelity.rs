@@ -379,7 +379,8 @@ proptest! {
     /// Whatever it is made of and however it is pressed and pushed: force and energies of a wall that cracks and
     /// slides are those of the whole within the half per cent that `auto` promises. Its path hangs on what the tolerance
     /// leaves of every increment: where the whole moves by more than a quarter of a per cent at a quarter of its
-    /// tolerance, the half may be as far off again, to the other side.
+    /// tolerance, the half may be as far off again, to the other side. Increments of a fortieth of the push: of those twice
+    /// as long one wall took 25 and its half 23, with a brittle peak between them that they met 0.8 % apart.
     #[test]
     fn random_walls_are_told_by_their_half(
         brick in 2.0..20.0_f64,
@@ -399,7 +400,7 @@ top_pressure = {pressure}
 kind = "drive"
 direction = "x"
 displacement = {push}
-increments = {{ initial = 0.05, max = 0.05 }}
+increments = {{ initial = 0.025, max = 0.025 }}
 tolerance = {{ residual = {tolerance}, max_iterations = 100 }}
 "#
             );

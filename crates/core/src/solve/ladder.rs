@@ -255,7 +255,9 @@ impl Ladder {
                 .rungs
                 .get(self.at + 1)
                 .is_some_and(|rung| rung.method == Method::Dissipation);
-            if self.snaps {
+            // What nothing holds any more is beyond every path.
+            let comes_loose = wanted.is_some() && *refusal != Refusal::Snap;
+            if self.snaps && !comes_loose {
                 // If no tangent leads along the path: statics has found what lies beyond, that is taken.
                 self.at = if again {
                     self.at + 1
