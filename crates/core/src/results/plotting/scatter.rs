@@ -148,13 +148,14 @@ impl Scatter<'_> {
 
     /// The front as stairs, and the floor.
     fn lines<'a>(&self, chart: &mut Plane<'a, '_>) -> Result<(), Failed<'a>> {
-        let corner = |w: &[Point]| [w[0], (w[1].0, w[0].1)];
-        let stairs = self.front.windows(2).flat_map(corner);
-        let stairs = stairs.chain(self.front.last().copied());
-        chart
-            .draw_series(LineSeries::new(stairs, FRONT.stroke_width(3)))?
-            .label("front: nothing is better in both")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FRONT.stroke_width(3)));
+        if let Some(last) = self.front.last() {
+            let corner = |w: &[Point]| [w[0], (w[1].0, w[0].1)];
+            let stairs = self.front.windows(2).flat_map(corner).chain([*last]);
+            chart
+                .draw_series(LineSeries::new(stairs, FRONT.stroke_width(3)))?
+                .label("front: nothing is better in both")
+                .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FRONT.stroke_width(3)));
+        }
         if let Some((floor, name)) = self.floor {
             let range = span(self.spots.iter().map(|s| s.at.0), 1.3, 2.0);
             let line = [(range.start, floor), (range.end, floor)];
@@ -260,6 +261,8 @@ mod tests {
             assert!(svg.contains(said), "{said}");
         }
         assert!(!svg.contains("never"));
+        let without = scatter("Chart", ["x", "y"], &series, &spots, &[], None).unwrap();
+        assert!(!without.contains("front"));
         // Two points, two in the legend, a ring.
         assert_eq!(svg.matches("<circle ").count(), 5);
     }
