@@ -15,7 +15,7 @@ COLUMNS = (
 ).split(",")
 KEYS = (
     "status message peak_force_kN displacement_at_peak_mm displacement_at_80_percent_mm "
-    "final_displacement_mm initial_stiffness_kN_per_mm units elements nodes dofs contact_points "
+    "final_displacement_mm initial_stiffness_kN_per_mm units elements nodes dofs contact_points mirror_planes "
     "increments iterations cutbacks factorisations reused force_evaluations wall_s cpu_s "
     "seconds_by_phase peak_rss_MB energy_balance_error threads version warnings log dissipated_energy_J"
 ).split()
@@ -42,6 +42,8 @@ def test_the_summary_has_its_keys(couplet: Path) -> None:
     assert list(summary["seconds_by_phase"]) == PHASES
     assert summary["status"] == "completed" and summary["message"] == ""
     assert summary["units"] == 2 and summary["threads"] >= 1
+    # A quarter of it is solved.
+    assert len(summary["mirror_planes"]) == 2
     # Phases overlap nothing and miss only what is between them.
     assert 0 < sum(summary["seconds_by_phase"].values()) <= summary["wall_s"]
 

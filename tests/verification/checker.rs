@@ -181,7 +181,7 @@ fn absurd_sizes_are_refused_before_they_are_built() {
 fn memory_follows_the_thickness_that_is_laid() {
     let wall = |more: &str| {
         format!(
-            "format = 1\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
+            "format = 1\nfidelity = \"full\"\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
              tan_phi = 0.7\nnormal_stiffness = 100\nshear_stiffness = 40\n[wall]\nunit = [200, 100, 50]\n\
              bed_joint = 0\nhead_joint = 0\nlength = 4000\ncourses = 40\nunit_material = \"brick\"\n\
              interface = \"joint\"\nclamped = false\n{more}\n[[supports]]\non = \"wall.bottom\"\n\
@@ -206,6 +206,15 @@ fn memory_follows_the_thickness_that_is_laid() {
         let two = each(more);
         assert!(two > 1.3 * one && two < 2.2 * one, "{more}: {two}, {one}");
     }
+    // Half of the unknowns, of half as thick a wall.
+    let auto = Deck::from_str(
+        &wall("mesh = [4, 2, 2]").replace("full", "auto"),
+        "wall.toml",
+    )
+    .unwrap();
+    let half = check(&auto, &Model::from_deck(&auto).unwrap().0);
+    let each_of_half = 1e3 * half.memory_mb / half.sizes.dofs as f64;
+    assert!(each_of_half < 0.6 * one, "{each_of_half}, {one}");
     // Two planes, whatever `mesh` would be.
     let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
     assert_eq!(rigid[0], rigid[1]);

@@ -8,6 +8,8 @@ use std::path::Path;
 
 use common::Random;
 use common::scene::{self, Recording};
+use wythe::model::mirrored::mirror_planes;
+use wythe::model::scene::Fidelity;
 use wythe::model::{Deck, Model};
 use wythe::results::checkpoint::CheckpointFile;
 use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
@@ -185,6 +187,26 @@ fn a_wall_of_less_fidelity() {
         let rows = goes_on_as_if_nothing_had_happened(&model, fidelity, seed);
         assert!(rows.last().unwrap().max_interface_damage > 0.1);
     }
+}
+
+/// A run that began with the whole goes on with it.
+#[test]
+fn a_run_of_the_whole_stays_whole() {
+    let less = [
+        ("fidelity", "full"),
+        ("wall.mesh", "[4, 2, 2]"),
+        ("steps.1.displacement", "0.1 mm"),
+    ];
+    let mut model = deck("tests/stability/small_wall.toml", &less);
+    let mut whole = Keeper::default();
+    solve::run(&model, &mut whole).unwrap();
+    model.fidelity = Fidelity::Auto;
+    assert_eq!(mirror_planes(&model).len(), 1);
+    let middle = whole.checkpoints.len() / 2;
+    let mut rest = Keeper::default();
+    let summary = solve::resume(&model, whole.checkpoints[middle - 1].clone(), &mut rest).unwrap();
+    assert_eq!(summary.mirror_planes, []);
+    assert!(digits(&rest.recording.rows) == digits(&whole.recording.rows[middle..]));
 }
 
 #[test]

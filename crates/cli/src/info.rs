@@ -79,6 +79,9 @@ fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
         status(text, summary.as_ref(), folder.path())?;
         if let Some(summary) = &summary {
             sizes(text, summary)?;
+            if let Some(part) = summary.part_solved() {
+                writeln!(text, "  solved      {part}")?;
+            }
         }
         steps(text, &history)?;
         curve(text, &history)?;

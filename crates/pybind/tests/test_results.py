@@ -174,6 +174,7 @@ def test_half_of_a_wall_is_shown_whole(tmp_path: Path) -> None:
         shear.with_(fidelity=fidelity).run(tmp_path / fidelity) for fidelity in ("full", "auto")
     )
     assert any("one half of it is solved" in told for told in auto.log)
+    assert (full.summary["mirror_planes"], auto.summary["mirror_planes"]) == ([], ["y = 49 mm"])
     assert auto.summary["dofs"] < 0.6 * full.summary["dofs"]
     assert auto.summary["elements"] == full.summary["elements"]
     a, b = full.frame("last"), auto.frame("last")

@@ -3,13 +3,14 @@
 use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
-use super::mirrored::mirror_planes;
+use super::mirrored::{self, mirror_planes};
 use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::symmetry::{self, Plane};
 use super::{Model, rigid, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
@@ -24,7 +25,7 @@ pub struct CheckReport {
     pub notes: Vec<String>,
     /// Sizes of the model.
     pub sizes: Sizes,
-    /// Estimated peak memory [MB].
+    /// Estimated peak memory [MB], of a half where one half is solved.
     pub memory_mb: f64,
 }
 
@@ -64,7 +65,7 @@ pub fn check(deck: &Deck, model: &Model) -> CheckReport {
         warnings: model.warnings.clone(),
         notes: notes(deck, model),
         sizes,
-        memory_mb: memory_mb(deck, model, sizes),
+        memory_mb: memory_mb(deck, model),
     }
 }
 
@@ -108,7 +109,12 @@ pub fn sizes(model: &Model) -> Sizes {
 /// The factor of a wall that is w unknowns thick grows as that of a plane grid, by w log₂(n/w) bytes for
 /// each of n unknowns. Its constants are measured on walls of 12,000 to 1,430,000 unknowns, which are
 /// met within an eighth. Other bodies take 885 n^1.22 bytes, measured up to 84,000 unknowns.
-fn memory_mb(deck: &Deck, model: &Model, sizes: Sizes) -> f64 {
+fn memory_mb(deck: &Deck, model: &Model) -> f64 {
+    let solved = match model.fidelity {
+        Fidelity::Auto => mirrored::least(model),
+        _ => Cow::Borrowed(model),
+    };
+    let (model, sizes) = (solved.as_ref(), sizes(&solved));
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
     let contact = 24 * 24 * 8 + 2 * size_of::<wythe_contact::InterfaceHistory>();
     let bodies = model.mesh.elements.len() * element + sizes.contact_points * contact;
@@ -329,23 +335,18 @@ fn symmetry_note(deck: &Deck) -> Option<String> {
 /// What need not be computed: halves of a scene that is its own mirror image.
 fn fidelity_note(model: &Model) -> Option<String> {
     let planes = mirror_planes(model);
-    let part = match planes.len() {
-        0 => return None,
-        1 => "one half",
-        2 => "a quarter",
-        _ => "an eighth",
-    };
+    let part = mirrored::part(planes.len())?;
     let planes: Vec<String> = planes.iter().map(ToString::to_string).collect();
-    let mirrored = format!(
+    let image = format!(
         "the scene is its own mirror image in the plane {}",
         planes.join(" and ")
     );
     Some(match model.fidelity {
         Fidelity::Auto => {
-            format!("fidelity: {mirrored}: {part} of it is solved, and the whole is shown")
+            format!("fidelity: {image}: {part} of it is solved, and the whole is shown")
         }
         _ => format!(
-            "fidelity: {mirrored}: with fidelity = \"auto\" {part} of it is solved, and the whole is shown"
+            "fidelity: {image}: with fidelity = \"auto\" {part} of it is solved, and the whole is shown"
         ),
     })
 }

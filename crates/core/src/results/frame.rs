@@ -3,6 +3,7 @@
 use nalgebra::Vector6;
 use wythe_contact::{InterfaceHistory, InterfaceLaw};
 
+use crate::model::mirrored::MirrorPlane;
 use crate::model::{Model, symmetry};
 use crate::solve::{Checkpoint, Method, State};
 use crate::sym6;
@@ -202,7 +203,7 @@ pub struct Sizes {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Unknowns.
+    /// Unknowns; of a run those that were solved.
     pub dofs: usize,
     /// Contact points.
     pub contact_points: usize,
@@ -229,6 +230,9 @@ pub struct Summary {
     pub message: String,
     /// Sizes of the model.
     pub sizes: Sizes,
+    /// Planes that the model is mirrored by, if one half of it was solved; two of a quarter.
+    #[serde(skip)]
+    pub mirror_planes: Vec<MirrorPlane>,
     /// Converged increments.
     pub increments: usize,
     /// Linear solves.
@@ -258,6 +262,7 @@ impl Summary {
             status: Status::Completed,
             message: String::new(),
             sizes,
+            mirror_planes: Vec::new(),
             increments: 0,
             iterations: 0,
             cutbacks: 0,

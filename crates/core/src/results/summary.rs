@@ -5,6 +5,8 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
+use crate::model::mirrored::part;
+
 use super::{Curve, HistoryRow, Status, Summary};
 
 /// The content of `summary.json`. Field names are its keys.
@@ -31,10 +33,13 @@ pub struct SummaryFile {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Unknowns.
+    /// Unknowns that were solved.
     pub dofs: usize,
     /// Contact points.
     pub contact_points: usize,
+    /// Planes that the scene is mirrored by, if one half of it was solved; two of a quarter.
+    #[serde(default)]
+    pub mirror_planes: Vec<String>,
     /// Converged increments.
     pub increments: usize,
     /// Linear solves.
@@ -226,6 +231,7 @@ impl SummaryFile {
             nodes: run.sizes.nodes,
             dofs: run.sizes.dofs,
             contact_points: run.sizes.contact_points,
+            mirror_planes: run.mirror_planes.iter().map(ToString::to_string).collect(),
             increments: run.increments,
             iterations: run.iterations,
             cutbacks: run.cutbacks,
@@ -246,6 +252,13 @@ impl SummaryFile {
             displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
             probes: measured.probes.clone(),
         }
+    }
+
+    /// What part of the scene was solved, in words; none if all of it.
+    pub fn part_solved(&self) -> Option<String> {
+        let part = part(self.mirror_planes.len())?;
+        let planes = self.mirror_planes.join(" and ");
+        Some(format!("{part} of it, mirrored by {planes}"))
     }
 
     /// Writes the file whole or not at all.
@@ -340,6 +353,7 @@ mod tests {
             "nodes",
             "dofs",
             "contact_points",
+            "mirror_planes",
             "increments",
             "iterations",
             "cutbacks",

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::Course;
 use super::drive::{Run, RunError, steered};
-use super::fidelity::{Instead, Reached};
+use super::fidelity::{Instead, Numbers, Reached};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
 use super::ladder::Ladder;
@@ -33,7 +33,7 @@ use super::state::State;
 use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::Step;
+use crate::model::scene::{Fidelity, Step};
 use crate::results::{Recorder, Summary};
 use crate::system::Trial;
 
@@ -99,16 +99,30 @@ pub fn resume(
     checkpoint: Checkpoint,
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
-    if let Some(instead) = Instead::of(model) {
+    resume_as(model, &Numbers::default(), checkpoint, recorder)
+}
+
+/// Goes on with a model whose nodes and elements have these numbers where they are told of.
+fn resume_as(
+    model: &Model,
+    numbers: &Numbers,
+    checkpoint: Checkpoint,
+    recorder: &mut dyn Recorder,
+) -> Result<Summary, RunError> {
+    if let Some(instead) = checkpoint.instead_of(model) {
         let reached = checkpoint.reached;
-        return instead.show(model, recorder, reached, |model, recorder| {
-            resume(model, checkpoint, recorder)
-        });
+        return instead.show(
+            model,
+            numbers,
+            recorder,
+            reached,
+            |model, numbers, recorder| resume_as(model, numbers, checkpoint, recorder),
+        );
     }
     checkpoint.check(model)?;
     // On a thread of the pool, as a run from the start.
     rayon::scope(|_| {
-        let (run, course) = Run::rejoin(model, checkpoint)?;
+        let (run, course) = Run::rejoin(model, numbers, checkpoint)?;
         run.finish(Some(course), recorder)
     })
 }
@@ -136,12 +150,18 @@ impl Checkpoint {
         course.index + 1 == model.steps.len() && (stopped || course.schedule.next().is_none())
     }
 
+    /// What was solved instead of `model`: no half of it, if the run began with the whole.
+    fn instead_of(&self, model: &Model) -> Option<Instead> {
+        let whole = model.fidelity == Fidelity::Auto && self.model.is_but_for_steps(model);
+        if whole { None } else { Instead::of(model) }
+    }
+
     /// Whether `model` can go on from here.
     ///
     /// # Errors
     /// [`CheckpointError`], with what differs.
     pub fn check(&self, model: &Model) -> Result<(), CheckpointError> {
-        if let Some(instead) = Instead::of(model) {
+        if let Some(instead) = self.instead_of(model) {
             return self.check(instead.model());
         }
         match self.model.difference(&Fingerprint::of(model)) {
@@ -153,7 +173,7 @@ impl Checkpoint {
     /// The last step of `model` is what it was and goes on beyond its end: what was the whole of it is
     /// now `part` of it. Everything counted in parts of the step is counted anew.
     pub fn lengthen(&mut self, model: &Model, part: f64) {
-        if let Some(instead) = Instead::of(model) {
+        if let Some(instead) = self.instead_of(model) {
             return self.lengthen(instead.model(), part);
         }
         if let Some(last) = model.steps.last() {
@@ -217,8 +237,12 @@ impl<'m> Run<'m> {
     }
 
     /// The run and its step as they were when the checkpoint was taken.
-    fn rejoin(model: &'m Model, checkpoint: Checkpoint) -> Result<(Self, Course<'m>), RunError> {
-        let mut run = Self::new(model)?;
+    fn rejoin(
+        model: &'m Model,
+        numbers: &Numbers,
+        checkpoint: Checkpoint,
+    ) -> Result<(Self, Course<'m>), RunError> {
+        let mut run = Self::new(model, numbers)?;
         let Checkpoint {
             state,
             searched_at,

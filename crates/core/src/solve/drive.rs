@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::explain;
-use super::fidelity::{Instead, Reached};
+use super::fidelity::{Instead, Numbers, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{growth, resolving};
 use super::ladder::{Answer, Ladder, QUIET};
@@ -54,17 +54,27 @@ pub(super) const CUT: f64 = 0.4;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    run_as(model, &Numbers::default(), recorder)
+}
+
+/// Runs a model whose nodes and elements have these numbers where they are told of.
+fn run_as(
+    model: &Model,
+    numbers: &Numbers,
+    recorder: &mut dyn Recorder,
+) -> Result<Summary, RunError> {
     if let Some(instead) = Instead::of(model) {
-        return instead.show(model, recorder, Reached::default(), run);
+        return instead.show(model, numbers, recorder, Reached::default(), run_as);
     }
     // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
     // iteration would put this thread to sleep and wake it again.
-    rayon::scope(|_| Run::new(model)?.finish(None, recorder))
+    rayon::scope(|_| Run::new(model, numbers)?.finish(None, recorder))
 }
 
 /// A run in progress.
 pub(super) struct Run<'m> {
     pub(super) model: &'m Model,
+    numbers: Numbers,
     pub(super) system: System,
     pub(super) state: State,
     pub(super) trial: Trial,
@@ -78,8 +88,9 @@ pub(super) struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    pub(super) fn new(model: &'m Model) -> Result<Self, RunError> {
-        let mut system = System::new(model)?;
+    pub(super) fn new(model: &'m Model, numbers: &Numbers) -> Result<Self, RunError> {
+        let numbered = |why: BulkError| why.with_number(|e| numbers.element(e));
+        let mut system = System::new(model).map_err(numbered)?;
         let state = system.initial_state(model);
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
         let sizes = Sizes {
@@ -94,6 +105,7 @@ impl<'m> Run<'m> {
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
             model,
+            numbers: numbers.clone(),
             system,
             state,
             trial,
@@ -392,7 +404,7 @@ impl<'m> Run<'m> {
                 let why = format!(
                     "{}: {}",
                     leg.method.name(),
-                    explain::why(self.model, course.step, refusal)
+                    explain::why(self.model, &self.numbers, course.step, refusal)
                 );
                 loop {
                     course.ladder.climb(refusal, course.sense() * course.load);
@@ -435,7 +447,7 @@ impl<'m> Run<'m> {
                     Some(_) => course.schedule.done(),
                 };
                 self.summary.message =
-                    explain::explain(self.model, course.index, leg, done, refusal);
+                    explain::explain(self.model, &self.numbers, course.index, leg, done, refusal);
                 false
             }
         }
@@ -512,7 +524,8 @@ impl<'m> Run<'m> {
             let beam = (slot - system.dofs.beam_start) / 3;
             format!("the beam {}", model.beams[beam].name)
         } else {
-            format!("node {}", system.dofs.node_of(slot).0)
+            let node = self.numbers.node(system.dofs.node_of(slot).0);
+            format!("node {node}")
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::balance::{IMBALANCE, WORK};
 use super::course::Leg;
+use super::fidelity::Numbers;
 use super::outcome::Refusal;
 use crate::material::MaterialParameters;
 use crate::model::Model;
@@ -10,6 +11,7 @@ use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
 /// Why the run ends in `step`, whose increment was cut as far as the deck allows.
 pub(super) fn explain(
     model: &Model,
+    numbers: &Numbers,
     step: usize,
     leg: Leg,
     load: f64,
@@ -22,13 +24,13 @@ pub(super) fn explain(
         100.0 * load,
         leg.increment.size,
         leg.method.name(),
-        why(model, of, refusal),
+        why(model, numbers, of, refusal),
         advice(model, step, refusal)
     )
 }
 
 /// What refused an increment, where, and how large it was.
-pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
+pub(super) fn why(model: &Model, numbers: &Numbers, step: &Step, refusal: &Refusal) -> String {
     match refusal {
         Refusal::Iterations {
             residual,
@@ -41,13 +43,14 @@ pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
              ({IMBALANCE:e}), their work {work:.2e} of that of the increment ({WORK:e}), worst at {}",
             step.tolerance.max_iterations,
             step.tolerance.residual,
-            place(model, *node)
+            place(model, numbers, *node)
         ),
         Refusal::Local { element, why } => {
             let [unit, course] = [
                 model.mesh.unit[*element],
                 model.mesh.course[*element].into(),
             ];
+            let element = numbers.element(*element);
             format!("element {element} of unit {unit} in course {course}: {why}")
         }
         Refusal::Linear {
@@ -55,7 +58,7 @@ pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
             dof: Some((node, direction)),
         } => format!(
             "{why}: {} is free to move in {}",
-            place(model, *node),
+            place(model, numbers, *node),
             ["x", "y", "z"][*direction]
         ),
         Refusal::Linear { why, dof: None } => why.to_string(),
@@ -69,7 +72,7 @@ pub(super) fn why(model: &Model, step: &Step, refusal: &Refusal) -> String {
 }
 
 /// A node by its number, body and place, and whether it lies on an interface.
-fn place(model: &Model, node: usize) -> String {
+fn place(model: &Model, numbers: &Numbers, node: usize) -> String {
     let mesh = &model.mesh;
     let [x, y, z] = mesh.nodes[node];
     let has = |nodes: &[u32]| nodes.contains(&(node as u32));
@@ -84,6 +87,7 @@ fn place(model: &Model, node: usize) -> String {
     } else {
         ""
     };
+    let node = numbers.node(node);
     format!("node {node}{body} at ({x:.1}, {y:.1}, {z:.1}) mm{on}")
 }
 

@@ -31,6 +31,18 @@ const PARTS: [&str; 8] = [
 impl Fingerprint {
     /// Of a model.
     pub fn of(model: &Model) -> Self {
+        Self {
+            parts: Self::of_parts(model),
+            steps: model.steps.iter().map(Self::of_step).collect(),
+        }
+    }
+
+    /// Whether a model is the one of these numbers, whatever its steps are.
+    pub fn is_but_for_steps(&self, model: &Model) -> bool {
+        self.parts == Self::of_parts(model)
+    }
+
+    fn of_parts(model: &Model) -> Vec<u64> {
         let parts: [&dyn fmt::Debug; PARTS.len()] = [
             &model.mesh,
             &(model.formulation, &model.materials),
@@ -41,10 +53,7 @@ impl Fingerprint {
             &model.probes,
             &model.loads,
         ];
-        Self {
-            parts: parts.into_iter().map(digest).collect(),
-            steps: model.steps.iter().map(Self::of_step).collect(),
-        }
+        parts.into_iter().map(digest).collect()
     }
 
     /// Where a step ends early decides none of the numbers before.

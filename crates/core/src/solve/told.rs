@@ -3,7 +3,7 @@
 use super::drive::Run;
 use super::probes::probes;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Step};
+use crate::model::scene::{BeamMotion, HeldBy, Step};
 use crate::system::dofs::HELD;
 
 /// Whether a step drives a face or the end of a spring.
@@ -99,7 +99,10 @@ impl Run<'_> {
         } else {
             load.direction
         };
-        let weights = force_of(one, &model.mesh.nodes);
+        let mut weights = force_of(one, &model.mesh.nodes);
+        if around {
+            self.level(&mut weights);
+        }
         // A pressure all around has no direction: its area stands for it.
         let size = |f: &[f64; 3]| f.iter().map(|f| f * f).sum::<f64>().sqrt();
         let whole = if around {
@@ -135,6 +138,17 @@ impl Run<'_> {
             weights.iter().zip(slots).map(work).sum::<f64>() / whole
         };
         Some([displacement, force])
+    }
+
+    /// Takes off what the other half takes back of forces at nodes in a plane of symmetry.
+    fn level(&self, forces: &mut [[f64; 3]]) {
+        for support in &self.model.supports {
+            if let HeldBy::Plane { axis, .. } = support.by {
+                for n in &support.nodes {
+                    forces[*n as usize][axis] = 0.0;
+                }
+            }
+        }
     }
 
     /// Columns of the last commit beside those of every history: probes, then each load's value and its

@@ -54,6 +54,15 @@ pub enum BulkError {
     },
 }
 
+impl BulkError {
+    /// The same of an element that is called otherwise where it is told of.
+    pub(crate) fn with_number(mut self, number: impl Fn(usize) -> usize) -> Self {
+        let (Self::Shape { element, .. } | Self::Table { element, .. }) = &mut self;
+        *element = number(*element);
+        self
+    }
+}
+
 /// Elements, their shapes and their laws. Equal elements share both.
 #[derive(Clone, Debug)]
 pub struct Bulk {

@@ -11,6 +11,7 @@ pub(crate) use images::Images;
 
 use super::Model;
 use super::deck::Axis;
+use std::borrow::Cow;
 use std::fmt;
 
 /// A plane by which a model is mirrored.
@@ -28,6 +29,16 @@ impl fmt::Display for MirrorPlane {
     }
 }
 
+/// What is left of a model that so many planes cut in two, in words; none if it is whole.
+pub(crate) fn part(planes: usize) -> Option<&'static str> {
+    match planes {
+        0 => None,
+        1 => Some("one half"),
+        2 => Some("a quarter"),
+        _ => Some("an eighth"),
+    }
+}
+
 /// The first plane by which a model, its supports, loads and all that it tells of are mirrored, and the half below it.
 pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
     // Walls are mirrored through their thickness more often than along their length.
@@ -36,6 +47,15 @@ pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
         let half = cut::half(model, &images)?;
         Some((images, half))
     })
+}
+
+/// What `fidelity = "auto"` solves of a model: the half that is left when no other can be taken, or all of it.
+pub(crate) fn least(model: &Model) -> Cow<'_, Model> {
+    let mut least = Cow::Borrowed(model);
+    while let Some((_, half)) = halved(&least) {
+        least = Cow::Owned(half.model);
+    }
+    least
 }
 
 /// Planes by which a model is its own mirror image, in the order in which halves are taken of it.

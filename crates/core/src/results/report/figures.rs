@@ -127,11 +127,13 @@ fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {
             value: s.dofs.to_string(),
             unit: "",
             note: format!(
-                "{} elements, {} unit{}, {} contact points",
+                "{} elements, {} unit{}, {} contact points{}",
                 s.elements,
                 s.units,
                 plural(s.units),
-                s.contact_points
+                s.contact_points,
+                s.part_solved()
+                    .map_or_else(String::new, |part| format!("; solved is {part}"))
             ),
         });
     }

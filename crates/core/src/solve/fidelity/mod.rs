@@ -9,14 +9,17 @@
 //! their yield surface is told at the end.
 
 mod elastic;
+mod numbers;
 mod unfold;
 
 use crate::model::Model;
+use crate::model::check::sizes;
 use crate::model::mirrored::{MirrorPlane, halved};
 use crate::model::scene::Fidelity;
-use crate::results::{Recorder, Summary};
+use crate::results::{Recorder, Sizes, Summary};
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
+pub(super) use numbers::Numbers;
 use unfold::{Places, Unfold};
 
 /// What is solved instead of a model.
@@ -27,6 +30,7 @@ pub(super) enum Instead {
         model: Box<Model>,
         plane: MirrorPlane,
         places: Places,
+        numbers: Numbers,
     },
     /// The same with elastic solids.
     Elastic(Box<Elastic>),
@@ -41,11 +45,13 @@ impl Instead {
             Fidelity::Auto => {
                 let (images, half) = halved(model)?;
                 let places = Places::of(model, &images, &half)?;
+                let numbers = Numbers::of(&half);
                 let (axis, at) = (images.axis, images.at);
                 Some(Self::Half {
                     model: Box::new(half.model),
                     plane: MirrorPlane { axis, at },
                     places,
+                    numbers,
                 })
             }
         }
@@ -59,20 +65,22 @@ impl Instead {
         }
     }
 
-    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`. `reached` is
-    /// what elastic solids did before.
+    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`, whose own
+    /// numbers are `told`. `reached` is what elastic solids did before.
     pub fn show<E>(
         &self,
         whole: &Model,
+        told: &Numbers,
         recorder: &mut dyn Recorder,
         reached: Reached,
-        go: impl FnOnce(&Model, &mut dyn Recorder) -> Result<Summary, E>,
+        go: impl FnOnce(&Model, &Numbers, &mut dyn Recorder) -> Result<Summary, E>,
     ) -> Result<Summary, E> {
         match self {
             Self::Half {
                 model,
                 plane,
                 places,
+                numbers,
             } => {
                 let text = format!(
                     "the scene is its own mirror image in the plane {plane}: one half of it is solved"
@@ -83,11 +91,13 @@ impl Instead {
                     places,
                     recorder,
                 };
-                let mut summary = go(model, &mut unfold)?;
+                let mut summary = go(model, &numbers.of_whole(told), &mut unfold)?;
                 summary.log.insert(0, text);
-                let (sizes, mesh) = (&mut summary.sizes, &whole.mesh);
-                (sizes.elements, sizes.nodes) = (mesh.elements.len(), mesh.nodes.len());
-                sizes.contact_points = 4 * whole.contact.slave_facets.len();
+                summary.mirror_planes.insert(0, *plane);
+                summary.sizes = Sizes {
+                    dofs: summary.sizes.dofs,
+                    ..sizes(whole)
+                };
                 Ok(summary)
             }
             Self::Elastic(elastic) => {
@@ -96,13 +106,13 @@ impl Instead {
                     recorder,
                     reached,
                 };
-                let mut summary = go(&elastic.model, &mut watch)?;
-                let told = watch.told();
-                watch.recorder.note(&told);
+                let mut summary = go(&elastic.model, told, &mut watch)?;
+                let found = watch.told();
+                watch.recorder.note(&found);
                 if watch.reached.part > 1.0 {
-                    summary.warnings.push(told);
+                    summary.warnings.push(found);
                 } else {
-                    summary.log.push(told);
+                    summary.log.push(found);
                 }
                 Ok(summary)
             }
