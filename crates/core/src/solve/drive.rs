@@ -64,6 +64,9 @@ fn run_as(
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
     if let Some(instead) = Instead::of(model) {
+        if let Some(told) = instead.told() {
+            recorder.note(&told);
+        }
         return instead.show(model, numbers, recorder, Reached::default(), run_as);
     }
     // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an

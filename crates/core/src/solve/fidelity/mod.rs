@@ -65,6 +65,14 @@ impl Instead {
         }
     }
 
+    /// What a run says of it before it begins.
+    pub fn told(&self) -> Option<String> {
+        match self {
+            Self::Half { plane, .. } => Some(halved_by(*plane)),
+            Self::Elastic(_) => None,
+        }
+    }
+
     /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`, whose own
     /// numbers are `told`. `reached` is what elastic solids did before.
     pub fn show<E>(
@@ -82,17 +90,13 @@ impl Instead {
                 places,
                 numbers,
             } => {
-                let text = format!(
-                    "the scene is its own mirror image in the plane {plane}: one half of it is solved"
-                );
-                recorder.note(&text);
                 let mut unfold = Unfold {
                     whole,
                     places,
                     recorder,
                 };
                 let mut summary = go(model, &numbers.of_whole(told), &mut unfold)?;
-                summary.log.insert(0, text);
+                summary.log.insert(0, halved_by(*plane));
                 summary.mirror_planes.insert(0, *plane);
                 summary.sizes = Sizes {
                     dofs: summary.sizes.dofs,
@@ -118,4 +122,8 @@ impl Instead {
             }
         }
     }
+}
+
+fn halved_by(plane: MirrorPlane) -> String {
+    format!("the scene is its own mirror image in the plane {plane}: one half of it is solved")
 }
