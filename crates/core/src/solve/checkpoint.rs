@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::Course;
 use super::drive::{Run, RunError, steered};
-use super::fidelity::{Instead, Numbers, Reached};
+use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
 use super::ladder::Ladder;
@@ -99,30 +99,26 @@ pub fn resume(
     checkpoint: Checkpoint,
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
-    resume_as(model, &Numbers::default(), checkpoint, recorder)
+    resume_part(model, &Part::default(), checkpoint, recorder)
 }
 
-/// Goes on with a model whose nodes and elements have these numbers where they are told of.
-fn resume_as(
+/// Goes on with a model that is this part of what is shown.
+fn resume_part(
     model: &Model,
-    numbers: &Numbers,
+    part: &Part,
     checkpoint: Checkpoint,
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
     if let Some(instead) = checkpoint.instead_of(model) {
         let reached = checkpoint.reached;
-        return instead.show(
-            model,
-            numbers,
-            recorder,
-            reached,
-            |model, numbers, recorder| resume_as(model, numbers, checkpoint, recorder),
-        );
+        return instead.show(model, part, recorder, reached, |model, part, recorder| {
+            resume_part(model, part, checkpoint, recorder)
+        });
     }
     checkpoint.check(model)?;
     // On a thread of the pool, as a run from the start.
     rayon::scope(|_| {
-        let (run, course) = Run::rejoin(model, numbers, checkpoint)?;
+        let (run, course) = Run::rejoin(model, part, checkpoint)?;
         run.finish(Some(course), recorder)
     })
 }
@@ -239,10 +235,10 @@ impl<'m> Run<'m> {
     /// The run and its step as they were when the checkpoint was taken.
     fn rejoin(
         model: &'m Model,
-        numbers: &Numbers,
+        part: &Part,
         checkpoint: Checkpoint,
     ) -> Result<(Self, Course<'m>), RunError> {
-        let mut run = Self::new(model, numbers)?;
+        let mut run = Self::new(model, part)?;
         let Checkpoint {
             state,
             searched_at,
@@ -302,6 +298,7 @@ impl<'m> Run<'m> {
         course.stopped = stopped;
         run.summary = Summary {
             threads: run.summary.threads,
+            mirror_planes: run.summary.mirror_planes,
             ..checkpoint.summary
         };
         run.clock = checkpoint.clock;

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::explain;
-use super::fidelity::{Instead, Numbers, Reached};
+use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{growth, resolving};
 use super::ladder::{Answer, Ladder, QUIET};
@@ -54,30 +54,26 @@ pub(super) const CUT: f64 = 0.4;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
-    run_as(model, &Numbers::default(), recorder)
+    run_part(model, &Part::default(), recorder)
 }
 
-/// Runs a model whose nodes and elements have these numbers where they are told of.
-fn run_as(
-    model: &Model,
-    numbers: &Numbers,
-    recorder: &mut dyn Recorder,
-) -> Result<Summary, RunError> {
+/// Runs a model that is this part of what is shown.
+fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
     if let Some(instead) = Instead::of(model) {
-        if let Some(told) = instead.told() {
-            recorder.note(&told);
-        }
-        return instead.show(model, numbers, recorder, Reached::default(), run_as);
+        return instead.show(model, part, recorder, Reached::default(), run_part);
+    }
+    if let Some(told) = part.told() {
+        recorder.note(&told);
     }
     // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
     // iteration would put this thread to sleep and wake it again.
-    rayon::scope(|_| Run::new(model, numbers)?.finish(None, recorder))
+    rayon::scope(|_| Run::new(model, part)?.finish(None, recorder))
 }
 
 /// A run in progress.
 pub(super) struct Run<'m> {
     pub(super) model: &'m Model,
-    numbers: Numbers,
+    part: Part,
     pub(super) system: System,
     pub(super) state: State,
     pub(super) trial: Trial,
@@ -91,8 +87,8 @@ pub(super) struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    pub(super) fn new(model: &'m Model, numbers: &Numbers) -> Result<Self, RunError> {
-        let numbered = |why: BulkError| why.with_number(|e| numbers.element(e));
+    pub(super) fn new(model: &'m Model, part: &Part) -> Result<Self, RunError> {
+        let numbered = |why: BulkError| why.with_number(|e| part.element(e));
         let mut system = System::new(model).map_err(numbered)?;
         let state = system.initial_state(model);
         let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
@@ -104,11 +100,13 @@ impl<'m> Run<'m> {
             contact_points: system.contact.points.len(),
         };
         // Warnings of the model were told when it was built.
-        let summary = Summary::begun(sizes, rayon::current_num_threads());
+        let mut summary = Summary::begun(sizes, rayon::current_num_threads());
+        summary.mirror_planes.clone_from(&part.planes);
+        summary.log.extend(part.told());
         let (clock, trial) = (Clock::default(), Trial::default());
         Ok(Self {
             model,
-            numbers: numbers.clone(),
+            part: part.clone(),
             system,
             state,
             trial,
@@ -407,7 +405,7 @@ impl<'m> Run<'m> {
                 let why = format!(
                     "{}: {}",
                     leg.method.name(),
-                    explain::why(self.model, &self.numbers, course.step, refusal)
+                    explain::why(self.model, &self.part, course.step, refusal)
                 );
                 loop {
                     course.ladder.climb(refusal, course.sense() * course.load);
@@ -450,7 +448,7 @@ impl<'m> Run<'m> {
                     Some(_) => course.schedule.done(),
                 };
                 self.summary.message =
-                    explain::explain(self.model, &self.numbers, course.index, leg, done, refusal);
+                    explain::explain(self.model, &self.part, course.index, leg, done, refusal);
                 false
             }
         }
@@ -527,7 +525,7 @@ impl<'m> Run<'m> {
             let beam = (slot - system.dofs.beam_start) / 3;
             format!("the beam {}", model.beams[beam].name)
         } else {
-            let node = self.numbers.node(system.dofs.node_of(slot).0);
+            let node = self.part.node(system.dofs.node_of(slot).0);
             format!("node {node}")
         })
     }

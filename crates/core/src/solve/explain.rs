@@ -2,7 +2,7 @@
 
 use super::balance::{IMBALANCE, WORK};
 use super::course::Leg;
-use super::fidelity::Numbers;
+use super::fidelity::Part;
 use super::outcome::Refusal;
 use crate::material::MaterialParameters;
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
 /// Why the run ends in `step`, whose increment was cut as far as the deck allows.
 pub(super) fn explain(
     model: &Model,
-    numbers: &Numbers,
+    part: &Part,
     step: usize,
     leg: Leg,
     load: f64,
@@ -24,13 +24,13 @@ pub(super) fn explain(
         100.0 * load,
         leg.increment.size,
         leg.method.name(),
-        why(model, numbers, of, refusal),
+        why(model, part, of, refusal),
         advice(model, step, refusal)
     )
 }
 
 /// What refused an increment, where, and how large it was.
-pub(super) fn why(model: &Model, numbers: &Numbers, step: &Step, refusal: &Refusal) -> String {
+pub(super) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) -> String {
     match refusal {
         Refusal::Iterations {
             residual,
@@ -43,14 +43,14 @@ pub(super) fn why(model: &Model, numbers: &Numbers, step: &Step, refusal: &Refus
              ({IMBALANCE:e}), their work {work:.2e} of that of the increment ({WORK:e}), worst at {}",
             step.tolerance.max_iterations,
             step.tolerance.residual,
-            place(model, numbers, *node)
+            place(model, part, *node)
         ),
         Refusal::Local { element, why } => {
             let [unit, course] = [
                 model.mesh.unit[*element],
                 model.mesh.course[*element].into(),
             ];
-            let element = numbers.element(*element);
+            let element = part.element(*element);
             format!("element {element} of unit {unit} in course {course}: {why}")
         }
         Refusal::Linear {
@@ -58,7 +58,7 @@ pub(super) fn why(model: &Model, numbers: &Numbers, step: &Step, refusal: &Refus
             dof: Some((node, direction)),
         } => format!(
             "{why}: {} is free to move in {}",
-            place(model, numbers, *node),
+            place(model, part, *node),
             ["x", "y", "z"][*direction]
         ),
         Refusal::Linear { why, dof: None } => why.to_string(),
@@ -72,7 +72,7 @@ pub(super) fn why(model: &Model, numbers: &Numbers, step: &Step, refusal: &Refus
 }
 
 /// A node by its number, body and place, and whether it lies on an interface.
-fn place(model: &Model, numbers: &Numbers, node: usize) -> String {
+fn place(model: &Model, part: &Part, node: usize) -> String {
     let mesh = &model.mesh;
     let [x, y, z] = mesh.nodes[node];
     let has = |nodes: &[u32]| nodes.contains(&(node as u32));
@@ -87,7 +87,7 @@ fn place(model: &Model, numbers: &Numbers, node: usize) -> String {
     } else {
         ""
     };
-    let node = numbers.node(node);
+    let node = part.node(node);
     format!("node {node}{body} at ({x:.1}, {y:.1}, {z:.1}) mm{on}")
 }
 

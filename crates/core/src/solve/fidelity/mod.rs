@@ -9,7 +9,7 @@
 //! their yield surface is told at the end.
 
 mod elastic;
-mod numbers;
+mod part;
 mod unfold;
 
 use crate::model::Model;
@@ -19,7 +19,7 @@ use crate::model::scene::Fidelity;
 use crate::results::{Recorder, Sizes, Summary};
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
-pub(super) use numbers::Numbers;
+pub(super) use part::Part;
 use unfold::{Places, Unfold};
 
 /// What is solved instead of a model.
@@ -28,9 +28,8 @@ pub(super) enum Instead {
     /// One half of it.
     Half {
         model: Box<Model>,
-        plane: MirrorPlane,
+        part: Part,
         places: Places,
-        numbers: Numbers,
     },
     /// The same with elastic solids.
     Elastic(Box<Elastic>),
@@ -45,13 +44,12 @@ impl Instead {
             Fidelity::Auto => {
                 let (images, half) = halved(model)?;
                 let places = Places::of(model, &images, &half)?;
-                let numbers = Numbers::of(&half);
                 let (axis, at) = (images.axis, images.at);
+                let part = Part::of(&half, MirrorPlane { axis, at });
                 Some(Self::Half {
                     model: Box::new(half.model),
-                    plane: MirrorPlane { axis, at },
+                    part,
                     places,
-                    numbers,
                 })
             }
         }
@@ -65,39 +63,28 @@ impl Instead {
         }
     }
 
-    /// What a run says of it before it begins.
-    pub fn told(&self) -> Option<String> {
-        match self {
-            Self::Half { plane, .. } => Some(halved_by(*plane)),
-            Self::Elastic(_) => None,
-        }
-    }
-
-    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`, whose own
-    /// numbers are `told`. `reached` is what elastic solids did before.
+    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`, itself that
+    /// part of what is shown in the end. `reached` is what elastic solids did before.
     pub fn show<E>(
         &self,
         whole: &Model,
-        told: &Numbers,
+        part_of: &Part,
         recorder: &mut dyn Recorder,
         reached: Reached,
-        go: impl FnOnce(&Model, &Numbers, &mut dyn Recorder) -> Result<Summary, E>,
+        go: impl FnOnce(&Model, &Part, &mut dyn Recorder) -> Result<Summary, E>,
     ) -> Result<Summary, E> {
         match self {
             Self::Half {
                 model,
-                plane,
+                part,
                 places,
-                numbers,
             } => {
                 let mut unfold = Unfold {
                     whole,
                     places,
                     recorder,
                 };
-                let mut summary = go(model, &numbers.of_whole(told), &mut unfold)?;
-                summary.log.insert(0, halved_by(*plane));
-                summary.mirror_planes.insert(0, *plane);
+                let mut summary = go(model, &part.within(part_of), &mut unfold)?;
                 summary.sizes = Sizes {
                     dofs: summary.sizes.dofs,
                     ..sizes(whole)
@@ -110,20 +97,16 @@ impl Instead {
                     recorder,
                     reached,
                 };
-                let mut summary = go(&elastic.model, told, &mut watch)?;
-                let found = watch.told();
-                watch.recorder.note(&found);
+                let mut summary = go(&elastic.model, part_of, &mut watch)?;
+                let told = watch.told();
+                watch.recorder.note(&told);
                 if watch.reached.part > 1.0 {
-                    summary.warnings.push(found);
+                    summary.warnings.push(told);
                 } else {
-                    summary.log.push(found);
+                    summary.log.push(told);
                 }
                 Ok(summary)
             }
         }
     }
-}
-
-fn halved_by(plane: MirrorPlane) -> String {
-    format!("the scene is its own mirror image in the plane {plane}: one half of it is solved")
 }

@@ -1,0 +1,64 @@
+//! Which part of the model that is shown is solved, and what its nodes and elements are called there.
+
+use crate::model::mirrored::{Half, MirrorPlane, part};
+
+/// Of the model that is solved in the one that is shown; by default all of it.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solve) struct Part {
+    /// Planes that it is held in, in the order in which halves were taken.
+    pub planes: Vec<MirrorPlane>,
+    /// Numbers in what is shown; none if they are its own.
+    node: Option<Vec<u32>>,
+    element: Option<Vec<u32>>,
+}
+
+impl Part {
+    /// A half in its whole.
+    pub fn of(half: &Half, plane: MirrorPlane) -> Self {
+        Self {
+            planes: vec![plane],
+            node: Some(kept(&half.node)),
+            element: Some(kept(&half.element)),
+        }
+    }
+
+    /// A half whose whole is itself this part of what is shown.
+    pub fn within(&self, whole: &Self) -> Self {
+        let of = |own: &Option<Vec<u32>>, name: &dyn Fn(usize) -> usize| {
+            let own = own.as_ref()?.iter();
+            Some(own.map(|n| name(*n as usize) as u32).collect())
+        };
+        Self {
+            planes: [&whole.planes[..], &self.planes].concat(),
+            node: of(&self.node, &|n| whole.node(n)),
+            element: of(&self.element, &|e| whole.element(e)),
+        }
+    }
+
+    /// What a node is called.
+    pub fn node(&self, n: usize) -> usize {
+        self.node.as_ref().map_or(n, |node| node[n] as usize)
+    }
+
+    /// What an element is called.
+    pub fn element(&self, e: usize) -> usize {
+        let element = self.element.as_ref();
+        element.map_or(e, |element| element[e] as usize)
+    }
+
+    /// What a run says of it; nothing of the whole.
+    pub fn told(&self) -> Option<String> {
+        let part = part(self.planes.len())?;
+        let planes: Vec<String> = self.planes.iter().map(ToString::to_string).collect();
+        Some(format!(
+            "the scene is its own mirror image in the plane {}: {part} of it is solved",
+            planes.join(" and ")
+        ))
+    }
+}
+
+/// What is kept, in order.
+fn kept(number: &[Option<u32>]) -> Vec<u32> {
+    let all = number.iter().enumerate();
+    all.filter_map(|(i, own)| own.map(|_| i as u32)).collect()
+}
