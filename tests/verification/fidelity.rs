@@ -401,8 +401,9 @@ proptest! {
 
     /// Whatever it is made of and however it is pressed and pushed: force and energies of a wall that cracks and
     /// slides are those of the whole within the half per cent that `auto` promises. Its path hangs on what the tolerance
-    /// leaves of every increment: where the whole moves by more than a quarter of a per cent at a quarter of its
-    /// tolerance, the half may be as far off again, to the other side.
+    /// leaves of every increment: where either of them moves by more than a quarter of a per cent at a quarter of its
+    /// tolerance, they may be as far apart again, to the other side. The whole alone does not tell: of a peak that it met
+    /// to 0.03 % its half was 0.4 % off, and both agreed to 1e-5 at a quarter of the tolerance.
     #[test]
     fn random_walls_are_told_by_their_half(
         brick in 2.0..20.0_f64,
@@ -436,7 +437,7 @@ tolerance = {{ residual = {tolerance}, max_iterations = 100 }}
                 .replace("mu = 0.7", &format!("mu = {mu}"))
         };
         let [(_, full), (_, auto)] = both(&text(4e-3));
-        let closer = completed(&deck_and_model(&text(1e-3)).1);
+        let [(_, closer), (_, closer_auto)] = both(&text(1e-3));
         let told: [fn(&HistoryRow) -> f64; 4] = [
             |r| r.force_kN,
             |r| r.reaction_kN,
@@ -449,10 +450,14 @@ tolerance = {{ residual = {tolerance}, max_iterations = 100 }}
                 let points = pushed.map(|r| [r.displacement_mm, of(r)]).collect::<Vec<_>>();
                 (1..=20).map(move |i| at(&points, 0.05 * push * f64::from(i)))
             };
-            let own = apart(curve(&full), curve(&closer));
-            let apart = apart(curve(&full), curve(&auto));
-            println!("apart {apart:.1e}, whole from itself {own:.1e}");
-            prop_assert!(apart < (2.0 * own).max(5e-3), "{} {} {:?}", apart, own, text(4e-3));
+            let [whole, half] = [(&full, &closer), (&auto, &closer_auto)]
+                .map(|(run, closer)| apart(curve(run), curve(closer)));
+            let own = whole.max(half);
+            for (full, auto) in [(&full, &auto), (&closer, &closer_auto)] {
+                let apart = apart(curve(full), curve(auto));
+                println!("apart {apart:.1e}, whole from itself {whole:.1e}, half {half:.1e}");
+                prop_assert!(apart < (2.0 * own).max(5e-3), "{} {} {:?}", apart, own, text(4e-3));
+            }
         }
     }
 }
