@@ -30,6 +30,8 @@ fn walls(c: &mut Criterion) {
         let part: f64 = to.trim_end_matches("mm").trim().parse().unwrap_or(whole);
         let set = |key: &str, value: String| (format!("steps.1.{key}"), value);
         let overrides = [
+            // The whole, as ever: what its half saves is in docs/performance.md.
+            ("fidelity".to_owned(), "full".to_owned()),
             set("displacement", to.clone()),
             set("viscosity", (0.0025 * whole / part).to_string()),
             set("increments.initial", (0.005 * whole / part).to_string()),

@@ -430,6 +430,8 @@ def run_wythe(arguments, turn):
     history = folder / "history.csv"
     history.unlink(missing_ok=True)
     command = [arguments.wythe, "run", str(arguments.deck), "--threads", "1", "--out", str(folder)]
+    # The whole wall, as OpenSees has it.
+    command += ["--set", "fidelity=full"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     seen, rows, solves, stopped = 0, [], 0, False
     while True:

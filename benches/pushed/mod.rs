@@ -66,7 +66,9 @@ impl Pushed {
             env!("CARGO_MANIFEST_DIR"),
             "/examples/03_shear_wall_j7d.toml"
         );
-        let deck = Deck::load(path, &[]).expect("the example is sound");
+        // Its state is that of the whole.
+        let full = [("fidelity".to_owned(), "full".to_owned())];
+        let deck = Deck::load(path, &full).expect("the example is sound");
         let (model, _) = Model::from_deck(&deck).expect("the example is sound");
         let mut stop = Stop::default();
         wythe::solve::run(&model, &mut stop).expect("a run");

@@ -76,11 +76,11 @@ impl Model {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
-    /// All of it.
-    #[default]
-    Full,
     /// What the rest does not tell: one half of what is its own mirror image, and no stiffness anew of what hardly turns.
+    #[default]
     Auto,
+    /// All of it.
+    Full,
     /// All of it, with solids that stay linear elastic: only joints open and slide.
     Elastic,
 }
