@@ -16,7 +16,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::hex8::{ElementShape, Nodal, Stiffness, total};
+use super::hex8::{ElementShape, Nodal, Stiffness, total, transpose};
 use super::tangent;
 use crate::material::LocalFailure;
 
@@ -59,6 +59,13 @@ fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
         }
     }
     None
+}
+
+/// Green's strain ½ (FᵀF − 1) of the centroid of an element with corners `x` [mm], whatever its rotation.
+#[inline(always)]
+pub fn green_strain(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Matrix3<f64> {
+    let f = products(&transpose(x), &shape.gradient);
+    (f.transpose() * f - Matrix3::identity()) * 0.5
 }
 
 impl Corotated {

@@ -6,4 +6,4 @@ pub mod kinematics;
 mod tangent;
 
 pub use hex8::{ElementShape, ShapeError};
-pub use kinematics::Corotated;
+pub use kinematics::{Corotated, green_strain};

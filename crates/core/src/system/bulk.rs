@@ -159,7 +159,7 @@ impl Bulk {
             let pairs = records.zip(trial.material.par_chunks_exact(8));
             trial.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
         }
-        let keeps = setting.keeps(&state.poses);
+        let keeps = setting.keeps(&state.poses, trial);
         if setting.tangent && !keeps {
             trial.held.forget();
         }

@@ -92,10 +92,12 @@ pub struct System {
 }
 
 impl Evaluation {
-    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see.
-    fn keeps(&self, poses: &Poses) -> bool {
+    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see, and where
+    /// something is moved. Under loads alone stresses may make a body buckle, which nothing but the stiffness shows.
+    fn keeps(&self, poses: &Poses, trial: &Trial) -> bool {
         let secant = matches!(self.solids, Solids::Secant | Solids::Softened);
-        self.tangent && self.shifted && secant && !poses.is_empty()
+        let kept = self.tangent && self.shifted && secant && !poses.is_empty();
+        kept && trial.may_keep()
     }
 }
 

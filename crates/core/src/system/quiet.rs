@@ -1,9 +1,9 @@
 //! Stiffness of what hardly turns: written once, for many iterates.
 //!
 //! A crack turns few elements and opens few joints of a façade. The stiffness of an elastic element depends on its
-//! turning alone, that of a point that sticks on its facet's: where neither has moved by more than [`TURN`] from
-//! where it was when the stiffness was written, the cell stays as it is, to the last bit, and with it all that the
-//! factorisation made of it (`linear::reuse`). Forces are always those of the law at the present place, and so is
+//! turning and, a little, on its stress; that of a point that sticks on its facet's turning: where neither has turned
+//! by more than [`TURN`] from where it was when the stiffness was written, and the element is strained much as it was,
+//! the cell stays as it is, to the last bit, and with it all that the factorisation made of it (`linear::reuse`). Forces are always those of the law at the present place, and so is
 //! the balance that ends an increment: what is kept costs no accuracy, only a ten-thousandth of the tangent.
 //!
 //! These places are part of the state, so that a run which is resumed goes the same way.
@@ -15,11 +15,16 @@ use wythe_contact::{PointPair, PointStatus, Symmetric, frame_at};
 
 use super::contact::Sight;
 use super::{Bulk, Contact, Trial};
+use crate::element::{ElementShape, green_strain};
 
 /// How far a body may turn, over its size, before its stiffness is written anew [-].
-pub(super) const TURN: f64 = 1e-4;
-/// The same at a commit: what is nearly there would be there in the next iterates.
-const TURN_AT_COMMIT: f64 = 0.5 * TURN;
+const TURN: f64 = 1e-4;
+/// How far its strain may change: stress stiffens and softens what is slender. By this part of itself ...
+const SHARE: f64 = 0.05;
+/// ... or by what nothing buckles at that is less than 200 times as high as thick (π²/48 (t/h)²) [-].
+const STRAIN: f64 = 5e-6;
+/// Part of all these at a commit: what is nearly there would be there in the next iterates. Nothing under loads alone.
+const AT_COMMIT: f64 = 0.5;
 
 /// Part of the points that slide up to which it pays that the others keep their numerical stiffness: where joints slide all
 /// over a wall (a tenth to a third of J7D's points) no part of the factorisation stays, and the iterates need the growth of
@@ -90,9 +95,15 @@ impl Held {
     }
 }
 
-/// Whether corners `x` lie as `pose` does, up to a translation and a part `turn` of `size` [mm].
+/// Whether the stiffness at `pose` may stand for that of an element with corners `x`: up to `part` of what it may
+/// turn and be strained.
 #[inline(always)]
-pub(super) fn lies_as(x: &[[f64; 3]; 8], pose: &[[f64; 3]; 8], size: f64, turn: f64) -> bool {
+pub(super) fn stands_for(
+    pose: &[[f64; 3]; 8],
+    x: &[[f64; 3]; 8],
+    shape: &ElementShape,
+    part: f64,
+) -> bool {
     let mut most = 0.0_f64;
     for a in 1..8 {
         for i in 0..3 {
@@ -101,7 +112,12 @@ pub(super) fn lies_as(x: &[[f64; 3]; 8], pose: &[[f64; 3]; 8], size: f64, turn: 
             most = most.max((now - then).abs());
         }
     }
-    most <= turn * size
+    if most > part * TURN * shape.size {
+        return false;
+    }
+    let [now, then] = [x, pose].map(|x| green_strain(shape, x));
+    let strain = now.amax().max(then.amax());
+    (now - then).amax() <= part * STRAIN.max(SHARE * strain)
 }
 
 impl PointPose {
@@ -159,6 +175,7 @@ impl Poses {
     pub(super) fn follow(&mut self, bulk: &Bulk, contact: &Contact, trial: &mut Trial) {
         let slides = trial.status.iter().filter(|s| **s == PointStatus::Slip);
         self.steady = slides.count() as f64 <= FEW * self.points.len() as f64;
+        let part = if trial.moved { AT_COMMIT } else { 0.0 };
         let Trial { x, pairs, held, .. } = trial;
         held.fit_solids(self.solids.len());
         held.fit_joints(self.points.len() / 4, contact.version());
@@ -166,7 +183,7 @@ impl Poses {
         let solids = self.solids.par_iter_mut().zip(&mut held.solids);
         solids.zip(elements).for_each(|((pose, held), (e, nodes))| {
             let corners = nodes.map(|n| x[n as usize]);
-            if !lies_as(&corners, pose, bulk.shape(e).size, TURN_AT_COMMIT) {
+            if !stands_for(pose, &corners, bulk.shape(e), part) {
                 (*pose, *held) = (corners, false);
             }
         });
@@ -175,7 +192,7 @@ impl Poses {
         facets.zip(pairs).for_each(|((poses, joint), pairs)| {
             for (pose, pair) in poses.iter_mut().zip(pairs) {
                 let frame = contact.frame_of(pair, x).unwrap_or_default();
-                if !pose.is_near(pair, &frame, TURN_AT_COMMIT) {
+                if !pose.is_near(pair, &frame, part * TURN) {
                     *pose = PointPose { pair: *pair, frame };
                     joint.held = false;
                 }

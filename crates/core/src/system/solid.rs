@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::quiet::{TURN, lies_as};
+use super::quiet::stands_for;
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
 use crate::element::{Corotated, ElementShape};
@@ -240,7 +240,7 @@ impl OneElement<'_, '_> {
         let (shape, slot) = (self.shape, &mut *self.slot);
         let k = shape.elastic_stiffness();
         if let Some(kept) = &mut slot.kept {
-            let near = lies_as(self.positions, kept.pose, shape.size, TURN);
+            let near = stands_for(kept.pose, self.positions, shape, 1.0);
             if near && *kept.held {
                 return;
             }

@@ -67,6 +67,7 @@ impl Contact {
         trial.status.resize(n, PointStatus::default());
         trial.gaps.resize(n, 0.0);
         trial.loose.resize(n);
+        let keeps = setting.keeps(&state.poses, trial);
         trial.seen_at.clone_from(&trial.x);
         trial.held.fit_joints(n / 4, self.version);
         let seen = Seen {
@@ -77,7 +78,7 @@ impl Contact {
             setting,
             soft: Soft::of(state, trial),
             sticks: trial.sticks,
-            keeps: setting.keeps(&state.poses),
+            keeps,
         };
         let mut force = &mut trial.cell_force[first_cell..];
         let mut cells = &mut trial.cells[first_cell * CELL..];
