@@ -6,6 +6,25 @@ mod common;
 use common::examples::{load, path};
 use wythe::model::{Deck, Model, check};
 
+/// Two elements through the thickness are too few for a wall that bends, and enough for one that is sheared.
+#[test]
+fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
+    let told = |name: &str, overrides: &[(&str, &str)]| {
+        let deck = load(name, overrides);
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let mut notes = check(&deck, &model).notes.into_iter();
+        notes.find(|note| note.contains("bent out of its plane"))
+    };
+    let pressed = told("62_out_of_plane_wall", &[]).unwrap();
+    assert!(pressed.contains("wall.mesh = [5, 2, 3]"), "{pressed}");
+    assert_eq!(
+        told("62_out_of_plane_wall", &[("wall.mesh", "[5, 2, 3]")]),
+        None
+    );
+    assert_eq!(told("03_shear_wall_j7d", &[]), None);
+    assert!(told("03_shear_wall_j7d", &[("steps.1.direction", "y")]).is_some());
+}
+
 #[test]
 fn the_checker_reports_sizes_energies_and_warnings() {
     // Memory was measured of the whole.

@@ -6,7 +6,7 @@ use super::masonry::{self, Masonry};
 use super::mirrored::{self, mirror_planes};
 use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::symmetry::{self, Plane};
-use super::{Model, rigid, scatter};
+use super::{Model, across, rigid, scatter};
 use crate::error::Warning;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
@@ -214,6 +214,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     for wall in masonry::lay_all(deck).unwrap_or_default() {
         notes.extend(wall_notes(deck, &wall));
     }
+    notes.extend(across::notes(deck));
     notes.extend(symmetry_note(deck));
     notes.extend(fidelity_note(model));
     notes.extend(rigid_note(deck, model));

@@ -1,5 +1,6 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
+mod across;
 pub mod amplitude;
 mod arch;
 mod beams;
