@@ -293,11 +293,6 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether a displacement leads the step, of a beam, a point or of springs that end at `ends` [mm], and not loads alone.
-    pub fn moves(&self, ends: &[[f64; 3]]) -> bool {
-        self.driven.is_some() || self.control.is_some() || self.springs != ends
-    }
-
     /// How many branches the amplitude has.
     pub fn branches(&self) -> usize {
         self.amplitude.as_ref().map_or(1, Amplitude::branches)

@@ -26,7 +26,6 @@ impl Newton<'_> {
         if self.step.loads.iter().any(Option::is_some) {
             trial.stiffest = STIFFEST_UNDER_LOADS;
         }
-        trial.moved = self.step.moves(&state.spring_ends);
         self.q.copy_from_slice(&state.q);
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use super::pattern::CELL;
-pub use super::solid::{ElementSlot, Kept, Marks, element};
+pub use super::quiet::Kept;
+pub use super::solid::{ElementSlot, Marks, element};
 use super::{Evaluation, Trial};
 use crate::element::{ElementShape, ShapeError};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
@@ -174,7 +175,7 @@ impl Bulk {
             .zip(trial.held.solids.par_iter_mut())
             .enumerate()
             .with_min_len(16)
-            .filter_map(|(e, (((((force, cell), new), energy), marks), held))| {
+            .filter_map(|(e, (((((force, cell), new), energy), marks), kept))| {
                 let shape = self.shape(e);
                 let law = &self.laws[self.law_of[e] as usize];
                 let positions = self.elements[e].map(|n| x[n as usize]);
@@ -185,10 +186,7 @@ impl Bulk {
                     new,
                     energy,
                     marks,
-                    kept: keeps.then(|| Kept {
-                        pose: &state.poses.solids[e],
-                        held,
-                    }),
+                    kept: keeps.then_some(kept),
                 };
                 element(shape, law, &positions, old, setting, &mut slot)
                     .err()

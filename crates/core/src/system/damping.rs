@@ -51,7 +51,7 @@ impl StiffnessDamping {
             trial.cells.resize(n * CELL, 0.0);
         }
         if by_displacement.is_some() {
-            trial.held.solids.clear();
+            trial.held.forget_solids();
         }
         let (x, v, b) = (&trial.x, &self.velocity, self.factor);
         self.element_force

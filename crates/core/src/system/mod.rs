@@ -92,12 +92,12 @@ pub struct System {
 }
 
 impl Evaluation {
-    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see, and where
-    /// something is moved. Under loads alone stresses may make a body buckle, which nothing but the stiffness shows.
+    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see, and not
+    /// under loads with a name, where that of the points grows.
     fn keeps(&self, poses: &Poses, trial: &Trial) -> bool {
         let secant = matches!(self.solids, Solids::Secant | Solids::Softened);
         let kept = self.tangent && self.shifted && secant && !poses.is_empty();
-        kept && trial.may_keep()
+        kept && !trial.is_under_loads()
     }
 }
 

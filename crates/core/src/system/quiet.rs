@@ -21,9 +21,9 @@ use crate::element::{ElementShape, green_strain};
 const TURN: f64 = 1e-4;
 /// How far its strain may change: stress stiffens and softens what is slender. By this part of itself ...
 const SHARE: f64 = 0.05;
-/// ... or by what nothing buckles at that is less than 200 times as high as thick (π²/48 (t/h)²) [-].
-const STRAIN: f64 = 5e-6;
-/// Part of all these at a commit: what is nearly there would be there in the next iterates. Nothing under loads alone.
+/// ... or by what nothing buckles at that is less than 450 times as high as thick (π²/48 (t/h)²) [-].
+const STRAIN: f64 = 1e-6;
+/// Part of all these at a commit: what is nearly there would be there in the next iterates.
 const AT_COMMIT: f64 = 0.5;
 
 /// Part of the points that slide up to which it pays that the others keep their numerical stiffness: where joints slide all
@@ -62,11 +62,20 @@ pub(super) struct Joint {
     pub k: [[f64; 4]; 4],
 }
 
+/// Where the stiffness of an elastic element was written in this increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Kept {
+    /// Positions of the corners [mm]. `[node][xyz]`
+    pub pose: [[f64; 3]; 8],
+    /// Whether the cell holds the stiffness there.
+    pub held: bool,
+}
+
 /// What the cells of a trial hold; written anew wherever it is empty.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
-    /// Whether the cell holds the stiffness at its pose. `[element]`
-    pub solids: Vec<bool>,
+    /// `[element]`
+    pub solids: Vec<Kept>,
     /// `[slave facet]`
     pub joints: Vec<Joint>,
     /// Version of the candidates that the joints' cells belong to.
@@ -74,9 +83,26 @@ pub(super) struct Held {
 }
 
 impl Held {
+    /// An increment begins: with the poses of the state, whatever an attempt wrote meanwhile.
+    pub fn begin(&mut self, poses: &Poses) {
+        self.solids.resize(poses.solids.len(), Kept::default());
+        for (kept, pose) in self.solids.iter_mut().zip(&poses.solids) {
+            if kept.pose != *pose {
+                *kept = Kept { pose: *pose, held: false };
+            }
+        }
+    }
+
     /// Makes room for all elements.
     pub fn fit_solids(&mut self, elements: usize) {
-        self.solids.resize(elements, false);
+        self.solids.resize(elements, Kept::default());
+    }
+
+    /// The cells of the elements have been written without regard to poses.
+    pub fn forget_solids(&mut self) {
+        for kept in &mut self.solids {
+            kept.held = false;
+        }
     }
 
     /// Makes room for all facets; cells of other candidates hold nothing.
@@ -90,7 +116,7 @@ impl Held {
 
     /// Cells have been written without regard to poses.
     pub fn forget(&mut self) {
-        self.solids.clear();
+        self.forget_solids();
         self.joints.clear();
     }
 }
@@ -175,24 +201,24 @@ impl Poses {
     pub(super) fn follow(&mut self, bulk: &Bulk, contact: &Contact, trial: &mut Trial) {
         let slides = trial.status.iter().filter(|s| **s == PointStatus::Slip);
         self.steady = slides.count() as f64 <= FEW * self.points.len() as f64;
-        let part = if trial.moved { AT_COMMIT } else { 0.0 };
         let Trial { x, pairs, held, .. } = trial;
         held.fit_solids(self.solids.len());
         held.fit_joints(self.points.len() / 4, contact.version());
         let elements = bulk.elements.par_iter().enumerate();
         let solids = self.solids.par_iter_mut().zip(&mut held.solids);
-        solids.zip(elements).for_each(|((pose, held), (e, nodes))| {
+        solids.zip(elements).for_each(|((pose, kept), (e, nodes))| {
             let corners = nodes.map(|n| x[n as usize]);
-            if !stands_for(pose, &corners, bulk.shape(e), part) {
-                (*pose, *held) = (corners, false);
+            if !stands_for(&kept.pose, &corners, bulk.shape(e), AT_COMMIT) {
+                (kept.pose, kept.held) = (corners, false);
             }
+            *pose = kept.pose;
         });
         let facets = self.points.par_chunks_exact_mut(4).zip(&mut held.joints);
         let pairs = pairs.par_chunks_exact(4);
         facets.zip(pairs).for_each(|((poses, joint), pairs)| {
             for (pose, pair) in poses.iter_mut().zip(pairs) {
                 let frame = contact.frame_of(pair, x).unwrap_or_default();
-                if !pose.is_near(pair, &frame, part * TURN) {
+                if !pose.is_near(pair, &frame, AT_COMMIT * TURN) {
                     *pose = PointPose { pair: *pair, frame };
                     joint.held = false;
                 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::quiet::stands_for;
+use super::quiet::{Kept, stands_for};
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
 use crate::element::{Corotated, ElementShape};
@@ -23,16 +23,7 @@ pub struct ElementSlot<'a> {
     /// What the histories hold.
     pub marks: &'a mut Marks,
     /// Where stiffness may be taken; none: where the element is.
-    pub kept: Option<Kept<'a>>,
-}
-
-/// Where the stiffness of an elastic element may be taken instead of where it is.
-#[derive(Debug)]
-pub struct Kept<'a> {
-    /// Positions of the corners [mm]. `[node][xyz]`
-    pub pose: &'a [[f64; 3]; 8],
-    /// Whether the cell holds that stiffness.
-    pub held: &'a mut bool,
+    pub kept: Option<&'a mut Kept>,
 }
 
 /// A bit for each point of an element which is not virgin: the histories of the others need not be read.
@@ -216,7 +207,7 @@ impl OneElement<'_, '_> {
             return Ok(());
         }
         if let Some(kept) = &mut slot.kept {
-            *kept.held = false;
+            kept.held = false;
         }
         if count == 0 {
             write_secant(shape, frame, &intact, &force, slot.cell);
@@ -240,12 +231,14 @@ impl OneElement<'_, '_> {
         let (shape, slot) = (self.shape, &mut *self.slot);
         let k = shape.elastic_stiffness();
         if let Some(kept) = &mut slot.kept {
-            let near = stands_for(kept.pose, self.positions, shape, 1.0);
-            if near && *kept.held {
+            let near = stands_for(&kept.pose, self.positions, shape, 1.0);
+            if near && kept.held {
                 return;
             }
-            *kept.held = near;
-            if near && let Ok(posed) = Corotated::new(shape, kept.pose) {
+            kept.held = true;
+            if !near {
+                kept.pose = *self.positions;
+            } else if let Ok(posed) = Corotated::new(shape, &kept.pose) {
                 let force = shape.elastic_force(&posed.local);
                 posed.symmetric_stiffness(shape, k, &force, slot.cell);
                 return;

@@ -64,8 +64,6 @@ pub struct Trial {
     pub stiffening: f64,
     /// The largest that it may grow to in this increment [-].
     pub stiffest: f64,
-    /// Whether something is moved, so that what hardly turns may keep its stiffness.
-    pub moved: bool,
     /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
     /// sticks.
     pub sticks: bool,
@@ -109,7 +107,7 @@ impl Trial {
         self.bound_by_traction();
         self.stiffening = 1.0;
         self.stiffest = STIFFEST;
-        self.moved = false;
+        self.held.begin(&state.poses);
         self.inertia = 0.0;
         self.before.clear();
         self.loose.start();
@@ -125,13 +123,8 @@ impl Trial {
     }
 
     /// Whether the numerical stiffness may grow to that of the law.
-    fn is_under_loads(&self) -> bool {
+    pub(super) fn is_under_loads(&self) -> bool {
         self.stiffest > STIFFEST
-    }
-
-    /// Whether what hardly turns may keep its stiffness, if the model does.
-    pub(super) fn may_keep(&self) -> bool {
-        self.moved && !self.is_under_loads()
     }
 
     /// Whether the tractions of the last iterate are those of what touches.

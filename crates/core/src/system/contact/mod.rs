@@ -258,7 +258,7 @@ impl Soft {
         Self {
             factor: trial.stiffening,
             inertia: trial.inertia,
-            steady: state.poses.steady && trial.may_keep(),
+            steady: state.poses.steady && !trial.is_under_loads(),
         }
     }
 }
