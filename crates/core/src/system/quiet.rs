@@ -88,7 +88,10 @@ impl Held {
         self.solids.resize(poses.solids.len(), Kept::default());
         for (kept, pose) in self.solids.iter_mut().zip(&poses.solids) {
             if kept.pose != *pose {
-                *kept = Kept { pose: *pose, held: false };
+                *kept = Kept {
+                    pose: *pose,
+                    held: false,
+                };
             }
         }
     }

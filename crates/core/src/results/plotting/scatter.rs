@@ -1,5 +1,7 @@
 //! Points on two logarithmic axes, with names, colours by series, and the front that no point is beyond.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
@@ -99,15 +101,14 @@ impl Scatter<'_> {
         let ys = self.spots.iter().map(|s| s.at.1);
         let ys = ys.chain(self.floor.map(|f| f.0));
         // Room for names on the right and the legend above.
+        let (xs, ys) = (span(xs, 1.3, 2.0), span(ys, 1.6, 3.0));
+        let corner = self.corner(&xs, &ys);
         let mut chart = ChartBuilder::on(root)
             .caption(self.title, ("sans-serif", 20))
             .margin(18)
             .x_label_area_size(46)
             .y_label_area_size(76)
-            .build_cartesian_2d(
-                span(xs, 1.3, 2.0).log_scale(),
-                span(ys, 1.6, 3.0).log_scale(),
-            )?;
+            .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
         chart
             .configure_mesh()
             .light_line_style(RGBColor(246, 246, 246))
@@ -136,7 +137,7 @@ impl Scatter<'_> {
         chart.draw_series(ringed.map(|s| Circle::new(s.at, RADIUS + 5, BLACK.stroke_width(2))))?;
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(corner)
             .margin(10)
             .legend_area_size(20)
             .background_style(WHITE.mix(0.85))
@@ -144,6 +145,43 @@ impl Scatter<'_> {
             .label_font(("sans-serif", 13))
             .draw()?;
         self.names(root, &chart)
+    }
+
+    /// The corner where the legend hides the fewest spots and names.
+    fn corner(&self, xs: &Range<f64>, ys: &Range<f64>) -> SeriesLabelPosition {
+        use SeriesLabelPosition::{LowerLeft, LowerRight, UpperLeft, UpperRight};
+        // Of the plane: a line of the legend and the longest line, and a name.
+        let high = 0.03 * (self.series.len() + 2) as f64;
+        let (wide, name) = (0.3, 0.15);
+        let part =
+            |range: &Range<f64>, v: f64| (v / range.start).ln() / (range.end / range.start).ln();
+        let places: Vec<Point> = self
+            .spots
+            .iter()
+            .map(|s| (part(xs, s.at.0), part(ys, s.at.1)))
+            .collect();
+        let hidden = |right: bool, upper: bool| {
+            let across = |x: f64| {
+                if right {
+                    x + name > 1.0 - wide
+                } else {
+                    x < wide
+                }
+            };
+            let along = |y: f64| if upper { y > 1.0 - high } else { y < high };
+            places
+                .iter()
+                .filter(|(x, y)| across(*x) && along(*y))
+                .count()
+        };
+        let corners = [
+            (UpperRight, hidden(true, true)),
+            (LowerRight, hidden(true, false)),
+            (UpperLeft, hidden(false, true)),
+            (LowerLeft, hidden(false, false)),
+        ];
+        let least = corners.into_iter().min_by_key(|(_, hidden)| *hidden);
+        least.map_or(UpperRight, |(corner, _)| corner)
     }
 
     /// The front as stairs, and the floor.
@@ -219,7 +257,7 @@ fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
 }
 
 /// A range around values, with so much air on either side.
-fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> std::ops::Range<f64> {
+fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
     low / below..high * above
 }
@@ -265,6 +303,32 @@ mod tests {
         assert!(!without.contains("front"));
         // Two points, two in the legend, a ring.
         assert_eq!(svg.matches("<circle ").count(), 5);
+    }
+
+    #[test]
+    fn the_legend_lies_where_it_hides_nothing() {
+        let corner = |at: &[Point]| {
+            let spots: Vec<Spot> = at.iter().map(|&at| spot("a", at, 0)).collect();
+            let scene = Scatter {
+                title: "",
+                axes: [""; 2],
+                series: &["a"],
+                spots: &spots,
+                front: &[],
+                floor: None,
+            };
+            scene.corner(&(1.0..100.0), &(1.0..100.0))
+        };
+        assert!(matches!(
+            corner(&[(2.0, 50.0)]),
+            SeriesLabelPosition::UpperRight
+        ));
+        assert!(matches!(
+            corner(&[(50.0, 97.0)]),
+            SeriesLabelPosition::LowerRight
+        ));
+        let right = [(50.0, 97.0), (50.0, 1.1)];
+        assert!(matches!(corner(&right), SeriesLabelPosition::UpperLeft));
     }
 
     #[test]
