@@ -1,10 +1,11 @@
 //! Stiffness of what hardly turns: written once, for many iterates.
 //!
 //! A crack turns few elements and opens few joints of a façade. The stiffness of an elastic element depends on its
-//! turning and, a little, on its stress; that of a point that sticks on its facet's turning: where neither has turned
+//! turning and, a little, on its stress; that of a point that sticks on its facet's turning. Where neither has turned
 //! by more than [`TURN`] from where it was when the stiffness was written, and the element is strained much as it was,
-//! the cell stays as it is, to the last bit, and with it all that the factorisation made of it (`linear::reuse`). Forces are always those of the law at the present place, and so is
-//! the balance that ends an increment: what is kept costs no accuracy, only a ten-thousandth of the tangent.
+//! the cell stays as it is, to the last bit, and with it all that the factorisation made of it (`linear::reuse`).
+//! Forces are always those of the law at the present place, and so is the balance that ends an increment: what is kept
+//! costs no accuracy, only a ten-thousandth of the tangent, and a twentieth of what stress adds to it.
 //!
 //! These places are part of the state, so that a run which is resumed goes the same way.
 
@@ -85,6 +86,9 @@ pub(super) struct Held {
 impl Held {
     /// An increment begins: with the poses of the state, whatever an attempt wrote meanwhile.
     pub fn begin(&mut self, poses: &Poses) {
+        if poses.is_empty() {
+            return;
+        }
         self.solids.resize(poses.solids.len(), Kept::default());
         for (kept, pose) in self.solids.iter_mut().zip(&poses.solids) {
             if kept.pose != *pose {
@@ -235,5 +239,75 @@ impl Contact {
     fn frame_of(&self, pair: &PointPair, x: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
         let corners = self.master.corners(pair.facet? as usize, x);
         Some(frame_at(&corners, pair.xi).map(Into::into))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::ElasticParameters;
+    use crate::model::mesh::CORNERS;
+    use crate::model::scene::Formulation;
+
+    /// A cube of 100 mm.
+    fn cube() -> ([[f64; 3]; 8], ElementShape) {
+        let corners = CORNERS.map(|c| c.map(|v| 50.0 * v));
+        let elastic = ElasticParameters {
+            E: 1e4,
+            nu: 0.2,
+            density: 0.0,
+        };
+        let shape = ElementShape::new(&corners, Formulation::default(), &elastic).unwrap();
+        (corners, shape)
+    }
+
+    /// Turned about z by an angle, strained along it.
+    fn moved(corners: &[[f64; 3]; 8], angle: f64, strain: f64) -> [[f64; 3]; 8] {
+        let (s, c) = angle.sin_cos();
+        corners.map(|[x, y, z]| [c * x - s * y + 3.0, s * x + c * y, (1.0 + strain) * z])
+    }
+
+    #[test]
+    fn an_element_is_kept_until_it_turns_or_its_strain_changes() {
+        let (corners, shape) = cube();
+        let kept = |pose: [f64; 2], now: [f64; 2], part| {
+            let [pose, now] = [pose, now].map(|[angle, strain]| moved(&corners, angle, strain));
+            stands_for(&pose, &now, &shape, part)
+        };
+        // Turning.
+        assert!(kept([0.0; 2], [0.6 * TURN, 0.0], 1.0));
+        assert!(!kept([0.0; 2], [0.6 * TURN, 0.0], AT_COMMIT));
+        assert!(!kept([0.0; 2], [1.5 * TURN, 0.0], 1.0));
+        // From no strain, and from one of 1e-4.
+        assert!(kept([0.0; 2], [0.0, 0.9 * STRAIN], 1.0));
+        assert!(!kept([0.0; 2], [0.0, 1.1 * STRAIN], 1.0));
+        assert!(kept([0.0, -1e-4], [0.0, -1e-4 * (1.0 - 0.9 * SHARE)], 1.0));
+        assert!(!kept([0.0, -1e-4], [0.0, -1e-4 * (1.0 - 1.1 * SHARE)], 1.0));
+        // What turns has no strain by that.
+        let turned = green_strain(&shape, &moved(&corners, 0.5, 1e-3));
+        // (1 + e)²/2 − 1/2, to rounding of coordinates over the size.
+        assert!((turned.m33 - (1e-3 + 0.5e-6)).abs() < 1e-14, "{turned}");
+        assert!((turned.amax() - turned.m33).abs() < 1e-14, "{turned}");
+    }
+
+    #[test]
+    fn an_increment_begins_with_the_poses_of_the_state() {
+        let (corners, _) = cube();
+        let elsewhere = moved(&corners, 0.1, 0.0);
+        let poses = Poses {
+            solids: vec![corners; 2],
+            ..Poses::default()
+        };
+        let mut held = Held::default();
+        held.begin(&poses);
+        held.solids.fill(Kept {
+            pose: corners,
+            held: true,
+        });
+        held.solids[1].pose = elsewhere;
+        held.begin(&poses);
+        let still = held.solids.iter().map(|kept| kept.held);
+        assert!(still.eq([true, false]));
+        assert!(held.solids.iter().all(|kept| kept.pose == corners));
     }
 }
