@@ -50,7 +50,7 @@ pub struct ElementShape {
     pub operator: [Operator; 8],
     /// The same with the points in lanes. `[xyz][node][component][gauss point]`
     by_point: Box<[[ByPoint; 8]; 3]>,
-    /// det J · w [mm³]. `[gauss point]`
+    /// det J · w [mm³], or the part of it that [counts](Self::counted). `[gauss point]`
     pub weight: [f64; 8],
     /// Gradients of the shape functions at the centroid [1/mm].
     pub gradient: Nodal,
@@ -191,6 +191,21 @@ impl ElementShape {
             point_stiffness,
             stiffness,
         })
+    }
+
+    /// The same of which only a part counts, as of an element that lies across a plane of symmetry: forces, stiffness
+    /// and energies are that part of its own, strains and sizes are its own.
+    pub fn counted(mut self, part: f64) -> Self {
+        self.weight = self.weight.map(|w| part * w);
+        let points = self.point_stiffness.iter_mut();
+        for k in points.chain(std::iter::once(&mut *self.stiffness)) {
+            k.as_flattened_mut()
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .iter_mut()
+                .for_each(|k| *k *= part);
+        }
+        self
     }
 
     /// Strain at Gauss point `g` of local displacements [mm].

@@ -84,6 +84,9 @@ pub fn sizes(model: &Model) -> Sizes {
     for &n in model.beams.iter().flat_map(|b| &b.nodes) {
         free[n as usize] = [false; 3];
     }
+    for image in &model.mesh.reflected {
+        free[image.node as usize] = [false; 3];
+    }
     // A direction of a beam is unknown if some step leaves it free under a force.
     let beam_dofs: usize = (0..model.beams.len())
         .flat_map(|b| (0..3).map(move |d| (b, d)))

@@ -29,12 +29,48 @@ pub struct Mesh {
     pub unit: Vec<u32>,
     /// Course of the unit, from 0 at the bottom. `[element]`
     pub course: Vec<u16>,
+    /// Nodes beyond planes of symmetry of elements that lie across one, by number.
+    pub reflected: Vec<Reflected>,
+}
+
+/// A node that moves as another one is seen in planes of symmetry: u = sign ∘ u_of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflected {
+    /// The node.
+    pub node: u32,
+    /// The node whose image it is, itself no image.
+    pub of: u32,
+    /// −1 along the normals of the planes between both, else 1. `[xyz]`
+    pub sign: [f64; 3],
 }
 
 impl Mesh {
     /// Coordinates of the eight nodes of element `e` [mm].
     pub fn corners(&self, e: usize) -> [[f64; 3]; 8] {
         self.elements[e].map(|n| self.nodes[n as usize])
+    }
+
+    /// Whose image a node is, if it is one.
+    pub fn reflected(&self, node: u32) -> Option<&Reflected> {
+        let at = self.reflected.binary_search_by_key(&node, |r| r.node);
+        at.ok().map(|at| &self.reflected[at])
+    }
+
+    /// Part of an element or a facet with these nodes that counts: one half for each plane of symmetry that it lies
+    /// across.
+    pub fn share(&self, nodes: &[u32]) -> f64 {
+        if self.reflected.is_empty() {
+            return 1.0;
+        }
+        let mut part = [1.0_f64; 3];
+        for image in nodes.iter().filter_map(|n| self.reflected(*n)) {
+            for (part, sign) in part.iter_mut().zip(image.sign) {
+                if sign < 0.0 {
+                    *part = 0.5;
+                }
+            }
+        }
+        part.iter().product()
     }
 
     /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.

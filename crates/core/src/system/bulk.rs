@@ -75,6 +75,8 @@ pub struct Bulk {
     shape_of: Vec<u32>,
     laws: Vec<Material>,
     law_of: Vec<u32>,
+    /// Number of elements, of each the part that counts.
+    pub(super) count: f64,
 }
 
 /// Geometries closer than this fraction of the element's size are one shape.
@@ -94,11 +96,14 @@ impl Bulk {
             shape_of: Vec::with_capacity(mesh.elements.len()),
             laws: Vec::new(),
             law_of: Vec::with_capacity(mesh.elements.len()),
+            count: 0.0,
         };
-        let mut known: HashMap<(Vec<i64>, u16), u32> = HashMap::new();
+        let mut known: HashMap<(Vec<i64>, u16, u64), u32> = HashMap::new();
         for (e, &material) in mesh.material.iter().enumerate() {
             let corners = mesh.corners(e);
-            let key = (shape_key(&corners), material);
+            let share = mesh.share(&mesh.elements[e]);
+            bulk.count += share;
+            let key = (shape_key(&corners), material, share.to_bits());
             let index = if let Some(&index) = known.get(&key) {
                 index
             } else {
@@ -116,7 +121,7 @@ impl Bulk {
                         why,
                     }
                 })?;
-                bulk.shapes.push(shape);
+                bulk.shapes.push(shape.counted(share));
                 bulk.laws.push(law);
                 let index = bulk.shapes.len() as u32 - 1;
                 known.insert(key, index);

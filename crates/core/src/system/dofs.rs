@@ -4,7 +4,8 @@
 //! beam (no rotation) is three generalised displacements that many nodes share, so a tie costs no
 //! constraint equation. Slots run node by node and end with those of the beams; which beam slots
 //! are unknowns is a matter of the step ([`Equations`]), so a locked beam needs no new numbering of
-//! the nodes.
+//! the nodes. A node that is seen in a plane of symmetry shares the slots of the one that it is the image of, with
+//! the other sign along the normal.
 
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step};
@@ -20,6 +21,9 @@ pub const PRESCRIBED: u32 = u32::MAX;
 pub struct DofMap {
     /// Slot of each nodal displacement or [`HELD`]. `[node][xyz]`
     pub slot: Vec<[u32; 3]>,
+    /// What takes the slot's displacement to the node's: −1 where it is seen in a plane of symmetry, else 1.
+    /// `[node][xyz]`
+    pub sign: Vec<[f64; 3]>,
     /// Number of generalised displacements.
     pub slots: usize,
     /// First slot of the beams; beam `b` owns `beam_start + 3 b ..+ 3`.
@@ -49,6 +53,11 @@ impl DofMap {
                 }
             }
         }
+        // Images have the slots of what they are images of, below.
+        let reflected = &model.mesh.reflected;
+        for image in reflected {
+            slot[image.node as usize] = [HELD; 3];
+        }
         let mut next = 0_u32;
         for s in slot.iter_mut().flatten().filter(|s| **s == UNSET) {
             *s = next;
@@ -62,6 +71,11 @@ impl DofMap {
         {
             *s = beam_start + (UNSET - 1 - *s);
         }
+        let mut sign = vec![[1.0; 3]; nodes];
+        for image in reflected {
+            slot[image.node as usize] = slot[image.of as usize];
+            sign[image.node as usize] = image.sign;
+        }
         let slots = beam_start as usize + 3 * model.beams.len();
         let mut owner = vec![(u32::MAX, 0); slots];
         for (n, s) in slot.iter().enumerate() {
@@ -73,6 +87,7 @@ impl DofMap {
         }
         Self {
             slot,
+            sign,
             slots,
             beam_start: beam_start as usize,
             owner,
@@ -90,11 +105,15 @@ impl DofMap {
         self.beam_start + 3 * b + i
     }
 
-    /// Nodal displacements of generalised ones: `u[node][i] = q[slot]` or 0 [mm].
+    /// Nodal displacements of generalised ones: `u[node][i] = ±q[slot]` or 0 [mm].
     pub fn spread(&self, q: &[f64], u: &mut [[f64; 3]]) {
-        for (u, s) in u.iter_mut().zip(&self.slot) {
+        for ((u, s), sign) in u.iter_mut().zip(&self.slot).zip(&self.sign) {
             for i in 0..3 {
-                u[i] = if s[i] == HELD { 0.0 } else { q[s[i] as usize] };
+                u[i] = if s[i] == HELD {
+                    0.0
+                } else {
+                    sign[i] * q[s[i] as usize]
+                };
             }
         }
     }
@@ -102,10 +121,10 @@ impl DofMap {
     /// Generalised forces of nodal ones, summed in node order [N].
     pub fn collect(&self, f: &[[f64; 3]], p: &mut [f64]) {
         p.fill(0.0);
-        for (f, s) in f.iter().zip(&self.slot) {
+        for ((f, s), sign) in f.iter().zip(&self.slot).zip(&self.sign) {
             for i in 0..3 {
                 if s[i] != HELD {
-                    p[s[i] as usize] += f[i];
+                    p[s[i] as usize] += sign[i] * f[i];
                 }
             }
         }

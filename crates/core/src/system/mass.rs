@@ -23,8 +23,8 @@ pub struct Mass {
     pub slot: Vec<f64>,
     /// Direction of each generalised displacement. `[slot]`
     direction: Vec<u8>,
-    /// Elements, for the mean over their nodes.
-    elements: usize,
+    /// Elements, for the mean over their nodes; of each the part that counts.
+    elements: f64,
 }
 
 impl Mass {
@@ -53,7 +53,7 @@ impl Mass {
             node,
             slot,
             direction,
-            elements: bulk.elements.len(),
+            elements: bulk.count,
         }
     }
 
@@ -77,10 +77,11 @@ impl Mass {
     /// Generalised velocities of nodal ones `[node]` [mm/s]: what is tied keeps its momentum.
     pub fn mean_velocity(&self, dofs: &DofMap, nodal: &[[f64; 3]], velocity: &mut [f64]) {
         velocity.fill(0.0);
-        for ((v, m), slots) in nodal.iter().zip(&self.node).zip(&dofs.slot) {
+        let nodes = nodal.iter().zip(&self.node).zip(&dofs.slot);
+        for (((v, m), slots), sign) in nodes.zip(&dofs.sign) {
             for (i, &s) in slots.iter().enumerate() {
                 if s != HELD {
-                    velocity[s as usize] += m * v[i] / self.slot[s as usize];
+                    velocity[s as usize] += m * sign[i] * v[i] / self.slot[s as usize];
                 }
             }
         }
@@ -101,7 +102,7 @@ impl Mass {
             .zip(acceleration)
             .map(|(m, a)| m * a.abs())
             .sum();
-        sum / (8 * self.elements.max(1)) as f64
+        sum / (8.0 * self.elements.max(f64::MIN_POSITIVE))
     }
 }
 

@@ -364,7 +364,7 @@ impl System {
             .flatten()
             .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
             .sum();
-        trial.mean_nodal_force = magnitude / (8 * n_elements.max(1)) as f64;
+        trial.mean_nodal_force = magnitude / (8.0 * self.bulk.count.max(f64::MIN_POSITIVE));
         Ok(())
     }
 

@@ -21,6 +21,8 @@ const NONE: u32 = u32::MAX;
 struct Block {
     /// Position in the values of each entry of a cell's block, or [`NONE`].
     position: [u32; 9],
+    /// A bit for each entry that is subtracted: one of its directions is seen in a plane of symmetry, not both.
+    turned: u16,
     /// Its contributions: a range of [`Gather::sources`].
     start: u32,
     end: u32,
@@ -111,19 +113,22 @@ impl Gather {
             }
             if pair != last {
                 last = pair;
-                let mut position = [NONE; 9];
+                let (mut position, mut turned) = ([NONE; 9], 0);
+                let sign = |node: u32, i: usize| dofs.sign[node as usize][i];
                 for i in 0..3 {
                     for j in 0..3 {
                         let (r, c) = (equation(row, i), equation(col, j));
                         if r != PRESCRIBED && c != PRESCRIBED {
                             let k = if symmetric { 3 * j + i } else { 3 * i + j };
                             position[k] = find(r, c, j);
+                            turned |= u16::from(sign(row, i) * sign(col, j) < 0.0) << k;
                         }
                     }
                 }
                 let start = sources.len() as u32;
                 blocks.push(Block {
                     position,
+                    turned,
                     start,
                     end: start,
                 });
@@ -167,6 +172,13 @@ impl Gather {
                         let from = &cells[at..at + 9];
                         for k in 0..9 {
                             sum[k] += from[k];
+                        }
+                    }
+                }
+                if block.turned != 0 {
+                    for (k, sum) in sum.iter_mut().enumerate() {
+                        if block.turned >> k & 1 != 0 {
+                            *sum = -*sum;
                         }
                     }
                 }
@@ -250,7 +262,9 @@ fn chunk(
     let mut chunks: Vec<Chunk> = Vec::new();
     let (mut block_start, mut value_start) = (0, 0);
     for k in 1..=blocks.len() {
-        let boundary = k == blocks.len() || columns[k] != columns[k - 1];
+        // What has one rank, as a node and its image, shares columns.
+        let rank_of = |k: usize| rank[columns[k] as usize];
+        let boundary = k == blocks.len() || rank_of(k) != rank_of(k - 1);
         if !boundary {
             continue;
         }

@@ -1,12 +1,14 @@
-//! The half of a model that is kept: everything on one side of a plane, held in it.
+//! The half of a model that is kept: everything on one side of a plane, held in it, and what lies across it, whose
+//! nodes beyond are images of those before it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::images::Images;
 use crate::model::deck::Axis;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::probes::Probe;
 use crate::model::scene::{Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Step, Support};
+use crate::model::mesh::Reflected;
 use crate::model::{Mesh, Model};
 
 /// Part of a vector's size that rounding may leave across the plane.
@@ -16,8 +18,10 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(crate) struct Half {
     pub model: Model,
-    /// Number in the half, none if it is not kept. `[node]`
+    /// Number in the half, none if it is not kept: those beyond the plane are images of ones that are. `[node]`
     pub node: Vec<Option<u32>>,
+    /// Nodes beyond the plane of what lies across it, numbered after the others.
+    pub beyond: Vec<u32>,
     /// `[element]`
     pub element: Vec<Option<u32>>,
     /// `[slave facet]`
@@ -34,9 +38,19 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let mesh = &model.mesh;
     let element = numbered(mesh.elements.iter().map(|nodes| images.keeps(nodes)));
     let slave = numbered(contact.slave_facets.iter().map(|f| images.keeps(f)));
+    let across = mesh.elements.iter().filter(|e| images.lies_across(*e));
+    let beyond = across.flatten().filter(|n| images.side[**n as usize] > 0);
+    let beyond: Vec<u32> = beyond.copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let kept = node.iter().flatten().count() as u32;
+    let mut any = node.clone();
+    for (number, n) in (kept..).zip(&beyond) {
+        any[*n as usize] = Some(number);
+    }
     let cut = Cut {
         images,
         node: &node,
+        any: &any,
+        beyond: &beyond,
     };
     let beams = model.beams.iter().map(|beam| cut.beam(beam));
     let supports = model.supports.iter().map(|support| cut.support(support));
@@ -70,6 +84,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     Some(Half {
         model: half,
         node,
+        beyond,
         element,
         slave,
     })
@@ -90,13 +105,22 @@ fn numbered(kept: impl Iterator<Item = bool>) -> Vec<Option<u32>> {
 struct Cut<'a> {
     images: &'a Images,
     node: &'a [Option<u32>],
+    /// The same with the nodes beyond the plane.
+    any: &'a [Option<u32>],
+    beyond: &'a [u32],
 }
 
 impl Cut<'_> {
-    /// Numbers of those nodes that are kept.
+    /// Numbers of those nodes that are kept, or beyond the plane of what lies across it.
     fn kept(&self, nodes: &[u32]) -> Vec<u32> {
-        let kept = nodes.iter().filter_map(|n| self.node[*n as usize]);
+        let kept = nodes.iter().filter_map(|n| self.any[*n as usize]);
         kept.collect()
+    }
+
+    /// Numbers of the nodes of what is kept.
+    fn cell<const N: usize>(&self, nodes: &[u32; N]) -> Option<[u32; N]> {
+        let kept = self.images.keeps(nodes);
+        kept.then(|| <[u32; N]>::try_from(self.kept(nodes)).ok())?
     }
 
     /// The number of a node that is kept, or of its image.
@@ -113,8 +137,7 @@ impl Cut<'_> {
     /// Facets that are kept, with their numbers in the whole.
     fn facets(&self, facets: &[[u32; 4]]) -> Vec<(usize, [u32; 4])> {
         let all = facets.iter().enumerate();
-        let kept = |nodes: &[u32; 4]| <[u32; 4]>::try_from(self.kept(nodes)).ok();
-        all.filter_map(|(f, nodes)| Some((f, kept(nodes)?)))
+        all.filter_map(|(f, nodes)| Some((f, self.cell(nodes)?)))
             .collect()
     }
 
@@ -125,8 +148,11 @@ impl Cut<'_> {
                 half.nodes.push(*x);
             }
         }
+        half.reflected = self.reflected(mesh);
+        let beyond = self.beyond.iter();
+        half.nodes.extend(beyond.map(|n| mesh.nodes[*n as usize]));
         for (e, nodes) in mesh.elements.iter().enumerate() {
-            if let Ok(nodes) = <[u32; 8]>::try_from(self.kept(nodes)) {
+            if let Some(nodes) = self.cell(nodes) {
                 half.elements.push(nodes);
                 half.material.push(mesh.material[e]);
                 half.unit.push(mesh.unit[e]);
@@ -134,6 +160,29 @@ impl Cut<'_> {
             }
         }
         half
+    }
+
+    /// Images by planes that were there before, and by this one.
+    fn reflected(&self, mesh: &Mesh) -> Vec<Reflected> {
+        let kept = mesh.reflected.iter().filter_map(|image| {
+            Some(Reflected {
+                node: self.node[image.node as usize]?,
+                of: self.node[image.of as usize]?,
+                ..*image
+            })
+        });
+        let beyond = self.beyond.iter().filter_map(|n| {
+            let own = self.images.node[*n as usize];
+            let before = mesh.reflected(own);
+            let mut sign = before.map_or([1.0; 3], |image| image.sign);
+            sign[self.images.axis] = -1.0;
+            Some(Reflected {
+                node: self.any[*n as usize]?,
+                of: self.node[before.map_or(own, |image| image.of) as usize]?,
+                sign,
+            })
+        });
+        kept.chain(beyond).collect()
     }
 
     fn contact(&self, contact: &ContactSurfaces) -> ContactSurfaces {
@@ -234,7 +283,7 @@ impl Cut<'_> {
                 let mirrored = facets.iter().all(|facet| {
                     let mut image = facet.map(|n| images.node[n as usize]);
                     image.sort_unstable();
-                    let across = !images.keeps(facet) && !images.keeps(&image);
+                    let across = images.lies_across(facet);
                     let lies_in = facet.iter().all(|n| is_in_plane(*n));
                     all.binary_search(&image).is_ok() && !across && !lies_in
                 });
@@ -299,7 +348,12 @@ impl Cut<'_> {
             |(n, v): (usize, &[f64; 3])| images.of_vector(velocity[images.node[n] as usize]) == *v;
         let kept = || {
             let kept = velocity.iter().zip(self.node);
-            kept.filter_map(|(v, n)| n.map(|_| *v)).collect()
+            let kept = kept.filter_map(|(v, n)| n.map(|_| *v));
+            if velocity.is_empty() {
+                return Vec::new();
+            }
+            let beyond = self.beyond.iter().map(|n| velocity[*n as usize]);
+            kept.chain(beyond).collect()
         };
         velocity.iter().enumerate().all(mirrored).then(kept)
     }

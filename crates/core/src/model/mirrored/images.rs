@@ -9,7 +9,7 @@ use crate::model::scene::ContactSurfaces;
 /// Places closer than this part of the model's diagonal are one.
 const SAME: f64 = 1e-7;
 
-/// A plane that a mesh and its joints are mirrored by, and the images.
+/// A plane that a mesh and its joints are mirrored by, and the images. What lies across it is its own image.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Images {
     /// Axis normal to the plane.
@@ -28,9 +28,13 @@ pub(crate) struct Images {
 
 impl Images {
     /// In the plane through the middle of the model normal to an axis, if mesh, materials and joints are mirrored by
-    /// it, and no element or facet lies across or a facet in it.
+    /// it, and no facet lies in it.
     pub fn of(model: &Model, axis: usize) -> Option<Self> {
         let mesh = &model.mesh;
+        // A half with images beyond its plane is mirrored by it once more.
+        if mesh.reflected.iter().any(|image| image.sign[axis] < 0.0) {
+            return None;
+        }
         let [low, high] = mesh.extent(axis);
         let (at, unit) = (0.5 * (low + high), SAME * mesh.diagonal());
         if !(unit > 0.0 && unit.is_finite()) {
@@ -55,9 +59,16 @@ impl Images {
         Some(images)
     }
 
-    /// Whether all these nodes are on the side that is kept, or in the plane.
+    /// Whether what has these nodes is on the side that is kept, or lies across the plane.
     pub fn keeps(&self, nodes: &[u32]) -> bool {
-        nodes.iter().all(|n| self.side[*n as usize] <= 0)
+        let side = |n: &u32| self.side[*n as usize];
+        nodes.iter().all(|n| side(n) <= 0) || self.lies_across(nodes)
+    }
+
+    /// Whether nodes are on both sides.
+    pub fn lies_across(&self, nodes: &[u32]) -> bool {
+        let side = |n: &u32| self.side[*n as usize];
+        nodes.iter().any(|n| side(n) < 0) && nodes.iter().any(|n| side(n) > 0)
     }
 
     /// Mirror image of a vector.
@@ -73,12 +84,6 @@ impl Images {
         nodes
             .iter()
             .all(|n| own.binary_search(&self.node[*n as usize]).is_ok())
-    }
-
-    /// On one side of the plane, or none across.
-    fn is_on_a_side(&self, nodes: &[u32]) -> bool {
-        let side = |n: &u32| self.side[*n as usize];
-        nodes.iter().all(|n| side(n) <= 0) || nodes.iter().all(|n| side(n) >= 0)
     }
 
     /// Nodes of several bodies meet at one place: images are sought body by body.
@@ -130,7 +135,8 @@ impl Images {
         let image = |(e, nodes): (usize, &[u32; 8])| {
             let image = *at.get(&sorted(nodes.map(|n| self.node[n as usize])))?;
             let alike = mesh.material[e] == mesh.material[image as usize];
-            (alike && self.is_on_a_side(nodes)).then_some(image)
+            let whole = image as usize == e || !self.lies_across(nodes);
+            (alike && whole).then_some(image)
         };
         mesh.elements.iter().enumerate().map(image).collect()
     }
@@ -140,15 +146,19 @@ impl Images {
         let image = |facets: &[[u32; 4]]| {
             let at = facets.iter().enumerate();
             let at = unique(at.map(|(f, nodes)| (sorted(*nodes), f as u32)))?;
-            let image = |nodes: &[u32; 4]| {
-                let lies_in = nodes.iter().all(|n| self.side[*n as usize] == 0);
-                if lies_in || !self.is_on_a_side(nodes) {
+            let image = |(f, nodes): (usize, &[u32; 4])| {
+                if nodes.iter().all(|n| self.side[*n as usize] == 0) {
                     return None;
                 }
-                at.get(&sorted(nodes.map(|n| self.node[n as usize])))
-                    .copied()
+                let image = *at.get(&sorted(nodes.map(|n| self.node[n as usize])))?;
+                let whole = image as usize == f || !self.lies_across(nodes);
+                whole.then_some(image)
             };
-            facets.iter().map(image).collect::<Option<Vec<u32>>>()
+            facets
+                .iter()
+                .enumerate()
+                .map(image)
+                .collect::<Option<Vec<u32>>>()
         };
         image(&contact.master_facets)?;
         let slave = image(&contact.slave_facets)?;

@@ -17,7 +17,7 @@ impl Part {
     pub fn of(half: &Half, plane: MirrorPlane) -> Self {
         Self {
             planes: vec![plane],
-            node: Some(kept(&half.node)),
+            node: Some([kept(&half.node), half.beyond.clone()].concat()),
             element: Some(kept(&half.element)),
         }
     }

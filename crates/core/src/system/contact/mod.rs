@@ -89,10 +89,15 @@ impl Contact {
         let (mut edges, mut count) = (0.0, 0.0);
         for f in 0..slave.facets.len() {
             let corners = slave.corners(f, x);
-            points.extend(match surfaces.points {
+            let of_facet = match surfaces.points {
                 ContactPoints::Gauss => gauss_points(&corners),
                 ContactPoints::Corner => corner_points(&corners),
-            });
+            };
+            let share = model.mesh.share(&slave.facets[f]);
+            points.extend(of_facet.map(|mut point| {
+                point.area *= share;
+                point
+            }));
             for k in 0..4 {
                 let (a, b) = (
                     Vector3::from(corners[k]),
@@ -131,6 +136,11 @@ impl Contact {
             .iter()
             .flat_map(|&l| [laws[l as usize].virgin(); 4])
             .collect()
+    }
+
+    /// The node of its facet that a point lies near, or at.
+    pub fn corner(&self, point: usize) -> u32 {
+        self.slave.facets[point / 4][point % 4]
     }
 
     /// The law of a point.
