@@ -100,6 +100,7 @@ impl Run<'_> {
             load.direction
         };
         let mut weights = force_of(one, &model.mesh.nodes);
+        self.system.dofs.fold(&mut weights);
         if around {
             self.level(&mut weights);
         }

@@ -8,6 +8,7 @@
 //! the other sign along the normal.
 
 use crate::model::Model;
+use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, Step};
 
 /// Slot of a nodal displacement that a support holds at zero.
@@ -30,6 +31,8 @@ pub struct DofMap {
     pub beam_start: usize,
     /// First node that each slot moves, and the direction. `[slot]`
     owner: Vec<(u32, u8)>,
+    /// Images in planes of symmetry.
+    reflected: Vec<Reflected>,
 }
 
 impl DofMap {
@@ -91,6 +94,7 @@ impl DofMap {
             slots,
             beam_start: beam_start as usize,
             owner,
+            reflected: reflected.clone(),
         }
     }
 
@@ -115,6 +119,15 @@ impl DofMap {
                     sign[i] * q[s[i] as usize]
                 };
             }
+        }
+    }
+
+    /// Lets forces on images act on what they are images of.
+    pub fn fold(&self, f: &mut [[f64; 3]]) {
+        for image in &self.reflected {
+            let own = std::mem::take(&mut f[image.node as usize]);
+            let of = &mut f[image.of as usize];
+            (0..3).for_each(|i| of[i] += image.sign[i] * own[i]);
         }
     }
 

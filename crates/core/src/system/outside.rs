@@ -14,9 +14,18 @@ use crate::model::loads::LoadOn;
 pub struct Outside {
     /// What a value does. `[load]`
     acts: Vec<LoadOn>,
-    /// Facets under follower pressure, and their loads.
-    facets: Vec<([u32; 4], usize)>,
+    /// Facets under follower pressure.
+    facets: Vec<Pressed>,
     cells: Vec<[u32; 8]>,
+}
+
+/// A facet under follower pressure.
+#[derive(Clone, Copy, Debug)]
+struct Pressed {
+    nodes: [u32; 4],
+    load: usize,
+    /// Part of it that counts.
+    share: f64,
 }
 
 impl Outside {
@@ -25,16 +34,20 @@ impl Outside {
         let mut outside = Self::default();
         for (l, load) in model.loads.iter().enumerate() {
             if let LoadOn::Follower(facets) = &load.acts {
-                outside
-                    .facets
-                    .extend(facets.iter().map(|facet| (*facet, l)));
+                outside.facets.extend(facets.iter().map(|facet| Pressed {
+                    nodes: *facet,
+                    load: l,
+                    share: model.mesh.share(facet),
+                }));
             }
             outside.acts.push(load.acts.clone());
         }
-        let cells = outside
-            .facets
-            .iter()
-            .map(|([a, b, c, d], _)| [*a, *b, *c, *d, *a, *a, *a, *a]);
+        let cells = outside.facets.iter().map(
+            |Pressed {
+                 nodes: [a, b, c, d],
+                 ..
+             }| [*a, *b, *c, *d, *a, *a, *a, *a],
+        );
         outside.cells = cells.collect();
         outside
     }
@@ -52,8 +65,8 @@ impl Outside {
     /// Adds the forces of one load of this value on nodes at `x` [mm] to `force` [N]. `[node][xyz]`
     pub fn add(&self, load: usize, value: [f64; 3], x: &[[f64; 3]], force: &mut [[f64; 3]]) {
         match &self.acts[load] {
-            LoadOn::Follower(facets) => {
-                for facet in facets {
+            LoadOn::Follower(_) => {
+                for facet in self.facets.iter().filter(|facet| facet.load == load) {
                     press(facet, value[0], x, force);
                 }
             }
@@ -70,8 +83,8 @@ impl Outside {
 
     /// Adds the forces of the follower pressures among loads of these values at `x` [mm].
     pub fn add_followers(&self, values: &[[f64; 3]], x: &[[f64; 3]], force: &mut [[f64; 3]]) {
-        for (facet, load) in &self.facets {
-            press(facet, values[*load][0], x, force);
+        for facet in &self.facets {
+            press(facet, values[facet.load][0], x, force);
         }
     }
 
@@ -85,14 +98,14 @@ impl Outside {
         active: &mut [bool],
     ) {
         let facets = self.facets.iter().zip(cells.chunks_exact_mut(CELL));
-        for (((facet, load), cell), active) in facets.zip(active) {
-            let p = values[*load][0];
+        for ((facet, cell), active) in facets.zip(active) {
+            let p = facet.share * values[facet.load][0];
             *active = p != 0.0;
             if !*active {
                 continue;
             }
             cell.fill(0.0);
-            let turning = facet::turning(&facet.map(|n| x[n as usize]));
+            let turning = facet::turning(&facet.nodes.map(|n| x[n as usize]));
             for a in 0..4 {
                 for b in 0..4 {
                     let to = &mut cell[(a * 8 + b) * 9..][..9];
@@ -108,12 +121,13 @@ impl Outside {
 }
 
 /// Adds −p A_a to the nodes of a facet.
-fn press(facet: &[u32; 4], p: f64, x: &[[f64; 3]], force: &mut [[f64; 3]]) {
+fn press(facet: &Pressed, p: f64, x: &[[f64; 3]], force: &mut [[f64; 3]]) {
+    let p = facet.share * p;
     if p == 0.0 {
         return;
     }
-    let areas = facet::area_vectors(&facet.map(|n| x[n as usize]));
-    for (&n, area) in facet.iter().zip(areas) {
+    let areas = facet::area_vectors(&facet.nodes.map(|n| x[n as usize]));
+    for (&n, area) in facet.nodes.iter().zip(areas) {
         for i in 0..3 {
             force[n as usize][i] -= p * area[i];
         }

@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::images::Images;
 use crate::model::deck::Axis;
 use crate::model::loads::{Load, LoadOn};
-use crate::model::probes::Probe;
-use crate::model::scene::{Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Step, Support};
 use crate::model::mesh::Reflected;
+use crate::model::probes::Probe;
+use crate::model::scene::{Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Spring, Step, Support};
 use crate::model::{Mesh, Model};
 
 /// Part of a vector's size that rounding may leave across the plane.
@@ -31,7 +31,7 @@ pub(crate) struct Half {
 /// The half below the plane, if what holds, loads and follows the model is mirrored as its mesh is.
 pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let contact = &model.contact;
-    if contact.general.is_some() || !model.springs.is_empty() {
+    if contact.general.is_some() {
         return None;
     }
     let node = numbered(images.side.iter().map(|side| *side <= 0));
@@ -40,7 +40,11 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let slave = numbered(contact.slave_facets.iter().map(|f| images.keeps(f)));
     let across = mesh.elements.iter().filter(|e| images.lies_across(*e));
     let beyond = across.flatten().filter(|n| images.side[**n as usize] > 0);
-    let beyond: Vec<u32> = beyond.copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let beyond: Vec<u32> = beyond
+        .copied()
+        .collect::<BTreeSet<_>>()
+        .into_iter()
+        .collect();
     let kept = node.iter().flatten().count() as u32;
     let mut any = node.clone();
     for (number, n) in (kept..).zip(&beyond) {
@@ -62,6 +66,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         controls.into_iter().any(|control| control.probe == p)
     };
     let probes = probes.map(|(p, probe)| cut.probe(probe, steers(p)));
+    let springs = model.springs.iter().map(|spring| cut.spring(spring));
     let loads = model.loads.iter().map(|load| cut.load(load));
     let steps = model.steps.iter().map(|step| cut.step(step, model));
     let half = Model {
@@ -73,7 +78,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         beams: beams.collect::<Option<_>>()?,
         supports,
         initial_velocity: cut.velocity(&model.initial_velocity)?,
-        springs: Vec::new(),
+        springs: springs.collect::<Option<_>>()?,
         probes: probes.collect::<Option<_>>()?,
         loads: loads.collect::<Option<_>>()?,
         steps: steps.collect::<Option<_>>()?,
@@ -223,6 +228,20 @@ impl Cut<'_> {
         })
     }
 
+    /// Half as stiff on the mean of all nodes, of which those that are not kept move as their images do; across the plane
+    /// it does not move.
+    fn spring(&self, spring: &Spring) -> Option<Spring> {
+        let mut stiffness = spring.stiffness.map(|k| 0.5 * k);
+        stiffness[self.images.axis] = 0.0;
+        let nodes = spring.nodes.iter().map(|n| self.either(*n));
+        let mirrored = self.images.hold_together(&spring.nodes);
+        mirrored.then_some(Spring {
+            name: spring.name.clone(),
+            nodes: nodes.collect::<Option<_>>()?,
+            stiffness,
+        })
+    }
+
     /// What holds the plane.
     fn plane(&self) -> Support {
         let Images { axis, at, .. } = *self.images;
@@ -283,9 +302,8 @@ impl Cut<'_> {
                 let mirrored = facets.iter().all(|facet| {
                     let mut image = facet.map(|n| images.node[n as usize]);
                     image.sort_unstable();
-                    let across = images.lies_across(facet);
                     let lies_in = facet.iter().all(|n| is_in_plane(*n));
-                    all.binary_search(&image).is_ok() && !across && !lies_in
+                    all.binary_search(&image).is_ok() && !lies_in
                 });
                 mirrored.then(|| {
                     LoadOn::Follower(self.facets(facets).into_iter().map(|(_, f)| f).collect())
@@ -373,7 +391,8 @@ impl Cut<'_> {
             |l: usize, value: &[f64; 3]| !model.loads[l].is_pressure() && value[d].abs() > 0.0;
         let mut loads = step.loads.iter().enumerate();
         let loaded = loads.any(|(l, value)| value.is_some_and(|value| across(l, &value)));
-        if !gravity || !step.ground.acceleration[d].is_empty() || loaded {
+        let driven = step.springs.iter().any(|end| end[d] != 0.0);
+        if !gravity || !step.ground.acceleration[d].is_empty() || loaded || driven {
             return None;
         }
         let motion = step.motion.iter().map(|motion| {
