@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::explain;
-use super::fidelity::{Instead, Part, Reached};
+use super::fidelity::{Instead, Part, Reached, leans};
 use super::fingerprint::Fingerprint;
 use super::judge::{growth, resolving};
 use super::ladder::{Answer, Ladder, QUIET};
@@ -129,15 +129,38 @@ impl<'m> Run<'m> {
         if let Some(course) = course {
             next = course.index + 1;
             go_on = self.walk(course, recorder)?;
+            self.look_across(next - 1, go_on, recorder);
         }
         while go_on && next < self.model.steps.len() {
             let course = self.begin(next)?;
             next += 1;
             go_on = self.walk(course, recorder)?;
+            self.look_across(next - 1, go_on, recorder);
         }
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         Ok(self.summary)
+    }
+
+    /// Tells if a part of the scene that has come to the end of a step, at rest, would not stay in its planes.
+    fn look_across(&mut self, step: usize, at_end: bool, recorder: &mut dyn Recorder) {
+        if !at_end || self.state.energies.moving() > QUIET {
+            return;
+        }
+        let (model, state) = (self.model, &self.state);
+        let leans = leans(
+            model,
+            &self.part,
+            step,
+            &mut self.system,
+            state,
+            &mut self.trial,
+        );
+        if let Some(planes) = leans {
+            let told = self.part.told_to_lean(&planes, &model.steps[step].name);
+            recorder.note(&told);
+            self.summary.warnings.push(told);
+        }
     }
 
     /// A step to its end; false if the run ends here.

@@ -9,7 +9,7 @@
 
 use crate::model::Model;
 use crate::model::mesh::Reflected;
-use crate::model::scene::{BeamMotion, Step};
+use crate::model::scene::{Beam, BeamMotion, Step, Support};
 
 /// Slot of a nodal displacement that a support holds at zero.
 pub const HELD: u32 = u32::MAX;
@@ -38,16 +38,21 @@ pub struct DofMap {
 impl DofMap {
     /// Numbers the generalised displacements of a model.
     pub fn new(model: &Model) -> Self {
-        const UNSET: u32 = u32::MAX - 1;
         let nodes = model.mesh.nodes.len();
+        Self::of(nodes, &model.beams, &model.supports, &model.mesh.reflected)
+    }
+
+    /// Those of so many nodes that are tied, held and images.
+    pub fn of(nodes: usize, beams: &[Beam], supports: &[Support], reflected: &[Reflected]) -> Self {
+        const UNSET: u32 = u32::MAX - 1;
         let mut slot = vec![[UNSET; 3]; nodes];
         // A tie first, a support over it: a held node does not follow a beam.
-        for (b, beam) in model.beams.iter().enumerate() {
+        for (b, beam) in beams.iter().enumerate() {
             for &n in &beam.nodes {
                 slot[n as usize] = [0, 1, 2].map(|i| UNSET - 1 - (3 * b as u32 + i));
             }
         }
-        for support in &model.supports {
+        for support in supports {
             for &n in &support.nodes {
                 for i in 0..3 {
                     if support.fixed[i] {
@@ -57,7 +62,6 @@ impl DofMap {
             }
         }
         // Images have the slots of what they are images of, below.
-        let reflected = &model.mesh.reflected;
         for image in reflected {
             slot[image.node as usize] = [HELD; 3];
         }
@@ -79,7 +83,7 @@ impl DofMap {
             slot[image.node as usize] = slot[image.of as usize];
             sign[image.node as usize] = image.sign;
         }
-        let slots = beam_start as usize + 3 * model.beams.len();
+        let slots = beam_start as usize + 3 * beams.len();
         let mut owner = vec![(u32::MAX, 0); slots];
         for (n, s) in slot.iter().enumerate() {
             for i in 0..3 {
@@ -94,7 +98,7 @@ impl DofMap {
             slots,
             beam_start: beam_start as usize,
             owner,
-            reflected: reflected.clone(),
+            reflected: reflected.to_vec(),
         }
     }
 

@@ -56,6 +56,10 @@ pub struct Evaluation {
     pub turning: Turning,
 }
 
+/// Part of its own stiffness that holds what nothing else does where a matrix is asked whether it is positive definite:
+/// above what rounding takes from a mode without stiffness, below the least of what is slender (200 elements: 200⁻⁴).
+const NEUTRAL: f64 = 1e-12;
+
 /// What the matrix knows of follower pressures, which turn with what they press.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
@@ -233,21 +237,37 @@ impl System {
         equations: &Equations,
         backend: Backend,
     ) -> Result<(usize, LinearSolver), LinearError> {
+        let (gather, solver) = self.ordered(&self.dofs, equations, backend)?;
+        let entries = gather.row_idx.len();
+        self.gather = Some(gather);
+        self.analysed_version = self.contact.version();
+        self.analysed_pairs.clear();
+        self.analysed_pairs.extend_from_slice(self.general.pairs());
+        Ok((entries, solver))
+    }
+
+    /// Pattern and order of the matrix of the present candidates in these unknowns.
+    fn ordered(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(Gather, LinearSolver), LinearError> {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
         cells.extend(self.general.cells());
         cells.extend(self.springs.cells());
         cells.extend(self.outside.cells());
         cells.extend(self.steered_cells());
-        let gather = Gather::new(&cells, &self.dofs, equations, backend.kind());
+        let gather = Gather::new(&cells, dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
         let mut last = usize::MAX;
         for &slot in &equations.slot_of {
-            let (node, _) = self.dofs.node_of(slot as usize);
+            let (node, _) = dofs.node_of(slot as usize);
             if node != last {
                 // A beam has no place.
-                let at_beam = slot as usize >= self.dofs.beam_start;
+                let at_beam = slot as usize >= dofs.beam_start;
                 coordinates.push(if at_beam {
                     [f64::NAN; 3]
                 } else {
@@ -260,12 +280,30 @@ impl System {
         let pattern = Pattern::new(gather.n, gather.col_ptr.clone(), gather.row_idx.clone())?
             .with_nodes(&group, &coordinates)?;
         let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
-        let entries = gather.row_idx.len();
-        self.gather = Some(gather);
-        self.analysed_version = self.contact.version();
-        self.analysed_pairs.clear();
-        self.analysed_pairs.extend_from_slice(self.general.pairs());
-        Ok((entries, solver))
+        Ok((gather, solver))
+    }
+
+    /// Factorises the symmetric matrix of the trial's cells in other unknowns, if it is positive definite; what stiffens
+    /// nothing counts as if it did, by [`NEUTRAL`].
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis or the factorisation.
+    pub fn try_factor(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+    ) -> Result<(), LinearError> {
+        let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
+        let mut values = vec![0.0; gather.row_idx.len()];
+        gather.fill(&trial.cells, &trial.active, &mut values);
+        for (e, column) in gather.col_ptr.windows(2).enumerate() {
+            let rows = &gather.row_idx[column[0]..column[1]];
+            if let Ok(k) = rows.binary_search(&(e as u32)) {
+                values[column[0] + k] *= 1.0 + NEUTRAL;
+            }
+        }
+        solver.factorise(&values).map(|_| ())
     }
 
     /// Sums the cells into the matrix.

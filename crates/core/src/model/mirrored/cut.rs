@@ -8,7 +8,9 @@ use crate::model::deck::Axis;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::mesh::Reflected;
 use crate::model::probes::Probe;
-use crate::model::scene::{Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Spring, Step, Support};
+use crate::model::scene::{
+    Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Spring, Step, Support,
+};
 use crate::model::{Mesh, Model};
 
 /// Part of a vector's size that rounding may leave across the plane.

@@ -9,6 +9,7 @@
 //! their yield surface is told at the end.
 
 mod elastic;
+mod leaning;
 mod part;
 mod unfold;
 
@@ -19,6 +20,7 @@ use crate::model::scene::Fidelity;
 use crate::results::{Recorder, Sizes, Summary};
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
+pub(super) use leaning::leans;
 pub(super) use part::Part;
 use unfold::{Places, Unfold};
 
@@ -45,7 +47,7 @@ impl Instead {
                 let (images, half) = halved(model)?;
                 let places = Places::of(model, &images, &half)?;
                 let (axis, at) = (images.axis, images.at);
-                let part = Part::of(&half, MirrorPlane { axis, at });
+                let part = Part::of(model, &half, MirrorPlane { axis, at });
                 Some(Self::Half {
                     model: Box::new(half.model),
                     part,

@@ -1,12 +1,16 @@
 //! Which part of the model that is shown is solved, and what its nodes and elements are called there.
 
+use crate::model::Model;
 use crate::model::mirrored::{Half, MirrorPlane, part};
+use crate::model::scene::BeamMotion;
 
 /// Of the model that is solved in the one that is shown; by default all of it.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Part {
     /// Planes that it is held in, in the order in which halves were taken.
     pub planes: Vec<MirrorPlane>,
+    /// Whether a beam of what is shown may move across a plane in a step. `[plane][step][beam]`
+    pub free: Vec<Vec<Vec<bool>>>,
     /// Numbers in what is shown; none if they are its own.
     node: Option<Vec<u32>>,
     element: Option<Vec<u32>>,
@@ -14,9 +18,13 @@ pub(in crate::solve) struct Part {
 
 impl Part {
     /// A half in its whole.
-    pub fn of(half: &Half, plane: MirrorPlane) -> Self {
+    pub fn of(whole: &Model, half: &Half, plane: MirrorPlane) -> Self {
+        let is_free = |motion: &[BeamMotion; 3]| matches!(motion[plane.axis], BeamMotion::Force(_));
+        let steps = whole.steps.iter();
+        let free = steps.map(|step| step.motion.iter().map(is_free).collect());
         Self {
             planes: vec![plane],
+            free: vec![free.collect()],
             node: Some([kept(&half.node), half.beyond.clone()].concat()),
             element: Some(kept(&half.element)),
         }
@@ -30,6 +38,7 @@ impl Part {
         };
         Self {
             planes: [&whole.planes[..], &self.planes].concat(),
+            free: [&whole.free[..], &self.free].concat(),
             node: of(&self.node, &|n| whole.node(n)),
             element: of(&self.element, &|e| whole.element(e)),
         }
@@ -44,6 +53,16 @@ impl Part {
     pub fn element(&self, e: usize) -> usize {
         let element = self.element.as_ref();
         element.map_or(e, |element| element[e] as usize)
+    }
+
+    /// What a run says that would leave some of its planes at the end of a step.
+    pub fn told_to_lean(&self, planes: &[usize], step: &str) -> String {
+        let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
+        format!(
+            "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: it would buckle or bow to one \
+             side, which the part that is solved cannot. fidelity = \"full\" solves all of it; give it what tips it, too",
+            planes.join(" and ")
+        )
     }
 
     /// What a run says of it; nothing of the whole.
