@@ -15,14 +15,23 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
         let mut notes = check(&deck, &model).notes.into_iter();
         notes.find(|note| note.contains("bent out of its plane"))
     };
-    let pressed = told("62_out_of_plane_wall", &[]).unwrap();
+    let pressed = told("62_out_of_plane_wall", &[("wall.mesh", "coarse")]).unwrap();
     assert!(pressed.contains("wall.mesh = [5, 2, 3]"), "{pressed}");
     assert_eq!(
         told("62_out_of_plane_wall", &[("wall.mesh", "[5, 2, 3]")]),
         None
     );
+    let across = ("steps.1.direction", "y");
     assert_eq!(told("03_shear_wall_j7d", &[]), None);
-    assert!(told("03_shear_wall_j7d", &[("steps.1.direction", "y")]).is_some());
+    assert!(told("03_shear_wall_j7d", &[across, ("wall.mesh", "coarse")]).is_some());
+
+    // What says nothing of it has three.
+    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
+    let silent = Deck::from_str(&text.replace("mesh = \"coarse\"", ""), "wall.toml").unwrap();
+    assert_eq!(silent.wall.unwrap().mesh.thickness, 2);
+    let mesh = |overrides| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
+    assert_eq!(mesh(&[]).thickness, 3);
+    assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
 }
 
 #[test]
@@ -39,7 +48,8 @@ fn the_checker_reports_sizes_energies_and_warnings() {
     );
     // Measured peak of a run: 126 MB; 558 MB with the fine mesh. Within half as much again.
     let of_fine = |d: Deck| check(&d, &Model::from_deck(&d).unwrap().0).memory_mb;
-    let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine")]));
+    let full = ("fidelity", "full");
+    let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine"), full]));
     for (estimate, measured) in [(report.memory_mb, 126.0), (fine, 558.0)] {
         let ratio = estimate / measured;
         assert!(
@@ -49,9 +59,9 @@ fn the_checker_reports_sizes_energies_and_warnings() {
     }
     // Large walls: 545 and 11,774 MB. A tenth, for what runs differ by.
     for (overrides, measured) in [
-        (&[][..], 545.0),
+        (&[full][..], 545.0),
         (
-            &[("wall.length", "43287.5"), ("wall.courses", "100")],
+            &[full, ("wall.length", "43287.5"), ("wall.courses", "100")],
             11_774.0,
         ),
     ] {

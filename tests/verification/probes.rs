@@ -6,6 +6,7 @@ mod common;
 use common::blocks::{Bad, HEAD, deck, model, refuses};
 use common::scene::Recording;
 use wythe::model::Model;
+use wythe::model::scene::Fidelity;
 use wythe::results::Status;
 
 /// A block is pushed over another on a dry joint; then both fly on.
@@ -70,6 +71,7 @@ fn probes_follow_nodes_faces_and_blocks() {
     let columns: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
     assert_eq!(columns, ["slip_mm", "lag_mm", "slip_mm_per_s"]);
     model.output.every = 1;
+    model.fidelity = Fidelity::Full; // its states are looked at
     let (recording, summary) = common::scene::run(&model);
     assert_eq!(summary.status, Status::Completed, "{}", summary.message);
     let Recording {

@@ -243,7 +243,7 @@ displacement = "1 um"
 increments = { initial = 0.01, max = 0.01 }
 stop = { below_peak = 0.999 }
 tangent = "direct"
-tolerance = { residual = 1e-6 }
+tolerance = { residual = 2e-6 }
 
 [[steps]]
 kind = "drive"
@@ -253,7 +253,7 @@ displacement = "1 um"
 increments = { initial = 0.01, max = 0.01 }
 stop = { below_peak = 0.999 }
 tangent = "direct"
-tolerance = { residual = 1e-6 }
+tolerance = { residual = 2e-6 }
 "#;
 
 #[test]
@@ -267,7 +267,8 @@ fn each_joint_bears_its_own_strength() {
         let exact = factor(0.4, 3, 0, unit) * 0.28 * 1e4;
         println!("unit {unit}: {peak:.3} N, exact {exact:.3} N");
         // The stress is uniform. Beyond its strength a joint loses 6.2 MPa/mm times the factor, so that an
-        // increment of 1e-5 mm misses the peak by 2.2e-4 of it at most; balance is good to 1e-6.
+        // increment of 1e-5 mm misses the peak by 2.2e-4 of it at most; balance is good to 2e-6, of which rounding
+        // leaves 0.9 to 1.4e-6 in the first increment.
         assert!(
             (peak / exact - 1.0).abs() < 3e-4,
             "{peak} N is not {exact} N"

@@ -8,12 +8,34 @@ use super::deck::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 /// Elements through the thickness from which on the peak is within a per cent.
 const ENOUGH: u32 = 3;
 
-/// One note for each wall with mortar that something bends.
+/// Walls with mortar that something bends and that have too few elements through their thickness, by path.
+fn thin(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
+    deck.walls().filter(|(_, name, wall)| {
+        let few = wall.mesh.thickness * wall.leaves < ENOUGH;
+        let soft = wall.mortar_material.is_some() && !wall.rigid;
+        few && soft && deck.steps.iter().any(|step| bends(step, name, wall))
+    })
+}
+
+/// Walls that are bent and say nothing of their mesh are cut into enough.
+pub(super) fn choose_meshes(deck: &mut Deck) {
+    let silent = |path: &String| !deck.says(&format!("{path}.mesh"));
+    let paths: Vec<String> = thin(deck).map(|(path, ..)| path).filter(silent).collect();
+    for path in paths {
+        let place = path.strip_prefix("walls.").and_then(|i| i.parse().ok());
+        let wall = match place {
+            Some(i) => deck.walls.get_mut::<usize>(i),
+            None => deck.wall.as_mut(),
+        };
+        if let Some(wall) = wall {
+            wall.mesh.thickness = ENOUGH.div_ceil(wall.leaves);
+        }
+    }
+}
+
+/// One note for each wall that is bent and says to be cut into too few.
 pub(super) fn notes(deck: &Deck) -> Vec<String> {
-    let thin = |wall: &Wall| wall.mesh.thickness * wall.leaves < ENOUGH;
-    deck.walls()
-        .filter(|(_, _, wall)| wall.mortar_material.is_some() && !wall.rigid && thin(wall))
-        .filter(|(_, name, wall)| deck.steps.iter().any(|step| bends(step, name, wall)))
+    thin(deck)
         .map(|(path, name, wall)| {
             let Subdivision { length, height, .. } = wall.mesh;
             format!(

@@ -144,6 +144,11 @@ impl Source {
         );
     }
 
+    /// Whether the key `path` is written, in the file or in an override.
+    pub(super) fn has(&self, path: &str) -> bool {
+        self.places.contains_key(path)
+    }
+
     /// Bytes of the value at `path`, or of the nearest table above that is written.
     fn span(&self, path: &str) -> Option<Range<usize>> {
         let mut path = path;

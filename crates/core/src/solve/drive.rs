@@ -128,39 +128,33 @@ impl<'m> Run<'m> {
         let (mut next, mut go_on) = (0, true);
         if let Some(course) = course {
             next = course.index + 1;
-            go_on = self.walk(course, recorder)?;
-            self.look_across(next - 1, go_on, recorder);
+            go_on = self.walk(course, recorder)? && self.keeps_symmetry(next - 1, recorder);
         }
         while go_on && next < self.model.steps.len() {
             let course = self.begin(next)?;
             next += 1;
-            go_on = self.walk(course, recorder)?;
-            self.look_across(next - 1, go_on, recorder);
+            go_on = self.walk(course, recorder)? && self.keeps_symmetry(next - 1, recorder);
         }
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         Ok(self.summary)
     }
 
-    /// Tells if a part of the scene that has come to the end of a step, at rest, would not stay in its planes.
-    fn look_across(&mut self, step: usize, at_end: bool, recorder: &mut dyn Recorder) {
-        if !at_end || self.state.energies.moving() > QUIET {
-            return;
+    /// Whether a part of the scene that has come to the end of a step would stay in its planes as the whole; what moves is
+    /// not asked. If not, the run ends here: what it has found is not what the whole does.
+    fn keeps_symmetry(&mut self, step: usize, recorder: &mut dyn Recorder) -> bool {
+        if self.state.energies.moving() > QUIET {
+            return true;
         }
         let (model, state) = (self.model, &self.state);
-        let leans = leans(
-            model,
-            &self.part,
-            step,
-            &mut self.system,
-            state,
-            &mut self.trial,
-        );
-        if let Some(planes) = leans {
-            let told = self.part.told_to_lean(&planes, &model.steps[step].name);
-            recorder.note(&told);
-            self.summary.warnings.push(told);
-        }
+        let (system, trial) = (&mut self.system, &mut self.trial);
+        let Some(planes) = leans(model, &self.part, step, system, state, trial) else {
+            return true;
+        };
+        self.summary.status = Status::NotConverged;
+        self.summary.message = self.part.told_to_lean(&planes, &model.steps[step].name);
+        recorder.note(&self.summary.message);
+        false
     }
 
     /// A step to its end; false if the run ends here.

@@ -42,6 +42,7 @@ pub use wall::{
     Subdivision, Wall,
 };
 
+use super::across;
 use super::overrides;
 use super::quantity::Length;
 use super::scene::{ContactPoints, Fidelity, Formulation, Output};
@@ -219,6 +220,7 @@ impl Deck {
         errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
         if let Some(mut deck) = form.deck {
             deck.source = source;
+            across::choose_meshes(&mut deck);
             if deck.title.is_empty() {
                 deck.title = Path::new(file)
                     .file_stem()
@@ -321,6 +323,11 @@ impl Deck {
     /// A warning about the key `path` of this deck.
     pub fn warning(&self, path: &str, message: impl Into<String>) -> crate::error::Warning {
         self.source.warning(path, message)
+    }
+
+    /// Whether the key `path` is written, in the file or in an override.
+    pub(super) fn says(&self, path: &str) -> bool {
+        self.source.has(path)
     }
 
     /// Findings at `path`, or below, are told of the key `from`: the file has no such table.

@@ -25,7 +25,9 @@ pub struct MirrorPlane {
 
 impl fmt::Display for MirrorPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {} mm", Axis::NAMES[self.axis], self.at)
+        // To a millionth, so that no rounding is told; and no −0.
+        let at = (1e6 * self.at).round() / 1e6 + 0.0;
+        write!(f, "{} = {at} mm", Axis::NAMES[self.axis])
     }
 }
 

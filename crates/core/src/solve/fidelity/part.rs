@@ -59,8 +59,8 @@ impl Part {
     pub fn told_to_lean(&self, planes: &[usize], step: &str) -> String {
         let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
         format!(
-            "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: it would buckle or bow to one \
-             side, which the part that is solved cannot. fidelity = \"full\" solves all of it; give it what tips it, too",
+            "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: before that it buckles or bows to \
+             one side, which the part that is solved cannot; try fidelity = \"full\", which solves all of it",
             planes.join(" and ")
         )
     }
