@@ -6,6 +6,7 @@ use std::io::{BufRead, BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
+use wythe::results::plotting::{Spot, scatter};
 use wythe::system::linear::{Backend, LinearSolver};
 
 use super::matrices::{Matrix, NAMES, large_wall, matrix};
@@ -135,7 +136,8 @@ fn resident() -> f64 {
 }
 
 /// Walls of 10,000 to 500,000 unknowns by L Lᵀ: times of analysis, factorisation, the same after a change
-/// in a corner and after none, and solve, memory, and the exponents of their growth.
+/// in a corner and after none, and solve, memory, and the exponents of their growth from the first to the last. Writes
+/// `docs/linear-solver/table.csv` and `chart.svg` anew.
 pub fn scale(threads: usize, repeats: usize) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().expect("threads");
@@ -145,19 +147,43 @@ pub fn scale(threads: usize, repeats: usize) {
         ("8647.5", "53"),
         ("17307.5", "88"),
     ];
-    println!("unknowns | analysis | factorise | corner | again | solve, ms | kB an unknown, kept");
-    let mut last: Option<(f64, [f64; 7])> = None;
+    let head = "unknowns,analysis_ms,factorise_ms,corner_ms,again_ms,solve_ms,kB_an_unknown,kB_with_what_is_kept";
+    let mut table = format!("{head}\n");
+    println!("{head}");
+    let mut rows = Vec::new();
     for (length, courses) in walls {
-        let row = pool.install(|| grow(&large_wall(length, courses), repeats));
-        let (n, figures) = row;
-        println!("{n} | {figures:.3?}");
-        if let Some((before, old)) = last {
-            let exponent = |i: usize| (figures[i] / old[i]).ln() / (n / before).ln();
-            let exponents: Vec<f64> = (0..figures.len()).map(exponent).collect();
-            println!("  exponents {exponents:.2?}");
-        }
-        last = Some(row);
+        let (n, figures) = pool.install(|| grow(&large_wall(length, courses), repeats));
+        let told: Vec<String> = figures.iter().map(|x| format!("{x:.3}")).collect();
+        let line = format!("{n},{}\n", told.join(","));
+        print!("{line}");
+        table += &line;
+        rows.push((n, figures));
     }
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    let exponent = |i: usize| (last.1[i] / first.1[i]).ln() / (last.0 / first.0).ln();
+    let exponents: Vec<String> = (0..7).map(|i| format!("{:.2}", exponent(i))).collect();
+    let line = format!("exponent,{}\n", exponents.join(","));
+    print!("{line}");
+    table += &line;
+    let names = ["factorise", "a tenth changed", "analysis", "solve"];
+    let spots = [1, 2, 0, 4]
+        .into_iter()
+        .enumerate()
+        .flat_map(|(series, i)| {
+            rows.iter().map(move |(n, figures)| Spot {
+                name: String::new(),
+                at: (*n, figures[i]),
+                series,
+                marked: false,
+            })
+        });
+    let spots: Vec<Spot> = spots.collect();
+    let title = format!("Cholesky factorisation of walls, threads: {threads}");
+    let svg = scatter(&title, ["unknowns", "time [ms]"], &names, &spots, &[], None);
+    let folder = format!("{}/docs/linear-solver", env!("CARGO_MANIFEST_DIR"));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(format!("{folder}/table.csv"), table).expect("a table");
+    std::fs::write(format!("{folder}/chart.svg"), svg.expect("a chart")).expect("a chart");
 }
 
 /// Unknowns, and what [`scale`] prints of one wall: the least of several times.
