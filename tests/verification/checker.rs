@@ -32,6 +32,8 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     let mesh = |overrides| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
     assert_eq!(mesh(&[]).thickness, 3);
     assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
+    let none = [("wall.leaves".to_owned(), "0".to_owned())];
+    assert!(Deck::load(path("62_out_of_plane_wall"), &none).is_err());
 }
 
 #[test]

@@ -206,6 +206,67 @@ fn every_field_is_that_of_the_whole(mesh: &str, unknowns: f64) {
     assert!((own as f64) < unknowns * all as f64, "{own} of {all}");
 }
 
+/// Facets that lie across the plane meet facets that end in it: only the points before it are asked what they face, and
+/// those beyond are shown as they are seen.
+#[test]
+fn facets_across_the_plane_face_what_ends_in_it() {
+    let text = r#"format = 1
+[materials.stone]
+E = 1000
+nu = 0.2
+[interfaces.joint]
+f_t = "0.3 MPa"
+c = "0.4 MPa"
+tan_phi = 0.7
+mu = 0.7
+u_k = "0.3 mm"
+delta_k = "0.4 mm"
+zeta = 4
+xi = 1
+penalty_factor = 20
+[[blocks]]
+name = "lower"
+size = [100, 100, 50]
+material = "stone"
+mesh = [2, 2, 1]
+[[blocks]]
+name = "upper"
+size = [100, 100, 50]
+at = [0, 0, 50]
+material = "stone"
+mesh = [3, MESH, 1]
+[[contacts]]
+slave = "upper.bottom"
+master = "lower.top"
+interface = "joint"
+[[supports]]
+on = "lower.bottom"
+[[steps]]
+kind = "load"
+loads = [{ name = "weight", on = "upper.top", traction = [0.2, 0, -0.4] }]
+increments = { initial = 0.5, max = 0.5 }
+tangent = "direct"
+tolerance = { residual = 1e-8 }
+"#;
+    for mesh in ["1", "3"] {
+        let [(model, full), (_, auto)] = both(&text.replace("MESH", mesh));
+        assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 50.0 }]);
+        assert_eq!(full.frames.len(), auto.frames.len());
+        for (a, b) in full.rows.iter().zip(&auto.rows) {
+            assert!(apart(quantities(a), quantities(b)) < 1e-5, "{a:?} {b:?}");
+            assert_eq!(a.sliding_points, b.sliding_points);
+        }
+        for (a, b) in full.frames.iter().zip(&auto.frames) {
+            for (field, apart) in frames_apart(a, b) {
+                assert!(apart < 1e-5, "{field}: {apart:e}");
+            }
+        }
+        // Nothing is lost.
+        let last = auto.frames.last().unwrap();
+        assert!(last.interfaces.damage.iter().all(|d| *d < 1.0));
+    }
+}
+
 /// A quarter is a half of a half, and of elements that lie across both planes a quarter counts.
 #[test]
 fn two_planes_leave_a_quarter() {
@@ -385,7 +446,7 @@ fn what_is_far_from_a_crack_is_not_factorised_again() {
 /// move that by less than the tenth asked for.
 #[test]
 fn what_buckles_to_one_side_is_no_half() {
-    let column = |pressure: f64, mesh: &str| {
+    let column_with = |pressure: f64, mesh: &str, more: &str| {
         let text = format!(
             r#"format = 1
 [materials.stone]
@@ -401,6 +462,7 @@ on = "column.bottom"
 [[steps]]
 kind = "load"
 loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }}]
+{more}
 "#
         );
         let (_, model) = deck_and_model(&text);
@@ -408,6 +470,17 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
         assert_eq!(summary.mirror_planes.len(), 2);
         (summary.status, summary.message)
     };
+    let column = |pressure, mesh: &str| column_with(pressure, mesh, "");
+    let falls = |more: &str| column_with(0.565, "[1, 1, 20]", more).0 == Status::NotConverged;
+    // A load that has come back has been there.
+    assert!(falls("amplitude = [[0, 0], [0.5, 1], [1, 0]]"));
+    // A prop at its head carries 8 times as much; one along it, or across the other plane, nothing.
+    let prop = |stiffness: &str| {
+        format!("[[springs]]\nname = \"prop\"\non = \"column.top\"\nstiffness = {stiffness}")
+    };
+    assert!(!falls(&prop("[0, 1e4, 0]")));
+    assert!(falls(&prop("[1e4, 0, 0]")));
+    assert!(falls(&prop("[0, 0, 100]")));
     // Of one, two and three elements across the plane it buckles out of, and as many across the other.
     for mesh in ["[1, 1, 20]", "[2, 2, 20]", "[2, 3, 20]", "[3, 1, 20]"] {
         assert_eq!(column(0.46, mesh).0, Status::Completed, "{mesh}");

@@ -73,6 +73,33 @@ impl Mesh {
         part.iter().product()
     }
 
+    /// Parts of the points of a facet near its corners that count: those beyond a plane of symmetry that it lies across
+    /// do not, for their images are there, and of one in the plane a half does.
+    pub fn point_shares(&self, facet: &[u32; 4]) -> [f64; 4] {
+        if self.reflected.is_empty() {
+            return [1.0; 4];
+        }
+        let place = |n: u32| match self.reflected(n) {
+            Some(image) => (image.of, image.sign),
+            None => (n, [1.0; 3]),
+        };
+        let places = facet.map(place);
+        places.map(|(of, sign)| {
+            let part = |d: usize| {
+                let lies_across = places.iter().any(|(_, sign)| sign[d] < 0.0);
+                let mut beyond = sign;
+                beyond[d] = -1.0;
+                match (lies_across, sign[d] < 0.0) {
+                    (false, _) => 1.0,
+                    (true, true) => 0.0,
+                    (true, false) if places.contains(&(of, beyond)) => 1.0,
+                    (true, false) => 0.5,
+                }
+            };
+            (0..3).map(part).product()
+        })
+    }
+
     /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let nodes = self.elements.as_flattened().iter();

@@ -86,13 +86,8 @@ impl Run<'_> {
                 .filter(|t| t.touch.history.traction[0] < 0.0);
             pressed.filter(|t| t.status == status).count()
         };
-        // Points beyond a plane of symmetry are counted before it.
-        let contact = &self.system.contact;
-        let mesh = &self.model.mesh;
-        let is_image = |p: usize| mesh.reflected(contact.corner(p)).is_some();
         let count = |status: PointStatus| {
-            let points = trial.status.iter().enumerate();
-            let points = points.filter(|(p, s)| **s == status && !is_image(*p));
+            let points = trial.status.iter().filter(|s| **s == status);
             points.count() + touching(status)
         };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);

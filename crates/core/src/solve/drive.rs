@@ -128,22 +128,24 @@ impl<'m> Run<'m> {
         let (mut next, mut go_on) = (0, true);
         if let Some(course) = course {
             next = course.index + 1;
-            go_on = self.walk(course, recorder)? && self.keeps_symmetry(next - 1, recorder);
+            go_on = self.walk(course, recorder)?;
         }
         while go_on && next < self.model.steps.len() {
             let course = self.begin(next)?;
             next += 1;
-            go_on = self.walk(course, recorder)? && self.keeps_symmetry(next - 1, recorder);
+            go_on = self.walk(course, recorder)?;
         }
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         Ok(self.summary)
     }
 
-    /// Whether a part of the scene that has come to the end of a step would stay in its planes as the whole; what moves is
-    /// not asked. If not, the run ends here: what it has found is not what the whole does.
-    fn keeps_symmetry(&mut self, step: usize, recorder: &mut dyn Recorder) -> bool {
-        if self.state.energies.moving() > QUIET {
+    /// Whether a part of the scene would stay in its planes as the whole, where a step ends or its loads turn round; what
+    /// moves is not asked. If not, the run ends here: what it has found is not what the whole does.
+    fn keeps_symmetry(&mut self, course: &Course, recorder: &mut dyn Recorder) -> bool {
+        let step = course.index;
+        let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
+        if moves || self.state.energies.moving() > QUIET {
             return true;
         }
         let (model, state) = (self.model, &self.state);
@@ -206,7 +208,7 @@ impl<'m> Run<'m> {
             }
         }
         self.clock = self.clock + course.newton.clock;
-        Ok(true)
+        Ok(self.keeps_symmetry(&course, recorder))
     }
 
     /// Prepares a step.
@@ -336,18 +338,20 @@ impl<'m> Run<'m> {
             let why = format!("{} has passed the trouble", leg.method.name());
             self.note(course, &why, recorder);
         }
+        let mut keeps_symmetry = true;
         if !end && course.is_at_row() {
+            keeps_symmetry = self.keeps_symmetry(course, recorder);
             self.turn(course);
         }
         self.tally(&course.newton);
         let all_done = end && course.index + 1 == self.model.steps.len();
-        self.offer(course, all_done || !keep, recorder)?;
+        self.offer(course, all_done || !keep || !keeps_symmetry, recorder)?;
         self.tally(&course.newton);
         if !keep {
             self.summary.status = Status::Interrupted;
             "stopped by the user".clone_into(&mut self.summary.message);
         }
-        Ok(keep)
+        Ok(keep && keeps_symmetry)
     }
 
     /// Goes on along the next branch of the amplitude.

@@ -126,6 +126,11 @@ impl DofMap {
         }
     }
 
+    /// Images in planes of symmetry, by node.
+    pub fn reflected(&self) -> &[Reflected] {
+        &self.reflected
+    }
+
     /// Lets forces on images act on what they are images of.
     pub fn fold(&self, f: &mut [[f64; 3]]) {
         for image in &self.reflected {

@@ -56,10 +56,6 @@ pub struct Evaluation {
     pub turning: Turning,
 }
 
-/// Part of its own stiffness that holds what nothing else does where a matrix is asked whether it is positive definite:
-/// above what rounding takes from a mode without stiffness, below the least of what is slender (200 elements: 200⁻⁴).
-const NEUTRAL: f64 = 1e-12;
-
 /// What the matrix knows of follower pressures, which turn with what they press.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
@@ -283,8 +279,8 @@ impl System {
         Ok((gather, solver))
     }
 
-    /// Factorises the symmetric matrix of the trial's cells in other unknowns, if it is positive definite; what stiffens
-    /// nothing counts as if it did, by [`NEUTRAL`].
+    /// Factorises the symmetric matrix of the trial's cells in other unknowns, if it is positive definite: with this part of its
+    /// diagonal added.
     ///
     /// # Errors
     /// [`LinearError`] of the analysis or the factorisation.
@@ -293,6 +289,7 @@ impl System {
         dofs: &DofMap,
         equations: &Equations,
         trial: &Trial,
+        part_of_own: f64,
     ) -> Result<(), LinearError> {
         let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
         let mut values = vec![0.0; gather.row_idx.len()];
@@ -300,7 +297,7 @@ impl System {
         for (e, column) in gather.col_ptr.windows(2).enumerate() {
             let rows = &gather.row_idx[column[0]..column[1]];
             if let Ok(k) = rows.binary_search(&(e as u32)) {
-                values[column[0] + k] *= 1.0 + NEUTRAL;
+                values[column[0] + k] *= 1.0 + part_of_own;
             }
         }
         solver.factorise(&values).map(|_| ())

@@ -22,6 +22,7 @@ use super::contact::{Contact, Soft, total_gap};
 use super::{System, Trial};
 use crate::model::Model;
 use crate::solve::State;
+use crate::system::DofMap;
 
 /// Most steps of conjugate gradients: BᵀA B is a mass matrix, each step halves what is left.
 const STEPS: usize = 60;
@@ -79,7 +80,7 @@ impl System {
         let points = self.contact.pressed(model, trial);
         let mut work = 0.0;
         let mut changes = Vec::with_capacity(points.len());
-        for (pressed, change) in points.iter().zip(settling(&points, way.len())) {
+        for (pressed, change) in points.iter().zip(settling(&points, &self.dofs)) {
             // Beyond its bounds a traction would be read as an opening of the joint.
             let history = &trial.interface[pressed.point];
             let law = self.contact.law(model, pressed.point);
@@ -99,7 +100,8 @@ impl System {
 }
 
 /// δt of each point in its frame [MPa], by conjugate gradients with the diagonal.
-fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
+fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
+    let nodes = dofs.slot.len();
     let zero = vec![Vector3::zeros(); nodes];
     let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {
         a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
@@ -110,6 +112,10 @@ fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
             r[n as usize] += p.missing * (p.area * w);
             diagonal[n as usize] += p.area * w * w * (1.0 + p.softness);
         }
+    }
+    fold(dofs, &mut r);
+    for image in dofs.reflected() {
+        diagonal[image.of as usize] += std::mem::take(&mut diagonal[image.node as usize]);
     }
     let scaled = |r: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
         let entries = r.iter().zip(&diagonal);
@@ -129,6 +135,11 @@ fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
         if size.is_nan() || size <= enough {
             break;
         }
+        // Images move as what they are images of.
+        for image in dofs.reflected() {
+            let of = direction[image.of as usize];
+            direction[image.node as usize] = of.component_mul(&Vector3::from(image.sign));
+        }
         let mut pulled = zero.clone();
         for p in points {
             let force = p.elastic * p.relative(&direction) * p.area;
@@ -137,6 +148,7 @@ fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
                 pulled[n] += force * *w + direction[n] * (p.area * w * w * p.softness);
             }
         }
+        fold(dofs, &mut pulled);
         let step = size / dot(&direction, &pulled);
         for i in 0..nodes {
             y[i] += direction[i] * step;
@@ -156,6 +168,14 @@ fn settling(points: &[Pressed], nodes: usize) -> Vec<[f64; 3]> {
             p.frame.map(|axis| axis.dot(&change))
         })
         .collect()
+}
+
+/// Lets what acts on images act on what they are images of.
+fn fold(dofs: &DofMap, f: &mut [Vector3<f64>]) {
+    for image in dofs.reflected() {
+        let own = std::mem::take(&mut f[image.node as usize]);
+        f[image.of as usize] += own.component_mul(&Vector3::from(image.sign));
+    }
 }
 
 impl Contact {

@@ -60,6 +60,11 @@ impl Springs {
         springs
     }
 
+    /// Other stiffnesses [N/mm] `[spring][xyz]`; returns what they were.
+    pub fn stiffen(&mut self, stiffness: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+        std::mem::replace(&mut self.stiffness, stiffness)
+    }
+
     /// Cells of eight nodes.
     pub fn cells(&self) -> &[[u32; 8]] {
         &self.cells

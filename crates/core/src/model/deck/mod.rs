@@ -220,7 +220,6 @@ impl Deck {
         errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
         if let Some(mut deck) = form.deck {
             deck.source = source;
-            across::choose_meshes(&mut deck);
             if deck.title.is_empty() {
                 deck.title = Path::new(file)
                     .file_stem()
@@ -232,6 +231,7 @@ impl Deck {
                 errors.extend(validate::validate(&deck, &form.broken));
             }
             if errors.is_empty() {
+                across::choose_meshes(&mut deck);
                 return Ok(deck);
             }
         }

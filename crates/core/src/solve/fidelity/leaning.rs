@@ -8,17 +8,23 @@
 
 use super::part::Part;
 use crate::model::Model;
+use crate::model::loads::LoadOn;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, HeldBy, Step, Support};
-use crate::solve::Clock;
-use crate::solve::State;
+use crate::solve::{Clock, State};
 use crate::system::dofs::{DofMap, Equations};
 use crate::system::linear::LinearError;
 use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
 
-/// Planes that what is solved would leave, of those that it is held in, at the end of a step: the first few of them that
-/// its stiffness does not hold it in. Solids have their secant stiffness, joints that of their penalty. The trial is
-/// begun anew.
+/// Part of its own stiffness that holds what nothing else does: above what rounding takes from a mode without
+/// stiffness, below the least of what is slender (200 elements: 200⁻⁴).
+const NEUTRAL: f64 = 1e-12;
+/// Part of its own stiffness that is taken from what is at rest to find modes that nothing holds there.
+const FREE: f64 = 1e-11;
+
+/// Planes that what is solved would leave, of those that it is held in: the first few of them that its stiffness does
+/// not hold it in. Solids have their secant stiffness, joints that of their penalty. Under follower pressures, whose own
+/// stiffness is not symmetric, it is not asked. The trial is begun anew.
 pub(in crate::solve) fn leans(
     model: &Model,
     part: &Part,
@@ -28,10 +34,73 @@ pub(in crate::solve) fn leans(
     trial: &mut Trial,
 ) -> Option<Vec<usize>> {
     let planes = part.planes.len();
-    if planes == 0 {
+    let mut loads = model.loads.iter().zip(&state.loads);
+    let follows = loads.any(|(load, value)| {
+        matches!(load.acts, LoadOn::Follower(_)) && value.iter().any(|v| *v != 0.0)
+    });
+    if planes == 0 || follows {
         return None;
     }
-    system.steered = None;
+    let steered = system.steered.take();
+    let springs = system.springs.stiffen(Vec::new());
+    let mut asked = Asked {
+        model,
+        part,
+        step,
+        system,
+        trial,
+    };
+    let mut sets = (1..1_usize << planes).map(|set| {
+        let turned = (0..planes).filter(|p| set >> p & 1 != 0);
+        turned.collect::<Vec<usize>>()
+    });
+    // What nothing holds that way even at rest, as a stone that may turn on its bed, neither stands nor falls.
+    let leans = sets.find(|turned| {
+        asked.gives_way(turned, state, NEUTRAL) && {
+            let rest = asked.system.initial_state(model);
+            !asked.gives_way(turned, &rest, -FREE)
+        }
+    });
+    system.springs.stiffen(springs);
+    system.steered = steered;
+    leans
+}
+
+/// What is asked, and where it is worked out.
+struct Asked<'a> {
+    model: &'a Model,
+    part: &'a Part,
+    step: usize,
+    system: &'a mut System,
+    trial: &'a mut Trial,
+}
+
+impl Asked<'_> {
+    /// Whether what goes the mirrored way beyond these planes is not held at a state, with `part_of_own` of the diagonal
+    /// added.
+    fn gives_way(&mut self, turned: &[usize], state: &State, part_of_own: f64) -> bool {
+        let Self {
+            model,
+            part,
+            step,
+            system,
+            trial,
+        } = self;
+        system.springs.stiffen(across(part, turned));
+        if write(model, system, state, trial).is_none() {
+            return false;
+        }
+        let (dofs, equations) = turned_over(model, part, *step, turned);
+        let tried = system.try_factor(&dofs, &equations, trial, part_of_own);
+        matches!(
+            tried,
+            Err(LinearError::NotPositiveDefinite { .. } | LinearError::Singular { .. })
+        )
+    }
+}
+
+/// Writes the stiffness of all cells at a state, as joints bear by their law; nothing if a law gives no answer.
+fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
     system.start(trial, state);
     trial.spring_ends.clone_from(&state.spring_ends);
     trial.stiffest = STIFFEST_UNDER_LOADS;
@@ -46,14 +115,20 @@ pub(in crate::solve) fn leans(
     let mut clock = Clock::default();
     system
         .evaluate(model, state, trial, &state.q, setting, &mut clock)
-        .ok()?;
-    (1..1_usize << planes)
-        .map(|set| (0..planes).filter(|p| set >> p & 1 != 0).collect())
-        .find(|turned: &Vec<usize>| {
-            let (dofs, equations) = turned_over(model, part, step, turned);
-            let tried = system.try_factor(&dofs, &equations, trial);
-            matches!(tried, Err(LinearError::NotPositiveDefinite { .. }))
-        })
+        .ok()
+}
+
+/// Stiffness of springs on the mean of their nodes, which moves across one plane or not at all [N/mm]. `[spring][xyz]`
+fn across(part: &Part, turned: &[usize]) -> Vec<[f64; 3]> {
+    let springs = part.springs.iter().map(|stiffness| {
+        let mut across = [0.0; 3];
+        if let [p] = turned {
+            let axis = part.planes[*p].axis;
+            across[axis] = stiffness[axis];
+        }
+        across
+    });
+    springs.collect()
 }
 
 /// Unknowns of what goes the mirrored way beyond these planes.

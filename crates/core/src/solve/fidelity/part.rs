@@ -11,6 +11,8 @@ pub(in crate::solve) struct Part {
     pub planes: Vec<MirrorPlane>,
     /// Whether a beam of what is shown may move across a plane in a step. `[plane][step][beam]`
     pub free: Vec<Vec<Vec<bool>>>,
+    /// Stiffness of the springs on this part, across planes, too [N/mm]. `[spring][xyz]`
+    pub springs: Vec<[f64; 3]>,
     /// Numbers in what is shown; none if they are its own.
     node: Option<Vec<u32>>,
     element: Option<Vec<u32>>,
@@ -25,6 +27,7 @@ impl Part {
         Self {
             planes: vec![plane],
             free: vec![free.collect()],
+            springs: springs(whole.springs.iter().map(|spring| spring.stiffness)),
             node: Some([kept(&half.node), half.beyond.clone()].concat()),
             element: Some(kept(&half.element)),
         }
@@ -39,6 +42,10 @@ impl Part {
         Self {
             planes: [&whole.planes[..], &self.planes].concat(),
             free: [&whole.free[..], &self.free].concat(),
+            springs: match whole.planes[..] {
+                [] => self.springs.clone(),
+                _ => springs(whole.springs.iter().copied()),
+            },
             node: of(&self.node, &|n| whole.node(n)),
             element: of(&self.element, &|e| whole.element(e)),
         }
@@ -74,6 +81,11 @@ impl Part {
             planes.join(" and ")
         ))
     }
+}
+
+/// Half as stiff.
+fn springs(whole: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
+    whole.map(|stiffness| stiffness.map(|k| 0.5 * k)).collect()
 }
 
 /// What is kept, in order.

@@ -127,14 +127,20 @@ fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)
     };
     let mut points = Vec::with_capacity(4 * facets.len());
     for (f, facet) in facets.iter().enumerate() {
-        if let Some(own) = half.slave[f] {
+        let own = half.slave[f].filter(|_| !images.lies_across(facet));
+        if let Some(own) = own {
             points.extend((0..4).map(|k| (4 * own + k, AS_IT_IS)));
             continue;
         }
+        // Of a facet that lies across, points beyond the plane are seen before it.
         let image = images.slave[f];
         let own = half.slave[image as usize]?;
         let corners = &facets[image as usize];
         for (p, n) in facet.iter().enumerate() {
+            if images.lies_across(facet) && images.side[*n as usize] <= 0 {
+                points.push((4 * own + p as u32, AS_IT_IS));
+                continue;
+            }
             let seen = images.node[*n as usize];
             let k = corners.iter().position(|corner| *corner == seen)?;
             let here = tangents(&pairs[4 * f + p]);

@@ -260,6 +260,12 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         let at = 4 * k + p;
         let point = &contact.points[4 * f + p];
         let old = &state.interface[4 * f + p];
+        if contact.is_image(4 * f + p) {
+            group.history[at] = *old;
+            group.energy[at] = [0.0; 2];
+            group.status[at] = PointStatus::Stick;
+            continue;
+        }
         let committed = group.anchors[at];
         let pair = group.pairs[at];
         let sight = contact.sight(4 * f + p, &four, &slave, committed, pair, x);

@@ -93,8 +93,8 @@ impl Contact {
                 ContactPoints::Gauss => gauss_points(&corners),
                 ContactPoints::Corner => corner_points(&corners),
             };
-            let share = model.mesh.share(&slave.facets[f]);
-            points.extend(of_facet.map(|mut point| {
+            let shares = model.mesh.point_shares(&slave.facets[f]);
+            points.extend(of_facet.into_iter().zip(shares).map(|(mut point, share)| {
                 point.area *= share;
                 point
             }));
@@ -138,9 +138,9 @@ impl Contact {
             .collect()
     }
 
-    /// The node of its facet that a point lies near, or at.
-    pub fn corner(&self, point: usize) -> u32 {
-        self.slave.facets[point / 4][point % 4]
+    /// Whether a point is another one's image in a plane of symmetry, which stands for it.
+    pub fn is_image(&self, point: usize) -> bool {
+        self.points[point].area == 0.0
     }
 
     /// The law of a point.

@@ -31,6 +31,10 @@ impl Contact {
             .with_min_len(16)
             .for_each(|(f, ((pairs, anchors), gaps))| {
                 for (p, (pair, anchor)) in pairs.iter_mut().zip(anchors).enumerate() {
+                    if self.is_image(4 * f + p) {
+                        (*pair, *anchor) = Default::default();
+                        continue;
+                    }
                     let known = pair
                         .facet
                         .filter(|_| seen && stays_on(pair.xi) && gaps[p].abs() <= self.radius);
