@@ -527,6 +527,7 @@ fn elastic_solids_tell_how_far_they_went() {
         let (_, mut model) = deck_and_model(&text);
         model.fidelity = Fidelity::Elastic;
         let (recording, summary) = scene::run(&model);
+        assert_eq!(summary.mirror_planes, mirror_planes(&model));
         assert!(
             recording
                 .rows

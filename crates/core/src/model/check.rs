@@ -114,8 +114,8 @@ pub fn sizes(model: &Model) -> Sizes {
 /// met within an eighth. Other bodies take 885 n^1.22 bytes, measured up to 84,000 unknowns.
 fn memory_mb(deck: &Deck, model: &Model) -> f64 {
     let solved = match model.fidelity {
-        Fidelity::Auto => mirrored::least(model),
-        _ => Cow::Borrowed(model),
+        Fidelity::Full => Cow::Borrowed(model),
+        Fidelity::Auto | Fidelity::Elastic => mirrored::least(model),
     };
     let (model, sizes) = (solved.as_ref(), sizes(&solved));
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
@@ -346,10 +346,10 @@ fn fidelity_note(model: &Model) -> Option<String> {
         planes.join(" and ")
     );
     Some(match model.fidelity {
-        Fidelity::Auto => {
+        Fidelity::Auto | Fidelity::Elastic => {
             format!("fidelity: {image}: {part} of it is solved, and the whole is shown")
         }
-        _ => format!(
+        Fidelity::Full => format!(
             "fidelity: {image}: with fidelity = \"auto\" {part} of it is solved, and the whole is shown"
         ),
     })

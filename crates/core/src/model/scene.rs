@@ -81,7 +81,7 @@ pub enum Fidelity {
     Auto,
     /// All of it.
     Full,
-    /// All of it, with solids that stay linear elastic: only joints open and slide.
+    /// One half likewise, or all of it, with solids that stay linear elastic: only joints open and slide.
     Elastic,
 }
 

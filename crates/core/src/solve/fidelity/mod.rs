@@ -40,21 +40,23 @@ pub(super) enum Instead {
 impl Instead {
     /// Nothing if the model itself is to be solved.
     pub fn of(model: &Model) -> Option<Self> {
-        match model.fidelity {
-            Fidelity::Full => None,
-            Fidelity::Elastic => Some(Self::Elastic(Box::new(Elastic::of(model)))),
-            Fidelity::Auto => {
-                let (images, half) = halved(model)?;
-                let places = Places::of(model, &images, &half)?;
-                let (axis, at) = (images.axis, images.at);
-                let part = Part::of(model, &half, MirrorPlane { axis, at });
-                Some(Self::Half {
-                    model: Box::new(half.model),
-                    part,
-                    places,
-                })
-            }
+        if model.fidelity == Fidelity::Full {
+            return None;
         }
+        let elastic = model.fidelity == Fidelity::Elastic;
+        let half = || {
+            let (images, half) = halved(model)?;
+            let places = Places::of(model, &images, &half)?;
+            let (axis, at) = (images.axis, images.at);
+            let part = Part::of(model, &half, MirrorPlane { axis, at });
+            Some(Self::Half {
+                model: Box::new(half.model),
+                part,
+                places,
+            })
+        };
+        // Of halves, the one that is left has elastic solids.
+        half().or_else(|| elastic.then(|| Self::Elastic(Box::new(Elastic::of(model)))))
     }
 
     /// What is solved.
