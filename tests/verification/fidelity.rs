@@ -491,6 +491,31 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
     }
 }
 
+/// A prism that slides freely on its bed may turn about its axis, which neither stands nor falls, pressed or not.
+#[test]
+fn what_nothing_holds_at_rest_is_no_matter_of_symmetry() {
+    let text = r#"format = 1
+[materials.stone]
+E = 1000
+nu = 0.2
+[[blocks]]
+name = "prism"
+size = [100, 100, 200]
+material = "stone"
+mesh = [2, 1, 3]
+[[supports]]
+on = "prism.bottom"
+fixed = ["z"]
+[[steps]]
+kind = "load"
+loads = [{ name = "weight", on = "prism.top", traction = [0, 0, -20] }]
+"#;
+    let (_, model) = deck_and_model(text);
+    let summary = scene::run(&model).1;
+    assert_eq!(summary.mirror_planes.len(), 2);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+}
+
 /// The checker tells of the plane, whether it is used or not.
 #[test]
 fn the_checker_offers_the_half() {

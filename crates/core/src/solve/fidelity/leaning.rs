@@ -16,11 +16,10 @@ use crate::system::dofs::{DofMap, Equations};
 use crate::system::linear::LinearError;
 use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
 
-/// Part of its own stiffness that holds what nothing else does: above what rounding takes from a mode without
-/// stiffness, below the least of what is slender (200 elements: 200⁻⁴).
-const NEUTRAL: f64 = 1e-12;
-/// Part of its own stiffness that is taken from what is at rest to find modes that nothing holds there.
-const FREE: f64 = 1e-11;
+/// Part of its own stiffness that holds what nothing else does, or is taken from what is at rest to find what nothing
+/// holds there: above what rounding makes of a mode without stiffness, below the least of what is slender (400
+/// elements with joints: some 1e-11).
+const NEUTRAL: f64 = 1e-13;
 
 /// Planes that what is solved would leave, of those that it is held in: the first few of them that its stiffness does
 /// not hold it in. Solids have their secant stiffness, joints that of their penalty. Under follower pressures, whose own
@@ -58,7 +57,7 @@ pub(in crate::solve) fn leans(
     let leans = sets.find(|turned| {
         asked.gives_way(turned, state, NEUTRAL) && {
             let rest = asked.system.initial_state(model);
-            !asked.gives_way(turned, &rest, -FREE)
+            !asked.gives_way(turned, &rest, -NEUTRAL)
         }
     });
     system.springs.stiffen(springs);
