@@ -195,6 +195,7 @@ impl ElementShape {
 
     /// The same of which only a part counts, as of an element that lies across a plane of symmetry: forces, stiffness
     /// and energies are that part of its own, strains and sizes are its own.
+    #[must_use]
     pub fn counted(mut self, part: f64) -> Self {
         self.weight = self.weight.map(|w| part * w);
         let points = self.point_stiffness.iter_mut();
