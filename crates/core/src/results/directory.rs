@@ -3,10 +3,12 @@
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use miette::Diagnostic;
 
+use super::beside::FieldsBeside;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::summary::{EnergyBalance, Measured, ProbeRange, write_whole};
 use super::{
@@ -96,12 +98,12 @@ pub struct RunDirectory {
     /// Held until the run ends, however it does.
     _lock: File,
     history: HistoryWriter,
-    fields: VtkHdfWriter,
+    fields: FieldsBeside,
     messages: Option<McapWriter>,
     curve: Curve,
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
-    last_frame: Option<Frame>,
+    last_frame: Option<Arc<Frame>>,
     /// The deck as TOML and the folder of its files, for the checkpoints.
     deck: Option<String>,
     deck_folder: Option<String>,
@@ -198,7 +200,7 @@ impl RunDirectory {
             path: path.to_owned(),
             _lock: lock,
             history,
-            fields,
+            fields: FieldsBeside::new(fields),
             messages,
             curve: Curve::default(),
             energy: EnergyBalance::default(),
@@ -228,7 +230,7 @@ impl RunDirectory {
         for row in rows {
             run.count(model, row);
         }
-        run.last_frame = last_frame;
+        run.last_frame = last_frame.map(Arc::new);
         (run.wall_before, run.cpu_before) = (file.wall_s, file.cpu_s);
         (run.deck, run.deck_folder) = (file.deck.clone(), file.deck_folder.clone());
         run
@@ -243,7 +245,9 @@ impl RunDirectory {
             let text = deck.to_toml().map_err(io::Error::other)?;
             write_whole(file, text.as_bytes()).map(|()| text)
         })?;
-        writing(&self.path, FIELDS, |_| self.fields.keep_deck(&text))?;
+        writing(&self.path, FIELDS, |_| {
+            self.fields.settled()?.keep_deck(&text)
+        })?;
         let folder = std::path::absolute(Path::new(".").join(deck.folder())).ok();
         self.deck_folder = folder.and_then(|folder| folder.to_str().map(str::to_owned));
         // A run that goes on with the same deck has attached it.
@@ -316,7 +320,7 @@ impl RunDirectory {
         })?;
         if let Some(messages) = messages {
             writing(&path, MESSAGES, |_| {
-                messages.finish(model, last_frame.as_ref(), run, model_warnings)
+                messages.finish(model, last_frame.as_deref(), run, model_warnings)
             })?;
         }
         if let Some(frame) = last_frame {
@@ -419,10 +423,13 @@ impl Recorder for RunDirectory {
     fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
         writing(&self.path, HISTORY, |_| self.history.append(row))?;
         self.count(model, row);
-        self.fields.row(row);
+        writing(&self.path, FIELDS, |_| {
+            self.fields.settled().map(|fields| fields.row(row))
+        })?;
         if let Some(frame) = frame {
-            writing(&self.path, FIELDS, |_| self.fields.append(frame))?;
-            self.last_frame = Some(frame.clone());
+            let frame = Arc::new(frame.clone());
+            writing(&self.path, FIELDS, |_| self.fields.append(&frame))?;
+            self.last_frame = Some(frame);
             self.kept.frame = true;
         }
         if let Some(messages) = &mut self.messages {
@@ -453,7 +460,11 @@ impl Recorder for RunDirectory {
         let (wall_s, cpu_s) = self.times();
         // Rows, frames and messages are on the disk before the checkpoint that counts on them.
         writing(&self.path, HISTORY, |_| self.history.sync())?;
-        writing(&self.path, FIELDS, |_| self.fields.publish())?;
+        let frames = writing(&self.path, FIELDS, |_| {
+            let fields = self.fields.settled()?;
+            fields.publish()?;
+            Ok(fields.steps())
+        })?;
         let messages = match &mut self.messages {
             Some(messages) => Some(writing(&self.path, MESSAGES, |_| messages.mark())?),
             None => None,
@@ -462,7 +473,7 @@ impl Recorder for RunDirectory {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             deck: self.deck.clone(),
             deck_folder: self.deck_folder.clone(),
-            frames: self.fields.steps(),
+            frames,
             messages,
             wall_s,
             cpu_s,

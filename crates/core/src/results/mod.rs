@@ -13,6 +13,7 @@
 //! CSV, INP). StoppedRun goes on with them.
 //! ```
 
+mod beside;
 pub mod branch;
 pub mod checkpoint;
 pub mod comparison;

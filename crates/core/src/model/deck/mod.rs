@@ -231,7 +231,7 @@ impl Deck {
                 errors.extend(validate::validate(&deck, &form.broken));
             }
             if errors.is_empty() {
-                across::choose_meshes(&mut deck);
+                across::choose(&mut deck);
                 return Ok(deck);
             }
         }

@@ -147,6 +147,8 @@ pub fn study(
         let of_form = scene.choices.iter();
         let of_form: Vec<&Choice> = of_form
             .filter(|c| scene.overrides(c, options.short).is_some())
+            // More threads than there are would say nothing of threads.
+            .filter(|c| c.threads <= machine.threads)
             .collect();
         let jobs = (1..=options.repeats).flat_map(|r| of_form.iter().map(move |c| (r, *c)));
         let run = |(repeat, choice): (usize, &Choice)| {

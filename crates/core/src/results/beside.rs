@@ -1,0 +1,134 @@
+//! Fields that are written beside the run: packing a frame takes as long as an iterate, and nobody waits for it.
+
+use std::io;
+use std::sync::Arc;
+use std::thread::{Builder, JoinHandle};
+
+use super::{Frame, VtkHdfWriter};
+
+/// A writer of fields, of which one frame at a time may be under way. On one thread it writes at once.
+#[derive(Debug)]
+pub(super) struct FieldsBeside {
+    /// None while a frame is under way, and after [`FieldsBeside::finish`].
+    writer: Option<VtkHdfWriter>,
+    /// The frame that is under way.
+    under_way: Option<JoinHandle<(VtkHdfWriter, io::Result<()>)>>,
+}
+
+impl FieldsBeside {
+    /// Of a writer that has begun its file.
+    pub fn new(writer: VtkHdfWriter) -> Self {
+        Self {
+            writer: Some(writer),
+            under_way: None,
+        }
+    }
+
+    /// The writer, once the frame that was under way is written.
+    ///
+    /// # Errors
+    /// That frame, or one before, could not be written.
+    pub fn settled(&mut self) -> io::Result<&mut VtkHdfWriter> {
+        if let Some(under_way) = self.under_way.take() {
+            let (writer, written) = under_way
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            self.writer = Some(writer);
+            written?;
+        }
+        let gone = || io::Error::other("it could not be written before");
+        self.writer.as_mut().ok_or_else(gone)
+    }
+
+    /// Appends a frame as [`VtkHdfWriter::append`], and returns before that is done if there is more than one thread:
+    /// whoever asks for the writer next hears how it went.
+    ///
+    /// # Errors
+    /// As [`FieldsBeside::settled`], and on one thread as [`VtkHdfWriter::append`].
+    pub fn append(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
+        let writer = self.settled()?;
+        if rayon::current_num_threads() == 1 {
+            return writer.append(frame);
+        }
+        if let Some(mut writer) = self.writer.take() {
+            let frame = Arc::clone(frame);
+            let write = move || {
+                let written = writer.append(&frame);
+                (writer, written)
+            };
+            self.under_way = Some(Builder::new().name("fields".to_owned()).spawn(write)?);
+        }
+        Ok(())
+    }
+
+    /// Closes the file with everything in it.
+    ///
+    /// # Errors
+    /// As [`FieldsBeside::settled`] and [`VtkHdfWriter::finish`].
+    pub fn finish(mut self) -> io::Result<()> {
+        self.settled()?;
+        self.writer.take().map_or(Ok(()), VtkHdfWriter::finish)
+    }
+}
+
+impl Drop for FieldsBeside {
+    /// Nothing is written to a folder that another run may have locked.
+    fn drop(&mut self) {
+        if let Some(under_way) = self.under_way.take() {
+            // Best effort: whoever drops it has an error already, or wants no results.
+            let _ = under_way.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::fake;
+    use crate::results::vtkhdf::read::FieldsFile;
+
+    fn on_threads<R: Send>(n: usize, run: impl FnOnce() -> R + Send) -> R {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build();
+        pool.unwrap().install(run)
+    }
+
+    #[test]
+    fn frames_are_the_same_however_they_are_written() {
+        let model = fake::model();
+        let written = |threads| {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("results.vtkhdf");
+            let writer = VtkHdfWriter::create(&path, &model).unwrap();
+            on_threads(threads, || {
+                let mut fields = FieldsBeside::new(writer);
+                for time in [0.5, 1.0, 1.5] {
+                    fields.append(&Arc::new(fake::frame(&model, time))).unwrap();
+                }
+                assert_eq!(fields.settled().unwrap().steps(), 3);
+                fields.finish().unwrap();
+            });
+            let file = FieldsFile::open(&path).unwrap();
+            (file.times().to_vec(), file.field("displacement", 2).unwrap())
+        };
+        assert_eq!(written(1), written(3));
+        assert_eq!(written(1).0, [0.5, 1.0, 1.5]);
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_told_to_whoever_comes_next() {
+        let model = fake::model();
+        let folder = tempfile::tempdir().unwrap();
+        let writer = VtkHdfWriter::create(&folder.path().join("results.vtkhdf"), &model).unwrap();
+        on_threads(2, || {
+            let mut fields = FieldsBeside::new(writer);
+            let mut wrong = fake::frame(&model, 0.5);
+            wrong.displacement.pop();
+            fields.append(&Arc::new(wrong)).unwrap();
+            let why = fields.settled().unwrap_err();
+            assert!(why.to_string().contains("displacement"), "{why}");
+            // The file is as it was.
+            fields.append(&Arc::new(fake::frame(&model, 0.5))).unwrap();
+            assert_eq!(fields.settled().unwrap().steps(), 1);
+        });
+    }
+}
