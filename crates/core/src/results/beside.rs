@@ -108,7 +108,10 @@ mod tests {
                 fields.finish().unwrap();
             });
             let file = FieldsFile::open(&path).unwrap();
-            (file.times().to_vec(), file.field("displacement", 2).unwrap())
+            (
+                file.times().to_vec(),
+                file.field("displacement", 2).unwrap(),
+            )
         };
         assert_eq!(written(1), written(3));
         assert_eq!(written(1).0, [0.5, 1.0, 1.5]);
