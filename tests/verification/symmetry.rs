@@ -166,6 +166,7 @@ c = 0.22
 delta_k = 0.4
 xi = 1.1
 mu = 0.58
+penalty_factor = 500
 [wall]
 unit = [112, 53, 36]
 bed_joint = 10

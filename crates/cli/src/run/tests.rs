@@ -179,6 +179,8 @@ fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
         let mut wrong = frame(&model, 1.0);
         wrong.stress.pop();
         recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
+        // It is written beside the run: the next row hears of it.
+        recorder.take(&model, &HistoryRow::default(), None)?;
         panic!("the recorder must refuse")
     });
     let failure = ended.unwrap_err();

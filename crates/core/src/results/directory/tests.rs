@@ -31,6 +31,7 @@ fn a_run_leaves_its_files_and_the_summary_last() {
             run.take(&model, &fake::row(i + 2, 1, d, f), Some(&frame))
                 .unwrap()
         );
+        run.fields.settled().unwrap();
         assert_eq!(
             names(&path),
             [HISTORY, FIELDS, WORK, MESSAGES],
