@@ -3,7 +3,7 @@
 //! A section that bends opens on one side and is pressed together on the other: of two elements one has the joint's
 //! whole pressure, and the peak comes some 4 % lower than with three (docs/accuracy-speed.md, scene 4). Stiff
 //! joints hold units whose meshes do not match in each other's shape: with 500 E/h this wall is 28 % too stiff before
-//! anything cracks, with 50 E/h 2 to 4 %, and it takes six tenths of the time.
+//! anything cracks, with 50 E/h up to 4 %, and it takes six tenths of the time.
 
 use super::deck::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 use super::quantity::Number;
@@ -54,14 +54,13 @@ fn choose_penalties(deck: &mut Deck) {
     if deck.contact.general.is_some() {
         return;
     }
-    let of_wall = |wall: &Wall| {
-        let others = [&wall.head_interface, &wall.collar_interface];
-        let others = others.into_iter().flatten().cloned();
-        std::iter::once(wall.interface.clone())
-            .chain(others)
-            .collect::<Vec<_>>()
-    };
-    let names: Vec<String> = bent(deck).flat_map(|(.., wall)| of_wall(wall)).collect();
+    let names: Vec<String> = bent(deck)
+        .flat_map(|(.., wall)| {
+            let others = [&wall.head_interface, &wall.collar_interface];
+            std::iter::once(&wall.interface).chain(others.into_iter().flatten())
+        })
+        .cloned()
+        .collect();
     for name in names {
         let said = deck.says(&format!("interfaces.{name}.penalty_factor"));
         match deck.interfaces.get_mut(&name) {

@@ -32,7 +32,7 @@ impl FieldsBeside {
         if let Some(under_way) = self.under_way.take() {
             let (writer, written) = under_way
                 .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                .map_err(|_| io::Error::other("its writer came to grief"))?;
             self.writer = Some(writer);
             written?;
         }
