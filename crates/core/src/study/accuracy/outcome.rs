@@ -147,12 +147,10 @@ pub fn study(
         let of_form = scene.choices.iter();
         let of_form: Vec<&Choice> = of_form
             .filter(|c| scene.overrides(c, options.short).is_some())
-            // More threads than there are would say nothing of threads.
-            .filter(|c| c.threads <= machine.threads)
             .collect();
         let jobs = (1..=options.repeats).flat_map(|r| of_form.iter().map(move |c| (r, *c)));
         let run = |(repeat, choice): (usize, &Choice)| {
-            let outcome = outcome(scene, choice, options, stop);
+            let outcome = outcome(scene, choice, options, machine.threads, stop);
             progress(scene, &outcome, repeat);
             outcome
         };
@@ -198,6 +196,7 @@ fn outcome(
     scene: &Scene,
     choice: &Choice,
     options: &Options,
+    threads: usize,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Outcome {
     let mut outcome = Outcome {
@@ -210,6 +209,13 @@ fn outcome(
         cpu: Vec::new(),
         wall: Vec::new(),
     };
+    if choice.threads > threads {
+        let why = format!("not run: the machine has {threads} threads");
+        return Outcome {
+            errors: Err(why),
+            ..outcome
+        };
+    }
     let set = scene.overrides(choice, options.short).unwrap_or_default();
     let watch = Watch {
         limit: options.limit,
