@@ -10,9 +10,10 @@ use crate::model::Model;
 /// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
 /// probes and loads.
 ///
-/// Each row goes to the file whole and at once: whoever reads while a run goes on, or after it was
-/// killed, never sees half of one. Numbers are the shortest decimals which read back to the same
-/// bits.
+/// Each row goes to the file in one call. Whoever reads while it is under way, or after a run was
+/// killed in it, may still find the last row without its end, since systems write page by page:
+/// what has no line break after it is no row, and [`RunFolder::history`](super::RunFolder::history)
+/// leaves it out. Numbers are the shortest decimals which read back to the same bits.
 #[derive(Debug)]
 pub struct HistoryWriter {
     file: File,
