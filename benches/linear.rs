@@ -8,7 +8,7 @@
 //!
 //! Not measured here but with this binary, after `cargo bench --bench linear --no-run`:
 //! `<binary> --peers <folder>` serves `benches/peers/pardiso.py`;
-//! `<binary> --once <matrix> llt|lu [threads] [right-hand sides]` factorises one large matrix
+//! `<binary> --once <matrix> llt|double|lu [threads] [right-hand sides]` factorises one large matrix
 //! (`wall-240-5-139`, `cube-55`) and tells the memory; `<binary> --scale [threads] [repeats]` walls of 10,000
 //! to 500,000 unknowns, with the exponents of time and memory.
 
@@ -41,6 +41,8 @@ fn measure(c: &mut Criterion, name: &str, backend: Backend, samples: usize) {
         stats.flops,
         1e3 * stats.analysis_seconds
     );
+    let other: Vec<f64> = matrix.values.iter().map(|a| 1.5 * a).collect();
+    let values = [&matrix.values, &other];
     let serial = matches!(backend, Backend::FaerLlt | Backend::FaerLu);
     for (threads, pool) in pools().iter().take(if serial { 1 } else { 3 }) {
         let mut group = c.benchmark_group("factorise");
@@ -49,7 +51,15 @@ fn measure(c: &mut Criterion, name: &str, backend: Backend, samples: usize) {
         }
         group.sample_size(samples);
         group.bench_function(format!("{label}/{threads}"), |b| {
-            pool.install(|| b.iter(|| solver.factorise(&matrix.values).expect("factors")));
+            // An unchanged matrix would cost a comparison.
+            let mut turn = values.iter().cycle();
+            pool.install(|| {
+                b.iter(|| {
+                    solver
+                        .factorise(turn.next().expect("one"))
+                        .expect("factors");
+                });
+            });
         });
         group.finish();
         let mut group = c.benchmark_group("solve");
@@ -72,6 +82,7 @@ fn linear(c: &mut Criterion) {
     for backend in [
         Backend::FaerLlt,
         Backend::MultifrontalLlt,
+        Backend::MixedLlt,
         Backend::FaerLu,
         Backend::MultifrontalLu,
     ] {
@@ -80,6 +91,7 @@ fn linear(c: &mut Criterion) {
     }
     for name in ["thick", "cube-20"] {
         measure(c, name, Backend::MultifrontalLlt, 10);
+        measure(c, name, Backend::MixedLlt, 10);
         measure(c, name, Backend::MultifrontalLu, 10);
     }
 }
@@ -87,7 +99,7 @@ fn linear(c: &mut Criterion) {
 /// Right-hand sides solved at once; elements are right-hand sides.
 fn columns(c: &mut Criterion) {
     let matrix = matrix("j7d");
-    let mut solver = matrix.analyse(Backend::MultifrontalLlt);
+    let mut solver = matrix.analyse(Backend::MixedLlt);
     solver.factorise(&matrix.values).expect("factors");
     let mut group = c.benchmark_group("right_hand_sides");
     for columns in [1, 2, 4, 8, 32] {
@@ -117,7 +129,8 @@ fn main() -> std::io::Result<()> {
         ["--once", name, kind, ref counts @ ..] => {
             let backend = match kind {
                 "lu" => Backend::MultifrontalLu,
-                _ => Backend::MultifrontalLlt,
+                "double" => Backend::MultifrontalLlt,
+                _ => Backend::MixedLlt,
             };
             let count = |i: usize| counts.get(i).and_then(|n| n.parse().ok()).unwrap_or(1);
             serve::once(name, backend, count(0), count(1))

@@ -112,7 +112,7 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.bench_function("analyse", |b| {
         b.iter(|| {
             wall.system
-                .analyse(&wall.equations, Backend::MultifrontalLlt)
+                .analyse(&wall.equations, Backend::MixedLlt)
                 .map(|(entries, _)| entries)
         });
     });

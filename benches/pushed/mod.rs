@@ -84,7 +84,7 @@ impl Pushed {
         system.search(&mut trial, &q);
         let equations = Equations::new(&system.dofs, &model.steps[1]);
         let (entries, linear) = system
-            .analyse(&equations, Backend::MultifrontalLlt)
+            .analyse(&equations, Backend::MixedLlt)
             .expect("a pattern");
         let mut wall = Self {
             model,

@@ -141,11 +141,11 @@ impl<'m> Run<'m> {
     }
 
     /// Whether a part of the scene would stay in its planes as the whole, where a step ends or its loads turn round; what
-    /// moves is not asked. If not, the run ends here: what it has found is not what the whole does.
+    /// moves is not asked, nor what lies where it fell: whether that stands or is loose its stiffness at rest does not tell. If not, the run ends here: what it has found is not what the whole does.
     fn keeps_symmetry(&mut self, course: &Course, recorder: &mut dyn Recorder) -> bool {
         let step = course.index;
         let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
-        if moves || self.state.energies.moving() > QUIET {
+        if moves || self.state.fell || self.state.energies.moving() > QUIET {
             return true;
         }
         let (model, state) = (self.model, &self.state);
@@ -279,6 +279,10 @@ impl<'m> Run<'m> {
                 self.swings.add(&row);
             }
             Method::Implex if course.step.procedure == Procedure::Auto => self.snaps.add(&row),
+            Method::QuasiStatic => {
+                let reach = self.system.contact.reach();
+                self.state.fell |= self.state.q.iter().any(|q| q.abs() > reach);
+            }
             _ => {}
         }
         let growth = growth(leg, report, course.ladder.floor());

@@ -1,7 +1,7 @@
 //! The iterates of a path: the load moves with the displacements (see [`super::path`]).
 
 use super::line_search::{LineSearch, dot};
-use super::newton::{Newton, along, timed};
+use super::newton::{Newton, along};
 use super::outcome::Refusal;
 use super::path::Advance;
 use super::state::State;
@@ -39,10 +39,10 @@ impl Newton<'_> {
         self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
     }
 
-    /// d₂ = −K⁻¹ ∂r/∂λ with the factors of the last solve. Returns −∂r/∂λ [N]. `[equation]`
-    pub(super) fn solve_by_load(
+    /// d₁ = −K⁻¹ r and d₂ = −K⁻¹ ∂r/∂λ. Returns −∂r/∂λ [N]. `[equation]`
+    pub(super) fn solve_with_load(
         &mut self,
-        system: &System,
+        system: &mut System,
         trial: &Trial,
     ) -> Result<Vec<f64>, Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
@@ -55,10 +55,7 @@ impl Newton<'_> {
             .map(|slot| loads[slot] - moved[slot] - pull[slot])
             .collect();
         self.by_load.clone_from(&force);
-        if let Some(linear) = &mut self.linear {
-            timed(&mut self.clock.solve, || linear.solve(&mut self.by_load))
-                .map_err(|why| Refusal::Linear { why, dof: None })?;
-        }
+        self.solve_both(system, trial)?;
         Ok(force)
     }
 

@@ -159,7 +159,11 @@ impl<'m> Newton<'m> {
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
         if self.tangent == Tangent::Secant {
-            Backend::MultifrontalLlt
+            if self.equations.slot_of.len() > SINGLE {
+                Backend::MultifrontalLlt
+            } else {
+                Backend::MixedLlt
+            }
         } else {
             Backend::MultifrontalLu
         }
@@ -346,12 +350,12 @@ impl<'m> Newton<'m> {
             // A start in balance needs no solve, only its tractions taken over.
             if !balanced || !on_path {
                 self.pull_along(system, state, attempt.advance);
-                self.solve(system, trial)?;
                 if attempt.advance == Advance::Load {
+                    self.solve(system, trial)?;
                     solves.one_more();
                     self.search_line(system, state, trial, setting)?;
                 } else {
-                    let force = self.solve_by_load(system, trial)?;
+                    let force = self.solve_with_load(system, trial)?;
                     solves.one_more();
                     // The first iterate goes as far as it should.
                     let searches = on_path && self.method == Method::DisplacementControl;
@@ -400,6 +404,12 @@ impl<'m> Newton<'m> {
 
     /// d = −K⁻¹ r.
     pub(super) fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
+        self.by_load.clear();
+        self.solve_both(system, trial)
+    }
+
+    /// d = −K⁻¹ r, and `by_load`, if it is not empty, ← K⁻¹ of it.
+    pub(super) fn solve_both(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
         let backend = self.backend();
         let linear = match &mut self.linear {
             Some(linear) if !system.pattern_changed() => linear,
@@ -425,21 +435,26 @@ impl<'m> Newton<'m> {
             *d += pull;
         }
         self.clock.factorisations += 1;
-        timed(&mut self.clock.factorise, || linear.factorise(&self.values))
-            .and_then(|stats| {
+        // One behind the other: both are solved for while a part of the factors is near.
+        let n = self.direction.len();
+        self.direction.extend_from_slice(&self.by_load);
+        let solved =
+            timed(&mut self.clock.factorise, || linear.factorise(&self.values)).and_then(|stats| {
                 self.clock.reused += stats.reused;
                 timed(&mut self.clock.solve, || linear.solve(&mut self.direction))
-            })
-            .map_err(|why| {
-                let equation = match why {
-                    LinearError::Singular { equation }
-                    | LinearError::NotPositiveDefinite { equation }
-                    | LinearError::NotFinite { equation } => Some(equation),
-                    _ => None,
-                };
-                let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
-                Refusal::Linear { why, dof }
-            })?;
+            });
+        self.by_load.copy_from_slice(&self.direction[n..]);
+        self.direction.truncate(n);
+        solved.map_err(|why| {
+            let equation = match why {
+                LinearError::Singular { equation }
+                | LinearError::NotPositiveDefinite { equation }
+                | LinearError::NotFinite { equation } => Some(equation),
+                _ => None,
+            };
+            let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+            Refusal::Linear { why, dof }
+        })?;
         Ok(())
     }
 
@@ -538,6 +553,10 @@ impl<'m> Newton<'m> {
         }
     }
 }
+
+/// Equations up to which single precision is tried: the condition of a wall grows with its size, and trials that fail cost
+/// more than those that do not save.
+const SINGLE: usize = 50_000;
 
 /// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
 /// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.

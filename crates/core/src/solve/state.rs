@@ -113,4 +113,6 @@ pub struct State {
     pub largest_mean_force: f64,
     /// Energies.
     pub energies: Energies,
+    /// `auto` took inertia, and something went farther than its joints reach: it lies where it did not at rest.
+    pub fell: bool,
 }

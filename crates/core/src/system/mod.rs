@@ -147,6 +147,7 @@ impl System {
             last: None,
             largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
+            fell: false,
         };
         // What touches at rest sticks where it is.
         let mut trial = Trial::default();

@@ -1,12 +1,13 @@
 //! Adding a child's Schur complement to its parent's front.
 
 use super::assembly::Run;
+use super::number::Number;
 use super::schur::Panels;
 
 /// A child's Schur complement and where it goes.
-pub(super) struct Child<'a> {
+pub(super) struct Child<'a, T> {
     /// Its numbers.
-    pub schur: &'a [f64],
+    pub schur: &'a [T],
     /// How they lie.
     pub panels: Panels,
     /// Rows that the parent eliminates.
@@ -15,16 +16,16 @@ pub(super) struct Child<'a> {
     pub runs: &'a [Run],
 }
 
-impl Child<'_> {
+impl<T: Number> Child<'_, T> {
     /// Column c from row `c - c % wide` on, and that row.
     #[inline]
-    fn column(&self, c: usize) -> (&[f64], usize) {
+    fn column(&self, c: usize) -> (&[T], usize) {
         let (start, first) = self.panels.column(c);
         (&self.schur[start..][..self.panels.order - first], first)
     }
 
     /// Adds to the lower triangle of the parent's columns (m rows).
-    pub fn add_columns_lower(&self, columns: &mut [f64], m: usize) {
+    pub fn add_columns_lower(&self, columns: &mut [T], m: usize) {
         for (r, run) in self.runs.iter().enumerate() {
             if run.from as usize >= self.summed {
                 break;
@@ -38,7 +39,7 @@ impl Child<'_> {
     }
 
     /// Adds to the lower triangle of the parent's Schur complement, after k columns.
-    pub fn add_schur_lower(&self, schur: &mut [f64], k: usize, panels: Panels) {
+    pub fn add_schur_lower(&self, schur: &mut [T], k: usize, panels: Panels) {
         let start = self
             .runs
             .partition_point(|run| (run.from as usize) < self.summed);
@@ -54,7 +55,7 @@ impl Child<'_> {
     }
 
     /// Adds to the parent's columns (m rows) and to the rest of its k rows.
-    pub fn add_columns(&self, columns: &mut [f64], rest: &mut [f64], m: usize, k: usize) {
+    pub fn add_columns(&self, columns: &mut [T], rest: &mut [T], m: usize, k: usize) {
         let start = self
             .runs
             .partition_point(|run| (run.from as usize) < self.summed);
@@ -73,7 +74,7 @@ impl Child<'_> {
     }
 
     /// Adds to the parent's Schur complement (order b, after k columns).
-    pub fn add_schur(&self, schur: &mut [f64], k: usize, b: usize) {
+    pub fn add_schur(&self, schur: &mut [T], k: usize, b: usize) {
         let start = self
             .runs
             .partition_point(|run| (run.from as usize) < self.summed);
@@ -90,7 +91,7 @@ impl Child<'_> {
 /// Adds the rows of one column run by run, without the first `skip` of the first run; the rows of
 /// `from` are counted from the second of it, those of `to` from `base` of the parent's front.
 #[inline]
-fn add(runs: &[Run], skip: usize, from: (&[f64], usize), to: &mut [f64], base: usize) {
+fn add<T: Number>(runs: &[Run], skip: usize, from: (&[T], usize), to: &mut [T], base: usize) {
     let (from, first) = from;
     let mut skip = skip;
     for run in runs {
@@ -98,7 +99,7 @@ fn add(runs: &[Run], skip: usize, from: (&[f64], usize), to: &mut [f64], base: u
         let source = &from[run.from as usize + skip - first..][..len];
         let target = &mut to[run.to as usize + skip - base..][..len];
         for (t, s) in target.iter_mut().zip(source) {
-            *t += s;
+            *t += *s;
         }
         skip = 0;
     }

@@ -14,6 +14,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
+use super::number::Number;
 use super::schur::Panels;
 use super::tree::flops;
 use super::{Kind, LinearError, tiles};
@@ -32,27 +33,34 @@ fn piece(all: usize) -> usize {
 }
 
 /// Memory that the dense kernels need beside their arguments.
-pub(super) struct Scratch {
+pub(super) struct Scratch<T> {
     memory: MemBuffer,
     inverse: Vec<u32>,
-    column: Vec<f64>,
+    column: Vec<T>,
 }
 
-impl Scratch {
+impl<T: Number> Scratch<T> {
     /// For fronts that eliminate at most `k` columns.
     pub fn new(k: usize) -> Result<Self, LinearError> {
-        let need = cholesky_in_place_scratch::<f64>(k, Par::Seq, Spec::default()).or(
-            lu_in_place_scratch::<u32, f64>(k, k, Par::Seq, Spec::default()),
-        );
+        let need =
+            cholesky_in_place_scratch::<T>(k, Par::Seq, Spec::default()).or(lu_in_place_scratch::<
+                u32,
+                T,
+            >(
+                k,
+                k,
+                Par::Seq,
+                Spec::default(),
+            ));
         Ok(Self {
             memory: MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?,
             inverse: vec![0; k],
-            column: vec![0.0; k],
+            column: vec![T::ZERO; k],
         })
     }
 
     /// Moves `x[pivots[i]]` to `x[i]`.
-    pub fn exchange(&mut self, x: &mut [f64], pivots: &[u32]) {
+    pub fn exchange(&mut self, x: &mut [T], pivots: &[u32]) {
         let moved = &mut self.column[..x.len()];
         moved.copy_from_slice(x);
         for (to, &from) in x.iter_mut().zip(pivots) {
@@ -62,19 +70,23 @@ impl Scratch {
 }
 
 // By hand: faer's buffer has no Debug.
-impl std::fmt::Debug for Scratch {
+impl<T> std::fmt::Debug for Scratch<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Scratch").finish_non_exhaustive()
     }
 }
 
 /// Splits a front's columns (m × k, column-major) into the block of its own rows and those below.
-fn split(columns: &mut [f64], m: usize, k: usize) -> (MatMut<'_, f64>, MatMut<'_, f64>) {
+fn split<T: Number>(columns: &mut [T], m: usize, k: usize) -> (MatMut<'_, T>, MatMut<'_, T>) {
     MatMut::from_column_major_slice_mut(columns, m, k).split_at_row_mut(k)
 }
 
 /// The same, to read.
-pub(super) fn parts(columns: &[f64], m: usize, k: usize) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
+pub(super) fn parts<T: Number>(
+    columns: &[T],
+    m: usize,
+    k: usize,
+) -> (MatRef<'_, T>, MatRef<'_, T>) {
     MatRef::from_column_major_slice(columns, m, k).split_at_row(k)
 }
 
@@ -93,12 +105,12 @@ pub(super) fn panels(kind: Kind, m: usize, k: usize) -> Panels {
 
 /// L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ in place of `columns` (m × k), and S = −L₂₁ L₂₁ᵀ, its lower
 /// triangle, in `schur`; returns the column whose pivot is not positive.
-pub(super) fn llt(
-    columns: &mut [f64],
+pub(super) fn llt<T: Number>(
+    columns: &mut [T],
     m: usize,
     k: usize,
-    schur: &mut [f64],
-    scratch: &mut Scratch,
+    schur: &mut [T],
+    scratch: &mut Scratch<T>,
 ) -> Result<(), usize> {
     let panels = panels(Kind::Symmetric, m, k);
     if is_large(m, k) {
@@ -128,7 +140,7 @@ pub(super) fn llt(
             Accum::Replace,
             below.subrows(j, height),
             below.subrows(j, width).transpose(),
-            -1.0,
+            -T::ONE,
             Par::Seq,
         );
     });
@@ -136,21 +148,21 @@ pub(super) fn llt(
 }
 
 /// Takes off columns j.. what the columns before them owe, from row j on.
-fn update(columns: &mut [f64], m: usize, j: usize, width: usize) {
+fn update<T: Number>(columns: &mut [T], m: usize, j: usize, width: usize) {
     let (done, rest) = columns.split_at_mut(j * m);
     let done = MatRef::from_column_major_slice(done, m, j).subrows(j, m - j);
     let block = MatMut::from_column_major_slice_mut(&mut rest[..width * m], m, width);
     let across = done.subrows(0, width).transpose();
     let rows = block.subrows_mut(j, m - j);
-    matmul(rows, Accum::Add, done, across, -1.0, Par::Seq);
+    matmul(rows, Accum::Add, done, across, -T::ONE, Par::Seq);
 }
 
 /// The columns of a large front, cut into pieces of rows that may run at the same time.
-fn eliminate_in_pieces(
-    columns: &mut [f64],
+fn eliminate_in_pieces<T: Number>(
+    columns: &mut [T],
     m: usize,
     k: usize,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<T>,
 ) -> Result<(), usize> {
     // Left-looking: block j first takes all updates from the columns before it, by one product.
     for j in (0..k).step_by(block(k)) {
@@ -161,10 +173,10 @@ fn eliminate_in_pieces(
             .split_at_row_mut(j);
         let (mut own, below) = block.split_at_row_mut(width);
         let across = done.subrows(j, width).transpose();
-        let update = |rows: MatMut<'_, f64>, first: usize| {
+        let update = |rows: MatMut<'_, T>, first: usize| {
             if j > 0 {
                 let done = done.subrows(first, rows.nrows());
-                matmul(rows, Accum::Add, done, across, -1.0, Par::Seq);
+                matmul(rows, Accum::Add, done, across, -T::ONE, Par::Seq);
             }
         };
         update(own.rb_mut(), j);
@@ -192,9 +204,9 @@ fn is_large(m: usize, k: usize) -> bool {
 }
 
 /// Calls `work` with the rows of `x` and the number of the first, in pieces of `most` at most.
-fn in_rows<F>(most: usize, x: MatMut<'_, f64>, first: usize, work: &F)
+fn in_rows<T: Number, F>(most: usize, x: MatMut<'_, T>, first: usize, work: &F)
 where
-    F: Fn(MatMut<'_, f64>, usize) + Sync,
+    F: Fn(MatMut<'_, T>, usize) + Sync,
 {
     let rows = x.nrows();
     if rows <= most {
@@ -214,14 +226,14 @@ where
 /// `rest` (k × (m − k)), and S = −L₂₁ U₁₂ in `schur`. Row `pivots[i]` became row i.
 ///
 /// A vanishing pivot is the caller's to find: its column then holds numbers that are not finite.
-pub(super) fn lu(
-    columns: &mut [f64],
-    rest: &mut [f64],
+pub(super) fn lu<T: Number>(
+    columns: &mut [T],
+    rest: &mut [T],
     m: usize,
     k: usize,
-    schur: &mut [f64],
+    schur: &mut [T],
     pivots: &mut [u32],
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<T>,
 ) {
     let b = m - k;
     let (mut own, mut below) = split(columns, m, k);
@@ -251,14 +263,14 @@ pub(super) fn lu(
     let below = below.rb();
     in_columns(most, rest, schur, &|mut rest, schur| {
         solve_unit_lower_triangular_in_place(own, rest.rb_mut(), Par::Seq);
-        matmul(schur, Accum::Replace, below, rest.rb(), -1.0, Par::Seq);
+        matmul(schur, Accum::Replace, below, rest.rb(), -T::ONE, Par::Seq);
     });
 }
 
 /// Calls `work` with the columns of `x` and the same of `y`, in pieces of `most` at most.
-fn in_columns<F>(most: usize, x: MatMut<'_, f64>, y: MatMut<'_, f64>, work: &F)
+fn in_columns<T: Number, F>(most: usize, x: MatMut<'_, T>, y: MatMut<'_, T>, work: &F)
 where
-    F: Fn(MatMut<'_, f64>, MatMut<'_, f64>) + Sync,
+    F: Fn(MatMut<'_, T>, MatMut<'_, T>) + Sync,
 {
     let columns = x.ncols();
     if columns <= most {
@@ -274,12 +286,12 @@ where
 
 /// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁. For LU the rows of x₁ are
 /// already exchanged.
-pub(super) fn forward(
+pub(super) fn forward<T: Number>(
     unit: bool,
-    columns: &[f64],
+    columns: &[T],
     m: usize,
-    mut x: MatMut<'_, f64>,
-    below_x: MatMut<'_, f64>,
+    mut x: MatMut<'_, T>,
+    below_x: MatMut<'_, T>,
 ) {
     let (own, below) = parts(columns, m, x.nrows());
     if unit {
@@ -288,19 +300,19 @@ pub(super) fn forward(
         solve_lower_triangular_in_place(own, x.rb_mut(), Par::Seq);
     }
     if below_x.nrows() > 0 {
-        matmul(below_x, Accum::Add, below, x.rb(), -1.0, Par::Seq);
+        matmul(below_x, Accum::Add, below, x.rb(), -T::ONE, Par::Seq);
     }
 }
 
 /// Back substitution of one front with U₁₂ (L₂₁ᵀ) and U₁₁ (L₁₁ᵀ): x₁ ← U₁₁⁻¹ (x₁ − U₁₂ x₂).
-pub(super) fn backward(
-    upper: MatRef<'_, f64>,
-    rest: MatRef<'_, f64>,
-    mut x: MatMut<'_, f64>,
-    known: MatRef<'_, f64>,
+pub(super) fn backward<T: Number>(
+    upper: MatRef<'_, T>,
+    rest: MatRef<'_, T>,
+    mut x: MatMut<'_, T>,
+    known: MatRef<'_, T>,
 ) {
     if known.nrows() > 0 {
-        matmul(x.rb_mut(), Accum::Add, rest, known, -1.0, Par::Seq);
+        matmul(x.rb_mut(), Accum::Add, rest, known, -T::ONE, Par::Seq);
     }
     solve_upper_triangular_in_place(upper, x, Par::Seq);
 }

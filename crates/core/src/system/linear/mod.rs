@@ -13,7 +13,11 @@ mod extend;
 mod faer_llt;
 mod faer_lu;
 mod kernels;
+mod mixed;
+#[cfg(test)]
+mod mixed_tests;
 mod multifrontal;
+mod number;
 mod operator;
 mod ordering;
 mod pattern;
@@ -32,6 +36,7 @@ mod tests;
 mod tiles;
 mod tree;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 pub use error::LinearError;
@@ -40,7 +45,8 @@ pub use pattern::Pattern;
 
 use faer_llt::FaerLlt;
 use faer_lu::FaerLu;
-use multifrontal::Multifrontal;
+use mixed::Mixed;
+use multifrontal::{Multifrontal, Plan};
 use operator::Operator;
 use ordering::Graph;
 
@@ -58,6 +64,8 @@ pub enum Kind {
 pub enum Backend {
     /// Multifrontal L Lᵀ; the tree's branches in parallel, the same bits on any number of threads.
     MultifrontalLlt,
+    /// The same in single precision, refined with the matrix itself; in double where that does not suffice.
+    MixedLlt,
     /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise. Where they
     /// do not suffice, [`Backend::FaerLu`] takes over for that matrix.
     MultifrontalLu,
@@ -71,7 +79,7 @@ impl Backend {
     /// Which values of the matrix this factorisation reads.
     pub fn kind(self) -> Kind {
         match self {
-            Self::MultifrontalLlt | Self::FaerLlt => Kind::Symmetric,
+            Self::MultifrontalLlt | Self::MixedLlt | Self::FaerLlt => Kind::Symmetric,
             Self::MultifrontalLu | Self::FaerLu => Kind::Unsymmetric,
         }
     }
@@ -97,17 +105,27 @@ pub struct Options {
 }
 
 impl Options {
-    /// The defaults for a back end: at most two refinements, aiming at 1e-10 of the right-hand side
-    /// (a Newton direction leaves residuals of its own many times as large), no backward error
-    /// above 1e-10 accepted.
+    /// The defaults for a back end: no backward error above 1e-10 is accepted; at most two refinements, aiming at
+    /// 1e-10 of the right-hand side, of single precision five and 1e-7 (a Newton direction leaves residuals of its own
+    /// many times as large).
     pub fn new(backend: Backend) -> Self {
+        let (refinements, target) = match backend {
+            Backend::MixedLlt => (5, 1e-7),
+            _ => (2, 1e-10),
+        };
         Self {
             backend,
             ordering: Ordering::default(),
-            refinements: 2,
-            target: 1e-10,
+            refinements,
+            target,
             accept: 1e-10,
         }
+    }
+
+    /// Whether a solution needs no refinement. False where anything is NaN.
+    fn refined(&self, report: SolveReport) -> bool {
+        report.residual <= ROUNDING
+            || report.relative <= self.target && report.residual <= self.accept
     }
 }
 
@@ -140,7 +158,8 @@ pub struct SolveReport {
 /// The closed family of factorisations.
 #[derive(Debug)]
 enum Engine {
-    Multifrontal(Box<Multifrontal>),
+    Multifrontal(Box<Multifrontal<f64>>),
+    Mixed(Box<Mixed>),
     FaerLlt(FaerLlt),
     FaerLu(FaerLu),
 }
@@ -149,6 +168,10 @@ impl Engine {
     fn solve(&mut self, x: &mut [f64], columns: usize) -> Result<(), LinearError> {
         match self {
             Self::Multifrontal(f) => {
+                f.solve(x, columns);
+                Ok(())
+            }
+            Self::Mixed(f) => {
                 f.solve(x, columns);
                 Ok(())
             }
@@ -182,11 +205,14 @@ impl LinearSolver {
         let start = Instant::now();
         let mut stats = FactorStats::default();
         let engine = match options.backend {
-            Backend::MultifrontalLlt | Backend::MultifrontalLu => {
-                let kind = options.backend.kind();
-                let fronts = Multifrontal::analyse(pattern, options.ordering, kind)?;
-                (stats.nnz, stats.flops) = (fronts.factor_nnz(), fronts.flops());
-                Engine::Multifrontal(Box::new(fronts))
+            Backend::MultifrontalLlt | Backend::MultifrontalLu | Backend::MixedLlt => {
+                let plan = Plan::analyse(pattern, options.ordering, options.backend.kind())?;
+                (stats.nnz, stats.flops) = (plan.factor_nnz(), plan.flops());
+                if options.backend == Backend::MixedLlt {
+                    Engine::Mixed(Box::new(Mixed::new(plan, pattern)?))
+                } else {
+                    Engine::Multifrontal(Box::new(Multifrontal::new(Arc::new(plan), pattern)?))
+                }
             }
             Backend::FaerLlt => {
                 let graph = Graph::of(pattern)?;
@@ -247,6 +273,7 @@ impl LinearSolver {
         self.stats.reused = 0.0;
         let known = match &mut self.engine {
             Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
+            Engine::Mixed(f) => f.compare(self.operator.values(), values),
             _ => false,
         };
         if !known {
@@ -261,6 +288,9 @@ impl LinearSolver {
                 }
                 other => self.stats.reused = other?,
             },
+            Engine::Mixed(f) => {
+                self.stats.reused = f.factorise(pattern, values, self.operator.row_sums())?;
+            }
             Engine::FaerLlt(f) => f.factorise(pattern, values)?,
             Engine::FaerLu(f) => {
                 f.factorise(pattern, values)?;
@@ -352,6 +382,17 @@ impl LinearSolver {
             rhs.copy_from_slice(&self.rhs);
             report = self.refine(rhs, columns)?;
         }
+        if let Engine::Mixed(f) = &mut self.engine
+            && !f.in_double()
+            && !self.options.refined(report)
+        {
+            let (pattern, values) = (self.operator.pattern(), self.operator.values());
+            self.factorised = false;
+            f.factorise_in_double(pattern, values, self.operator.row_sums())?;
+            self.factorised = true;
+            rhs.copy_from_slice(&self.rhs);
+            report = self.refine(rhs, columns)?;
+        }
         // A NaN residual is not below the limit.
         if report.residual <= self.options.accept {
             Ok(report)
@@ -370,10 +411,7 @@ impl LinearSolver {
             relative: residual.relative,
             refinements: 0,
         };
-        while report.relative > self.options.target
-            && report.residual > ROUNDING
-            && report.refinements < self.options.refinements
-        {
+        while !self.options.refined(report) && report.refinements < self.options.refinements {
             // x' = x + A⁻¹ (b − A x), kept only if it is better.
             self.previous.clear();
             self.previous.extend_from_slice(x);

@@ -5,9 +5,12 @@
 //! complement on a stack. LU pivots within the columns that a front eliminates, so that the tree
 //! stays as it was analysed.
 
+use std::sync::Arc;
+
 use super::assembly::Assembly;
 use super::extend::Child;
 use super::kernels::{self, Scratch};
+use super::number::Number;
 use super::ordering::{self, Graph};
 use super::reuse::Reuse;
 use super::schur::Panels;
@@ -17,22 +20,22 @@ use super::tasks::{self, Places, Task};
 use super::tree::Tree;
 use super::{Kind, LinearError, Ordering, Pattern};
 
-/// A pivot that is smaller than this, relative to its row of the matrix, is what rounding leaves
-/// of zero.
-const VANISHED: f64 = 64.0 * f64::EPSILON;
+/// A pivot that is smaller than so many roundings, relative to its row of the matrix, is what rounding
+/// leaves of zero.
+const VANISHED: f64 = 64.0;
 
-/// Analysis and factors.
+/// Factors of a plan, in numbers of one precision.
 #[derive(Debug)]
-pub(super) struct Multifrontal {
-    plan: Plan,
-    task: Task,
-    factors: Vec<f64>,
+pub(super) struct Multifrontal<T> {
+    plan: Arc<Plan>,
+    task: Task<T>,
+    factors: Vec<T>,
     pivots: Vec<u32>, // [position], LU only: row of the front's block that came here
-    stacks: [Vec<f64>; 2], // Schur complements
-    kept: Vec<f64>,   // those that later factorisations may need again
+    stacks: [Vec<T>; 2], // Schur complements
+    kept: Vec<T>,     // those that later factorisations may need again
     reuse: Reuse,
-    x: Vec<f64>,     // [supernode][column][row], of a solution
-    below: Vec<f64>, // [supernode][column][row below]
+    x: Vec<T>,     // [supernode][column][row], of a solution
+    below: Vec<T>, // [supernode][column][row below]
 }
 
 /// What the analysis knows and every thread reads.
@@ -46,64 +49,39 @@ pub(super) struct Plan {
     children_ptr: Vec<usize>, // [supernode + 1]
 }
 
-impl Multifrontal {
-    /// Orders, builds the assembly tree and allocates all that factorisations need.
-    pub fn analyse(pattern: &Pattern, ordering: Ordering, kind: Kind) -> Result<Self, LinearError> {
-        let graph = Graph::of(pattern)?;
-        let order = ordering::order(pattern, &graph, ordering)?;
-        let tree = Tree::new(pattern, &graph, &order)?;
-        let assembly = Assembly::new(pattern, &tree, kind)?;
-        let (mut task, places) = tasks::plan(&tree, kind);
-        task.allocate(&tree)?;
-        let (children_ptr, children) = tree.children();
-        let pivots = match kind {
+impl<T: Number> Multifrontal<T> {
+    /// Allocates all that factorisations need.
+    pub fn new(plan: Arc<Plan>, pattern: &Pattern) -> Result<Self, LinearError> {
+        let (mut task, _) = tasks::plan(&plan.tree, plan.kind);
+        task.allocate(&plan.tree)?;
+        let pivots = match plan.kind {
             Kind::Symmetric => 0,
             Kind::Unsymmetric => pattern.n(),
         };
-        let panels = |s: usize| {
-            let k = tree.columns(s);
-            kernels::panels(kind, k + tree.below(s).len(), k)
-        };
-        let numbers = assembly.storage[tree.len()];
+        let numbers = plan.factor_nnz();
+        let panels = |s| plan.panels(s);
         Ok(Self {
-            reuse: Reuse::new(pattern, &tree, kind, numbers, panels),
+            reuse: Reuse::new(pattern, &plan.tree, plan.kind, numbers, panels),
             kept: Vec::new(),
-            factors: vec![0.0; numbers],
+            factors: vec![T::ZERO; numbers],
             pivots: vec![0; pivots],
-            stacks: task.stack.map(|numbers| vec![0.0; numbers]),
-            x: vec![0.0; pattern.n()],
-            below: vec![0.0; tree.rows.len()],
+            stacks: task.stack.map(|numbers| vec![T::ZERO; numbers]),
+            x: vec![T::ZERO; pattern.n()],
+            below: vec![T::ZERO; plan.tree.rows.len()],
             task,
-            plan: Plan {
-                kind,
-                tree,
-                assembly,
-                places,
-                children,
-                children_ptr,
-            },
+            plan,
         })
-    }
-
-    /// Numbers in the factors.
-    pub fn factor_nnz(&self) -> usize {
-        self.factors.len()
-    }
-
-    /// Multiplications and additions of a factorisation.
-    pub fn flops(&self) -> f64 {
-        let tree = &self.plan.tree;
-        let symmetric: f64 = (0..tree.len()).map(|s| tree.work(s)).sum();
-        match self.plan.kind {
-            Kind::Symmetric => symmetric,
-            Kind::Unsymmetric => 2.0 * symmetric,
-        }
     }
 
     /// To be called with the values of the last factorisation, be it good or failed, and of the next one
     /// `[entry]`; true if the last one was good and no value that is read has changed.
     pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
         self.reuse.compare(old, new)
+    }
+
+    /// The values of the next factorisation are not to be compared with those of the last one here.
+    pub fn forget(&mut self) {
+        self.reuse.forget();
     }
 
     /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is
@@ -129,22 +107,23 @@ impl Multifrontal {
         Ok(saved)
     }
 
-    /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`.
+    /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`, as near as its precision takes it.
     pub fn solve(&mut self, x: &mut [f64], columns: usize) {
         let n = self.plan.tree.order.len();
         if n == 0 {
             return;
         }
         let tree = &self.plan.tree;
-        self.x.resize(x.len(), 0.0);
-        self.below.resize(tree.rows.len() * columns, 0.0);
+        self.x.resize(x.len(), T::ZERO);
+        self.below.resize(tree.rows.len() * columns, T::ZERO);
+        let scale = T::scale(x);
         // Each supernode's unknowns together: x as [supernode][column][row].
         let blocks = || (0..tree.len()).map(|s| (tree.first[s], tree.columns(s)));
         for (first, k) in blocks() {
             let block = &mut self.x[first * columns..][..k * columns];
             for (y, x) in block.chunks_mut(k).zip(x.chunks(n)) {
                 for (y, &e) in y.iter_mut().zip(&tree.order[first..first + k]) {
-                    *y = x[e as usize];
+                    *y = T::of(scale * x[e as usize]);
                 }
             }
         }
@@ -164,7 +143,7 @@ impl Multifrontal {
             let block = &self.x[first * columns..][..k * columns];
             for (y, x) in block.chunks(k).zip(x.chunks_mut(n)) {
                 for (y, &e) in y.iter().zip(&tree.order[first..first + k]) {
-                    x[e as usize] = *y;
+                    x[e as usize] = y.f64() / scale;
                 }
             }
         }
@@ -172,6 +151,37 @@ impl Multifrontal {
 }
 
 impl Plan {
+    /// Orders and builds the assembly tree.
+    pub fn analyse(pattern: &Pattern, ordering: Ordering, kind: Kind) -> Result<Self, LinearError> {
+        let graph = Graph::of(pattern)?;
+        let order = ordering::order(pattern, &graph, ordering)?;
+        let tree = Tree::new(pattern, &graph, &order)?;
+        let assembly = Assembly::new(pattern, &tree, kind)?;
+        let (children_ptr, children) = tree.children();
+        Ok(Self {
+            kind,
+            places: tasks::places(&tree, kind),
+            assembly,
+            children,
+            children_ptr,
+            tree,
+        })
+    }
+
+    /// Numbers in the factors.
+    pub fn factor_nnz(&self) -> usize {
+        self.assembly.storage[self.tree.len()]
+    }
+
+    /// Multiplications and additions of a factorisation.
+    pub fn flops(&self) -> f64 {
+        let symmetric: f64 = (0..self.tree.len()).map(|s| self.tree.work(s)).sum();
+        match self.kind {
+            Kind::Symmetric => symmetric,
+            Kind::Unsymmetric => 2.0 * symmetric,
+        }
+    }
+
     /// Children of supernode `s`, ascending.
     pub fn children(&self, s: usize) -> &[u32] {
         &self.children[self.children_ptr[s]..self.children_ptr[s + 1]]
@@ -185,7 +195,12 @@ impl Plan {
 
     /// Works a task through: its children at once, if there are threads for them, then its own
     /// supernodes in postorder.
-    fn run(&self, task: &mut Task, matrix: Matrix, mut share: Share) -> Result<(), LinearError> {
+    fn run<T: Number>(
+        &self,
+        task: &mut Task<T>,
+        matrix: Matrix,
+        mut share: Share<T>,
+    ) -> Result<(), LinearError> {
         if !matrix.todo[task.start..task.own.end].contains(&true) {
             return Ok(());
         }
@@ -226,7 +241,12 @@ impl Plan {
 
     /// Works several tasks through, each on its stretch of the buffers. Of several errors the
     /// first in postorder is told, whoever was first in time.
-    fn run_all(&self, tasks: &mut [Task], matrix: Matrix, share: Share) -> Result<(), LinearError> {
+    fn run_all<T: Number>(
+        &self,
+        tasks: &mut [Task<T>],
+        matrix: Matrix,
+        share: Share<T>,
+    ) -> Result<(), LinearError> {
         let Some((task, others)) = tasks.split_first_mut() else {
             return Ok(());
         };
@@ -260,12 +280,12 @@ impl Plan {
     }
 
     /// Assembles and eliminates front `s`.
-    fn eliminate(
+    fn eliminate<T: Number>(
         &self,
         s: usize,
         matrix: Matrix,
-        share: &mut Front,
-        scratch: &mut Scratch,
+        share: &mut Front<T>,
+        scratch: &mut Scratch<T>,
     ) -> Result<(), LinearError> {
         let (k, b) = (self.tree.columns(s), self.tree.below(s).len());
         let m = k + b;
@@ -301,9 +321,9 @@ impl Plan {
             }
         };
 
-        share.factors.fill(0.0);
+        share.factors.fill(T::ZERO);
         for &[entry, place] in self.assembly.entries(s) {
-            share.factors[place as usize] += matrix.values[entry as usize];
+            share.factors[place as usize] += T::of(matrix.values[entry as usize]);
         }
         let (columns, rest) = share.factors.split_at_mut(m * k);
         for &c in children {
@@ -325,12 +345,12 @@ impl Plan {
         }
         for column in 0..k {
             let pivot = match self.kind {
-                Kind::Symmetric => columns[column * (m + 1)].powi(2),
-                Kind::Unsymmetric => columns[column * (m + 1)].abs(),
+                Kind::Symmetric => columns[column * (m + 1)].f64().powi(2),
+                Kind::Unsymmetric => columns[column * (m + 1)].f64().abs(),
             };
             let equation = equation(column);
             // NaN, from a pivot that vanished earlier, is a verdict too.
-            if pivot.is_nan() || pivot <= VANISHED * matrix.sums[equation] {
+            if pivot.is_nan() || pivot <= VANISHED * T::EPSILON * matrix.sums[equation] {
                 return Err(LinearError::Singular { equation });
             }
         }

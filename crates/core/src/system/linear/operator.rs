@@ -92,27 +92,34 @@ impl Operator {
         Ok(())
     }
 
-    /// y ← y − A x for one column.
-    fn subtract(&self, x: &[f64], y: &mut [f64]) {
+    /// Y ← Y − A X of C columns, for which the matrix is read once.
+    fn subtract<const C: usize>(&self, x: [&[f64]; C], y: &mut [&mut [f64]; C]) {
         let (col_ptr, row_idx) = (self.pattern.col_ptr(), self.pattern.row_idx());
         for j in 0..self.pattern.n() {
+            let own = x.map(|x| x[j]);
             let end = col_ptr[j + 1];
             match self.kind {
                 Kind::Unsymmetric => {
                     let range = col_ptr[j]..end;
                     for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
-                        y[i as usize] -= a * x[j];
+                        for c in 0..C {
+                            y[c][i as usize] -= a * own[c];
+                        }
                     }
                 }
                 Kind::Symmetric => {
                     // (i, j) with i > j stands for (j, i) too.
-                    let mut sum = self.values[self.diagonal[j]] * x[j];
+                    let mut sum = own.map(|x| self.values[self.diagonal[j]] * x);
                     let range = self.diagonal[j] + 1..end;
                     for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
-                        y[i as usize] -= a * x[j];
-                        sum += a * x[i as usize];
+                        for c in 0..C {
+                            y[c][i as usize] -= a * own[c];
+                            sum[c] += a * x[c][i as usize];
+                        }
                     }
-                    y[j] -= sum;
+                    for c in 0..C {
+                        y[c][j] -= sum[c];
+                    }
                 }
             }
         }
@@ -132,9 +139,16 @@ impl Operator {
             })
         };
         let mut worst = Residual::default();
-        for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks_mut(n)) {
-            r.copy_from_slice(b);
-            self.subtract(x, r);
+        r.copy_from_slice(b);
+        for (x, r) in x.chunks(2 * n).zip(r.chunks_mut(2 * n)) {
+            if x.len() > n {
+                let (r, r_next) = r.split_at_mut(n);
+                self.subtract([&x[..n], &x[n..]], &mut [r, r_next]);
+            } else {
+                self.subtract([x], &mut [r]);
+            }
+        }
+        for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks(n)) {
             let (top, b) = (norm(r), norm(b));
             if top == 0.0 {
                 continue;

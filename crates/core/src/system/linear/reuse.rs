@@ -6,6 +6,7 @@
 //! complements are kept where much work stands behind each number, and only once a matrix has come
 //! that would have let enough be reused.
 
+use super::number::Number;
 use super::schur::Panels;
 use super::tree::{ROOT, Tree};
 use super::{Kind, Pattern};
@@ -145,7 +146,7 @@ impl Reuse {
 
     /// Decides what is to be eliminated and returns the share of the operations that are saved. All of
     /// that is stale until [`Reuse::succeed`].
-    pub fn decide(&mut self, kept: &mut Vec<f64>) -> f64 {
+    pub fn decide<T: Number>(&mut self, kept: &mut Vec<T>) -> f64 {
         for u in 0..self.parent.len() {
             if self.stale[u] && self.parent[u] != ROOT {
                 self.stale[self.parent[u] as usize] = true;
@@ -163,7 +164,7 @@ impl Reuse {
                 for (s, size) in self.sizes.iter().enumerate() {
                     self.kept[s + 1] = self.kept[s] + size;
                 }
-                kept.resize(self.kept[self.sizes.len()], 0.0);
+                kept.resize(self.kept[self.sizes.len()], T::ZERO);
             }
             self.stale.fill(true);
             share = 0.0;
@@ -172,6 +173,11 @@ impl Reuse {
             *todo = self.stale[unit as usize];
         }
         share
+    }
+
+    /// Of the factors nothing is known any more.
+    pub fn forget(&mut self) {
+        self.stale.fill(true);
     }
 
     /// All that was to be eliminated was.

@@ -3,7 +3,11 @@
 use super::stencils::{Noise, solid};
 use super::*;
 
-const BOTH: [Backend; 2] = [Backend::MultifrontalLlt, Backend::MultifrontalLu];
+const THREE: [Backend; 3] = [
+    Backend::MultifrontalLlt,
+    Backend::MixedLlt,
+    Backend::MultifrontalLu,
+];
 
 /// Bits of the solution of one right-hand side, or why there is none; and what was saved.
 fn outcome(solver: &mut LinearSolver, values: &[f64]) -> (Result<Vec<u64>, LinearError>, f64) {
@@ -80,7 +84,7 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
 fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
     // Some twenty tasks, a front cut into pieces (see the test of threads), a hundred units.
     let (pattern, values) = solid([18, 7, 18], 5.0, 0.0, 12);
-    for backend in BOTH {
+    for backend in THREE {
         let list = matrices(&pattern, &values);
         let whole: Vec<_> = list
             .iter()
@@ -117,7 +121,7 @@ fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
 #[test]
 fn nothing_is_kept_of_matrices_that_change_everywhere() {
     let (pattern, mut values) = solid([9, 3, 10], 5.0, 0.0, 1);
-    for backend in BOTH {
+    for backend in THREE {
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
         for _ in 0..3 {
             for a in &mut values {

@@ -36,7 +36,7 @@ impl Panels {
     }
 
     /// First column of each panel, with its numbers.
-    pub fn split(self, mut numbers: &mut [f64]) -> impl Iterator<Item = (usize, &mut [f64])> {
+    pub fn split<T>(self, mut numbers: &mut [T]) -> impl Iterator<Item = (usize, &mut [T])> {
         (0..self.order).step_by(self.wide).map(move |first| {
             let columns = self.wide.min(self.order - first);
             let (panel, rest) =

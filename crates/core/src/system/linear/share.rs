@@ -11,29 +11,29 @@ pub(super) struct Matrix<'a> {
 }
 
 /// The stretch of all buffers that belongs to a range of supernodes.
-pub(super) struct Share<'a> {
-    pub factors: &'a mut [f64],
+pub(super) struct Share<'a, T> {
+    pub factors: &'a mut [T],
     pub pivots: &'a mut [u32],
-    pub stacks: [&'a mut [f64]; 2],
-    pub kept: &'a mut [f64],
+    pub stacks: [&'a mut [T]; 2],
+    pub kept: &'a mut [T],
 }
 
 /// What one front works on.
-pub(super) struct Front<'a> {
-    pub factors: &'a mut [f64],
+pub(super) struct Front<'a, T> {
+    pub factors: &'a mut [T],
     pub pivots: &'a mut [u32],
-    pub stacks: [&'a mut [f64]; 2],
+    pub stacks: [&'a mut [T]; 2],
     /// Where its Schur complement goes on its stack.
     pub offset: usize,
     /// Kept Schur complements of its task.
-    pub kept: &'a mut [f64],
+    pub kept: &'a mut [T],
     /// Start of these among all.
     pub base: usize,
 }
 
-impl<'a> Share<'a> {
+impl<'a, T> Share<'a, T> {
     /// Cuts off the first numbers of each buffer.
-    pub fn split(self, cut: &Cut) -> (Share<'a>, Share<'a>) {
+    pub fn split(self, cut: &Cut) -> (Share<'a, T>, Share<'a, T>) {
         let (factors, factors_after) = self.factors.split_at_mut(cut.factors);
         let (pivots, pivots_after) = self.pivots.split_at_mut(cut.pivots);
         let [even, odd] = self.stacks;
@@ -55,7 +55,7 @@ impl<'a> Share<'a> {
         (first, after)
     }
 
-    pub fn reborrow(&mut self) -> Share<'_> {
+    pub fn reborrow(&mut self) -> Share<'_, T> {
         let [even, odd] = &mut self.stacks;
         Share {
             factors: self.factors,

@@ -5,11 +5,13 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::number::Number;
+
 /// Columns at a time.
 const WIDE: usize = 4;
 
 /// x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁ with `columns` (m rows, as many columns as x₁ has).
-pub(super) fn forward(columns: &[f64], m: usize, x: &mut [f64], below: &mut [f64]) {
+pub(super) fn forward<T: Number>(columns: &[T], m: usize, x: &mut [T], below: &mut [T]) {
     Arch::new().dispatch(Forward {
         columns,
         m,
@@ -19,7 +21,7 @@ pub(super) fn forward(columns: &[f64], m: usize, x: &mut [f64], below: &mut [f64
 }
 
 /// x₁ ← L₁₁⁻ᵀ (x₁ − L₂₁ᵀ x₂).
-pub(super) fn backward(columns: &[f64], m: usize, x: &mut [f64], below: &[f64]) {
+pub(super) fn backward<T: Number>(columns: &[T], m: usize, x: &mut [T], below: &[T]) {
     Arch::new().dispatch(Backward {
         columns,
         m,
@@ -28,14 +30,14 @@ pub(super) fn backward(columns: &[f64], m: usize, x: &mut [f64], below: &[f64]) 
     });
 }
 
-struct Forward<'a> {
-    columns: &'a [f64],
+struct Forward<'a, T> {
+    columns: &'a [T],
     m: usize,
-    x: &'a mut [f64],
-    below: &'a mut [f64],
+    x: &'a mut [T],
+    below: &'a mut [T],
 }
 
-impl WithSimd for Forward<'_> {
+impl<T: Number> WithSimd for Forward<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -78,7 +80,7 @@ impl WithSimd for Forward<'_> {
 
 /// These rows of four columns.
 #[inline(always)]
-fn rows(block: &[f64], m: usize, rows: std::ops::Range<usize>) -> [&[f64]; WIDE] {
+fn rows<T>(block: &[T], m: usize, rows: std::ops::Range<usize>) -> [&[T]; WIDE] {
     [
         &block[rows.start..rows.end],
         &block[m + rows.start..m + rows.end],
@@ -89,37 +91,37 @@ fn rows(block: &[f64], m: usize, rows: std::ops::Range<usize>) -> [&[f64]; WIDE]
 
 /// y ← y − L x
 #[inline(always)]
-fn take_off<S: Simd>(simd: S, l: [&[f64]; WIDE], x: &[f64; WIDE], y: &mut [f64]) {
+fn take_off<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], x: &[T; WIDE], y: &mut [T]) {
     let factor = [
-        simd.splat_f64s(-x[0]),
-        simd.splat_f64s(-x[1]),
-        simd.splat_f64s(-x[2]),
-        simd.splat_f64s(-x[3]),
+        T::splat(simd, -x[0]),
+        T::splat(simd, -x[1]),
+        T::splat(simd, -x[2]),
+        T::splat(simd, -x[3]),
     ];
-    let (y, y_rest) = S::as_mut_simd_f64s(y);
-    let (l0, rest0) = S::as_simd_f64s(l[0]);
-    let (l1, rest1) = S::as_simd_f64s(l[1]);
-    let (l2, rest2) = S::as_simd_f64s(l[2]);
-    let (l3, rest3) = S::as_simd_f64s(l[3]);
+    let (y, y_rest) = T::vectors_mut::<S>(y);
+    let (l0, rest0) = T::vectors::<S>(l[0]);
+    let (l1, rest1) = T::vectors::<S>(l[1]);
+    let (l2, rest2) = T::vectors::<S>(l[2]);
+    let (l3, rest3) = T::vectors::<S>(l[3]);
     for ((((y, l0), l1), l2), l3) in y.iter_mut().zip(l0).zip(l1).zip(l2).zip(l3) {
-        let mut sum = simd.mul_add_e_f64s(factor[0], *l0, *y);
-        sum = simd.mul_add_e_f64s(factor[1], *l1, sum);
-        sum = simd.mul_add_e_f64s(factor[2], *l2, sum);
-        *y = simd.mul_add_e_f64s(factor[3], *l3, sum);
+        let mut sum = T::mul_add(simd, factor[0], *l0, *y);
+        sum = T::mul_add(simd, factor[1], *l1, sum);
+        sum = T::mul_add(simd, factor[2], *l2, sum);
+        *y = T::mul_add(simd, factor[3], *l3, sum);
     }
     for (r, y) in y_rest.iter_mut().enumerate() {
         *y -= rest0[r] * x[0] + rest1[r] * x[1] + rest2[r] * x[2] + rest3[r] * x[3];
     }
 }
 
-struct Backward<'a> {
-    columns: &'a [f64],
+struct Backward<'a, T> {
+    columns: &'a [T],
     m: usize,
-    x: &'a mut [f64],
-    below: &'a [f64],
+    x: &'a mut [T],
+    below: &'a [T],
 }
 
-impl WithSimd for Backward<'_> {
+impl<T: Number> WithSimd for Backward<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -146,7 +148,7 @@ impl WithSimd for Backward<'_> {
         for j in (0..whole).step_by(WIDE).rev() {
             let block = &columns[j * m..][..WIDE * m];
             let (own, after) = x[j..].split_at_mut(WIDE);
-            let mut sum = [0.0; WIDE];
+            let mut sum = [T::ZERO; WIDE];
             add_up(simd, rows(block, m, j + WIDE..k), after, &mut sum);
             add_up(simd, rows(block, m, k..m), below, &mut sum);
             for c in (0..WIDE).rev() {
@@ -162,21 +164,21 @@ impl WithSimd for Backward<'_> {
 
 /// Σ ← Σ + Lᵀ y
 #[inline(always)]
-fn add_up<S: Simd>(simd: S, l: [&[f64]; WIDE], y: &[f64], sum: &mut [f64; WIDE]) {
-    let mut sums = [simd.splat_f64s(0.0); WIDE];
-    let (y, y_rest) = S::as_simd_f64s(y);
-    let (l0, rest0) = S::as_simd_f64s(l[0]);
-    let (l1, rest1) = S::as_simd_f64s(l[1]);
-    let (l2, rest2) = S::as_simd_f64s(l[2]);
-    let (l3, rest3) = S::as_simd_f64s(l[3]);
+fn add_up<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], y: &[T], sum: &mut [T; WIDE]) {
+    let mut sums = [T::splat(simd, T::ZERO); WIDE];
+    let (y, y_rest) = T::vectors::<S>(y);
+    let (l0, rest0) = T::vectors::<S>(l[0]);
+    let (l1, rest1) = T::vectors::<S>(l[1]);
+    let (l2, rest2) = T::vectors::<S>(l[2]);
+    let (l3, rest3) = T::vectors::<S>(l[3]);
     for ((((y, l0), l1), l2), l3) in y.iter().zip(l0).zip(l1).zip(l2).zip(l3) {
-        sums[0] = simd.mul_add_e_f64s(*y, *l0, sums[0]);
-        sums[1] = simd.mul_add_e_f64s(*y, *l1, sums[1]);
-        sums[2] = simd.mul_add_e_f64s(*y, *l2, sums[2]);
-        sums[3] = simd.mul_add_e_f64s(*y, *l3, sums[3]);
+        sums[0] = T::mul_add(simd, *y, *l0, sums[0]);
+        sums[1] = T::mul_add(simd, *y, *l1, sums[1]);
+        sums[2] = T::mul_add(simd, *y, *l2, sums[2]);
+        sums[3] = T::mul_add(simd, *y, *l3, sums[3]);
     }
     for c in 0..WIDE {
-        sum[c] += simd.reduce_sum_f64s(sums[c]);
+        sum[c] += T::sum(simd, sums[c]);
     }
     for (r, y) in y_rest.iter().enumerate() {
         sum[0] += rest0[r] * y;

@@ -11,30 +11,34 @@ use faer::{MatMut, MatRef};
 use super::Kind;
 use super::kernels;
 use super::multifrontal::Plan;
+use super::number::Number;
 use super::single;
 use super::tasks::Task;
 
+/// Right-hand sides that are taken one by one.
+const FEW: usize = 3;
+
 /// The factors, read by all.
 #[derive(Clone, Copy)]
-pub(super) struct Factors<'a> {
+pub(super) struct Factors<'a, T> {
     /// Fronts, `Assembly::storage`.
-    pub numbers: &'a [f64],
+    pub numbers: &'a [T],
     /// Row exchanges `[position]`, LU only.
     pub pivots: &'a [u32],
 }
 
 /// Right-hand sides and what passes between fronts, of a range of supernodes.
-pub(super) struct Vectors<'a> {
+pub(super) struct Vectors<'a, T> {
     /// Number of right-hand sides.
     pub columns: usize,
     /// `[supernode][column][row]`
-    pub x: &'a mut [f64],
+    pub x: &'a mut [T],
     /// `[supernode][column][row below]`
-    pub below: &'a mut [f64],
+    pub below: &'a mut [T],
 }
 
-impl Vectors<'_> {
-    pub fn reborrow(&mut self) -> Vectors<'_> {
+impl<T> Vectors<'_, T> {
+    pub fn reborrow(&mut self) -> Vectors<'_, T> {
         Vectors {
             columns: self.columns,
             x: self.x,
@@ -43,9 +47,9 @@ impl Vectors<'_> {
     }
 }
 
-impl<'a> Vectors<'a> {
+impl<'a, T> Vectors<'a, T> {
     /// Cuts off the first numbers of each.
-    fn split(self, x: usize, below: usize) -> (Vectors<'a>, Vectors<'a>) {
+    fn split(self, x: usize, below: usize) -> (Vectors<'a, T>, Vectors<'a, T>) {
         let columns = self.columns;
         let (x, x_after) = self.x.split_at_mut(x);
         let (below, below_after) = self.below.split_at_mut(below);
@@ -69,7 +73,12 @@ impl Plan {
     }
 
     /// x ← L⁻¹ P x on the subtree of a task, children first.
-    pub fn forward(&self, task: &mut Task, factors: Factors, mut vectors: Vectors) {
+    pub fn forward<T: Number>(
+        &self,
+        task: &mut Task<T>,
+        factors: Factors<T>,
+        mut vectors: Vectors<T>,
+    ) {
         self.forward_all(&mut task.children, factors, vectors.reborrow());
         let Some(scratch) = &mut task.scratch else {
             return;
@@ -81,7 +90,7 @@ impl Plan {
             let x = &mut vectors.x[at..][..k * columns];
             let (before, here) = vectors.below.split_at_mut(at_below);
             let below = &mut here[..b * columns];
-            below.fill(0.0);
+            below.fill(T::ZERO);
             for &c in self.children(s) {
                 let (_, start) = self.extent(task.start..c as usize, columns);
                 let rows = self.tree.below(c as usize).len();
@@ -96,7 +105,7 @@ impl Plan {
                             &mut below[to - k..][..len]
                         };
                         for (t, u) in target.iter_mut().zip(&update[run.from as usize..]) {
-                            *t += u;
+                            *t += *u;
                         }
                     }
                 }
@@ -110,8 +119,12 @@ impl Plan {
             }
             let m = k + b;
             let front = &factors.numbers[self.assembly.storage[s]..][..m * k];
-            if columns == 1 && !unit {
-                single::forward(front, m, x, below);
+            if columns <= FEW && !unit {
+                // Of the second column on, the front is near.
+                for q in 0..columns {
+                    let (x, below) = (&mut x[q * k..][..k], &mut below[q * b..][..b]);
+                    single::forward(front, m, x, below);
+                }
                 continue;
             }
             let x = MatMut::from_column_major_slice_mut(x, k, columns);
@@ -120,7 +133,12 @@ impl Plan {
         }
     }
 
-    fn forward_all(&self, tasks: &mut [Task], factors: Factors, vectors: Vectors) {
+    fn forward_all<T: Number>(
+        &self,
+        tasks: &mut [Task<T>],
+        factors: Factors<T>,
+        vectors: Vectors<T>,
+    ) {
         let Some((task, others)) = tasks.split_first_mut() else {
             return;
         };
@@ -136,7 +154,7 @@ impl Plan {
     }
 
     /// x ← U⁻¹ x on the subtree of a task, whose root knows the solution below it; children last.
-    pub fn backward(&self, task: &Task, factors: Factors, vectors: Vectors) {
+    pub fn backward<T: Number>(&self, task: &Task<T>, factors: Factors<T>, vectors: Vectors<T>) {
         let columns = vectors.columns;
         for s in task.own.clone().rev() {
             let (k, b) = (self.tree.columns(s), self.tree.below(s).len());
@@ -147,8 +165,11 @@ impl Plan {
             let start = self.assembly.storage[s];
             let m = k + b;
             let front = &factors.numbers[start..][..m * k];
-            if columns == 1 && self.kind == Kind::Symmetric {
-                single::backward(front, m, x, known);
+            if columns <= FEW && self.kind == Kind::Symmetric {
+                for q in 0..columns {
+                    let (x, known) = (&mut x[q * k..][..k], &known[q * b..][..b]);
+                    single::backward(front, m, x, known);
+                }
             } else {
                 let (own, below) = kernels::parts(front, m, k);
                 let (upper, rest) = match self.kind {
@@ -182,7 +203,7 @@ impl Plan {
         self.backward_all(&task.children, factors, vectors);
     }
 
-    fn backward_all(&self, tasks: &[Task], factors: Factors, vectors: Vectors) {
+    fn backward_all<T: Number>(&self, tasks: &[Task<T>], factors: Factors<T>, vectors: Vectors<T>) {
         let Some((task, others)) = tasks.split_first() else {
             return;
         };

@@ -11,14 +11,15 @@
 use std::ops::Range;
 
 use super::kernels::{self, Scratch};
+use super::number::Number;
 use super::tree::{ROOT, Tree};
 use super::{Kind, LinearError};
 
 /// A piece of the tree and of the stacks.
-#[derive(Debug, Default)]
-pub(super) struct Task {
+#[derive(Debug)]
+pub(super) struct Task<T> {
     /// Tasks to finish first.
-    pub children: Vec<Task>,
+    pub children: Vec<Task<T>>,
     /// Supernodes done here, in order; the children's come before them without a gap.
     pub own: Range<usize>,
     /// First supernode of the whole subtree.
@@ -26,10 +27,10 @@ pub(super) struct Task {
     /// Numbers needed on each stack, the children's included. `[parity]`
     pub stack: [usize; 2],
     /// Memory for the kernels, once [`Task::allocate`] was called.
-    pub scratch: Option<Scratch>,
+    pub scratch: Option<Scratch<T>>,
 }
 
-impl Task {
+impl<T: Number> Task<T> {
     /// Allocates the scratch memory of this task and all below.
     pub fn allocate(&mut self, tree: &Tree) -> Result<(), LinearError> {
         for child in &mut self.children {
@@ -38,6 +39,19 @@ impl Task {
         let most = self.own.clone().map(|s| tree.columns(s)).max();
         self.scratch = most.map(Scratch::new).transpose()?;
         Ok(())
+    }
+}
+
+// By hand: what is derived asks for a default of T.
+impl<T> Default for Task<T> {
+    fn default() -> Self {
+        Self {
+            children: Vec::new(),
+            own: 0..0,
+            start: 0,
+            stack: [0; 2],
+            scratch: None,
+        }
     }
 }
 
@@ -55,8 +69,13 @@ const LEAST: f64 = 5e6;
 /// At most this many tasks, about: no tree is so deep then that recursion over tasks is.
 const MOST: f64 = 256.0;
 
+/// Where the Schur complements of a tree go.
+pub(super) fn places(tree: &Tree, kind: Kind) -> Places {
+    plan::<f64>(tree, kind).1
+}
+
 /// Cuts the tree and places the Schur complements.
-pub(super) fn plan(tree: &Tree, kind: Kind) -> (Task, Places) {
+pub(super) fn plan<T: Number>(tree: &Tree, kind: Kind) -> (Task<T>, Places) {
     let n = tree.len();
     let mut work: Vec<f64> = (0..n).map(|s| tree.work(s)).collect();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); n + 1];
@@ -86,14 +105,14 @@ pub(super) fn plan(tree: &Tree, kind: Kind) -> (Task, Places) {
     }
 
     let mut first = vec![0; n + 1]; // first supernode of each subtree
-    let mut tasks: Vec<Option<Task>> = (0..=n).map(|_| None).collect();
+    let mut tasks: Vec<Option<Task<T>>> = (0..=n).map(|_| None).collect();
     for s in 0..=n {
         first[s] = children[s].first().map_or(s, |&c| first[c]);
         if work[s] <= limit {
             continue;
         }
         // The heavy children come first in postorder.
-        let mut heavy: Vec<Task> = children[s]
+        let mut heavy: Vec<Task<T>> = children[s]
             .iter()
             .filter_map(|&c| tasks[c].take())
             .collect();
@@ -115,7 +134,13 @@ pub(super) fn plan(tree: &Tree, kind: Kind) -> (Task, Places) {
 }
 
 /// Plays the pushes and pops of a task through.
-fn place(task: &mut Task, tree: &Tree, kind: Kind, children: &[Vec<usize>], places: &mut Places) {
+fn place<T>(
+    task: &mut Task<T>,
+    tree: &Tree,
+    kind: Kind,
+    children: &[Vec<usize>],
+    places: &mut Places,
+) {
     let size = |s: usize| {
         let (k, b) = (tree.columns(s), tree.below(s).len());
         kernels::panels(kind, k + b, k).len()

@@ -6,8 +6,9 @@ use faer::{Mat, MatRef};
 use super::stencils::{Case, Noise, assemble, solid};
 use super::*;
 
-const ALL: [Backend; 4] = [
+const ALL: [Backend; 5] = [
     Backend::MultifrontalLlt,
+    Backend::MixedLlt,
     Backend::MultifrontalLu,
     Backend::FaerLlt,
     Backend::FaerLu,
@@ -49,6 +50,11 @@ fn distance(x: &[f64], reference: &[f64]) -> f64 {
 }
 
 fn compare(case: &Case, options: Options, columns: usize) {
+    // Of single precision, too, all that a refinement gives.
+    let options = Options {
+        target: 1e-14,
+        ..options
+    };
     let n = case.pattern.n();
     let mut solver = LinearSolver::analyse(&case.pattern, options).unwrap();
     let a = dense(&case.pattern, &case.values, options.backend.kind());
@@ -193,7 +199,11 @@ fn the_solution_has_the_same_bits_on_any_number_of_threads() {
     // Large enough for a handful of tasks (5e6 operations each at least) and for a last front of
     // 18 × 7 nodes, 378³/3 = 1.8e7 operations, that is cut into pieces.
     let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
-    for backend in [Backend::MultifrontalLlt, Backend::MultifrontalLu] {
+    for backend in [
+        Backend::MultifrontalLlt,
+        Backend::MixedLlt,
+        Backend::MultifrontalLu,
+    ] {
         let solve = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
@@ -347,7 +357,8 @@ fn what_needs_pivots_from_other_fronts_goes_to_the_refuge() {
         }
     });
     let options = Options::new(Backend::MultifrontalLu);
-    let mut fronts = Multifrontal::analyse(&pattern, options.ordering, Kind::Unsymmetric).unwrap();
+    let plan = Plan::analyse(&pattern, options.ordering, Kind::Unsymmetric).unwrap();
+    let mut fronts = Multifrontal::<f64>::new(Arc::new(plan), &pattern).unwrap();
     let sums = vec![1.0; pattern.n()];
     assert!(matches!(
         fronts.factorise(&values, &sums),

@@ -8,20 +8,21 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::number::Number;
 use super::schur::Panels;
 
 /// Columns of a tile.
 const WIDE: usize = 4;
 /// Vectors of rows in a tile: with four columns twelve sums, enough to hide the latency of each.
 const TALL: usize = 3;
-/// Rows of the widest tile (512 bits).
-const MOST: usize = TALL * 8;
+/// Rows of the widest tile (512 bits of single precision).
+const MOST: usize = TALL * 16;
 
 /// L₁₁ L₁₁ᵀ = F₁₁ and L₂₁ = F₂₁ L₁₁⁻ᵀ of columns `from..to` in place of `columns` (m rows each),
 /// where all columns before `from` are done and have been taken off. Returns the column whose pivot
 /// is not positive.
-pub(super) fn eliminate(
-    columns: &mut [f64],
+pub(super) fn eliminate<T: Number>(
+    columns: &mut [T],
     m: usize,
     from: usize,
     to: usize,
@@ -35,7 +36,7 @@ pub(super) fn eliminate(
 }
 
 /// S = −L₂₁ L₂₁ᵀ, its lower triangle, of a front whose `columns` (m rows each) are eliminated.
-pub(super) fn schur(columns: &[f64], m: usize, panels: Panels, out: &mut [f64]) {
+pub(super) fn schur<T: Number>(columns: &[T], m: usize, panels: Panels, out: &mut [T]) {
     Arch::new().dispatch(Complement {
         columns,
         m,
@@ -44,14 +45,14 @@ pub(super) fn schur(columns: &[f64], m: usize, panels: Panels, out: &mut [f64]) 
     });
 }
 
-struct Eliminate<'a> {
-    columns: &'a mut [f64],
+struct Eliminate<'a, T> {
+    columns: &'a mut [T],
     m: usize,
     from: usize,
     to: usize,
 }
 
-impl WithSimd for Eliminate<'_> {
+impl<T: Number> WithSimd for Eliminate<'_, T> {
     type Output = Result<(), usize>;
 
     #[inline(always)]
@@ -67,10 +68,10 @@ impl WithSimd for Eliminate<'_> {
             let (done, rest) = columns.split_at_mut(j * m);
             let (done, panel) = (&done[from * m..], &mut rest[..width * m]);
             match width {
-                4 => step::<S, 4>(simd, done, panel, m, j),
-                3 => step::<S, 3>(simd, done, panel, m, j),
-                2 => step::<S, 2>(simd, done, panel, m, j),
-                _ => step::<S, 1>(simd, done, panel, m, j),
+                4 => step::<T, S, 4>(simd, done, panel, m, j),
+                3 => step::<T, S, 3>(simd, done, panel, m, j),
+                2 => step::<T, S, 2>(simd, done, panel, m, j),
+                _ => step::<T, S, 1>(simd, done, panel, m, j),
             }
             .map_err(|column| j + column)?;
         }
@@ -80,18 +81,18 @@ impl WithSimd for Eliminate<'_> {
 
 /// Eliminates W columns from row j on.
 #[inline(always)]
-fn step<S: Simd, const W: usize>(
+fn step<T: Number, S: Simd, const W: usize>(
     simd: S,
-    done: &[f64],
-    panel: &mut [f64],
+    done: &[T],
+    panel: &mut [T],
     m: usize,
     j: usize,
 ) -> Result<(), usize> {
     // The block on the diagonal, by itself: rows beyond it are thrown away.
-    let mut sums = [[0.0; MOST]; W];
-    tile::<S, 1, W>(simd, done, m, j, j, &mut sums);
-    let mut own = [[0.0; W]; W]; // [column][row]
-    let mut inverse = [0.0; W];
+    let mut sums = [[T::ZERO; MOST]; W];
+    tile::<T, S, 1, W>(simd, done, m, j, j, &mut sums);
+    let mut own = [[T::ZERO; W]; W]; // [column][row]
+    let mut inverse = [T::ZERO; W];
     for c in 0..W {
         for r in c..W {
             let mut x = panel[c * m + j + r] - sums[c][r];
@@ -101,11 +102,11 @@ fn step<S: Simd, const W: usize>(
             own[c][r] = x;
         }
         let pivot = own[c][c];
-        if pivot.is_nan() || pivot <= 0.0 {
+        if pivot.f64().is_nan() || pivot <= T::ZERO {
             return Err(c);
         }
-        let root = pivot.sqrt();
-        inverse[c] = 1.0 / root;
+        let root = pivot.root();
+        inverse[c] = T::ONE / root;
         own[c][c] = root;
         for r in c + 1..W {
             own[c][r] *= inverse[c];
@@ -113,13 +114,13 @@ fn step<S: Simd, const W: usize>(
         panel[c * m + j + c..c * m + j + W].copy_from_slice(&own[c][c..]);
     }
     let mut i = j + W;
-    let lanes = S::F64_LANES;
+    let lanes = T::lanes::<S>();
     while i < m {
         let rows = (m - i).min(TALL * lanes);
         match rows.div_ceil(lanes) {
-            1 => below::<S, 1, W>(simd, done, panel, m, i, j, &own, &inverse),
-            2 => below::<S, 2, W>(simd, done, panel, m, i, j, &own, &inverse),
-            _ => below::<S, 3, W>(simd, done, panel, m, i, j, &own, &inverse),
+            1 => below::<T, S, 1, W>(simd, done, panel, m, i, j, &own, &inverse),
+            2 => below::<T, S, 2, W>(simd, done, panel, m, i, j, &own, &inverse),
+            _ => below::<T, S, 3, W>(simd, done, panel, m, i, j, &own, &inverse),
         }
         i += rows;
     }
@@ -129,70 +130,70 @@ fn step<S: Simd, const W: usize>(
 /// Rows i.. of W columns: what the columns before take off, then division by the block on the
 /// diagonal.
 #[inline(always)]
-fn below<S: Simd, const R: usize, const W: usize>(
+fn below<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    done: &[f64],
-    panel: &mut [f64],
+    done: &[T],
+    panel: &mut [T],
     m: usize,
     i: usize,
     j: usize,
-    own: &[[f64; W]; W],
-    inverse: &[f64; W],
+    own: &[[T; W]; W],
+    inverse: &[T; W],
 ) {
-    let rows = (m - i).min(R * S::F64_LANES);
-    let mut x = sums::<S, R, W>(simd, done, m, i, j);
-    if rows == R * S::F64_LANES {
+    let rows = (m - i).min(R * T::lanes::<S>());
+    let mut x = sums::<T, S, R, W>(simd, done, m, i, j);
+    if rows == R * T::lanes::<S>() {
         for c in 0..W {
-            let at = &panel[c * m + i..][..R * S::F64_LANES];
-            let (at, _) = S::as_simd_f64s(at);
+            let at = &panel[c * m + i..][..R * T::lanes::<S>()];
+            let (at, _) = T::vectors::<S>(at);
             for r in 0..R {
-                x[c][r] = simd.sub_f64s(at[r], x[c][r]);
+                x[c][r] = T::minus(simd, at[r], x[c][r]);
             }
         }
         divide(simd, &mut x, own, inverse);
         for c in 0..W {
-            let at = &mut panel[c * m + i..][..R * S::F64_LANES];
-            let (at, _) = S::as_mut_simd_f64s(at);
+            let at = &mut panel[c * m + i..][..R * T::lanes::<S>()];
+            let (at, _) = T::vectors_mut::<S>(at);
             at.copy_from_slice(&x[c]);
         }
     } else {
-        let whole = (R - 1) * S::F64_LANES;
+        let whole = (R - 1) * T::lanes::<S>();
         for c in 0..W {
             let (head, tail) = panel[c * m + i..][..rows].split_at(whole);
-            let (head, _) = S::as_simd_f64s(head);
+            let (head, _) = T::vectors::<S>(head);
             for r in 0..R - 1 {
-                x[c][r] = simd.sub_f64s(head[r], x[c][r]);
+                x[c][r] = T::minus(simd, head[r], x[c][r]);
             }
-            x[c][R - 1] = simd.sub_f64s(simd.partial_load_f64s(tail), x[c][R - 1]);
+            x[c][R - 1] = T::minus(simd, T::load(simd, tail), x[c][R - 1]);
         }
         divide(simd, &mut x, own, inverse);
         for c in 0..W {
             let (head, tail) = panel[c * m + i..][..rows].split_at_mut(whole);
-            let (head, _) = S::as_mut_simd_f64s(head);
+            let (head, _) = T::vectors_mut::<S>(head);
             head.copy_from_slice(&x[c][..R - 1]);
-            simd.partial_store_f64s(tail, x[c][R - 1]);
+            T::store(simd, tail, x[c][R - 1]);
         }
     }
 }
 
 /// X ← X L₁₁⁻ᵀ
 #[inline(always)]
-fn divide<S: Simd, const R: usize, const W: usize>(
+fn divide<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    x: &mut [[S::f64s; R]; W],
-    own: &[[f64; W]; W],
-    inverse: &[f64; W],
+    x: &mut [[T::Vector<S>; R]; W],
+    own: &[[T; W]; W],
+    inverse: &[T; W],
 ) {
     for c in 0..W {
         for q in 0..c {
-            let factor = simd.splat_f64s(-own[q][c]);
+            let factor = T::splat(simd, -own[q][c]);
             for r in 0..R {
-                x[c][r] = simd.mul_add_e_f64s(factor, x[q][r], x[c][r]);
+                x[c][r] = T::mul_add(simd, factor, x[q][r], x[c][r]);
             }
         }
-        let factor = simd.splat_f64s(inverse[c]);
+        let factor = T::splat(simd, inverse[c]);
         for r in 0..R {
-            x[c][r] = simd.mul_f64s(factor, x[c][r]);
+            x[c][r] = T::times(simd, factor, x[c][r]);
         }
     }
 }
@@ -200,15 +201,15 @@ fn divide<S: Simd, const R: usize, const W: usize>(
 /// A Bᵀ of R vectors of rows from row i on and W columns, whose rows start at j, over all columns of
 /// `done`. Vectors that stick out of a column's end read the next column there, which nobody minds.
 #[inline(always)]
-fn sums<S: Simd, const R: usize, const W: usize>(
+fn sums<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    done: &[f64],
+    done: &[T],
     m: usize,
     i: usize,
     j: usize,
-) -> [[S::f64s; R]; W] {
-    let rows = R * S::F64_LANES;
-    let mut sum = [[simd.splat_f64s(0.0); R]; W];
+) -> [[T::Vector<S>; R]; W] {
+    let rows = R * T::lanes::<S>();
+    let mut sum = [[T::splat(simd, T::ZERO); R]; W];
     let mut at = 0;
     while at + i + rows <= done.len() {
         add(
@@ -220,7 +221,7 @@ fn sums<S: Simd, const R: usize, const W: usize>(
         at += m;
     }
     while at < done.len() {
-        let mut space = [0.0; MOST];
+        let mut space = [T::ZERO; MOST];
         space[..m - i].copy_from_slice(&done[at + i..at + m]);
         add(simd, &space[..rows], &done[at + j..][..W], &mut sum);
         at += m;
@@ -230,46 +231,46 @@ fn sums<S: Simd, const R: usize, const W: usize>(
 
 /// Σ ← Σ + x yᵀ
 #[inline(always)]
-fn add<S: Simd, const R: usize, const W: usize>(
+fn add<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    x: &[f64],
-    y: &[f64],
-    sum: &mut [[S::f64s; R]; W],
+    x: &[T],
+    y: &[T],
+    sum: &mut [[T::Vector<S>; R]; W],
 ) {
-    let (x, _) = S::as_simd_f64s(x);
+    let (x, _) = T::vectors::<S>(x);
     for c in 0..W {
-        let factor = simd.splat_f64s(y[c]);
+        let factor = T::splat(simd, y[c]);
         for r in 0..R {
-            sum[c][r] = simd.mul_add_e_f64s(factor, x[r], sum[c][r]);
+            sum[c][r] = T::mul_add(simd, factor, x[r], sum[c][r]);
         }
     }
 }
 
 /// The same, written to memory.
 #[inline(always)]
-fn tile<S: Simd, const R: usize, const W: usize>(
+fn tile<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    done: &[f64],
+    done: &[T],
     m: usize,
     i: usize,
     j: usize,
-    out: &mut [[f64; MOST]; W],
+    out: &mut [[T; MOST]; W],
 ) {
-    let sum = sums::<S, R, W>(simd, done, m, i, j);
+    let sum = sums::<T, S, R, W>(simd, done, m, i, j);
     for c in 0..W {
-        let (to, _) = S::as_mut_simd_f64s(&mut out[c][..R * S::F64_LANES]);
+        let (to, _) = T::vectors_mut::<S>(&mut out[c][..R * T::lanes::<S>()]);
         to.copy_from_slice(&sum[c]);
     }
 }
 
-struct Complement<'a> {
-    columns: &'a [f64],
+struct Complement<'a, T> {
+    columns: &'a [T],
     m: usize,
     panels: Panels,
-    out: &'a mut [f64],
+    out: &'a mut [T],
 }
 
-impl WithSimd for Complement<'_> {
+impl<T: Number> WithSimd for Complement<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -285,10 +286,10 @@ impl WithSimd for Complement<'_> {
             for (t, tile) in panel.chunks_mut(WIDE * height).enumerate() {
                 let first = t * WIDE;
                 match tile.len() / height {
-                    4 => strip::<S, 4>(simd, columns, m, first, tile, height),
-                    3 => strip::<S, 3>(simd, columns, m, first, tile, height),
-                    2 => strip::<S, 2>(simd, columns, m, first, tile, height),
-                    _ => strip::<S, 1>(simd, columns, m, first, tile, height),
+                    4 => strip::<T, S, 4>(simd, columns, m, first, tile, height),
+                    3 => strip::<T, S, 3>(simd, columns, m, first, tile, height),
+                    2 => strip::<T, S, 2>(simd, columns, m, first, tile, height),
+                    _ => strip::<T, S, 1>(simd, columns, m, first, tile, height),
                 }
             }
         }
@@ -297,16 +298,16 @@ impl WithSimd for Complement<'_> {
 
 /// W columns of a panel, from the one on its row `first` on, from their diagonal down.
 #[inline(always)]
-fn strip<S: Simd, const W: usize>(
+fn strip<T: Number, S: Simd, const W: usize>(
     simd: S,
-    columns: &[f64],
+    columns: &[T],
     m: usize,
     first: usize,
-    tile: &mut [f64],
+    tile: &mut [T],
     height: usize,
 ) {
     let top = m - height; // row of the front
-    let lanes = S::F64_LANES;
+    let lanes = T::lanes::<S>();
     let mut i = first;
     while i < height {
         let vectors = (height - i).div_ceil(lanes).min(TALL);
@@ -314,9 +315,9 @@ fn strip<S: Simd, const W: usize>(
         // some above the diagonal, which nobody reads.
         let at = i.min(height.saturating_sub(vectors * lanes));
         match vectors {
-            1 => product::<S, 1, W>(simd, columns, m, top + at, top + first, tile, height, at),
-            2 => product::<S, 2, W>(simd, columns, m, top + at, top + first, tile, height, at),
-            _ => product::<S, 3, W>(simd, columns, m, top + at, top + first, tile, height, at),
+            1 => product::<T, S, 1, W>(simd, columns, m, top + at, top + first, tile, height, at),
+            2 => product::<T, S, 2, W>(simd, columns, m, top + at, top + first, tile, height, at),
+            _ => product::<T, S, 3, W>(simd, columns, m, top + at, top + first, tile, height, at),
         }
         i += vectors * lanes;
     }
@@ -324,32 +325,32 @@ fn strip<S: Simd, const W: usize>(
 
 /// One tile of −L₂₁ L₂₁ᵀ.
 #[inline(always)]
-fn product<S: Simd, const R: usize, const W: usize>(
+fn product<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
-    columns: &[f64],
+    columns: &[T],
     m: usize,
     i: usize,
     j: usize,
-    tile: &mut [f64],
+    tile: &mut [T],
     height: usize,
     at: usize,
 ) {
-    let x = sums::<S, R, W>(simd, columns, m, i, j);
-    let rows = (height - at).min(R * S::F64_LANES);
-    if rows == R * S::F64_LANES {
+    let x = sums::<T, S, R, W>(simd, columns, m, i, j);
+    let rows = (height - at).min(R * T::lanes::<S>());
+    if rows == R * T::lanes::<S>() {
         for c in 0..W {
-            let to = &mut tile[c * height + at..][..R * S::F64_LANES];
-            let (to, _) = S::as_mut_simd_f64s(to);
+            let to = &mut tile[c * height + at..][..R * T::lanes::<S>()];
+            let (to, _) = T::vectors_mut::<S>(to);
             for r in 0..R {
-                to[r] = simd.neg_f64s(x[c][r]);
+                to[r] = T::negative(simd, x[c][r]);
             }
         }
     } else {
-        let mut space = [0.0; MOST];
+        let mut space = [T::ZERO; MOST];
         for c in 0..W {
-            let (to, _) = S::as_mut_simd_f64s(&mut space[..R * S::F64_LANES]);
+            let (to, _) = T::vectors_mut::<S>(&mut space[..R * T::lanes::<S>()]);
             for r in 0..R {
-                to[r] = simd.neg_f64s(x[c][r]);
+                to[r] = T::negative(simd, x[c][r]);
             }
             tile[c * height + at..][..rows].copy_from_slice(&space[..rows]);
         }

@@ -1,0 +1,103 @@
+//! When single precision is left for double, and what is found by either.
+
+use super::stencils::{Noise, solid};
+use super::*;
+
+/// A wall on ground that is soft by `ground` (the stiffness of its edges is one): the softer, the worse its
+/// condition.
+fn wall(ground: f64) -> (Pattern, Vec<f64>) {
+    solid([9, 3, 10], ground, 0.0, 11)
+}
+
+fn rhs(n: usize) -> Vec<f64> {
+    let mut noise = Noise(3);
+    (0..n).map(|_| noise.next()).collect()
+}
+
+fn in_double(solver: &LinearSolver) -> bool {
+    matches!(&solver.engine, Engine::Mixed(f) if f.in_double())
+}
+
+fn mixed(pattern: &Pattern) -> LinearSolver {
+    LinearSolver::analyse(pattern, Options::new(Backend::MixedLlt)).unwrap()
+}
+
+#[test]
+fn a_good_matrix_is_refined_from_single_precision() {
+    let (pattern, values) = wall(5.0);
+    let mut solver = mixed(&pattern);
+    solver.factorise(&values).unwrap();
+    let mut x = rhs(pattern.n());
+    let report = solver.solve(&mut x).unwrap();
+    assert!(!in_double(&solver));
+    // One is what the condition, some 1e3, of 6e-8 leaves; it may not be none, or the factor were of double precision.
+    assert!((1..=2).contains(&report.refinements), "{report:?}");
+    assert!(report.relative <= 1e-7, "{report:?}");
+}
+
+#[test]
+fn a_bad_matrix_is_solved_in_double_precision_and_the_next_good_one_is_not() {
+    let (pattern, good) = wall(5.0);
+    let (_, bad) = wall(1e-7);
+    let mut solver = mixed(&pattern);
+    let mut double =
+        LinearSolver::analyse(&pattern, Options::new(Backend::MultifrontalLlt)).unwrap();
+    for round in 0..2 {
+        for (values, expected) in [(&good, false), (&bad, true), (&bad, true)] {
+            solver.factorise(values).unwrap();
+            let mut x = rhs(pattern.n());
+            solver.solve(&mut x).unwrap();
+            assert_eq!(in_double(&solver), expected, "round {round}");
+            if expected {
+                double.factorise(values).unwrap();
+                let mut y = rhs(pattern.n());
+                // To the same target, the bits of double precision alone.
+                double.options.target = solver.options.target;
+                double.solve(&mut y).unwrap();
+                assert!(x == y, "round {round}");
+            }
+        }
+    }
+}
+
+#[test]
+fn verdicts_are_those_of_double_precision() {
+    let (pattern, values) = wall(5.0);
+    let mut indefinite = values.clone();
+    indefinite[pattern.find(70, 70).unwrap()] -= 500.0;
+    let (_, floating) = wall(0.0);
+    let verdict = |backend, values: &[f64]| {
+        let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
+        let verdict = solver.factorise(values).unwrap_err();
+        // What comes after an error is as good as new.
+        solver.factorise(&wall(5.0).1).unwrap();
+        let mut x = rhs(pattern.n());
+        solver.solve(&mut x).unwrap();
+        (verdict, x)
+    };
+    for values in [&indefinite, &floating] {
+        let (single, x) = verdict(Backend::MixedLlt, values);
+        let (double, y) = verdict(Backend::MultifrontalLlt, values);
+        assert_eq!(single, double);
+        let scale = y.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
+        for (x, y) in x.iter().zip(&y) {
+            // The condition, some 1e3, times what refinement leaves.
+            assert!((x - y).abs() < 1e-4 * scale, "{x} {y}");
+        }
+    }
+}
+
+#[test]
+fn numbers_beyond_single_precision_are_no_harm() {
+    let (pattern, values) = wall(5.0);
+    let mut solver = mixed(&pattern);
+    let tiny: Vec<f64> = rhs(pattern.n()).iter().map(|x| x * 1e-200).collect();
+    for (factor, expected) in [(1.0, false), (1e60, true)] {
+        let values: Vec<f64> = values.iter().map(|a| a * factor).collect();
+        solver.factorise(&values).unwrap();
+        let mut x = tiny.clone();
+        let report = solver.solve(&mut x).unwrap();
+        assert!(report.relative <= 1e-7, "{factor:e}: {report:?}");
+        assert_eq!(in_double(&solver), expected, "{factor:e}");
+    }
+}
