@@ -4,19 +4,18 @@ use std::cell::OnceCell;
 
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
-use super::explain;
-use super::fidelity::{Instead, Part, Reached, leans};
+use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{growth, resolving};
-use super::ladder::{Answer, Ladder, QUIET};
+use super::ladder::{Ladder, QUIET};
 use super::method::Method;
 use super::newton::Newton;
-use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
+use super::outcome::{Attempt, Clock, Outcome, Report, Solves};
 use super::state::State;
 use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
+use crate::model::scene::{Procedure, Step, Tangent};
 use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
 use crate::system::{Steered, System, Trial};
@@ -49,6 +48,7 @@ pub enum RunError {
 
 /// Factor of a refused increment (lessons: 0.4).
 pub(super) const CUT: f64 = 0.4;
+
 /// Runs a model from rest through all its steps.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<S
 /// A run in progress.
 pub(super) struct Run<'m> {
     pub(super) model: &'m Model,
-    part: Part,
+    pub(super) part: Part,
     pub(super) system: System,
     pub(super) state: State,
     pub(super) trial: Trial,
@@ -138,25 +138,6 @@ impl<'m> Run<'m> {
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         Ok(self.summary)
-    }
-
-    /// Whether a part of the scene would stay in its planes as the whole, where a step ends or its loads turn round; what
-    /// moves is not asked, nor what lies where it fell: whether that stands or is loose its stiffness at rest does not tell. If not, the run ends here: what it has found is not what the whole does.
-    fn keeps_symmetry(&mut self, course: &Course, recorder: &mut dyn Recorder) -> bool {
-        let step = course.index;
-        let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
-        if moves || self.state.fell || self.state.energies.moving() > QUIET {
-            return true;
-        }
-        let (model, state) = (self.model, &self.state);
-        let (system, trial) = (&mut self.system, &mut self.trial);
-        let Some(planes) = leans(model, &self.part, step, system, state, trial) else {
-            return true;
-        };
-        self.summary.status = Status::NotConverged;
-        self.summary.message = self.part.told_to_lean(&planes, &model.steps[step].name);
-        recorder.note(&self.summary.message);
-        false
     }
 
     /// A step to its end; false if the run ends here.
@@ -243,11 +224,12 @@ impl<'m> Run<'m> {
         self.adopt(&mut course);
         // The boundary conditions change: the last increment says nothing of the next.
         self.state.last = None;
+        self.state.wants_double = false;
         Ok(course)
     }
 
     /// Goes on by the method of the ladder.
-    fn adopt(&mut self, course: &mut Course) {
+    pub(super) fn adopt(&mut self, course: &mut Course) {
         let rung = course.ladder.rung();
         course
             .newton
@@ -279,10 +261,7 @@ impl<'m> Run<'m> {
                 self.swings.add(&row);
             }
             Method::Implex if course.step.procedure == Procedure::Auto => self.snaps.add(&row),
-            Method::QuasiStatic => {
-                let reach = self.system.contact.reach();
-                self.state.fell |= self.state.q.iter().any(|q| q.abs() > reach);
-            }
+            Method::QuasiStatic => self.mark_what_fell(),
             _ => {}
         }
         let growth = growth(leg, report, course.ladder.floor());
@@ -385,120 +364,8 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Chooses what to try after a refusal; false if nothing is left.
-    fn refuse(
-        &mut self,
-        course: &mut Course,
-        leg: Leg,
-        refusal: &Refusal,
-        recorder: &mut dyn Recorder,
-    ) -> bool {
-        let on_path = leg.method.follows_path();
-        let method = course.ladder.method();
-        if method.follows_path() && course.trail.leads(method) && !on_path {
-            // The rest of the step in one: the path goes on instead.
-            course.end_refused = true;
-            return true;
-        }
-        let spent = if on_path {
-            !course.trail.cut(CUT)
-        } else {
-            false
-        };
-        let size = leg.increment.size;
-        if *refusal == Refusal::Snap {
-            course.beyond = Some(leg.increment.end());
-        }
-        if course.ladder.is_last() && course.beyond.take().is_some() {
-            // Not even there: over it in increments as large as may be.
-            course.schedule.resume(course.step.increments.max);
-            return true;
-        }
-        let mut answer = course.ladder.refused(refusal, size, spent);
-        if method.follows_path() && !on_path && course.ladder.is_small(size) {
-            // Nothing has dissipated yet, and nothing is found before something does.
-            if self.guess(course, method, size) {
-                return true;
-            }
-        }
-        if answer == Answer::Cut && !on_path && course.schedule.cut(leg.increment, CUT).is_err() {
-            answer = course.ladder.refused(refusal, size, true);
-        }
-        match answer {
-            Answer::Cut => true,
-            Answer::Climb => {
-                let why = format!(
-                    "{}: {}",
-                    leg.method.name(),
-                    explain::why(self.model, &self.part, course.step, refusal)
-                );
-                loop {
-                    course.ladder.climb(refusal, course.sense() * course.load);
-                    let next = course.ladder.method();
-                    // Where loads stay there is no path of theirs.
-                    let stays = course.branch.slope() == 0.0;
-                    if !next.follows_path()
-                        || (!stays && course.trail.leads(next))
-                        || (!stays && self.guess(course, next, size))
-                    {
-                        break;
-                    }
-                }
-                self.adopt(course);
-                match course.ladder.method() {
-                    Method::QuasiStatic => {
-                        self.state.last = None;
-                        course.schedule.resume(size.min(course.ladder.floor()));
-                    }
-                    // Its equations are linear: whatever cut the increment is not their trouble.
-                    Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
-                    // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
-                    Method::Static if course.ladder.is_last() => {
-                        let beyond = course.beyond.map(|at| at - course.schedule.done());
-                        let jump = beyond.unwrap_or(course.step.increments.max);
-                        course.schedule.resume(jump);
-                    }
-                    method if method.follows_path() => course.trail.mend(),
-                    _ => {}
-                }
-                self.note(course, &why, recorder);
-                true
-            }
-            Answer::GiveUp => {
-                self.summary.iterations += course.solves;
-                self.tally(&course.newton);
-                self.summary.status = Status::NotConverged;
-                let done = match course.step.amplitude {
-                    None => course.load,
-                    Some(_) => course.schedule.done(),
-                };
-                self.summary.message =
-                    explain::explain(self.model, &self.part, course.index, leg, done, refusal);
-                false
-            }
-        }
-    }
-
-    /// Measures the path by the increment that was refused, for want of a better one; false if nothing
-    /// dissipated in it.
-    fn guess(&mut self, course: &mut Course, method: Method, size: f64) -> bool {
-        let q = course.newton.q();
-        let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
-        let (system, trial) = (&self.system, &self.trial);
-        course
-            .trail
-            .learn(method, system, trial, &dq, (size, 0.0), GUESS)
-    }
-
-    /// Counts a refused or repeated increment.
-    fn cut_back(&mut self, course: &mut Course) {
-        course.cutbacks += 1;
-        course.repeat = false;
-        self.summary.cutbacks += 1;
-    }
-
     /// Tells of a change of method.
-    fn note(&mut self, course: &Course, why: &str, recorder: &mut dyn Recorder) {
+    pub(super) fn note(&mut self, course: &Course, why: &str, recorder: &mut dyn Recorder) {
         let text = format!(
             "step {} ({}), {}: {why}; goes on by {}",
             course.index,
@@ -523,53 +390,8 @@ impl<'m> Run<'m> {
         self.summary.log.push(text);
     }
 
-    /// Statics brings to rest what moved.
-    fn bring_to_rest(&mut self) {
-        let state = &mut self.state;
-        state.energies.numerical += std::mem::take(&mut state.energies.kinetic);
-        for rates in [
-            &mut state.velocity,
-            &mut state.acceleration,
-            &mut state.damping,
-        ] {
-            rates.fill(0.0);
-        }
-    }
-
-    /// What moves in a step and has no mass.
-    pub(super) fn massless(&self, step: &Step) -> Option<String> {
-        let (model, system) = (self.model, &self.system);
-        let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
-            let free = |i: &usize| matches!(motion[*i], BeamMotion::Force(_));
-            (0..3).filter(free).map(move |i| (b, i))
-        });
-        let mut unknowns =
-            (0..system.dofs.beam_start).chain(free_beams.map(|(b, i)| system.dofs.beam_slot(b, i)));
-        let slot = unknowns.find(|&slot| system.mass.slot[slot] <= 0.0)?;
-        Some(if slot >= system.dofs.beam_start {
-            let beam = (slot - system.dofs.beam_start) / 3;
-            format!("the beam {}", model.beams[beam].name)
-        } else {
-            let node = self.part.node(system.dofs.node_of(slot).0);
-            format!("node {node}")
-        })
-    }
-
-    /// Velocities of the model in the first step with inertia.
-    fn set_in_motion(&mut self, index: usize) {
-        let (model, system, state) = (self.model, &self.system, &mut self.state);
-        let first = model.steps.iter().position(|s| s.procedure.has_inertia());
-        if first == Some(index) && !model.initial_velocity.is_empty() {
-            system
-                .mass
-                .mean_velocity(&system.dofs, &model.initial_velocity, &mut state.velocity);
-            state.energies.kinetic = system.mass.kinetic_energy(&state.velocity);
-            state.energies.external += state.energies.kinetic;
-        }
-    }
-
     /// Wall time so far.
-    fn tally(&mut self, newton: &Newton) {
+    pub(super) fn tally(&mut self, newton: &Newton) {
         let c = self.clock + newton.clock;
         self.summary.factorisations = c.factorisations;
         self.summary.reused = c.reused;
@@ -597,5 +419,3 @@ pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
 /// Part of the energy that an increment takes in or gives back, from which on what it dissipates
 /// measures the path.
 const SHARE: f64 = 0.02;
-/// Of an increment that was refused, the part that is tried first along the path.
-const GUESS: f64 = 0.1;

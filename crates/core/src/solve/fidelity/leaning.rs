@@ -11,6 +11,10 @@ use crate::model::Model;
 use crate::model::loads::LoadOn;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, HeldBy, Step, Support};
+use crate::results::{Recorder, Status};
+use crate::solve::course::Course;
+use crate::solve::drive::Run;
+use crate::solve::ladder::QUIET;
 use crate::solve::{Clock, State};
 use crate::system::dofs::{DofMap, Equations};
 use crate::system::linear::LinearError;
@@ -21,10 +25,38 @@ use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Tur
 /// elements with joints: some 1e-11).
 const NEUTRAL: f64 = 1e-13;
 
+impl Run<'_> {
+    /// Whether a part of the scene would stay in its planes as the whole, where a step ends or its loads turn
+    /// round. If not, the run ends here: what it has found is not what the whole does.
+    ///
+    /// What moves is not asked, nor what lies where it fell: whether that stands or is loose its stiffness at
+    /// rest does not tell.
+    pub(in crate::solve) fn keeps_symmetry(
+        &mut self,
+        course: &Course,
+        recorder: &mut dyn Recorder,
+    ) -> bool {
+        let step = course.index;
+        let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
+        if moves || self.state.fell || self.state.energies.moving() > QUIET {
+            return true;
+        }
+        let (model, state) = (self.model, &self.state);
+        let (system, trial) = (&mut self.system, &mut self.trial);
+        let Some(planes) = leans(model, &self.part, step, system, state, trial) else {
+            return true;
+        };
+        self.summary.status = Status::NotConverged;
+        self.summary.message = self.part.told_to_lean(&planes, &model.steps[step].name);
+        recorder.note(&self.summary.message);
+        false
+    }
+}
+
 /// Planes that what is solved would leave, of those that it is held in: the first few of them that its stiffness does
 /// not hold it in. Solids have their secant stiffness, joints that of their penalty. Under follower pressures, whose own
 /// stiffness is not symmetric, it is not asked. The trial is begun anew.
-pub(in crate::solve) fn leans(
+fn leans(
     model: &Model,
     part: &Part,
     step: usize,

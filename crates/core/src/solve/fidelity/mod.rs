@@ -20,7 +20,6 @@ use crate::model::scene::Fidelity;
 use crate::results::{Recorder, Sizes, Summary};
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
-pub(super) use leaning::leans;
 pub(super) use part::Part;
 use unfold::{Places, Unfold};
 

@@ -1,0 +1,57 @@
+//! Where a run begins to move, comes to rest, and has fallen.
+
+use super::drive::Run;
+use crate::model::scene::{BeamMotion, Step};
+
+impl Run<'_> {
+    /// Statics brings to rest what moved.
+    pub(super) fn bring_to_rest(&mut self) {
+        let state = &mut self.state;
+        state.energies.numerical += std::mem::take(&mut state.energies.kinetic);
+        for rates in [
+            &mut state.velocity,
+            &mut state.acceleration,
+            &mut state.damping,
+        ] {
+            rates.fill(0.0);
+        }
+    }
+
+    /// What moves in a step and has no mass.
+    pub(super) fn massless(&self, step: &Step) -> Option<String> {
+        let (model, system) = (self.model, &self.system);
+        let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
+            let free = |i: &usize| matches!(motion[*i], BeamMotion::Force(_));
+            (0..3).filter(free).map(move |i| (b, i))
+        });
+        let mut unknowns =
+            (0..system.dofs.beam_start).chain(free_beams.map(|(b, i)| system.dofs.beam_slot(b, i)));
+        let slot = unknowns.find(|&slot| system.mass.slot[slot] <= 0.0)?;
+        Some(if slot >= system.dofs.beam_start {
+            let beam = (slot - system.dofs.beam_start) / 3;
+            format!("the beam {}", model.beams[beam].name)
+        } else {
+            let node = self.part.node(system.dofs.node_of(slot).0);
+            format!("node {node}")
+        })
+    }
+
+    /// Velocities of the model in the first step with inertia.
+    pub(super) fn set_in_motion(&mut self, index: usize) {
+        let (model, system, state) = (self.model, &self.system, &mut self.state);
+        let first = model.steps.iter().position(|s| s.procedure.has_inertia());
+        if first == Some(index) && !model.initial_velocity.is_empty() {
+            system
+                .mass
+                .mean_velocity(&system.dofs, &model.initial_velocity, &mut state.velocity);
+            state.energies.kinetic = system.mass.kinetic_energy(&state.velocity);
+            state.energies.external += state.energies.kinetic;
+        }
+    }
+
+    /// Marks that what inertia was taken for went farther than joints reach: it fell.
+    pub(super) fn mark_what_fell(&mut self) {
+        let reach = self.system.contact.reach();
+        self.state.fell |= self.state.q.iter().any(|q| q.abs() > reach);
+    }
+}
