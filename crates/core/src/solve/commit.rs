@@ -55,6 +55,7 @@ impl Run<'_> {
         state.pairs.copy_from_slice(&trial.pairs);
         state.touches = self.system.general.committed(trial);
         self.system.follow(&mut state.poses, trial);
+        state.wants_double |= newton.wanted_double();
         state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
         state.last = Some(LastIncrement {
             dq: dq.clone(),

@@ -36,6 +36,8 @@ pub struct Newton<'m> {
     pub(super) tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
+    /// The state's, at the start of the increment.
+    wants_double: bool,
     values: Vec<f64>,
     pub(super) direction: Vec<f64>,
     pub(super) residual: Vec<f64>,
@@ -87,6 +89,7 @@ impl<'m> Newton<'m> {
             tangent: step.tangent,
             equations,
             linear: None,
+            wants_double: false,
             values: Vec::new(),
             direction: vec![0.0; n],
             residual: vec![0.0; n],
@@ -159,14 +162,16 @@ impl<'m> Newton<'m> {
     /// Which solver the tangents need.
     fn backend(&self) -> Backend {
         if self.tangent == Tangent::Secant {
-            if self.equations.slot_of.len() > SINGLE {
-                Backend::MultifrontalLlt
-            } else {
-                Backend::MixedLlt
-            }
+            Backend::MixedLlt
         } else {
             Backend::MultifrontalLu
         }
+    }
+
+    /// Whether the matrices of this increment wanted factors of double precision.
+    pub(super) fn wanted_double(&self) -> bool {
+        let linear = self.linear.as_ref();
+        linear.is_some_and(LinearSolver::distrusts_single)
     }
 
     /// Whether the penalty is shifted.
@@ -226,6 +231,11 @@ impl<'m> Newton<'m> {
         attempt: Attempt,
         mut solves: Solves,
     ) -> Outcome {
+        // Nothing of refused attempts: a run that goes on knows the state alone.
+        self.wants_double = state.wants_double;
+        if let Some(linear) = &mut self.linear {
+            linear.trust_single(!self.wants_double);
+        }
         let found = self
             .iterate(system, state, trial, attempt, &mut solves)
             .and_then(|mut report| {
@@ -419,7 +429,9 @@ impl<'m> Newton<'m> {
                 })
                 .map_err(|why| Refusal::Linear { why, dof: None })?;
                 self.values = vec![0.0; gather];
-                linear.insert(analysed)
+                let linear = linear.insert(analysed);
+                linear.trust_single(!self.wants_double);
+                linear
             }
         };
         timed(&mut self.clock.assembly, || {
@@ -553,10 +565,6 @@ impl<'m> Newton<'m> {
         }
     }
 }
-
-/// Equations up to which single precision is tried: the condition of a wall grows with its size, and trials that fail cost
-/// more than those that do not save.
-const SINGLE: usize = 50_000;
 
 /// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
 /// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.

@@ -115,4 +115,6 @@ pub struct State {
     pub energies: Energies,
     /// `auto` took inertia, and something went farther than its joints reach: it lies where it did not at rest.
     pub fell: bool,
+    /// Matrices of this step wanted factors of double precision.
+    pub wants_double: bool,
 }

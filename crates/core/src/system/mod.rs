@@ -148,6 +148,7 @@ impl System {
             largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
             fell: false,
+            wants_double: false,
         };
         // What touches at rest sticks where it is.
         let mut trial = Trial::default();

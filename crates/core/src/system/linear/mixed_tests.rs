@@ -32,31 +32,53 @@ fn a_good_matrix_is_refined_from_single_precision() {
     assert!(!in_double(&solver));
     // One is what the condition, some 1e3, of 6e-8 leaves; it may not be none, or the factor were of double precision.
     assert!((1..=2).contains(&report.refinements), "{report:?}");
-    assert!(report.relative <= 1e-7, "{report:?}");
+    assert!(report.relative <= 1e-5, "{report:?}");
 }
 
 #[test]
-fn a_bad_matrix_is_solved_in_double_precision_and_the_next_good_one_is_not() {
+fn a_bad_matrix_is_solved_in_double_precision_and_so_are_those_after_it_until_trust_returns() {
     let (pattern, good) = wall(5.0);
     let (_, bad) = wall(1e-7);
+    let scaled = |values: &[f64]| -> Vec<f64> { values.iter().map(|a| 1.5 * a).collect() };
+    let (other, worse) = (scaled(&good), scaled(&bad));
     let mut solver = mixed(&pattern);
     let mut double =
         LinearSolver::analyse(&pattern, Options::new(Backend::MultifrontalLlt)).unwrap();
-    for round in 0..2 {
-        for (values, expected) in [(&good, false), (&bad, true), (&bad, true)] {
-            solver.factorise(values).unwrap();
-            let mut x = rhs(pattern.n());
-            solver.solve(&mut x).unwrap();
-            assert_eq!(in_double(&solver), expected, "round {round}");
-            if expected {
-                double.factorise(values).unwrap();
-                let mut y = rhs(pattern.n());
-                // To the same target, the bits of double precision alone.
-                double.options.target = solver.options.target;
-                double.solve(&mut y).unwrap();
-                assert!(x == y, "round {round}");
-            }
-        }
+    // To the same target.
+    double.options.target = solver.options.target;
+    let mut solved = |solver: &mut LinearSolver, values: &[f64], expected: bool| {
+        let kept = solver.factorise(values).unwrap().reused;
+        let mut x = rhs(pattern.n());
+        solver.solve(&mut x).unwrap();
+        assert_eq!(in_double(solver), expected);
+        assert_eq!(solver.distrusts_single(), expected);
+        // The bits of one precision alone, whatever came before.
+        let mut y = rhs(pattern.n());
+        let alone = if expected {
+            &mut double
+        } else {
+            &mut mixed(&pattern)
+        };
+        alone.factorise(values).unwrap();
+        alone.solve(&mut y).unwrap();
+        assert!(x == y);
+        kept
+    };
+    for _ in 0..2 {
+        solver.trust_single(true);
+        solved(&mut solver, &good, false);
+        solved(&mut solver, &bad, true);
+        solved(&mut solver, &worse, true);
+        solved(&mut solver, &good, true);
+        // Kept of double precision, too.
+        assert_eq!(solved(&mut solver, &good, true), 1.0);
+        // The same matrix once more, but what has come to be trusted comes first.
+        solver.trust_single(true);
+        assert_eq!(solved(&mut solver, &good, false), 0.0);
+        assert_eq!(solved(&mut solver, &good, false), 1.0);
+        solved(&mut solver, &other, false);
+        solver.trust_single(false);
+        assert_eq!(solved(&mut solver, &other, true), 0.0);
     }
 }
 
@@ -97,7 +119,7 @@ fn numbers_beyond_single_precision_are_no_harm() {
         solver.factorise(&values).unwrap();
         let mut x = tiny.clone();
         let report = solver.solve(&mut x).unwrap();
-        assert!(report.relative <= 1e-7, "{factor:e}: {report:?}");
+        assert!(report.relative <= 1e-5, "{factor:e}: {report:?}");
         assert_eq!(in_double(&solver), expected, "{factor:e}");
     }
 }

@@ -64,7 +64,8 @@ pub enum Kind {
 pub enum Backend {
     /// Multifrontal L Lᵀ; the tree's branches in parallel, the same bits on any number of threads.
     MultifrontalLlt,
-    /// The same in single precision, refined with the matrix itself; in double where that does not suffice.
+    /// The same in single precision, refined with the matrix itself; in double from where that does not suffice
+    /// ([`LinearSolver::trust_single`]).
     MixedLlt,
     /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise. Where they
     /// do not suffice, [`Backend::FaerLu`] takes over for that matrix.
@@ -106,11 +107,11 @@ pub struct Options {
 
 impl Options {
     /// The defaults for a back end: no backward error above 1e-10 is accepted; at most two refinements, aiming at
-    /// 1e-10 of the right-hand side, of single precision five and 1e-7 (a Newton direction leaves residuals of its own
-    /// many times as large).
+    /// 1e-10 of the right-hand side, of single precision five and 1e-5 (a Newton direction leaves residuals of its own
+    /// many times as large, and equilibrium is judged by the forces).
     pub fn new(backend: Backend) -> Self {
         let (refinements, target) = match backend {
-            Backend::MixedLlt => (5, 1e-7),
+            Backend::MixedLlt => (5, 1e-5),
             _ => (2, 1e-10),
         };
         Self {
@@ -257,6 +258,19 @@ impl LinearSolver {
     /// The choices this solver was made with.
     pub fn options(&self) -> Options {
         self.options
+    }
+
+    /// Whether [`Backend::MixedLlt`] tries single precision first from here on, until a matrix wants double. A solver is
+    /// made with trust in it. What comes after this hangs on nothing before.
+    pub fn trust_single(&mut self, trusted: bool) {
+        if let Engine::Mixed(f) = &mut self.engine {
+            f.trust(trusted);
+        }
+    }
+
+    /// Whether [`Backend::MixedLlt`] goes on in double precision, because it was told to or a matrix wanted it.
+    pub fn distrusts_single(&self) -> bool {
+        matches!(&self.engine, Engine::Mixed(f) if !f.is_trusted())
     }
 
     /// Factorises the matrix with these values `[entry]`, in the pattern's order; they are kept

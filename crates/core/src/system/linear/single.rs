@@ -109,8 +109,14 @@ fn take_off<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], x: &[T; WIDE], y: &mut
         sum = T::mul_add(simd, factor[2], *l2, sum);
         *y = T::mul_add(simd, factor[3], *l3, sum);
     }
-    for (r, y) in y_rest.iter_mut().enumerate() {
-        *y -= rest0[r] * x[0] + rest1[r] * x[1] + rest2[r] * x[2] + rest3[r] * x[3];
+    // Fronts are narrow: without vectors the last rows take longer than all others.
+    if !y_rest.is_empty() {
+        let mut sum = T::load(simd, y_rest);
+        sum = T::mul_add(simd, factor[0], T::load(simd, rest0), sum);
+        sum = T::mul_add(simd, factor[1], T::load(simd, rest1), sum);
+        sum = T::mul_add(simd, factor[2], T::load(simd, rest2), sum);
+        sum = T::mul_add(simd, factor[3], T::load(simd, rest3), sum);
+        T::store(simd, y_rest, sum);
     }
 }
 
@@ -177,13 +183,14 @@ fn add_up<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], y: &[T], sum: &mut [T; W
         sums[2] = T::mul_add(simd, *y, *l2, sums[2]);
         sums[3] = T::mul_add(simd, *y, *l3, sums[3]);
     }
+    if !y_rest.is_empty() {
+        let y = T::load(simd, y_rest);
+        sums[0] = T::mul_add(simd, y, T::load(simd, rest0), sums[0]);
+        sums[1] = T::mul_add(simd, y, T::load(simd, rest1), sums[1]);
+        sums[2] = T::mul_add(simd, y, T::load(simd, rest2), sums[2]);
+        sums[3] = T::mul_add(simd, y, T::load(simd, rest3), sums[3]);
+    }
     for c in 0..WIDE {
         sum[c] += T::sum(simd, sums[c]);
-    }
-    for (r, y) in y_rest.iter().enumerate() {
-        sum[0] += rest0[r] * y;
-        sum[1] += rest1[r] * y;
-        sum[2] += rest2[r] * y;
-        sum[3] += rest3[r] * y;
     }
 }
