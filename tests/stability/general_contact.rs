@@ -199,6 +199,41 @@ fn a_block_falls_on_the_floor_and_comes_to_rest() {
     }
 }
 
+/// A beam falls across a block of about its own length, `over` of which reaches over the rim at either end: its four
+/// corners are the ends of the edges that cross the rims, and nothing else carries it. How high it lies at last [mm].
+fn beam_across(over: f64, height: f64) -> (Model, Recording, f64) {
+    let mut model = scene::empty();
+    floor(&mut model, 200.0);
+    let solid = scene::heavy(E, 0.2, DENSITY);
+    let length = 200.0 / (1.0 - 2.0 * over);
+    let low = [-30.0, -0.5 * length, height];
+    let beam = scene::block(&mut model, low, [60.0, length, 50.0], [1, 1, 1], &solid);
+    scene::general(&mut model, 0.5);
+    let recording = let_fall(&mut model, 0.2, 80, Procedure::QuasiStatic);
+    let [_, bottom] = heights(&model, &recording, &beam);
+    (model, recording, bottom)
+}
+
+#[test]
+fn what_ends_at_a_rim_is_carried() {
+    for over in [-1e-5, 0.0, 3e-7, 1e-6, 2e-6, 3e-6, 3.9e-6, 5e-6, 1e-5, 1e-3] {
+        let (model, recording, bottom) = beam_across(over, 5.0);
+        println!("{over:e} over: at {bottom:e} mm");
+        assert!(tell(&model, &recording) < 1e-3 && bottom > -1e-3, "{over}");
+    }
+}
+
+/// The same beam, laid half a millimetre too deep.
+#[test]
+fn what_was_laid_within_another_stays_there_at_a_rim_too() {
+    for over in [-1e-3, -1e-5, 0.0, 2e-6, 1e-5, 1e-3] {
+        let (model, recording, bottom) = beam_across(over, -0.5);
+        println!("{over:e} over: at {bottom:e} mm");
+        tell(&model, &recording);
+        assert!((bottom + 0.5).abs() < 1e-3, "{over}: {bottom}");
+    }
+}
+
 #[test]
 fn nothing_goes_through_a_thin_plate_however_large_the_increment() {
     for (speed, increments) in [(-5e3, 20), (-5e4, 5), (-5e4, 100)] {

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use wythe_contact::{Entry, Place, entry, extend};
+use wythe_contact::{Entry, Place, entry, extend, surface};
 
+use super::edges::END;
 use super::live::{Live, Start};
 use super::{General, Kind, LOST, NEAR, STAY, Touch};
 
@@ -48,7 +49,7 @@ impl General {
             let bodies = [self.body(slave), self.body(facet)];
             let size = self.pair_size(node, facet);
             let lost = foot.gap < -self.flush(size, bodies);
-            if lost && !self.is_lost(&point, facet, foot.gap, LOST * size, x0) {
+            if lost && !self.is_lost((node, &point), facet, foot.gap, LOST * size, x0) {
                 return None;
             }
             Some(Watch {
@@ -66,11 +67,12 @@ impl General {
         .collect()
     }
 
-    /// Whether a point lies in the element behind a facet, nearer to it than to all other faces of its skin,
-    /// and no deeper than `most` [mm].
+    /// Whether a node, at `point`, lies in the element behind a facet, nearer to it than to all other faces of its skin
+    /// that the node's faces look at, and no deeper than `most` [mm]. Through others it cannot have come: where bodies
+    /// are flush those are the nearest, or it is outside by what they bulge.
     fn is_lost(
         &self,
-        point: &Vector3<f64>,
+        (node, point): (u32, &Vector3<f64>),
         facet: u32,
         gap: f64,
         most: f64,
@@ -94,7 +96,9 @@ impl General {
                     .sum::<Vector3<f64>>()
                     * 0.25;
                 let depth = self.normal(f as u32, x).dot(&(point - centre));
-                f == facet as usize || depth <= gap
+                f == facet as usize
+                    || depth <= gap
+                    || self.opposite(node, &self.normal(f as u32, x), x).1 > FACING
             })
     }
 
@@ -288,7 +292,10 @@ impl General {
             gap: foot.gap,
         };
         let flush = self.flush(size, [self.body(slave), self.body(facet)]);
-        let entry = entry(&from, &to, &[[-1.0, 1.0]; 2], flush);
+        let entry = entry(&from, &to, &[[-1.0, 1.0]; 2], flush).or_else(|| {
+            let may = foot.gap < 0.0 && from.gap >= -flush;
+            may.then(|| entry(&from, &to, &self.rims(node, &master, foot.xi, x), flush))?
+        });
         // What was found in an earlier iterate stays, so that iterates do not lose it on a rim, and slips
         // from where it met the face then: the converged way ends where the gap closes.
         let known = before.binary_search_by_key(&key, Live::key).ok();
@@ -311,6 +318,48 @@ impl General {
             })
         });
         entry.map(|entry| (-foot.gap, make(entry, true)))
+    }
+
+    /// Range of the parameters of a facet with corners `master`, seen at `at`, in which a node is on it. Where an edge
+    /// leads from the node back over a rim, the end that crossed edges leave to the corner is on the facet, and as
+    /// much again: otherwise what reaches beyond the rim by less than that end is held by neither.
+    fn rims(
+        &self,
+        node: u32,
+        master: &[[f64; 3]; 4],
+        at: [f64; 2],
+        x: &[[f64; 3]],
+    ) -> [[f64; 2]; 2] {
+        let mut range = [[-1.0, 1.0]; 2];
+        let [s, t] = at;
+        let place = |s: f64, t: f64| surface::point_at(master, [s, t]);
+        let by_s = 0.5 * (place(s + 1.0, t) - place(s - 1.0, t));
+        let by_t = 0.5 * (place(s, t + 1.0) - place(s, t - 1.0));
+        let (g11, g12, g22) = (by_s.dot(&by_s), by_s.dot(&by_t), by_t.dot(&by_t));
+        let det = g11 * g22 - g12 * g12;
+        if det <= 0.0 {
+            return range;
+        }
+        for &f in self.facets_at(node) {
+            let nodes = self.surface.facets[f as usize];
+            let Some(k) = self.corner_of(f, node) else {
+                continue;
+            };
+            for other in [nodes[(k + 1) % 4], nodes[(k + 3) % 4]] {
+                let [from, to] = [node, other].map(|n| Vector3::from(x[n as usize]));
+                let (b1, b2) = ((to - from).dot(&by_s), (to - from).dot(&by_t));
+                let way = [(g22 * b1 - g12 * b2) / det, (g11 * b2 - g12 * b1) / det];
+                for (range, way) in range.iter_mut().zip(way) {
+                    let end = (2.0 * END * way.abs()).min(STAY);
+                    if way < 0.0 {
+                        range[1] = range[1].max(1.0 + end);
+                    } else {
+                        range[0] = range[0].min(-1.0 - end);
+                    }
+                }
+            }
+        }
+        range
     }
 
     /// Whether planned contact holds a corner, `depth` [mm] behind a facet when the increment began, on the body of

@@ -11,8 +11,9 @@ use crate::model::skin::SharpEdge;
 
 /// How far the common normal of two edges may lie outside the angle between the faces of each (sine).
 const SLACK: f64 = 0.02;
-/// Part of an edge at its ends that belongs to the corner: where ends meet ends, corners are on faces.
-const END: f64 = 4e-6;
+/// Part of an edge at its ends that belongs to the corner: where ends meet ends, corners are on faces. A corner is on
+/// a face as far beyond its rim as that ([`General::rims`]).
+pub(super) const END: f64 = 4e-6;
 /// A face looks along the normal of two edges by this much (cosine): it is flat to the other one.
 const FLAT: f64 = 0.9;
 /// The same for edges that touch already.
