@@ -7,9 +7,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use common::Random;
-use common::scene::{self, Recording};
+use common::scene::{self, Face, Recording};
 use wythe::model::mirrored::mirror_planes;
-use wythe::model::scene::Fidelity;
+use wythe::model::scene::{Fidelity, Gravity};
 use wythe::model::{Deck, Model};
 use wythe::results::checkpoint::CheckpointFile;
 use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
@@ -173,6 +173,36 @@ fn a_wall_that_cracks() {
         let rows = goes_on_as_if_nothing_had_happened(&model, name, 11);
         let last = rows.last().unwrap();
         assert!(last.open_points > 20 && last.max_interface_damage > 0.1);
+    }
+}
+
+/// A slender column that is bent is too badly conditioned for factors of single precision, a stocky one is not: the
+/// first increment finds out, the others of its step know of it, and so does a run that goes on with them.
+#[test]
+fn a_column_that_wants_double_precision() {
+    for (cells, wants) in [(100, true), (8, false)] {
+        let mut model = scene::empty();
+        let solid = scene::heavy(1e4, 0.2, 2e-9);
+        let height = 20.0 * cells as f64;
+        let column = scene::block(
+            &mut model,
+            [0.0; 3],
+            [20.0, 20.0, height],
+            [1, 1, cells],
+            &solid,
+        );
+        scene::hold(&mut model, column.face(Face::Bottom), [true; 3]);
+        // Sideways: the head of the slender one moves by a millimetre.
+        let gravity = Gravity::Growing([98.1, 0.0, 0.0]);
+        model.steps = vec![scene::left_alone(gravity, 1.0, 5, 1e-6); 2];
+        let mut keeper = Keeper::default();
+        assert_eq!(
+            solve::run(&model, &mut keeper).unwrap().status,
+            Status::Completed
+        );
+        let states = &keeper.recording.states;
+        assert!(states.len() == 10 && states.iter().all(|s| s.wants_double == wants));
+        goes_on_as_if_nothing_had_happened(&model, "column", 61);
     }
 }
 
