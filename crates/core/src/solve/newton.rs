@@ -36,7 +36,7 @@ pub struct Newton<'m> {
     pub(super) tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
-    /// The state's, at the start of the increment.
+    /// [`State::wants_double`] where the increment starts.
     wants_double: bool,
     values: Vec<f64>,
     pub(super) direction: Vec<f64>,

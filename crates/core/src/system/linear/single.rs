@@ -109,7 +109,7 @@ fn take_off<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], x: &[T; WIDE], y: &mut
         sum = T::mul_add(simd, factor[2], *l2, sum);
         *y = T::mul_add(simd, factor[3], *l3, sum);
     }
-    // Fronts are narrow: without vectors the last rows take longer than all others.
+    // Fronts are narrow: rows that fill no vector are many.
     if !y_rest.is_empty() {
         let mut sum = T::load(simd, y_rest);
         sum = T::mul_add(simd, factor[0], T::load(simd, rest0), sum);
