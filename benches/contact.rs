@@ -17,8 +17,8 @@ use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::partitioning::{Bvh as ParryBvh, BvhBuildStrategy, BvhWorkspace};
 use wythe::contact::projection::{extend, project};
 use wythe::contact::{
-    Aabb, Anchor, Bvh, Candidates, FourPlaced, FourSeen, Kinematics, Lanes, Search, Shift, Surface,
-    Symmetric, gauss_points, write_stiffness, write_symmetric,
+    Aabb, Anchor, Bvh, Candidates, FourPlaced, FourSeen, Kinematics, Lanes, Part, Search, Shift,
+    Surface, Symmetric, gauss_points, write_stiffness, write_symmetric,
 };
 
 fn law(c: &mut Criterion) {
@@ -64,7 +64,7 @@ type Four = ([[f64; 3]; 4], [Lanes; 4], FourPlaced);
 
 /// The Gauss points of a slave facet, a little off the feet of the last iterate.
 fn placed(slave: &[[f64; 3]; 4], master: &[[f64; 3]; 4]) -> Four {
-    let (points, mut placed) = (gauss_points(slave), FourPlaced::default());
+    let (points, mut placed) = (gauss_points(slave, &Part::WHOLE), FourPlaced::default());
     for (p, point) in points.iter().enumerate() {
         let anchor = Anchor::Same([0.0; 2]);
         let kin = Kinematics::new(slave, &point.weights, master, [0.0; 2], anchor);

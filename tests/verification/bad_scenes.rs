@@ -51,6 +51,20 @@ const BAD: &[Bad] = &[
         "`size`",
     ),
     (
+        "points = \"corner\"",
+        "points = \"corner\"\nparts = [1, 0, 1]",
+        "contact.parts",
+        "1 to 16 parts",
+        "six points",
+    ),
+    (
+        "points = \"corner\"",
+        "points = \"corner\"\nparts = [1, 2]",
+        "contact.parts",
+        "",
+        "parts = [1, 3, 1]",
+    ),
+    (
         "mesh = [4, 2, 1]",
         "mesh = [4, 0, 1]",
         "blocks.1.mesh",

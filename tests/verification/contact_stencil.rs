@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use wythe::contact::projection::project;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
-    Anchor, Kinematics, SlavePoint, corner_points, gauss_points, write_stiffness,
+    Anchor, Kinematics, Part, SlavePoint, corner_points, gauss_points, write_stiffness,
 };
 
 /// Slave corners 0 to 3, master corners 4 to 7 [mm].
@@ -69,7 +69,7 @@ fn case(random: &mut Random, warp: f64, height: f64, slip: f64) -> Case {
     for (node, x) in nodes.iter_mut().zip(slave.iter().chain(&master)) {
         *node = (turn * Vector3::from(*x)).into();
     }
-    let point = gauss_points(&slave)[(random.uniform() * 4.0) as usize];
+    let point = gauss_points(&slave, &Part::WHOLE)[(random.uniform() * 4.0) as usize];
     let mut result = Case {
         nodes,
         weights: point.weights,
@@ -281,7 +281,10 @@ fn points_integrate_facets() {
         let [a, b, c, d] = corners.map(Vector3::from);
         let area = 0.5 * (c - a).cross(&(d - b)).norm();
         let sum = |points: &[SlavePoint; 4]| points.iter().map(|p| p.area).sum::<f64>();
-        let (gauss, corner) = (gauss_points(&corners), corner_points(&corners));
+        let (gauss, corner) = (
+            gauss_points(&corners, &Part::WHOLE),
+            corner_points(&corners, &Part::WHOLE),
+        );
         // |a₁ × a₂| is linear over a flat facet, both rules integrate it: rounding.
         assert!((sum(&gauss) - area).abs() < 1e-12 * area);
         assert!((sum(&corner) - area).abs() < 1e-12 * area);

@@ -203,7 +203,7 @@ fn overrides_reach_every_depth() {
             ("element.formulation", "b-bar"),
             (
                 "contact",
-                "{ points = \"corner\", search_radius = \"5 mm\" }",
+                "{ points = \"corner\", parts = [2, 1, 1], search_radius = \"5 mm\" }",
             ),
             ("interfaces.joint.coupling", "additive"),
             ("output.every", "1"),
@@ -215,6 +215,9 @@ fn overrides_reach_every_depth() {
     assert_eq!(model.formulation, Formulation::BBar);
     assert_eq!(model.contact.points, ContactPoints::Corner);
     assert_eq!(model.contact.search_radius, Some(5.0));
+    // Bed joints have two parts a facet, head joints, which are normal to x, one.
+    let whole = model.contact.whole_slaves().count();
+    assert!((whole + 1..2 * whole).contains(&model.contact.slave_facets.len()));
     assert!(
         model
             .contact

@@ -33,6 +33,7 @@ xi = 1
 penalty_factor = 20
 [contact]
 search_radius = "5 mm"
+parts = [1, 1, 1]
 [wall]
 unit = [200, 60, 50]
 length = 300
@@ -62,6 +63,9 @@ name = "side"
 on = "wall.right"
 direction = "z"
 "#;
+
+/// Facets are not cut into parts.
+const WHOLE: &str = "[1, 1, 1]";
 
 /// One unit a course: head joints rest on nothing, and their points would open and close at no load.
 fn stack() -> String {
@@ -160,20 +164,30 @@ fn frames_apart(a: &Frame, b: &Frame) -> Vec<(&'static str, f64)> {
 /// 1e-8 of a mean nodal force leaves of fields, which a condition of some hundreds makes 1e-6 of.
 #[test]
 fn a_half_shows_every_field_of_the_whole() {
-    every_field_is_that_of_the_whole("mesh = [4, 2, 2]", 0.6);
+    every_field_is_that_of_the_whole("mesh = [4, 2, 2]", WHOLE, 0.6);
 }
 
 /// The same where elements and facets lie across the plane, with nodes before it and their images beyond it; of three
 /// layers two of four nodes are left.
 #[test]
 fn a_half_of_elements_shows_every_field_of_the_whole() {
-    every_field_is_that_of_the_whole("mesh = [4, 2, 1]", 0.51);
-    every_field_is_that_of_the_whole("mesh = [4, 2, 3]", 0.51);
+    every_field_is_that_of_the_whole("mesh = [4, 2, 1]", WHOLE, 0.51);
+    every_field_is_that_of_the_whole("mesh = [4, 2, 3]", WHOLE, 0.51);
+}
+
+/// And where facets across the plane are in parts, some across it themselves, some beyond it, or others cut along it.
+#[test]
+fn a_half_of_facets_in_parts_shows_every_field_of_the_whole() {
+    for parts in ["[1, 2, 1]", "[2, 3, 1]"] {
+        every_field_is_that_of_the_whole("mesh = [4, 2, 1]", parts, 0.51);
+    }
+    a_quarter_shows_the_whole("mesh = [3, 2, 1]", "[2, 3, 2]");
 }
 
 /// `unknowns`: at most this part of those of the whole.
-fn every_field_is_that_of_the_whole(mesh: &str, unknowns: f64) {
+fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
     let stack = format!("{}{STEPS}", stack()).replace("mesh = [4, 2, 2]", mesh);
+    let stack = stack.replace("parts = [1, 1, 1]", &format!("parts = {parts}"));
     let [(model, full), (_, auto)] = both(&stack);
     assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 30.0 }]);
     assert_eq!(full.rows.len(), auto.rows.len());
@@ -276,11 +290,11 @@ fn two_planes_leave_a_quarter() {
         "mesh = [3, 2, 2]",
         "mesh = [2, 2, 3]",
     ] {
-        a_quarter_shows_the_whole(mesh);
+        a_quarter_shows_the_whole(mesh, WHOLE);
     }
 }
 
-fn a_quarter_shows_the_whole(mesh: &str) {
+fn a_quarter_shows_the_whole(mesh: &str, parts: &str) {
     let pressed = r#"
 [[steps]]
 kind = "load"
@@ -289,6 +303,7 @@ tangent = "direct"
 tolerance = { residual = 1e-8 }
 "#;
     let text = format!("{}{pressed}", stack()).replace("mesh = [4, 2, 2]", mesh);
+    let text = text.replace("parts = [1, 1, 1]", &format!("parts = {parts}"));
     let [(model, full), (_, auto)] = both(&text);
     let at = |axis, at| MirrorPlane { axis, at };
     assert_eq!(mirror_planes(&model), [at(1, 30.0), at(0, 100.0)]);

@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, Vector3};
 
+use crate::part::Part;
 use crate::projection::extend;
 use crate::surface::{MIXED, blend, shape};
 
@@ -21,21 +22,22 @@ pub struct SlavePoint {
     pub area: f64,
 }
 
-/// 2 × 2 Gauss points of a facet with reference positions `corners`.
-pub fn gauss_points(corners: &[[f64; 3]; 4]) -> [SlavePoint; 4] {
-    sample(corners, 1.0 / 3.0_f64.sqrt())
+/// 2 × 2 Gauss points of a part of a facet with reference positions `corners`.
+pub fn gauss_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
+    sample(corners, part, 1.0 / 3.0_f64.sqrt())
 }
 
-/// The corners, moved inwards by 1e-6 of the half facet, so that they lie on one facet only where
+/// The corners of a part, moved inwards by 1e-6 of its half, so that they lie on one facet only where
 /// edges of bodies coincide.
-pub fn corner_points(corners: &[[f64; 3]; 4]) -> [SlavePoint; 4] {
-    sample(corners, 1.0 - 1e-6)
+pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
+    sample(corners, part, 1.0 - 1e-6)
 }
 
-fn sample(corners: &[[f64; 3]; 4], at: f64) -> [SlavePoint; 4] {
+fn sample(corners: &[[f64; 3]; 4], part: &Part, at: f64) -> [SlavePoint; 4] {
+    let share = part.half[0] * part.half[1];
     [[-at, -at], [at, -at], [at, at], [-at, at]].map(|xi| {
-        let (weights, by_s, by_t) = shape(xi);
-        let area = blend(&by_s, corners).cross(&blend(&by_t, corners)).norm();
+        let (weights, by_s, by_t) = shape(part.at(xi));
+        let area = blend(&by_s, corners).cross(&blend(&by_t, corners)).norm() * share;
         SlavePoint { weights, area }
     })
 }

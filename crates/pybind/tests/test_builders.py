@@ -362,3 +362,24 @@ def test_the_search_radius_of_blocks() -> None:
             steps=[build.gravity()],
             search_radius=0,
         )
+
+
+def test_facets_in_parts() -> None:
+    def blocks(parts: list[int]) -> wythe.Model:
+        return build.blocks(
+            [
+                build.block("lower", "stone", [200, 100, 50]),
+                build.block("upper", "stone", [200, 100, 50], [0, 0, 50]),
+            ],
+            materials={"stone": build.elastic("5 GPa", 0.2)},
+            interfaces={"joint": JOINT},
+            contacts=[build.contact("joint", "upper.bottom", "lower.top")],
+            supports=[build.support("lower.bottom")],
+            steps=[build.preload("0.5 MPa", face="upper.top")],
+            parts=parts,
+        )
+
+    whole, cut = (blocks(parts).check().contact_points for parts in ([1, 1, 1], [3, 2, 4]))
+    assert cut == 6 * whole
+    with pytest.raises(wythe.ModelError, match=r"contact\.parts"):
+        blocks([0, 1, 1])

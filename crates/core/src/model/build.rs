@@ -74,6 +74,7 @@ impl Model {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
+        contact.divide(deck.contact.parts, &bodies.mesh.nodes);
         // Planes of symmetry hold nothing in the plane.
         let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
         let mut floats = None;

@@ -423,7 +423,7 @@ fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
         format!(
             "surfaces: {} slave and {} master facets; a slave meets every master of another block that \
              it comes to",
-            model.contact.slave_facets.len(),
+            model.contact.whole_slaves().count(),
             model.contact.master_facets.len()
         ),
     ];
@@ -448,10 +448,11 @@ fn pivot_note(model: &Model) -> Option<String> {
     if model.contact.points == ContactPoints::Corner {
         return None;
     }
-    let longest = model.contact.slave_facets.iter().flat_map(|facet| {
-        let corner = |i: usize| model.mesh.nodes[facet[i % 4] as usize];
+    let facets = 0..model.contact.slave_facets.len();
+    let longest = facets.flat_map(|f| {
+        let outline = model.contact.outline(f, &model.mesh.nodes);
         (0..4).map(move |i| {
-            let (a, b) = (corner(i), corner(i + 1));
+            let (a, b) = (outline[i], outline[(i + 1) % 4]);
             (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
         })
     });

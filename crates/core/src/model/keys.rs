@@ -139,6 +139,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ),
     ("contact", "[contact]"),
     ("points", "points = \"gauss\"  # or \"corner\""),
+    ("parts", "parts = [1, 3, 1]"),
     ("search_radius", "search_radius = \"5 mm\""),
     (
         "general",

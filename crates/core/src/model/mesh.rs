@@ -2,6 +2,9 @@
 
 use super::hexahedron::{norm, range};
 
+/// Weights that tell a point from the plane of symmetry; corners are 5e-7 beside it.
+const IN_THE_PLANE: f64 = 1e-9;
+
 /// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
 pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
@@ -73,31 +76,41 @@ impl Mesh {
         part.iter().product()
     }
 
-    /// Parts of the points of a facet near its corners that count: those beyond a plane of symmetry that it lies across
-    /// do not, for their images are there, and of one in the plane a half does.
-    pub fn point_shares(&self, facet: &[u32; 4]) -> [f64; 4] {
+    /// How much a point of a facet counts, from the weights of the facet's nodes at it: not at all beyond a plane of
+    /// symmetry that the facet lies across, for its image is there, and a half in the plane.
+    pub fn point_share(&self, facet: &[u32; 4], weights: &[f64; 4]) -> f64 {
         if self.reflected.is_empty() {
-            return [1.0; 4];
+            return 1.0;
         }
         let place = |n: u32| match self.reflected(n) {
             Some(image) => (image.of, image.sign),
             None => (n, [1.0; 3]),
         };
         let places = facet.map(place);
-        places.map(|(of, sign)| {
-            let part = |d: usize| {
-                let lies_across = places.iter().any(|(_, sign)| sign[d] < 0.0);
-                let mut beyond = sign;
-                beyond[d] = -1.0;
-                match (lies_across, sign[d] < 0.0) {
-                    (false, _) => 1.0,
-                    (true, true) => 0.0,
-                    (true, false) if places.contains(&(of, beyond)) => 1.0,
-                    (true, false) => 0.5,
+        let part = |d: usize| {
+            // Each node beyond has its image in the facet, as far from the plane: what the nodes beyond weigh
+            // more than these tells the side.
+            let beyond = |(of, sign): (u32, [f64; 3])| {
+                let mut image = sign;
+                image[d] = -sign[d];
+                match sign[d] < 0.0 {
+                    true => 1.0,
+                    false if places.contains(&(of, image)) => -1.0,
+                    false => 0.0,
                 }
             };
-            (0..3).map(part).product()
-        })
+            let sides = places.map(beyond);
+            if !sides.contains(&1.0) {
+                return 1.0;
+            }
+            let side: f64 = sides.iter().zip(weights).map(|(side, w)| side * w).sum();
+            match side {
+                side if side > IN_THE_PLANE => 0.0,
+                side if side < -IN_THE_PLANE => 1.0,
+                _ => 0.5,
+            }
+        };
+        (0..3).map(part).product()
     }
 
     /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.

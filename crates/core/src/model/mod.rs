@@ -37,6 +37,7 @@ pub mod scene;
 pub mod schema;
 pub mod skin;
 pub(crate) mod source;
+pub mod surfaces;
 pub(crate) mod symmetry;
 mod tables;
 pub mod templates;

@@ -2,12 +2,11 @@
 
 use super::Mesh;
 use super::amplitude::{Amplitude, Branch};
-use super::general::GeneralContact;
 use super::loads::Load;
 use super::probes::Probe;
+pub use super::surfaces::{ContactPoints, ContactSurfaces};
 use crate::error::Warning;
 use crate::experiment::Experiment;
-use wythe_contact::{InterfaceLaw, Surface};
 
 /// Everything that a run reads and nothing that it changes.
 #[derive(Clone, Debug)]
@@ -115,74 +114,6 @@ pub enum Formulation {
     /// Wilson–Taylor incompatible modes, condensed elastically once.
     #[default]
     Incompatible,
-}
-
-/// Where an interface is sampled on a slave facet.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum ContactPoints {
-    /// 2×2 Gauss points; for bonded walls.
-    #[default]
-    Gauss,
-    /// The four corners, moved inwards by 1e-6 of the facet; for dry joints and rigid-like blocks.
-    Corner,
-}
-
-/// One-pass contact: points on slave facets against master facets of other bodies.
-///
-/// A facet's nodes run counter-clockwise seen from outside its body, so that its normal points out.
-#[derive(Clone, Debug, Default)]
-pub struct ContactSurfaces {
-    /// Slave facets. `[facet][node]`
-    pub slave_facets: Vec<[u32; 4]>,
-    /// Body of each slave facet. `[facet]`
-    pub slave_body: Vec<u32>,
-    /// Index into `laws`. `[facet]`
-    pub slave_law: Vec<u16>,
-    /// Master facets. `[facet][node]`
-    pub master_facets: Vec<[u32; 4]>,
-    /// Body of each master facet. `[facet]`
-    pub master_body: Vec<u32>,
-    /// Interface laws with their stiffnesses resolved (penalty × representative stiffness), and each unit's
-    /// own where their bond scatters.
-    pub laws: Vec<InterfaceLaw>,
-    /// Names of the laws in the deck; several laws have one. `[law]`
-    pub law_names: Vec<String>,
-    /// Sampling of the slave facets.
-    pub points: ContactPoints,
-    /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
-    /// [mm]; none = the solver chooses.
-    pub search_radius: Option<f64>,
-    /// Whether every face may meet any other body's, and by which law.
-    pub general: Option<GeneralContact>,
-}
-
-impl ContactSurfaces {
-    /// Slave facets with their bodies, as the search takes them.
-    pub fn slave(&self) -> Surface {
-        Surface {
-            facets: self.slave_facets.clone(),
-            body: self.slave_body.clone(),
-        }
-    }
-
-    /// Master facets with their bodies.
-    pub fn master(&self) -> Surface {
-        Surface {
-            facets: self.master_facets.clone(),
-            body: self.master_body.clone(),
-        }
-    }
 }
 
 /// Nodes that move as one, without rotation: the level loading beam of a test.

@@ -375,6 +375,7 @@ def blocks(
     imports: Sequence[Mapping[str, Any]] = (),
     points: str = "corner",
     general: str | None = None,
+    parts: Sequence[int] | None = None,
     search_radius: Quantity | None = None,
     title: str = "blocks",
     **tables: Value,
@@ -396,6 +397,8 @@ def blocks(
     general
         A dry interface by which any face may meet any other body's; if absent only those of
         ``contacts`` meet.
+    parts
+        Parts along x, y and z that each slave facet is cut into, with contact points of their own.
     search_radius
         The gap up to which a point faces the surface opposite [mm].
     tables
@@ -406,7 +409,7 @@ def blocks(
             "title": title,
             "materials": dict(materials),
             "interfaces": dict(interfaces),
-            "contact": _part(points=points, general=general, search_radius=search_radius),
+            "contact": _part(points=points, parts=parts, general=general, search_radius=search_radius),
             "blocks": list(blocks),
             "imports": list(imports),
             "contacts": list(contacts),

@@ -133,11 +133,13 @@ pub struct Element {
 }
 
 /// `[contact]`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// Where an interface is sampled on a slave facet.
     pub points: ContactPoints,
+    /// Parts along x, y and z that a slave facet is cut into, each with points of its own.
+    pub parts: [u32; 3],
     /// How far a point looks for its master facet [mm]; the solver chooses if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search_radius: Option<Length>,
@@ -145,6 +147,17 @@ pub struct Contact {
     /// paired meet if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub general: Option<String>,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            points: ContactPoints::default(),
+            parts: [1; 3],
+            search_radius: None,
+            general: None,
+        }
+    }
 }
 
 /// `[output]`.

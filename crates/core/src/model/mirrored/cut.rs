@@ -204,6 +204,7 @@ impl Cut<'_> {
             half.slave_facets.push(nodes);
             half.slave_body.push(contact.slave_body[f]);
             half.slave_law.push(contact.slave_law[f]);
+            half.slave_part.extend(contact.slave_part.get(f));
         }
         for (f, nodes) in self.facets(&contact.master_facets) {
             half.master_facets.push(nodes);

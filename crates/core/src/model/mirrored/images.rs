@@ -5,9 +5,13 @@ use std::hash::Hash;
 
 use crate::model::Model;
 use crate::model::scene::ContactSurfaces;
+use wythe_contact::Part;
+use wythe_contact::surface::weights_at;
 
 /// Places closer than this part of the model's diagonal are one.
 const SAME: f64 = 1e-7;
+/// Weights of the middles of a facet's parts are told apart to one in so many.
+const PLACES: f64 = 1e6;
 
 /// A plane that a mesh and its joints are mirrored by, and the images. What lies across it is its own image.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,16 +147,23 @@ impl Images {
 
     /// Master facets need only be there.
     fn of_facets(&self, contact: &ContactSurfaces) -> Option<Vec<u32>> {
-        let image = |facets: &[[u32; 4]]| {
+        let image = |facets: &[[u32; 4]], part: &dyn Fn(usize) -> Part| {
+            let place = |f: usize, nodes: [u32; 4]| {
+                let weights = weights_at(part(f).middle);
+                let mut place =
+                    [0, 1, 2, 3].map(|a| (nodes[a], (weights[a] * PLACES).round() as i64));
+                place.sort_unstable();
+                place
+            };
             let at = facets.iter().enumerate();
-            let at = unique(at.map(|(f, nodes)| (sorted(*nodes), f as u32)))?;
+            let at = unique(at.map(|(f, nodes)| (place(f, *nodes), f as u32)))?;
             let image = |(f, nodes): (usize, &[u32; 4])| {
                 if nodes.iter().all(|n| self.side[*n as usize] == 0) {
                     return None;
                 }
-                let image = *at.get(&sorted(nodes.map(|n| self.node[n as usize])))?;
-                let whole = image as usize == f || !self.lies_across(nodes);
-                whole.then_some(image)
+                let seen = nodes.map(|n| self.node[n as usize]);
+                let whole = sorted(seen) == sorted(*nodes) || !self.lies_across(nodes);
+                at.get(&place(f, seen)).copied().filter(|_| whole)
             };
             facets
                 .iter()
@@ -160,8 +171,8 @@ impl Images {
                 .map(image)
                 .collect::<Option<Vec<u32>>>()
         };
-        image(&contact.master_facets)?;
-        let slave = image(&contact.slave_facets)?;
+        image(&contact.master_facets, &|_| Part::WHOLE)?;
+        let slave = image(&contact.slave_facets, &|f| contact.part(f))?;
         let law = |f: usize| &contact.laws[usize::from(contact.slave_law[f])];
         let alike = |(f, image): (usize, &u32)| law(f) == law(*image as usize);
         slave.iter().enumerate().all(alike).then_some(slave)

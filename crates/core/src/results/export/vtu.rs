@@ -81,14 +81,17 @@ pub fn model(model: &Model) -> String {
 /// The facets that may meet, slaves first: their law (-1 of a master), the body that they belong to.
 pub fn surfaces(model: &Model) -> String {
     let (mesh, contact) = (&model.mesh, &model.contact);
-    let (slaves, masters) = (&contact.slave_facets, &contact.master_facets);
-    let facets: Vec<[u32; 4]> = slaves.iter().chain(masters).copied().collect();
+    let masters = &contact.master_facets;
+    let slaves: Vec<(usize, &[u32; 4])> = contact.whole_slaves().collect();
+    let facets = slaves.iter().map(|(_, facet)| **facet);
+    let facets: Vec<[u32; 4]> = facets.chain(masters.iter().copied()).collect();
     let mut xml = Xml::begin(mesh.nodes.len(), facets.len(), 0.0);
     xml.open("CellData");
-    let of_slaves = contact.slave_law.iter().map(|&l| i64::from(l));
+    let of_slaves = slaves.iter().map(|(f, _)| i64::from(contact.slave_law[*f]));
     let of_masters = std::iter::repeat_n(-1, masters.len());
     xml.whole("law", of_slaves.chain(of_masters));
-    let bodies = contact.slave_body.iter().chain(&contact.master_body);
+    let bodies = slaves.iter().map(|(f, _)| &contact.slave_body[*f]);
+    let bodies = bodies.chain(&contact.master_body);
     xml.whole("unit", bodies.map(|&b| i64::from(b)));
     xml.close("CellData");
     xml.cells(&mesh.nodes, facets.as_flattened(), 4, QUAD);

@@ -8,6 +8,8 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io;
 
+use wythe_contact::Part;
+
 use crate::element::hex8::FACES;
 use crate::model::{Mesh, Model};
 use crate::results::vtkhdf::quarters::{QUARTERS, WEIGHTS};
@@ -109,13 +111,13 @@ impl Scene {
         let list = |group: usize| {
             let mut list = Triangles::default();
             nodes.forget();
-            for (facet, of) in facets.iter().zip(states) {
+            for (f, (facet, of)) in facets.iter().zip(states).enumerate() {
                 let is = of.map(|state| state as usize == group);
-                if is == [true; 4] {
+                if is == [true; 4] && model.contact.part(f) == Part::WHOLE {
                     let quad = facet.map(|n| nodes.at(n, || list.point(at[n as usize])));
                     list.quad(quad);
                 } else if is != [false; 4] {
-                    let points = spread(facet.map(|n| at[n as usize]));
+                    let points = spread(model.contact.outline(f, &at));
                     for (quarter, _) in QUARTERS.iter().zip(is).filter(|(_, is)| *is) {
                         let quad = quarter.map(|k| list.point(points[k as usize]));
                         list.quad(quad);

@@ -183,7 +183,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
     let [front, back] = mesh.extent(1);
     let near = front + 1e-6 * (back - front);
     let mut lines = Vec::new();
-    for (f, facet) in model.contact.slave_facets.iter().enumerate() {
+    for (f, facet) in model.contact.whole_slaves() {
         for k in 0..4 {
             let ends = [facet[k], facet[(k + 1) % 4]];
             if ends.iter().all(|n| x(*n)[1] <= near) {
@@ -246,7 +246,7 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
         });
     }
     let mut lines = Vec::new();
-    for (f, facet) in model.contact.slave_facets.iter().enumerate() {
+    for (f, facet) in model.contact.whole_slaves() {
         let ends: Vec<[f64; 2]> = (0..4)
             .filter_map(|k| cut(facet[k], facet[(k + 1) % 4]))
             .collect();

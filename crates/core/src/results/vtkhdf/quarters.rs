@@ -1,8 +1,9 @@
-//! The surface of the interfaces as quads: each slave facet in four, one around each contact point.
+//! The surface of the interfaces as quads: each slave facet, or each part of one, in four, one around each contact point.
 
 use super::QUAD;
 use super::grid::Geometry;
 use crate::model::Model;
+use wythe_contact::Part;
 
 /// Weights of a facet's corners at the nine points of its quarters: corners, middles of the edges from
 /// corner k to the next, the middle.
@@ -26,6 +27,7 @@ pub const QUARTERS: [[i64; 4]; 4] = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [
 #[derive(Debug)]
 pub struct Quarters {
     facets: Vec<[u32; 4]>,
+    parts: Vec<Part>,
     law: Vec<u16>,
     rest: Vec<[f64; 3]>,
 }
@@ -35,6 +37,7 @@ impl Quarters {
     pub fn of(model: &Model) -> Option<Self> {
         let facets = model.contact.slave_facets.clone();
         let mut quarters = Self {
+            parts: (0..facets.len()).map(|f| model.contact.part(f)).collect(),
             law: model.contact.slave_law.clone(),
             facets,
             rest: Vec::new(),
@@ -72,7 +75,7 @@ impl Quarters {
     /// It has no row for a node.
     pub fn spread(&self, field: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, String> {
         let mut points = Vec::with_capacity(9 * self.facets.len());
-        for facet in &self.facets {
+        for (facet, part) in self.facets.iter().zip(&self.parts) {
             let mut corners = [[0.0; 3]; 4];
             for (corner, &n) in corners.iter_mut().zip(facet) {
                 let Some(value) = field.get(n as usize) else {
@@ -81,11 +84,42 @@ impl Quarters {
                 };
                 *corner = *value;
             }
+            let corners = part.of(&corners);
             for weights in WEIGHTS {
                 let at = |i: usize| (0..4).map(|a| weights[a] * corners[a][i]).sum();
                 points.push([at(0), at(1), at(2)]);
             }
         }
         Ok(points)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::hexahedron::{area_vector, norm};
+    use crate::results::fake;
+
+    /// Quads of parts fill their facet, each around its point.
+    #[test]
+    fn quads_of_parts_fill_the_facet() {
+        let mut model = fake::model();
+        model.contact.slave_facets = vec![[1, 2, 6, 5]; 6];
+        model.contact.slave_law = vec![0; 6];
+        model.contact.slave_part = Part::grid([3, 2]).collect();
+        let whole = area_vector(&[1, 2, 6, 5].map(|n: usize| model.mesh.nodes[n]));
+        let quarters = Quarters::of(&model).unwrap();
+        let geometry = quarters.geometry();
+        let areas: Vec<f64> = (geometry.connectivity.chunks_exact(4))
+            .map(|quad| {
+                norm(area_vector(
+                    &[0, 1, 2, 3].map(|k| geometry.points[quad[k] as usize]),
+                ))
+            })
+            .collect();
+        assert_eq!(areas.len(), 24);
+        for area in areas {
+            assert!((24.0 * area / norm(whole) - 1.0).abs() < 1e-12, "{area}"); // rounding
+        }
     }
 }

@@ -26,6 +26,9 @@ type Turn = [[f64; 2]; 2];
 
 const AS_IT_IS: Turn = [[1.0, 0.0], [0.0, 1.0]];
 
+/// Weights of a facet's nodes that are one.
+const SAME: f64 = 1e-6;
+
 impl Places {
     /// Nothing if a point of the half cannot be told from the others.
     pub fn of(model: &Model, images: &Images, half: &Half) -> Option<Self> {
@@ -114,11 +117,13 @@ impl Places {
     }
 }
 
-/// Points of the whole in the half: near the image of the same corner of their facet.
+/// Points of the whole in the half: at the image of where they are on their facet.
 fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)>> {
     let facets = &model.contact.slave_facets;
     // Slip is told along the tangents of the facet that a point faces at rest.
-    let pairs = System::new(model).ok()?.initial_state(model).pairs;
+    let mut system = System::new(model).ok()?;
+    let pairs = system.initial_state(model).pairs;
+    let weights = |point: usize| system.contact.points[point].weights;
     let tangents = |pair: &PointPair| {
         let facet = model.contact.master_facets[pair.facet? as usize];
         let corners = facet.map(|n| model.mesh.nodes[n as usize]);
@@ -136,15 +141,28 @@ fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)
         let image = images.slave[f];
         let own = half.slave[image as usize]?;
         let corners = &facets[image as usize];
-        for (p, n) in facet.iter().enumerate() {
-            if images.lies_across(facet) && images.side[*n as usize] <= 0 {
-                points.push((4 * own + p as u32, AS_IT_IS));
+        for p in 0..4 {
+            let here = weights(4 * f + p);
+            // Of a facet that is its own image the weights of the nodes beyond the plane tell the side.
+            let sides = facet.map(|n| f64::from(images.side[n as usize]));
+            let side: f64 = sides.iter().zip(here).map(|(side, w)| side * w).sum();
+            if images.lies_across(facet) && side <= 0.0 {
+                points.push((4 * half.slave[f]? + p as u32, AS_IT_IS));
                 continue;
             }
-            let seen = images.node[*n as usize];
-            let k = corners.iter().position(|corner| *corner == seen)?;
-            let here = tangents(&pairs[4 * f + p]);
-            let turn = match (here, tangents(&pairs[4 * image as usize + k])) {
+            let weight = |corner: u32, weights: [f64; 4]| {
+                let is = |n: &u32| images.node[*n as usize] == corner;
+                facet.iter().position(is).map(|a| weights[a])
+            };
+            let k = (0..4).find(|k| {
+                let there = weights(4 * image as usize + k);
+                let same = |(corner, w): (&u32, f64)| {
+                    weight(*corner, here).is_some_and(|own| (own - w).abs() < SAME)
+                };
+                corners.iter().zip(there).all(same)
+            })?;
+            let along = tangents(&pairs[4 * f + p]);
+            let turn = match (along, tangents(&pairs[4 * image as usize + k])) {
                 (Some(here), Some(there)) => {
                     let there = there.map(|t| Vector3::from(images.of_vector(t.into())));
                     here.map(|t| [t.dot(&there[0]), t.dot(&there[1])])

@@ -111,9 +111,8 @@ impl Pattern {
         for (e, _) in torn {
             pattern.fill(&model.mesh.corners(e));
         }
-        let facets = model.contact.slave_facets.iter();
-        for (facet, parted) in facets.zip(cracks.parted.chunks_exact(4)) {
-            let corners = facet.map(|n| model.mesh.nodes[n as usize]);
+        for (f, parted) in cracks.parted.chunks_exact(4).enumerate() {
+            let corners = model.contact.outline(f, &model.mesh.nodes);
             for k in (0..4).filter(|k| parted[*k]) {
                 pattern.fill(&quarter(&corners, k));
             }

@@ -90,14 +90,16 @@ impl Contact {
         for f in 0..slave.facets.len() {
             let corners = slave.corners(f, x);
             let of_facet = match surfaces.points {
-                ContactPoints::Gauss => gauss_points(&corners),
-                ContactPoints::Corner => corner_points(&corners),
+                ContactPoints::Gauss => gauss_points(&corners, &surfaces.part(f)),
+                ContactPoints::Corner => corner_points(&corners, &surfaces.part(f)),
             };
-            let shares = model.mesh.point_shares(&slave.facets[f]);
-            points.extend(of_facet.into_iter().zip(shares).map(|(mut point, share)| {
-                point.area *= share;
+            points.extend(of_facet.into_iter().map(|mut point| {
+                point.area *= model.mesh.point_share(&slave.facets[f], &point.weights);
                 point
             }));
+        }
+        for (f, _) in surfaces.whole_slaves() {
+            let corners = slave.corners(f, x);
             for k in 0..4 {
                 let (a, b) = (
                     Vector3::from(corners[k]),

@@ -16,7 +16,7 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use wythe_contact::{InterfaceHistory, InterfaceLaw, Surface, corner_points};
+use wythe_contact::{InterfaceHistory, InterfaceLaw, Part, Surface, corner_points};
 
 use super::{Contact, Mass, Trial};
 use crate::model::Model;
@@ -93,8 +93,8 @@ pub struct General {
     inverse_mass: Vec<f64>,
     /// Weights of a facet's corners, a little inwards. `[corner][corner]`
     weights: [[f64; 4]; 4],
-    /// Skin facets of the planned slave facets. `[slave facet]`
-    planned: Vec<Option<u32>>,
+    /// The planned slave facets on the skin. `[slave facet]`
+    planned: Vec<Option<Planned>>,
     /// What is near what.
     nearby: Nearby,
     /// Touches at the last commit.
@@ -174,7 +174,7 @@ impl General {
                 .collect(),
             nearby: Nearby::new(&size),
             planned: planned_facets(model, of),
-            weights: corner_points(&unit).map(|p| p.weights),
+            weights: corner_points(&unit, &Part::WHOLE).map(|p| p.weights),
             depth: vec![0.0; skin.body.last().map_or(0, |b| *b as usize + 1)],
             of: Some(of.clone()),
             surface,
@@ -244,19 +244,27 @@ impl General {
     fn note_planned(&mut self, contact: &Contact, state: &State) {
         self.held.clear();
         self.held_nodes.clear();
-        for (slave, skin) in self.planned.iter().enumerate() {
-            let Some(facet) = *skin else { continue };
+        // Entries of a facet that a body holds with all their points.
+        let mut held: HashMap<(u32, u32), u32> = HashMap::new();
+        for (slave, planned) in self.planned.iter().enumerate() {
+            let Some(planned) = planned else { continue };
             let bodies: [Option<u32>; 4] =
                 [0, 1, 2, 3].map(|p| contact.faced_body(&state.pairs[4 * slave + p]));
             let points = &state.interface[4 * slave..4 * slave + 4];
             let depth = points.iter().fold(0.0, |d: f64, p| d.max(-p.opening));
             for (p, body) in bodies.iter().enumerate() {
                 let Some(body) = *body else { continue };
-                let node = contact.slave.facets[slave][p];
-                let deepest = self.held_nodes.entry((node, body)).or_default();
-                *deepest = depth.max(*deepest);
-                if bodies.iter().all(|other| *other == Some(body)) {
-                    self.held.insert((facet, body));
+                if planned.part.reaches(p) {
+                    let node = contact.slave.facets[slave][p];
+                    let deepest = self.held_nodes.entry((node, body)).or_default();
+                    *deepest = depth.max(*deepest);
+                }
+            }
+            if let Some(body) = bodies[0].filter(|body| bodies == [Some(*body); 4]) {
+                let entries = held.entry((planned.facet, body)).or_default();
+                *entries += 1;
+                if *entries == planned.entries {
+                    self.held.insert((planned.facet, body));
                 }
             }
         }
@@ -355,17 +363,38 @@ impl General {
     }
 }
 
-/// Skin facets of the planned slave facets. `[slave facet]`
-fn planned_facets(model: &Model, of: &GeneralContact) -> Vec<Option<u32>> {
+/// A slave facet of planned contact, or a part of one.
+#[derive(Clone, Copy, Debug)]
+struct Planned {
+    /// Facet of the skin.
+    facet: u32,
+    part: Part,
+    /// In how many parts the facet stands among the slaves.
+    entries: u32,
+}
+
+/// The planned slave facets on the skin. `[slave facet]`
+fn planned_facets(model: &Model, of: &GeneralContact) -> Vec<Option<Planned>> {
     let sorted = |facet: &[u32; 4]| {
         let mut key = *facet;
         key.sort_unstable();
         key
     };
-    let known: std::collections::HashMap<[u32; 4], u32> = (of.skin.facets.iter())
+    let known: HashMap<[u32; 4], u32> = (of.skin.facets.iter())
         .enumerate()
         .map(|(f, facet)| (sorted(facet), f as u32))
         .collect();
-    let slaves = model.contact.slave_facets.iter();
-    slaves.map(|f| known.get(&sorted(f)).copied()).collect()
+    let slaves = model.contact.slave_facets.iter().enumerate();
+    slaves
+        .map(|(f, nodes)| {
+            let facet = *known.get(&sorted(nodes))?;
+            let part = model.contact.part(f);
+            let [xi, eta] = part.half.map(|half| (1.0 / half).round() as u32);
+            Some(Planned {
+                facet,
+                part,
+                entries: xi * eta,
+            })
+        })
+        .collect()
 }

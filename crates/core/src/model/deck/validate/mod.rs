@@ -16,6 +16,9 @@ use crate::error::ModelError;
 use crate::model::quantity::{Number, Quantity};
 pub(in crate::model) use loads::misfit;
 
+/// Parts of a facet along an axis: more than the joint of any mesh has use for.
+const MOST_PARTS: u32 = 16;
+
 /// Errors found so far.
 struct Checks<'a> {
     deck: &'a Deck,
@@ -69,6 +72,15 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     if let Some(radius) = deck.contact.search_radius {
         checks.positive("contact.search_radius", radius);
     }
+    checks.demand(
+        deck.contact
+            .parts
+            .iter()
+            .all(|n| (1..=MOST_PARTS).contains(n)),
+        "contact.parts",
+        || format!("a facet is cut into 1 to {MOST_PARTS} parts along each axis"),
+        "parts = [1, 3, 1] has six points through the thickness of one element",
+    );
     checks.general_contact();
     checks.references();
     checks.errors

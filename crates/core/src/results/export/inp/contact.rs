@@ -27,9 +27,10 @@ pub(super) fn contact(text: &mut String, model: &Model) -> std::fmt::Result {
     }
     let names = labels(contact.law_names.iter().map(String::as_str));
     for (l, name) in names.iter().enumerate() {
-        let laws = contact.slave_facets.iter().zip(&contact.slave_law);
-        let of = laws.filter(|(_, law)| usize::from(**law) == l);
-        surface(text, &format!("SLAVE_{name}"), of.map(|(f, _)| f), &sides)?;
+        let all = contact.whole_slaves();
+        let of = all.filter(|(f, _)| usize::from(contact.slave_law[*f]) == l);
+        let facets = of.map(|(_, facet)| facet);
+        surface(text, &format!("SLAVE_{name}"), facets, &sides)?;
     }
     surface(text, "MASTER", contact.master_facets.iter(), &sides)?;
     for (law, name) in contact.laws.iter().zip(&names) {
