@@ -120,6 +120,7 @@ fn element(c: &mut Criterion) {
                     let mut slot = ElementSlot {
                         force: &mut force,
                         cell: &mut cell,
+                        written: &mut false,
                         new: &mut new,
                         energy: &mut energy,
                         marks: &mut marks,

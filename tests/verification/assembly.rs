@@ -79,7 +79,7 @@ fn filled(wall: &Wall, gather: &Gather, threads: usize) -> Vec<f64> {
         .num_threads(threads)
         .build()
         .expect("threads");
-    pool.install(|| gather.fill(&wall.values, &wall.active, &mut matrix));
+    pool.install(|| gather.fill(&wall.values, &wall.active, None, &mut matrix));
     matrix
 }
 

@@ -39,6 +39,7 @@ impl One {
         let mut slot = ElementSlot {
             force: &mut self.force,
             cell: &mut self.cell,
+            written: &mut false,
             new: &mut self.new,
             energy: &mut self.energy,
             marks: &mut self.marks,
@@ -308,6 +309,7 @@ fn what_is_not_finite_is_refused() {
         let mut slot = ElementSlot {
             force: &mut [[0.0; 3]; 8],
             cell: &mut vec![0.0; CELL],
+            written: &mut false,
             new: &mut new,
             energy: &mut PointEnergy::default(),
             marks: &mut Marks::default(),

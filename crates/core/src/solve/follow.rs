@@ -43,7 +43,7 @@ impl Newton<'_> {
     pub(super) fn solve_with_load(
         &mut self,
         system: &mut System,
-        trial: &Trial,
+        trial: &mut Trial,
     ) -> Result<Vec<f64>, Refusal> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
         let loads = self

@@ -39,6 +39,8 @@ pub struct Newton<'m> {
     /// [`State::wants_double`] where the increment starts.
     wants_double: bool,
     values: Vec<f64>,
+    /// Which filling `values` are of; none: anything.
+    filled: Option<u64>,
     pub(super) direction: Vec<f64>,
     pub(super) residual: Vec<f64>,
     /// What the last commit left out of balance [N].
@@ -91,6 +93,7 @@ impl<'m> Newton<'m> {
             linear: None,
             wants_double: false,
             values: Vec::new(),
+            filled: None,
             direction: vec![0.0; n],
             residual: vec![0.0; n],
             left: vec![0.0; n],
@@ -413,13 +416,17 @@ impl<'m> Newton<'m> {
     }
 
     /// d = −K⁻¹ r.
-    pub(super) fn solve(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
+    pub(super) fn solve(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Refusal> {
         self.by_load.clear();
         self.solve_both(system, trial)
     }
 
     /// d = −K⁻¹ r, and `by_load`, if it is not empty, ← K⁻¹ of it.
-    pub(super) fn solve_both(&mut self, system: &mut System, trial: &Trial) -> Result<(), Refusal> {
+    pub(super) fn solve_both(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+    ) -> Result<(), Refusal> {
         let backend = self.backend();
         let linear = match &mut self.linear {
             Some(linear) if !system.pattern_changed() => linear,
@@ -429,14 +436,16 @@ impl<'m> Newton<'m> {
                 })
                 .map_err(|why| Refusal::Linear { why, dof: None })?;
                 self.values = vec![0.0; gather];
+                self.filled = None;
                 let linear = linear.insert(analysed);
                 linear.trust_single(!self.wants_double);
                 linear
             }
         };
         timed(&mut self.clock.assembly, || {
-            system.fill(trial, &mut self.values);
+            system.refill(trial, &mut self.filled, &mut self.values);
             if let Some(motion) = &self.motion {
+                self.filled = None;
                 system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
             }
         });

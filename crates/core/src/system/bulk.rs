@@ -174,29 +174,33 @@ impl Bulk {
         let failure = trial.cell_force[..n]
             .par_iter_mut()
             .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
+            .zip(&mut trial.changed[..n])
             .zip(trial.material.par_chunks_exact_mut(8))
             .zip(trial.element_energy.par_iter_mut())
             .zip(trial.marks.par_iter_mut())
             .zip(trial.held.solids.par_iter_mut())
             .enumerate()
             .with_min_len(16)
-            .filter_map(|(e, (((((force, cell), new), energy), marks), kept))| {
-                let shape = self.shape(e);
-                let law = &self.laws[self.law_of[e] as usize];
-                let positions = self.elements[e].map(|n| x[n as usize]);
-                let old = &state.material[8 * e..8 * e + 8];
-                let mut slot = ElementSlot {
-                    force,
-                    cell,
-                    new,
-                    energy,
-                    marks,
-                    kept: keeps.then_some(kept),
-                };
-                element(shape, law, &positions, old, setting, &mut slot)
-                    .err()
-                    .map(|why| (e, why))
-            })
+            .filter_map(
+                |(e, ((((((force, cell), written), new), energy), marks), kept))| {
+                    let shape = self.shape(e);
+                    let law = &self.laws[self.law_of[e] as usize];
+                    let positions = self.elements[e].map(|n| x[n as usize]);
+                    let old = &state.material[8 * e..8 * e + 8];
+                    let mut slot = ElementSlot {
+                        force,
+                        cell,
+                        written,
+                        new,
+                        energy,
+                        marks,
+                        kept: keeps.then_some(kept),
+                    };
+                    element(shape, law, &positions, old, setting, &mut slot)
+                        .err()
+                        .map(|why| (e, why))
+                },
+            )
             .min_by_key(|(e, _)| *e);
         trial.active[..n].fill(true);
         failure.map_or(Ok(()), Err)

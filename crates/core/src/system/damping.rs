@@ -52,6 +52,7 @@ impl StiffnessDamping {
         }
         if by_displacement.is_some() {
             trial.held.forget_solids();
+            trial.changed.clear();
         }
         let (x, v, b) = (&trial.x, &self.velocity, self.factor);
         self.element_force

@@ -39,6 +39,7 @@ use crate::model::scene::Fidelity;
 use crate::solve::State;
 use linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 use pattern::CELL;
+use std::sync::atomic::{AtomicU64, Ordering};
 use wythe_contact::PointPair;
 
 /// What an evaluation of the forces is for.
@@ -295,7 +296,7 @@ impl System {
     ) -> Result<(), LinearError> {
         let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
         let mut values = vec![0.0; gather.row_idx.len()];
-        gather.fill(&trial.cells, &trial.active, &mut values);
+        gather.fill(&trial.cells, &trial.active, None, &mut values);
         for (e, column) in gather.col_ptr.windows(2).enumerate() {
             let rows = &gather.row_idx[column[0]..column[1]];
             if let Ok(k) = rows.binary_search(&(e as u32)) {
@@ -308,8 +309,22 @@ impl System {
     /// Sums the cells into the matrix.
     pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
         if let Some(gather) = &self.gather {
-            gather.fill(&trial.cells, &trial.active, values);
+            gather.fill(&trial.cells, &trial.active, None, values);
         }
+    }
+
+    /// The same of a matrix that was filled from this pattern before, at `last`: entries which no changed cell enters stay.
+    pub fn refill(&self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
+        /// One number for each filling: a trial that is taken back, or another matrix, is told from this.
+        static FILLINGS: AtomicU64 = AtomicU64::new(1);
+        let Some(gather) = &self.gather else { return };
+        let known = *last == Some(trial.filling) && trial.changed.len() == trial.active.len();
+        let changed = known.then_some(&trial.changed[..]);
+        gather.fill(&trial.cells, &trial.active, changed, values);
+        trial.changed.clear();
+        trial.changed.resize(trial.active.len(), false);
+        trial.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
+        *last = Some(trial.filling);
     }
 
     /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
@@ -348,6 +363,7 @@ impl System {
         trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.resize(n_cells * CELL, 0.0);
         trial.active.resize(n_cells, false);
+        trial.changed.resize(n_cells, true);
 
         let begin = std::time::Instant::now();
         self.bulk.evaluate(state, trial, setting)?;
@@ -376,9 +392,12 @@ impl System {
                 let from = n_loaded * CELL;
                 self.springs
                     .write_stiffness(&mut trial.cells[from..n_sprung * CELL]);
+                trial.changed[n_loaded..n_sprung].fill(true);
                 trial.active[n_loaded..n_sprung].fill(true);
             }
         }
+        let pressed = n_sprung..n_pressed;
+        let were = setting.tangent && trial.active[pressed.clone()].contains(&true);
         let turns = setting.tangent && setting.turning == Turning::Exact;
         if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
             self.outside.write_stiffness(
@@ -390,9 +409,13 @@ impl System {
         } else if setting.tangent {
             trial.active[n_sprung..n_pressed].fill(false);
         }
+        if were || turns {
+            trial.changed[pressed].fill(true);
+        }
         if let (Some(steered), true) = (&self.steered, setting.tangent) {
             steered.write(&mut trial.cells[n_pressed * CELL..n_cells * CELL]);
             trial.active[n_pressed..n_cells].fill(true);
+            trial.changed[n_pressed..n_cells].fill(true);
         }
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);

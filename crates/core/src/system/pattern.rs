@@ -33,6 +33,8 @@ struct Block {
 struct Chunk {
     blocks: std::ops::Range<usize>,
     values: std::ops::Range<usize>,
+    /// Cells that enter them.
+    cells: Vec<u32>,
 }
 
 /// Pattern of the matrix in compressed columns and the map that fills it.
@@ -139,7 +141,18 @@ impl Gather {
                 block.end += 1;
             }
         }
-        let chunks = chunk(&blocks, &columns, &rank, &col_ptr, dofs, equations);
+        let mut chunks = chunk(&blocks, &columns, &rank, &col_ptr, dofs, equations);
+        let mut met = vec![usize::MAX; cells.len()];
+        for (k, chunk) in chunks.iter_mut().enumerate() {
+            let all = blocks[chunk.blocks.clone()].iter();
+            for source in all.flat_map(|b| &sources[b.start as usize..b.end as usize]) {
+                let cell = *source as usize / 64;
+                if met[cell] != k {
+                    met[cell] = k;
+                    chunk.cells.push(cell as u32);
+                }
+            }
+        }
         Self {
             n,
             col_ptr,
@@ -152,14 +165,24 @@ impl Gather {
 
     /// Fills the matrix from the cells' slots. Inactive cells are passed over.
     ///
-    /// `values` has one entry per `row_idx`; `cells` is `[cell][CELL]`; `active` is `[cell]`.
-    pub fn fill(&self, cells: &[f64], active: &[bool], values: &mut [f64]) {
+    /// `values` has one entry per `row_idx`; `cells` is `[cell][CELL]`; `active` is `[cell]`. With `changed` `[cell]` the
+    /// values are those of the last filling, and stay where none of these cells enters.
+    pub fn fill(
+        &self,
+        cells: &[f64],
+        active: &[bool],
+        changed: Option<&[bool]>,
+        values: &mut [f64],
+    ) {
         let mut rest = values;
         let mut tasks = Vec::with_capacity(self.chunks.len());
         for chunk in &self.chunks {
             let (head, tail) = rest.split_at_mut(chunk.values.len());
-            tasks.push((chunk, head));
             rest = tail;
+            let stays = |changed: &[bool]| !chunk.cells.iter().any(|&c| changed[c as usize]);
+            if !changed.is_some_and(stays) {
+                tasks.push((chunk, head));
+            }
         }
         tasks.into_par_iter().for_each(|(chunk, values)| {
             values.fill(0.0);
@@ -284,6 +307,7 @@ fn chunk(
             chunks.push(Chunk {
                 blocks: block_start..k,
                 values: value_start..value_end,
+                cells: Vec::new(),
             });
             block_start = k;
             value_start = value_end;

@@ -16,6 +16,8 @@ pub struct ElementSlot<'a> {
     pub force: &'a mut [[f64; 3]; 8],
     /// Stiffness [N/mm], written if the setting asks for tangents. `[CELL]`
     pub cell: &'a mut [f64],
+    /// Set where the stiffness was written; never cleared.
+    pub written: &'a mut bool,
     /// New histories, written if implicit. `[gauss point]`
     pub new: &'a mut [MaterialHistory],
     /// Energies, written if implicit [N mm].
@@ -126,6 +128,7 @@ impl OneElement<'_, '_> {
         }
         *slot.force = frame.force(shape, &force);
         if self.setting.tangent {
+            *slot.written = true;
             write_secant(shape, frame, &intact, &force, slot.cell);
         }
     }
@@ -209,6 +212,7 @@ impl OneElement<'_, '_> {
         if let Some(kept) = &mut slot.kept {
             kept.held = false;
         }
+        *slot.written = true;
         if count == 0 {
             write_secant(shape, frame, &intact, &force, slot.cell);
             return Ok(());
@@ -236,6 +240,7 @@ impl OneElement<'_, '_> {
                 return;
             }
             kept.held = true;
+            *slot.written = true;
             if !near {
                 kept.pose = *self.positions;
             } else if let Ok(posed) = Corotated::new(shape, &kept.pose) {
@@ -244,6 +249,7 @@ impl OneElement<'_, '_> {
                 return;
             }
         }
+        *slot.written = true;
         frame.symmetric_stiffness(shape, k, force, slot.cell);
     }
 

@@ -29,6 +29,10 @@ pub struct Trial {
     pub(super) held: Held,
     /// Cells that have a stiffness now. `[cell]`
     pub(super) active: Vec<bool>,
+    /// Cells whose stiffness was written, or began or ceased to count, since a matrix was last filled. `[cell]`
+    pub(super) changed: Vec<bool>,
+    /// Which filling that was.
+    pub(super) filling: u64,
     /// Internal forces of the nodes, held ones too [N]. `[node][xyz]`
     pub node_force: Vec<[f64; 3]>,
     /// Generalised internal forces [N]. `[slot]`

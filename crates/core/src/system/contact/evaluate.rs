@@ -38,6 +38,7 @@ struct Group<'a> {
     force: &'a mut [[[f64; 3]; 8]],
     cells: &'a mut [f64],
     active: &'a mut [bool],
+    changed: &'a mut [bool],
     history: &'a mut [InterfaceHistory],
     energy: &'a mut [[f64; 2]],
     status: &'a mut [PointStatus],
@@ -83,6 +84,7 @@ impl Contact {
         let mut force = &mut trial.cell_force[first_cell..];
         let mut cells = &mut trial.cells[first_cell * CELL..];
         let mut active = &mut trial.active[first_cell..];
+        let mut changed = &mut trial.changed[first_cell..];
         let points = 4 * GROUP;
         let per_point = trial
             .interface
@@ -112,12 +114,14 @@ impl Contact {
             let (f, f_rest) = force.split_at_mut(count);
             let (c, c_rest) = cells.split_at_mut(count * CELL);
             let (a, a_rest) = active.split_at_mut(count);
-            (force, cells, active) = (f_rest, c_rest, a_rest);
+            let (w, w_rest) = changed.split_at_mut(count);
+            (force, cells, active, changed) = (f_rest, c_rest, a_rest, w_rest);
             groups.push(Group {
                 first,
                 force: f,
                 cells: c,
                 active: a,
+                changed: w,
                 history,
                 energy,
                 status,
@@ -239,6 +243,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
     let forces = &mut group.force[range.clone()];
     forces.fill([[0.0; 3]; 8]);
     let active = &mut group.active[range.clone()];
+    let changed = &mut group.changed[range.clone()];
     let cells = &mut group.cells[range.start * CELL..range.end * CELL];
     let slave = contact.slave.corners(f, x);
     let four = contact.four(
@@ -248,7 +253,9 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         &group.pairs[4 * k..4 * k + 4],
         &group.anchors[4 * k..4 * k + 4],
     );
+    let mut before = 0_u64;
     if setting.tangent {
+        before = bits(active);
         active.fill(false);
     }
     // Stiffness of each point with the place of its cell among those of the facet (shifted penalty).
@@ -359,6 +366,9 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             for (cell, _) in &parts[..count] {
                 active[*cell] = true;
             }
+            if active.len() > 64 || bits(active) != before {
+                changed.fill(true);
+            }
             return;
         }
         for (part, posed) in parts[..count].iter_mut().zip(&posed) {
@@ -367,6 +377,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
     }
     if setting.tangent {
         group.joints[k] = joint;
+        changed.fill(true);
     }
     for first in 0..count {
         let cell = parts[first].0;
@@ -382,4 +393,11 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         let to = &mut cells[cell * CELL..(cell + 1) * CELL];
         write_symmetric(simd, &together[..n], to);
     }
+}
+
+/// A bit for each of the first 64.
+#[inline(always)]
+fn bits(active: &[bool]) -> u64 {
+    let set = active.iter().take(64).enumerate();
+    set.fold(0, |bits, (i, active)| bits | u64::from(*active) << i)
 }

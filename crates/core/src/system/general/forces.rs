@@ -66,6 +66,7 @@ impl General {
         let cells = &mut trial.cells[first_cell * CELL..(first_cell + count) * CELL];
         let active = &mut trial.active[first_cell..first_cell + count];
         active.fill(false);
+        trial.changed[first_cell..first_cell + count].fill(true);
         let mut of_cell: Vec<Vec<usize>> = vec![Vec::new(); count];
         for (t, (one, share)) in trial.touches.iter().zip(&shares).enumerate() {
             let stiff = share
