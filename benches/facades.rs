@@ -3,29 +3,19 @@
 //! results are written. It writes `docs/facades/table.csv` and `chart.svg` anew and prints the table;
 //! `WYTHE_BENCH_UNITS=1000` stops at that size and writes nothing.
 
+mod growth;
+
 use std::fmt::Write as _;
 
+use growth::exponent;
 use rayon::ThreadPoolBuilder;
 use wythe::model::scene::Fidelity;
 use wythe::model::{Deck, Model};
 use wythe::results::plotting::{Spot, scatter};
-use wythe::results::usage::cpu_seconds;
-use wythe::results::{Frame, HistoryRow, Recorder, Summary};
 
 const DECK: &str = include_str!("facade.toml");
 /// Units a course and courses.
 const SIZES: [[usize; 2]; 6] = [[12, 9], [22, 16], [36, 28], [60, 42], [90, 64], [124, 81]];
-
-/// The last row alone.
-#[derive(Default)]
-struct Last(Option<HistoryRow>);
-
-impl Recorder for Last {
-    fn take(&mut self, _: &Model, row: &HistoryRow, _: Option<&Frame>) -> std::io::Result<bool> {
-        self.0 = Some(row.clone());
-        Ok(true)
-    }
-}
 
 /// `units` in each of some courses, on ground that parts below the middle.
 fn facade([units, courses]: [usize; 2]) -> Model {
@@ -43,28 +33,6 @@ fn facade([units, courses]: [usize; 2]) -> Model {
     let deck = Deck::from_str_with(DECK, "facade.toml", &overrides).expect("the deck");
     let (model, _) = Model::from_deck(&deck).expect("its model");
     model
-}
-
-/// CPU seconds, the last row, and what the run tells.
-fn run(model: &Model) -> (f64, HistoryRow, Summary) {
-    let mut last = Last::default();
-    let before = cpu_seconds().expect("a clock");
-    let summary = wythe::solve::run(model, &mut last).expect("a run");
-    let seconds = cpu_seconds().expect("a clock") - before;
-    (seconds, last.0.expect("a row"), summary)
-}
-
-/// Exponent of y over x.
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0.ln()), mean(|p| p.1.ln()));
-    let along: f64 = points.iter().map(|p| (p.0.ln() - x).powi(2)).sum();
-    points
-        .iter()
-        .map(|p| (p.0.ln() - x) * (p.1.ln() - y))
-        .sum::<f64>()
-        / along
 }
 
 fn main() {
@@ -86,19 +54,19 @@ fn main() {
         let mut model = facade(size);
         for (series, fidelity) in [Fidelity::Full, Fidelity::Auto].into_iter().enumerate() {
             model.fidelity = fidelity;
-            let (seconds, row, summary) = pool.install(|| run(&model));
-            let a_solve = seconds / summary.factorisations.max(1) as f64;
+            let (cpu, last, summary) = growth::run(&model, &pool);
+            let a_solve = cpu / summary.factorisations.max(1) as f64;
             writeln!(
                 table,
-                "{units},{},{},{seconds:.2},{},{},{:.1},{:.4},{:.5},{:.4}",
+                "{units},{},{},{cpu:.2},{},{},{:.1},{:.4},{:.5},{:.4}",
                 summary.sizes.elements,
                 names[series],
                 summary.increments,
                 summary.iterations,
                 summary.reused,
-                row.force_kN,
-                row.interface_dissipation_J,
-                row.max_interface_damage,
+                last.force_kN,
+                last.interface_dissipation_J,
+                last.max_interface_damage,
             )
             .expect("a string takes it");
             println!("{}", table.lines().last().unwrap_or_default());
@@ -123,8 +91,5 @@ fn main() {
     let axes = ["units", "CPU time of a solve [ms]"];
     let title = "Façades with one crack";
     let svg = scatter(title, axes, &names, &spots, &[], None).expect("a chart");
-    let folder = format!("{}/docs/facades", env!("CARGO_MANIFEST_DIR"));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    std::fs::write(format!("{folder}/table.csv"), table).expect("a table");
-    std::fs::write(format!("{folder}/chart.svg"), svg).expect("a chart");
+    growth::write("facades", &table, &svg);
 }

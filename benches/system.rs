@@ -116,8 +116,13 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
                 .map(|(entries, _)| entries)
         });
     });
+    // Matrices in turn, none of which is the last: of that the factors would be kept.
+    let mut stiffer: Vec<f64> = wall.values.iter().map(|a| a * (1.0 + 1e-9)).collect();
     group.bench_function("factorise", |b| {
-        b.iter(|| pool.install(|| wall.linear.factorise(black_box(&wall.values)).is_ok()));
+        b.iter(|| {
+            std::mem::swap(&mut wall.values, &mut stiffer);
+            pool.install(|| wall.linear.factorise(black_box(&wall.values)).is_ok())
+        });
     });
     let rhs: Vec<f64> = (0..wall.linear.n()).map(|i| (i % 7) as f64 - 3.0).collect();
     let mut solution = rhs.clone();
@@ -130,8 +135,16 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.finish();
 }
 
-/// Search, forces and tangents, gather, factorisation, solve, and the forces at the new point.
-fn iteration(wall: &mut Pushed) {
+/// Search, forces and tangents, gather, factorisation, solve, and the forces at the new point. It starts a 1e-9 farther
+/// than the one before or as much nearer, so that no stiffness and no factor is that of the last.
+fn iteration(wall: &mut Pushed, farther: &mut bool) {
+    *farther = !*farther;
+    let scale = if *farther {
+        1.0 + 1e-9
+    } else {
+        1.0 / (1.0 + 1e-9)
+    };
+    wall.q.iter_mut().for_each(|q| *q *= scale);
     let start = wall.q.clone();
     wall.search_and_evaluate(setting(true));
     wall.system.fill(&wall.trial, &mut wall.values);
@@ -156,10 +169,11 @@ fn benches(c: &mut Criterion) {
     evaluation(c, &one, &mut wall);
     search(c, &one, &mut wall);
     matrix(c, &one, &mut wall);
+    let mut farther = false;
     for n in [1, 2] {
         let pool = threads(n);
         c.bench_function(&format!("j7d_iteration/{n}_threads"), |b| {
-            b.iter(|| pool.install(|| iteration(&mut wall)));
+            b.iter(|| pool.install(|| iteration(&mut wall, &mut farther)));
         });
     }
     let two = threads(2);

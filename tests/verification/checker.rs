@@ -59,29 +59,38 @@ fn the_checker_reports_sizes_energies_and_warnings() {
         report.sizes.contact_points,
         4 * model.contact.slave_facets.len()
     );
-    // Measured peak of a run: 126 MB; 558 MB with the fine mesh. Within half as much again.
+    // Measured peak of a run: 124 MB; 443 MB with the fine mesh. A quarter, for what runs differ by and what is simple.
     let of_fine = |d: Deck| check(&d, &Model::from_deck(&d).unwrap().0).memory_mb;
     let full = ("fidelity", "full");
     let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine"), full]));
-    for (estimate, measured) in [(report.memory_mb, 126.0), (fine, 558.0)] {
+    for (estimate, measured) in [(report.memory_mb, 124.0), (fine, 443.0)] {
         let ratio = estimate / measured;
         assert!(
-            ratio < 1.5 && ratio > 1.0 / 1.5,
+            ratio < 1.25 && ratio > 1.0 / 1.25,
             "{estimate} MB for {measured} MB"
         );
     }
-    // Large walls: 545 and 11,774 MB. A tenth, for what runs differ by.
-    for (overrides, measured) in [
-        (&[full][..], 545.0),
+    // Halves, with the question whether they stay ones: 92 and 323 MB. A large wall: 427 MB.
+    for (estimate, measured) in [
+        (of_fine(load("03_shear_wall_j7d", &[])), 92.0),
         (
-            &[full, ("wall.length", "43287.5"), ("wall.courses", "100")],
-            11_774.0,
+            of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine")])),
+            323.0,
         ),
+        (of_fine(load("70_large_wall", &[full])), 427.0),
     ] {
-        let estimate = of_fine(load("70_large_wall", overrides));
         let ratio: f64 = estimate / measured;
         assert!((ratio - 1.0).abs() < 0.1, "{estimate} MB for {measured} MB");
     }
+    // The weight of one of a million unknowns wants factors of double precision: 11,086 MB, a tenth as above.
+    let huge = [full, ("wall.length", "43287.5"), ("wall.courses", "100")];
+    let deck = load("70_large_wall", &huge);
+    let told = check(&deck, &Model::from_deck(&deck).unwrap().0);
+    let note = told.notes.iter().find(|note| note.starts_with("memory"));
+    let said = note.unwrap().split(' ').find_map(|word| word.parse().ok());
+    let ratio: f64 = said.unwrap_or(0.0) / 11_086.0;
+    assert!((ratio - 1.0).abs() < 0.1, "{note:?}");
+    assert!(report.notes.iter().all(|note| !note.starts_with("memory")));
     let text = report.to_string();
     for part in [
         "G_I = 15.53 N/m",
@@ -249,7 +258,8 @@ fn memory_follows_the_thickness_that_is_laid() {
         let two = each(more);
         assert!(two > 1.3 * one && two < 2.2 * one, "{more}: {two}, {one}");
     }
-    // Half of the unknowns, of half as thick a wall.
+    // Half of the unknowns, of two planes instead of three, but as much again for the question of symmetry: two thirds of what goes
+    // with the thickness, and half of the rest.
     let auto = Deck::from_str(
         &wall("mesh = [4, 2, 2]").replace("full", "auto"),
         "wall.toml",
@@ -257,7 +267,10 @@ fn memory_follows_the_thickness_that_is_laid() {
     .unwrap();
     let half = check(&auto, &Model::from_deck(&auto).unwrap().0);
     let each_of_half = 1e3 * half.memory_mb / half.sizes.dofs as f64;
-    assert!(each_of_half < 0.6 * one, "{each_of_half}, {one}");
+    assert!(
+        each_of_half > 0.5 * one && each_of_half < 2.0 / 3.0 * one,
+        "{each_of_half}, {one}"
+    );
     // Two planes, whatever `mesh` would be.
     let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
     assert_eq!(rigid[0], rigid[1]);

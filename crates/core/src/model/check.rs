@@ -25,7 +25,7 @@ pub struct CheckReport {
     pub notes: Vec<String>,
     /// Sizes of the model.
     pub sizes: Sizes,
-    /// Estimated peak memory [MB], of a half where one half is solved.
+    /// Estimated peak memory [MB], of a half where one half is solved; of factors of single precision where they are tried.
     pub memory_mb: f64,
 }
 
@@ -60,12 +60,19 @@ impl fmt::Display for CheckReport {
 /// Tells of a model and the deck it was made from.
 pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     let sizes = sizes(model);
+    let [memory_mb, in_double] = memory_mb(deck, model);
+    let mut notes = notes(deck, model);
+    if in_double - memory_mb > WORTH_TELLING_MB {
+        notes.push(format!(
+            "memory: about {in_double:.0} MB where a matrix wants factors of double precision, as under the weight of what is high and thin"
+        ));
+    }
     CheckReport {
         title: model.title.clone(),
         warnings: model.warnings.clone(),
-        notes: notes(deck, model),
+        notes,
         sizes,
-        memory_mb: memory_mb(deck, model),
+        memory_mb,
     }
 }
 
@@ -106,38 +113,48 @@ pub fn sizes(model: &Model) -> Sizes {
     }
 }
 
-/// Estimated peak memory [MB]: the program, two histories of 8 points an element, matrices of
-/// elements and contact pairs, and what the linear solver needs; unsymmetric that is a fifth more.
+/// Estimated peak memory [MB] with factors of single precision, and with those of double: the program, two histories of 8 points
+/// an element, matrices of elements and contact pairs, and what the linear solver needs; unsymmetric that is always of double
+/// precision and a fifth more. Where a part of the scene is solved by symmetry, so is as much again, to see whether it stays so.
 ///
-/// The factor of a wall that is w unknowns thick grows as that of a plane grid, by w log₂(n/w) bytes for
-/// each of n unknowns. Its constants are measured on walls of 12,000 to 1,430,000 unknowns, which are
-/// met within an eighth. Other bodies take 885 n^1.22 bytes, measured up to 84,000 unknowns.
-fn memory_mb(deck: &Deck, model: &Model) -> f64 {
+/// The factor of a wall that is w unknowns thick grows as that of a plane grid. In double precision that is w log₂(n/w) bytes for
+/// each of n unknowns; in single, where less than a half is the factor's, the logarithm is lost in the rest. Constants are measured on
+/// walls of 12,000 to 1,430,000 unknowns, which are met within a seventh. What has blocks is taken for a
+/// cube, n^1.22 bytes, measured at 14,000 and 86,000 unknowns: flat scenes take less.
+fn memory_mb(deck: &Deck, model: &Model) -> [f64; 2] {
     let solved = match model.fidelity {
         Fidelity::Full => Cow::Borrowed(model),
         Fidelity::Auto | Fidelity::Elastic => mirrored::least(model),
+    };
+    let times = match &solved {
+        Cow::Borrowed(_) => 1.0,
+        Cow::Owned(_) => 2.0, // the question of symmetry
     };
     let (model, sizes) = (solved.as_ref(), sizes(&solved));
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
     let contact = 24 * 24 * 8 + 2 * size_of::<wythe_contact::InterfaceHistory>();
     let bodies = model.mesh.elements.len() * element + sizes.contact_points * contact;
-    let unsymmetric = |s: &Step| s.tangent != Tangent::Secant;
-    let share = if model.steps.iter().any(unsymmetric) {
-        1.2
-    } else {
-        1.0
-    };
     let n = sizes.dofs as f64;
     let planes = planes_through(deck, model);
-    let solver = match planes {
+    let [single, double] = match planes {
         Some(planes) if !deck.has_blocks() => {
             let thick = 3.0 * planes as f64;
-            n * thick * (440.0 + 34.0 * (n / thick).max(1.0).log2())
+            let levels = (n / thick).max(1.0).log2();
+            [n * thick * 560.0, n * thick * (440.0 + 34.0 * levels)]
         }
-        _ => 885.0 * n.powf(1.22),
+        _ => [980.0 * n.powf(1.22), 1700.0 * n.powf(1.22)],
     };
-    PROGRAM_MB + (bodies as f64 + share * solver) * 1e-6
+    let unsymmetric = |s: &Step| s.tangent != Tangent::Secant;
+    let solvers = if model.steps.iter().any(unsymmetric) {
+        [1.2 * double; 2]
+    } else {
+        [single, double]
+    };
+    solvers.map(|solver| PROGRAM_MB + (bodies as f64 + times * solver) * 1e-6)
 }
+
+/// More than that is worth a word [MB].
+const WORTH_TELLING_MB: f64 = 500.0;
 
 /// Planes of nodes one behind the other through the thickness of the walls: those of a unit, as often as it goes into
 /// the thickness. None without walls.
@@ -178,7 +195,7 @@ const MOST_LEAVES: f64 = 100.0;
 const SAME_PLANE: f64 = 1e-6;
 
 /// What a run of two bricks takes [MB].
-const PROGRAM_MB: f64 = 12.0;
+const PROGRAM_MB: f64 = 23.0;
 
 fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();

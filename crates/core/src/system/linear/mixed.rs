@@ -10,15 +10,15 @@
 use std::sync::Arc;
 
 use super::multifrontal::{Multifrontal, Plan};
+use super::number::Number;
 use super::{LinearError, Pattern};
 
-/// Factors of one or the other precision.
+/// Factors of one or the other precision: never of both, for they are most of a run's memory.
 #[derive(Debug)]
 pub(super) struct Mixed {
     plan: Arc<Plan>,
-    single: Multifrontal<f32>,
-    double: Option<Multifrontal<f64>>, // once it was needed
-    in_double: bool,                   // the last matrix
+    single: Option<Multifrontal<f32>>,
+    double: Option<Multifrontal<f64>>, // of the last matrix, if there
     unchanged: bool,                   // the next one is the last one
     trusted: bool,                     // single precision is tried first
 }
@@ -28,10 +28,9 @@ impl Mixed {
     pub fn new(plan: Plan, pattern: &Pattern) -> Result<Self, LinearError> {
         let plan = Arc::new(plan);
         Ok(Self {
-            single: Multifrontal::new(Arc::clone(&plan), pattern)?,
-            plan,
+            single: Some(Multifrontal::new(Arc::clone(&plan), pattern)?),
             double: None,
-            in_double: false,
+            plan,
             unchanged: false,
             trusted: true,
         })
@@ -49,15 +48,21 @@ impl Mixed {
 
     /// Whether the factors at hand are of double precision.
     pub fn in_double(&self) -> bool {
-        self.in_double
+        self.double.is_some()
+    }
+
+    /// Whether memory is taken by factors of both precisions.
+    #[cfg(test)]
+    pub fn holds_both(&self) -> bool {
+        self.single.is_some() && self.double.is_some()
     }
 
     /// As [`Multifrontal::compare`].
     pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
-        self.unchanged = match &mut self.double {
-            _ if self.in_double == self.trusted => false, // the other's turn
-            Some(double) if self.in_double => double.compare(old, new),
-            _ => self.single.compare(old, new),
+        self.unchanged = match (&mut self.single, &mut self.double) {
+            (Some(single), _) if self.trusted => single.compare(old, new),
+            (_, Some(double)) if !self.trusted => double.compare(old, new),
+            _ => false, // the other's turn
         };
         self.unchanged
     }
@@ -73,10 +78,9 @@ impl Mixed {
             return Ok(1.0);
         }
         if self.trusted {
-            if std::mem::take(&mut self.in_double) {
-                self.single.forget(); // it has not seen the last matrix
-            }
-            if let Ok(saved) = self.single.factorise(values, sums) {
+            self.double = None;
+            let single = kept_or_new(&mut self.single, &self.plan, pattern)?;
+            if let Ok(saved) = single.factorise(values, sums) {
                 return Ok(saved);
             }
         }
@@ -90,22 +94,29 @@ impl Mixed {
         values: &[f64],
         sums: &[f64],
     ) -> Result<f64, LinearError> {
-        let double = match &mut self.double {
-            Some(double) => double,
-            none => none.insert(Multifrontal::new(Arc::clone(&self.plan), pattern)?),
-        };
         self.trusted = false;
-        if !std::mem::replace(&mut self.in_double, true) {
-            double.forget(); // as above
-        }
-        double.factorise(values, sums)
+        self.single = None;
+        kept_or_new(&mut self.double, &self.plan, pattern)?.factorise(values, sums)
     }
 
     /// x ← A⁻¹ x with the factors at hand.
     pub fn solve(&mut self, x: &mut [f64], columns: usize) {
-        match &mut self.double {
-            Some(double) if self.in_double => double.solve(x, columns),
-            _ => self.single.solve(x, columns),
+        if let Some(double) = &mut self.double {
+            double.solve(x, columns);
+        } else if let Some(single) = &mut self.single {
+            single.solve(x, columns);
         }
     }
+}
+
+/// What is there; else new, and knows of no matrix.
+fn kept_or_new<'a, T: Number>(
+    factors: &'a mut Option<Multifrontal<T>>,
+    plan: &Arc<Plan>,
+    pattern: &Pattern,
+) -> Result<&'a mut Multifrontal<T>, LinearError> {
+    Ok(match factors {
+        Some(kept) => kept,
+        none => none.insert(Multifrontal::new(Arc::clone(plan), pattern)?),
+    })
 }

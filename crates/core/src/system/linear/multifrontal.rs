@@ -79,11 +79,6 @@ impl<T: Number> Multifrontal<T> {
         self.reuse.compare(old, new)
     }
 
-    /// The values of the next factorisation are not to be compared with those of the last one here.
-    pub fn forget(&mut self) {
-        self.reuse.forget();
-    }
-
     /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is
     /// small. Returns the share of the operations that the last factors saved: the result has the
     /// same bits without them.

@@ -175,11 +175,6 @@ impl Reuse {
         share
     }
 
-    /// Of the factors nothing is known any more.
-    pub fn forget(&mut self) {
-        self.stale.fill(true);
-    }
-
     /// All that was to be eliminated was.
     pub fn succeed(&mut self) {
         self.stale.fill(false);
