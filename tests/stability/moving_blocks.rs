@@ -434,3 +434,31 @@ pressure = "1 MPa"
         assert_eq!(last.contact_area_mm2, 2500.0);
     }
 }
+
+/// Eleven courses of dry blocks under a load that grows over 1000 s come down, which takes them a part of a second: what lets go
+/// on the way is held by inertia in increments far below a millionth of the step. Friction is changed in its eighth digit, for
+/// whether a wall meets the worst of its ways hangs on the last ones: with least increments of 1 ms each of these three stopped.
+#[test]
+fn a_wall_falls_in_a_long_step() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/docs/validation/06-dry-blocks/wall.toml"
+    );
+    for eighth in [0.0, 2.0, 4.0] {
+        let set = |key: &str, value: String| (key.to_owned(), value);
+        let friction = 0.65 * (1.0 + 1e-8 * eighth);
+        let overrides = [
+            set("wall.courses", "11".to_owned()),
+            set("steps.1.loads.0.force", "[15107.4, 0, 0]".to_owned()),
+            set("interfaces.dry.mu", friction.to_string()),
+            set("interfaces.dry.tan_phi", friction.to_string()),
+        ];
+        let deck = Deck::load(path, &overrides).unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        // A tenth of a millisecond, whatever the length of the step.
+        assert_eq!(model.steps[1].increments.min, 1e-4 / 1000.0);
+        let recording = completed(&model);
+        // Where the step is to stop.
+        assert!(recording.rows.last().unwrap().displacement_mm >= 0.1);
+    }
+}

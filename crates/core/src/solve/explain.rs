@@ -93,13 +93,22 @@ fn place(model: &Model, part: &Part, node: usize) -> String {
 
 /// Keys of the deck that may help, the likeliest first; only such as are not yet there.
 fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
-    if let Refusal::Linear { dof: Some(_), .. } = refusal {
-        return "to hold that body, to press it into contact before it is moved, or to give every \
-                material a density: inertia carries what comes loose (what hangs together and is slender \
-                may have buckled: hold it sideways)"
-            .to_owned();
-    }
     let step = &model.steps[index];
+    if let Refusal::Linear { dof: Some(_), .. } = refusal {
+        let inertia = if model.may_move() {
+            format!(
+                "steps.{index}.increments.min below {:e}: inertia carries what comes loose in increments that are \
+                 short beside the vibrations of its joints",
+                step.increments.min
+            )
+        } else {
+            "to give every material a density: inertia carries what comes loose".to_owned()
+        };
+        return format!(
+            "to hold that body, to press it into contact before it is moved, or {inertia} (what hangs together \
+             and is slender may have buckled: hold it sideways)"
+        );
+    }
     let mut tries = Vec::new();
     let patience = step.tolerance.max_iterations;
     if patience < USUAL_ITERATIONS && matches!(refusal, Refusal::Iterations { .. }) {

@@ -231,6 +231,9 @@ fn no_time() -> Time {
     Time::new(0.0)
 }
 
+/// Bodies of masonry vibrate on their joints within a millisecond or less; inertia holds only in increments shorter than that [s].
+const LEAST_INCREMENT: f64 = 1e-4;
+
 impl DeckStep {
     /// Sizes of increments with the defaults of this kind of step.
     ///
@@ -253,6 +256,8 @@ impl DeckStep {
             StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
+        // What comes loose is held by inertia, in long steps, too.
+        let min = f64::min(min, LEAST_INCREMENT / self.duration.get());
         let faster = steepest.max(1.0);
         let (initial, max) = (initial / faster, (max / faster).min(finest));
         let first = self.increments.initial.map(Number::get);
