@@ -4,6 +4,7 @@
 pub mod blocks;
 pub mod boxes;
 pub mod examples;
+pub mod halves;
 pub mod inside;
 pub mod scene;
 
