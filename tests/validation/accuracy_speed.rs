@@ -206,6 +206,7 @@ fn what_is_wrong_is_said_where_it_is_written() {
     for (from, to, said) in [
         ("\"force_kN\"", "\"force\"", "no column `force`"),
         ("to = 0.1", "to = 0.2", "from 0 to 0.1"),
+        ("to = 0.1", "to = 0.1\nsteps = [1]", "no step 1"),
         ("to = 0.1", "to = -1", "beyond `from`"),
         (
             "to = 0.1",
@@ -344,6 +345,31 @@ fn a_bar_by_hooke_has_no_error_whole_or_half() {
     std::fs::write(&file, table(studied).replace("rms", "rsm")).unwrap();
     let why = read(&studied.scene, &file).unwrap_err().to_string();
     assert!(why.contains("no column `rms`"), "{why}");
+}
+
+/// A bar that is pressed before it is pulled goes back and forth; the steps that are asked for count, from where they begin.
+#[test]
+fn rows_of_other_steps_are_left_out() {
+    let pressed = DECK
+        .split_once("[[steps]]")
+        .unwrap()
+        .1
+        .replace("0.1", "-0.05");
+    let deck = DECK.replacen("[[steps]]", &format!("[[steps]]{pressed}[[steps]]"), 1);
+    for (steps, there) in [("", false), ("steps = [1]\n", true)] {
+        let (folder, scene) = scene(SCENE);
+        scene.unwrap();
+        std::fs::write(folder.path().join("deck.toml"), &deck).unwrap();
+        let text = SCENE.replace("to = 0.1\n", &format!("to = 0.05\n{steps}"));
+        let scene = Scene::from_str(&text, "scene.toml", folder.path()).unwrap();
+        for outcome in &run(&[scene], &options(false, 1))[0].outcomes {
+            match &outcome.errors {
+                // As without that step.
+                Ok(errors) => assert!(there && errors.of_chart() < 2e-3, "{errors:?}"),
+                Err(why) => assert!(!there && why.contains("turns back"), "{why}"),
+            }
+        }
+    }
 }
 
 /// The scene with another program beside it.

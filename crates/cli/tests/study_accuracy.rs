@@ -136,3 +136,20 @@ fn short_forms_write_nothing_and_what_is_not_there_is_named() {
         stderr(&empty)
     );
 }
+
+#[test]
+fn a_reference_that_ends_early_is_not_made() {
+    let folder = folder(&["1"]);
+    let file = scenes(folder.path()).join("1/scene.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let early = "steps.1.displacement=0.005";
+    std::fs::write(&file, text.replace("steps.1.increments.max=0.1", early)).unwrap();
+    let run = accuracy(folder.path(), &["--references"]);
+    let said = stderr(&run);
+    assert_eq!(code(&run), 3, "{said}");
+    assert!(
+        said.contains("its run ends at") && said.contains("`to`"),
+        "{said}"
+    );
+    assert!(!file.with_file_name("reference.csv").exists());
+}

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use miette::miette;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
@@ -99,7 +100,7 @@ fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Resul
         if interrupt.requested() {
             return Err(Failure::Interrupted);
         }
-        let told = match made.map_err(|why| failed(file, other(why)))? {
+        let told = match made.map_err(|why| unmade(file, &why))? {
             None => format!("{}: its reference comes from elsewhere\n", scene.name()),
             Some(made) => {
                 write_whole(file, made.curve.as_bytes()).map_err(|why| failed(file, why))?;
@@ -112,6 +113,15 @@ fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Resul
         print(&told)?;
     }
     Ok(())
+}
+
+/// A reference whose run broke or ended early; its file is left as it is.
+fn unmade(file: &Path, why: &str) -> Failure {
+    Failure::NotConverged(miette!(
+        help = "another end (`to`) or other keys (`set` of the reference) in scene.toml",
+        "{} is not made: its run {why}",
+        file.display()
+    ))
 }
 
 /// The page as it stands; nothing if there is none.

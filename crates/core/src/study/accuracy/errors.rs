@@ -45,7 +45,9 @@ impl Known {
     pub fn new(curve: &[Point], range: [f64; 2], peak: Option<f64>) -> Result<Self, String> {
         let curve = advancing(curve, range)?;
         let last = curve.last().map_or(0.0, |p| p[0]);
-        if range[0] < curve[0][0] || last < reached(range) {
+        // A probe may have swung by that much before.
+        let first = curve[0][0] - SLACK * (range[1] - range[0]);
+        if range[0] < first || last < reached(range) {
             return Err(format!(
                 "the reference goes from {} to {last}, the comparison from {} to {}",
                 curve[0][0], range[0], range[1]

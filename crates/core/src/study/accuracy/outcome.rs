@@ -271,12 +271,18 @@ fn errors(scene: &Scene, short: bool, curve: &[Point], ended: &Ended) -> Result<
     })
 }
 
-/// The curve of a run, from rest. `[point][x, y]`
+/// The curve of a run, from where its steps begin: from rest unless the scene leaves out the first. `[point][x, y]`
 pub(super) fn curve(scene: &Scene, choice: &Choice, ended: &Ended) -> Vec<Point> {
     let history = History::new(&ended.rows, &ended.probes);
+    let rows = history.rows(scene.steps.as_deref());
+    let first = rows.first().copied().unwrap_or(0);
+    let start = [&scene.x, &scene.y].map(|name| history.before(name, first));
     let (x, y) = (history.column(&scene.x), history.column(&scene.y));
-    let rows = x.iter().zip(y).map(|(x, y)| [*x, choice.factor * y]);
-    std::iter::once([0.0, 0.0]).chain(rows).collect()
+    let points = rows.into_iter().map(|i| [x[i], y[i]]);
+    std::iter::once(start)
+        .chain(points)
+        .map(|[x, y]| [x, choice.factor * y])
+        .collect()
 }
 
 /// A run that ended, however it did, and its times [s].

@@ -35,6 +35,8 @@ pub struct Scene {
     pub x: String,
     /// Column that is compared.
     pub y: String,
+    /// Rows of these steps only; of all without a choice.
+    pub steps: Option<Vec<usize>>,
     /// Where the comparison begins and ends, in units of `x`.
     pub range: [f64; 2],
     /// Where that of the short form ends.

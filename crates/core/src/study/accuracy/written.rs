@@ -29,6 +29,7 @@ pub struct SceneFile {
     short: Option<ShortFile>,
     x: String,
     y: String,
+    steps: Option<Vec<usize>>,
     #[serde(default)]
     from: f64,
     to: f64,
@@ -124,6 +125,7 @@ pub fn advice(path: &str) -> String {
             "default_cpu = 25.1  # CPU seconds of the scene's default in the same sitting"
         }
         Some("to") => "to = 0.6  # in units of x; the reference and the runs go so far",
+        Some("steps") => "steps = [1]  # rows of these steps of the deck only",
         Some("command") => {
             "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene"
         }
@@ -147,7 +149,13 @@ impl SceneFile {
         };
         let set = pairs(source, "set", &self.set)?;
         let deck = folder.join(&self.deck);
-        self.columns(&Deck::load(&deck, &set)?, &error)?;
+        let with_set = Deck::load(&deck, &set)?;
+        self.columns(&with_set, &error)?;
+        let last = with_set.steps.len();
+        if let Some(step) = self.steps.iter().flatten().find(|step| **step >= last) {
+            let what = format!("the deck has {last} steps, counted from 0, and no step {step}");
+            return Err(error("steps", what));
+        }
         if !(self.from >= 0.0 && self.from < self.to && self.to.is_finite()) {
             return Err(error(
                 "to",
@@ -213,6 +221,7 @@ impl SceneFile {
             short,
             x: self.x,
             y: self.y,
+            steps: self.steps,
             range: [self.from, self.to],
             short_to,
             reference,
