@@ -24,6 +24,7 @@ const J7D: &str = "03_shear_wall_j7d";
 const J4D: &str = "04_shear_wall_j4d";
 const AIRBAG: &str = "62_out_of_plane_wall";
 const SHEARED: Option<(&str, &str)> = Some(("03-shear-wall-j7d", "force_kN"));
+const LIGHTLY_PRESSED: Option<(&str, &str)> = Some(("05-shear-wall-j4d", "force_kN"));
 const BENT: Option<(&str, &str)> = Some(("04-out-of-plane", "airbag_MPa"));
 const FINE: (&str, &str) = ("wall.mesh", "fine");
 const FULL: (&str, &str) = ("fidelity", "full");
@@ -34,7 +35,7 @@ const SCENE_4: [(&str, &str); 2] = [
     ("steps.1.increments.max", "0.05"),
 ];
 
-const WALLS: [Wall; 8] = [
+const WALLS: [Wall; 9] = [
     Wall {
         name: "J7D",
         example: J7D,
@@ -53,8 +54,15 @@ const WALLS: [Wall; 8] = [
         name: "J4D",
         example: J4D,
         set: &[],
-        beside: None,
+        beside: LIGHTLY_PRESSED,
         most_threads: 4,
+    },
+    Wall {
+        name: "J4D fine",
+        example: J4D,
+        set: &[FINE],
+        beside: LIGHTLY_PRESSED,
+        most_threads: 1,
     },
     Wall {
         name: "J7D fine",
