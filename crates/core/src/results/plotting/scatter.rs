@@ -150,28 +150,29 @@ impl Scatter<'_> {
     /// The corner where the legend hides the fewest spots and names.
     fn corner(&self, xs: &Range<f64>, ys: &Range<f64>) -> SeriesLabelPosition {
         use SeriesLabelPosition::{LowerLeft, LowerRight, UpperLeft, UpperRight};
-        // Of the plane: a line of the legend and the longest line, and a name.
-        let high = 0.03 * (self.series.len() + 2) as f64;
-        let (wide, name) = (0.3, 0.15);
+        // Of the plane: a line of the legend and its longest line, and a letter of a name.
+        let shown = |i: &usize| self.spots.iter().any(|s| s.series == *i);
+        let lines = (0..self.series.len()).filter(shown).count() + 2;
+        let (high, wide) = (0.031 * lines as f64 + 0.03, 0.3);
+        let letter = LETTER / (0.88 * f64::from(SIZE.0));
         let part =
             |range: &Range<f64>, v: f64| (v / range.start).ln() / (range.end / range.start).ln();
-        let places: Vec<Point> = self
+        let places: Vec<(f64, f64, f64)> = self
             .spots
             .iter()
-            .map(|s| (part(xs, s.at.0), part(ys, s.at.1)))
+            .map(|s| {
+                let (x, y) = (part(xs, s.at.0), part(ys, s.at.1));
+                (x, x + (s.name.chars().count() + 2) as f64 * letter, y)
+            })
             .collect();
         let hidden = |right: bool, upper: bool| {
-            let across = |x: f64| {
-                if right {
-                    x + name > 1.0 - wide
-                } else {
-                    x < wide
-                }
+            let across = |from: f64, to: f64| {
+                if right { to > 1.0 - wide } else { from < wide }
             };
             let along = |y: f64| if upper { y > 1.0 - high } else { y < high };
             places
                 .iter()
-                .filter(|(x, y)| across(*x) && along(*y))
+                .filter(|(from, to, y)| across(*from, *to) && along(*y))
                 .count()
         };
         let corners = [
