@@ -14,7 +14,7 @@ import pytest
 import wythe
 from helpers import TARGET, environment, python
 
-#: The command as cargo builds it, where it is built.
+#: The command as cargo builds it.
 BUILT = TARGET / "release" / "wythe"
 
 
@@ -46,8 +46,8 @@ def test_the_module_runs_as_the_package(deck: Path, python_run: wythe.Results) -
     same(python_run, out)
 
 
-@pytest.mark.skipif(not BUILT.is_file(), reason="the command is not built: cargo build --release")
 def test_the_command_runs_as_the_package(deck: Path, python_run: wythe.Results) -> None:
+    assert BUILT.is_file(), "the command is not built: cargo build --release"
     out = deck.parent / "command.out"
     done = subprocess.run(
         [BUILT, "run", deck, "--out", out, "--quiet"], capture_output=True, text=True, check=False

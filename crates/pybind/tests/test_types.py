@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -19,18 +18,13 @@ CHECKED = [
     *map(str, sorted(TESTS.glob("*.py"))),
 ]
 
-needs_mypy = pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
-needs_pyright = pytest.mark.skipif(find_spec("pyright") is None, reason="pyright is not installed")
 
-
-@needs_mypy
 def test_mypy_strict() -> None:
     arguments = ("--strict", "--cache-dir", str(TARGET / "mypy"))
     done = python("-m", "mypy", *arguments, *CHECKED, folder=PROJECT)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@needs_pyright
 def test_pyright() -> None:
     done = python("-m", "pyright", "--pythonpath", sys.executable, *CHECKED, folder=PROJECT)
     if "summary" not in done.stdout and "informations" not in done.stdout:
@@ -38,7 +32,6 @@ def test_pyright() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@needs_pyright
 def test_every_public_type_is_known() -> None:
     arguments = ("--verifytypes", "wythe", "--ignoreexternal", "--outputjson")
     done = python("-m", "pyright", "--pythonpath", sys.executable, *arguments)

@@ -31,6 +31,12 @@ const FLOOR: RGBColor = RGBColor(120, 120, 120);
 /// Size of names, and width of a letter of them [px].
 const LETTERS: i32 = 13;
 const LETTER: f64 = 6.8;
+/// Air around the picture, room for the numbers along the axes, height of the title, and of a line of the legend [px].
+const MARGIN: u32 = 18;
+const BELOW: u32 = 46;
+const BESIDE: u32 = 76;
+const TITLE: u32 = 30;
+const LINE: f64 = 17.0;
 /// Radius of a point [px].
 const RADIUS: i32 = 5;
 
@@ -105,9 +111,9 @@ impl Scatter<'_> {
         let corner = self.corner(&xs, &ys);
         let mut chart = ChartBuilder::on(root)
             .caption(self.title, ("sans-serif", 20))
-            .margin(18)
-            .x_label_area_size(46)
-            .y_label_area_size(76)
+            .margin(MARGIN)
+            .x_label_area_size(BELOW)
+            .y_label_area_size(BESIDE)
             .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
         chart
             .configure_mesh()
@@ -150,11 +156,16 @@ impl Scatter<'_> {
     /// The corner where the legend hides the fewest spots and names.
     fn corner(&self, xs: &Range<f64>, ys: &Range<f64>) -> SeriesLabelPosition {
         use SeriesLabelPosition::{LowerLeft, LowerRight, UpperLeft, UpperRight};
-        // Of the plane: a line of the legend and its longest line, and a letter of a name.
+        let plane = (
+            f64::from(SIZE.0 - 2 * MARGIN - BESIDE),
+            f64::from(SIZE.1 - 2 * MARGIN - BELOW - TITLE),
+        );
         let shown = |i: &usize| self.spots.iter().any(|s| s.series == *i);
-        let lines = (0..self.series.len()).filter(shown).count() + 2;
-        let (high, wide) = (0.031 * lines as f64 + 0.03, 0.3);
-        let letter = LETTER / (0.88 * f64::from(SIZE.0));
+        // Front and floor have a line each, a line more is air. The longest line is the front's.
+        let lines = (0..self.series.len()).filter(shown).count() + 3;
+        let (high, wide) = (LINE * lines as f64 / plane.1, 0.3);
+        // A name stands two letters from its point.
+        let letter = LETTER / plane.0;
         let part =
             |range: &Range<f64>, v: f64| (v / range.start).ln() / (range.end / range.start).ln();
         let places: Vec<(f64, f64, f64)> = self
@@ -330,6 +341,37 @@ mod tests {
         ));
         let right = [(50.0, 97.0), (50.0, 1.1)];
         assert!(matches!(corner(&right), SeriesLabelPosition::UpperLeft));
+    }
+
+    #[test]
+    fn the_legend_hides_no_long_name_and_is_as_high_as_what_it_shows() {
+        let corner = |name: &str, at: Point, series: &[&str]| {
+            let scene = Scatter {
+                title: "",
+                axes: [""; 2],
+                series,
+                spots: &[spot(name, at, 0)],
+                front: &[],
+                floor: None,
+            };
+            scene.corner(&(1.0..100.0), &(1.0..100.0))
+        };
+        // The same point in the middle: its long name reaches under the corner.
+        let at = (10.0, 97.0);
+        assert!(matches!(
+            corner("a", at, &["a"]),
+            SeriesLabelPosition::UpperRight
+        ));
+        assert!(matches!(
+            corner("a name that is a good deal longer", at, &["a"]),
+            SeriesLabelPosition::LowerRight
+        ));
+        // A point at mid-height is under no legend of one line, whatever series have no point.
+        let many = ["a"; 20];
+        assert!(matches!(
+            corner("a", (50.0, 10.0), &many),
+            SeriesLabelPosition::UpperRight
+        ));
     }
 
     #[test]
