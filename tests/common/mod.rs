@@ -13,7 +13,9 @@ use std::path::Path;
 
 use nalgebra::Vector6;
 use wythe::contact::{Coupling, InterfaceLaw};
-use wythe::material::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
+use wythe::material::{
+    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow,
+};
 use wythe::model::{Deck, Model};
 
 /// A CSV file with `#` comments: column name → values.
@@ -85,6 +87,7 @@ fn quasi_brittle(
         compression_recovery: 1.0,
         viscosity: 0.0,
         reference_length: None,
+        crack_band: CrackBand::Volume,
         interpolation: Interpolation::Eff1,
     }
 }

@@ -1,9 +1,11 @@
 //! The hex8: strains, forces and stiffness in the rotated frame, and the frame.
 
+pub mod extent;
 pub mod facet;
 pub mod hex8;
 pub mod kinematics;
 mod tangent;
 
+pub use extent::extent;
 pub use hex8::{ElementShape, ShapeError};
 pub use kinematics::{Corotated, green_strain};

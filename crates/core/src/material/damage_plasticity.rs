@@ -3,14 +3,16 @@
 //! Duvaut–Lions viscosity.
 
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
+use super::band::{Curves, Extent, Ladder};
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
 use super::return_map::{Point, Slope, TrialStress, Variation, weight};
 use super::screen::FirstYield;
-use super::uniaxial::{Branch, Curve, TableError, TableWarning};
+use super::uniaxial::{Curve, TableError, TableWarning};
 use super::{Wanted, hooke};
 use crate::sym6;
 
@@ -30,8 +32,8 @@ pub struct DamagePlasticity {
     pub(super) dilation: f64,
     /// a = ε σ_t0 T [MPa] (A.3).
     pub(super) a: f64,
-    pub(super) tension: Curve,
-    pub(super) compression: Curve,
+    pub(super) curves: Arc<Curves>,
+    extent: Extent,
     /// F before anything has happened.
     pub(super) first_yield: FirstYield,
     tension_recovery: f64,
@@ -59,37 +61,44 @@ impl DamagePlasticity {
         parameters: &DamagePlasticityParameters,
         l_eq: Option<f64>,
     ) -> Result<(Self, Vec<TableWarning>), TableError> {
+        let (curves, warnings) = Curves::of_length(parameters, l_eq)?;
+        let extent = Extent::ball(l_eq.unwrap_or_default());
+        Ok((Self::with(parameters, curves, extent), warnings))
+    }
+
+    /// With curves at hand, in an element that reaches so far.
+    pub fn with(
+        parameters: &DamagePlasticityParameters,
+        curves: Arc<Curves>,
+        extent: Extent,
+    ) -> Self {
         let p = parameters;
-        let scaling = p.reference_length.zip(l_eq);
-        let curve = |branch, rows| Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation);
-        let (tension, mut warnings) = curve(Branch::Tension, &p.tension)?;
-        let (compression, more) = curve(Branch::Compression, &p.compression)?;
-        warnings.extend(more);
+        let [tension, compression] =
+            [&curves.tension, &curves.compression].map(|of| of.curve(0).first_yield());
         let dilation = p.dilation_angle.tan();
         let alpha = (p.fb0_fc0 - 1.0) / (2.0 * p.fb0_fc0 - 1.0);
-        let strength = (1.0 - alpha) * compression.first_yield();
-        let law = Self {
+        let strength = (1.0 - alpha) * compression;
+        Self {
             elastic: p.elastic,
             shear: p.elastic.shear_modulus(),
             bulk: p.elastic.bulk_modulus(),
             alpha,
             gamma: 3.0 * (1.0 - p.k_c) / (2.0 * p.k_c - 1.0),
             dilation,
-            a: p.eccentricity * tension.first_yield() * dilation,
+            a: p.eccentricity * tension * dilation,
             first_yield: FirstYield {
                 by_mean: 3.0 * alpha,
-                by_largest: strength / tension.first_yield() - (1.0 + alpha),
+                by_largest: strength / tension - (1.0 + alpha),
                 by_negative: 3.0 * (1.0 - p.k_c) / (2.0 * p.k_c - 1.0),
                 strength,
             },
-            tension,
-            compression,
+            curves,
+            extent,
             tension_recovery: p.tension_recovery,
             compression_recovery: p.compression_recovery,
             viscosity: p.viscosity,
             own_viscosity: p.viscosity,
-        };
-        Ok((law, warnings))
+        }
     }
 
     /// Takes the larger of its own viscosity and that of a step [s] from here on.
@@ -97,14 +106,14 @@ impl DamagePlasticity {
         self.viscosity = self.own_viscosity.max(viscosity);
     }
 
-    /// Tension curve.
+    /// Tension curve; of several bands that of the narrowest.
     pub fn tension(&self) -> &Curve {
-        &self.tension
+        self.curves.tension.curve(0)
     }
 
-    /// Compression curve.
+    /// Compression curve; of several bands that of the narrowest.
     pub fn compression(&self) -> &Curve {
-        &self.compression
+        self.curves.compression.curve(0)
     }
 
     /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory A.2) [MPa].
@@ -162,6 +171,8 @@ impl DamagePlasticity {
             kappa_t: inviscid.point.kappa_t,
             kappa_c: inviscid.point.kappa_c,
             damage,
+            crack_band: inviscid.bands[0],
+            crush_band: inviscid.bands[1],
             tensile_damage: inviscid.point.tension.damage.max(old.tensile_damage),
             compressive_damage: inviscid
                 .point
@@ -272,9 +283,14 @@ impl DamagePlasticity {
             s: [0.0; 3],
             kappa_t,
             kappa_c,
+            rungs: [0; 2],
         };
-        let tension = self.tension.at(kappa_t);
-        let compression = self.compression.at(kappa_c);
+        let mut bands = [old.crack_band, old.crush_band];
+        if self.has_bands() {
+            trial.rungs = self.rungs(bands);
+        }
+        let tension = self.curves.tension.curve(trial.rungs[0]).at(kappa_t);
+        let compression = self.curves.compression.curve(trial.rungs[1]).at(kappa_c);
         // Without damage to recover r has no part in the stress, and a bound of F will do that
         // needs no principal values: the largest is at most σ_m + (2/3) q.
         let largest = (mean + 2.0 / 3.0 * q).max(0.0);
@@ -288,6 +304,7 @@ impl DamagePlasticity {
                 point,
                 deviator,
                 directions: None,
+                bands,
             });
         }
         let principal = sym6::Principal::of(&deviator);
@@ -295,6 +312,12 @@ impl DamagePlasticity {
         let mut point = self.point(&trial, 0.0);
         // Not finite, it has no root either.
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
+            if self.has_bands() {
+                bands = self.bands(&principal.directions(), old);
+                trial.rungs = self.rungs(bands);
+                // The same stress, but another slope from here.
+                point = self.point(&trial, 0.0);
+            }
             point = self.solve(&trial, &point)?;
         }
         let mut inviscid = Inviscid {
@@ -302,11 +325,54 @@ impl DamagePlasticity {
             point,
             deviator,
             directions: None,
+            bands,
         };
         if inviscid.is_wanted(wanted) {
             inviscid.directions = Some(principal.directions());
         }
         Ok(inviscid)
+    }
+
+    /// Whether bands have widths of their own.
+    #[inline(always)]
+    fn has_bands(&self) -> bool {
+        self.curves.tension.has_rungs() || self.curves.compression.has_rungs()
+    }
+
+    /// Rungs for bands of these widths [mm].
+    #[inline(always)]
+    fn rungs(&self, bands: [f64; 2]) -> [usize; 2] {
+        [
+            self.curves.tension.rung(bands[0]),
+            self.curves.compression.rung(bands[1]),
+        ]
+    }
+
+    /// Widths of the bands in which a point that yields will crack and be crushed [mm]: across the principal
+    /// directions of the step (which are those of its trial stress), held once it softens (theory A.8). The
+    /// tangent of the step in which it begins to takes them as given.
+    fn bands(&self, directions: &[Vector3<f64>; 3], old: &MaterialHistory) -> [f64; 2] {
+        let band = |of: &Ladder, kappa: f64, held: f64, n: &Vector3<f64>| {
+            if kappa > of.onset {
+                held
+            } else {
+                self.extent.across(n)
+            }
+        };
+        [
+            band(
+                &self.curves.tension,
+                old.kappa_t,
+                old.crack_band,
+                &directions[0],
+            ),
+            band(
+                &self.curves.compression,
+                old.kappa_c,
+                old.crush_band,
+                &directions[2],
+            ),
+        ]
     }
 
     /// An elastic step that changes no history: that of most points of a wall.
@@ -505,6 +571,8 @@ struct Inviscid {
     deviator: Vector6<f64>,
     /// Principal directions; none where no derivative needs them.
     directions: Option<[Vector3<f64>; 3]>,
+    /// Widths of the bands in which it cracks and is crushed [mm].
+    bands: [f64; 2],
 }
 
 impl Inviscid {
@@ -560,6 +628,7 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
         s: sym6::principal(&deviator).0,
         kappa_t,
         kappa_c,
+        rungs: [0; 2],
     }
 }
 

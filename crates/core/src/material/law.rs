@@ -27,6 +27,10 @@ pub struct MaterialHistory {
     pub viscous_strain_step: Vector6<f64>,
     /// Change of `viscous_damage` in the last committed step.
     pub viscous_damage_step: f64,
+    /// Width of the band in which it cracks [mm] (theory A.8); 0 before, or where no width is asked for.
+    pub crack_band: f64,
+    /// Width of the band in which it is crushed [mm].
+    pub crush_band: f64,
     /// Nominal stress σ [MPa] at the end of the step.
     pub stress: Vector6<f64>,
 }

@@ -1,5 +1,6 @@
 //! Pure point laws of the solids: (strain, old history) → (stress, tangent, new history).
 
+pub mod band;
 pub mod damage_plasticity;
 pub mod law;
 pub mod parameters;
@@ -9,10 +10,12 @@ mod sample;
 mod screen;
 pub mod uniaxial;
 
+pub use band::{Curves, Extent};
 pub use damage_plasticity::DamagePlasticity;
 pub use law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 pub use parameters::{
-    DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters, TableRow,
+    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
+    TableRow,
 };
 pub use uniaxial::{Branch, Curve, TableError, TableWarning};
 

@@ -46,6 +46,18 @@ pub enum Interpolation {
     Lit,
 }
 
+/// Width of the band in which softening localises, l of l_ref/l (theory A.8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CrackBand {
+    /// V^(1/3), whatever the crack.
+    #[default]
+    Volume,
+    /// Length of the element across the crack: along the first principal direction in tension, along the last
+    /// in compression, as they are when softening begins.
+    Projected,
+}
+
 /// Concrete damaged plasticity (theory A).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DamagePlasticityParameters {
@@ -71,8 +83,17 @@ pub struct DamagePlasticityParameters {
     pub viscosity: f64,
     /// Length for which the tables hold, l_ref [mm]; none = tables are taken as given in any element.
     pub reference_length: Option<f64>,
+    /// What is set against it.
+    pub crack_band: CrackBand,
     /// Interpolation between rows.
     pub interpolation: Interpolation,
+}
+
+impl DamagePlasticityParameters {
+    /// Whether the band of each point has a width of its own.
+    pub fn has_bands(&self) -> bool {
+        self.crack_band == CrackBand::Projected && self.reference_length.is_some()
+    }
 }
 
 impl MaterialParameters {

@@ -30,6 +30,8 @@ pub(super) struct TrialStress {
     /// κ at the start of the step.
     pub kappa_t: f64,
     pub kappa_c: f64,
+    /// Curves of its bands, in tension and in compression.
+    pub rungs: [usize; 2],
 }
 
 /// Derivatives of trial state and λ by `N` variables at once.
@@ -199,8 +201,8 @@ impl DamagePlasticity {
         let (strain_max, strain_min) = (strain(trial.s[0]), strain(trial.s[2]));
         let kappa_t = trial.kappa_t + r * strain_max.max(0.0);
         let kappa_c = trial.kappa_c + (1.0 - r) * (-strain_min).max(0.0);
-        let tension = self.tension.at(kappa_t);
-        let compression = self.compression.at(kappa_c);
+        let tension = self.curves.tension.curve(trial.rungs[0]).at(kappa_t);
+        let compression = self.curves.compression.curve(trial.rungs[1]).at(kappa_c);
         let f = self.yield_value(q, mean, stress[0], &tension, &compression);
         Point {
             lambda,
@@ -312,7 +314,7 @@ impl DamagePlasticity {
     pub(super) fn solve(&self, trial: &TrialStress, start: &Point) -> Result<Point, LocalFailure> {
         // Theory B.1, and what rounding of the trial stress leaves.
         let rounding = 8.0 * f64::EPSILON * (trial.q + trial.mean.abs());
-        let tolerance = (1e-12 * self.compression.first_yield()).max(rounding);
+        let tolerance = (1e-12 * self.compression().first_yield()).max(rounding);
         self.along_curve(trial, start, tolerance)
             .map_or_else(|| self.bracketed(trial, start, tolerance), Ok)
     }

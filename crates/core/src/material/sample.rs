@@ -1,6 +1,6 @@
 //! A brick for the tests of this room.
 
-use super::{DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
+use super::{CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
 
 /// Elastic constants of Table 3 (D'Altri et al. 2018) and tables of stress [MPa], inelastic strain, damage; change
 /// what differs.
@@ -29,6 +29,7 @@ pub fn brick(tension: &[[f64; 3]], compression: &[[f64; 3]]) -> DamagePlasticity
         compression_recovery: 1.0,
         viscosity: 0.0,
         reference_length: None,
+        crack_band: CrackBand::Volume,
         interpolation: Interpolation::Eff1,
     }
 }

@@ -89,17 +89,42 @@ pub enum TableWarning {
         /// Length of the element where it is [mm], none for tables as given.
         l_eq: Option<f64>,
     },
+    /// Bands wider than the limit of snap-back are taken to be narrower (theory A.8).
+    BandNarrowed {
+        /// Which table.
+        branch: Branch,
+        /// Row at the end of the steepest segment.
+        row: usize,
+        /// Widest band of any element [mm].
+        width: f64,
+        /// Width that it is given [mm].
+        limit: f64,
+    },
 }
 
 impl fmt::Display for TableWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::DamageCapped {
-            branch,
-            row,
-            from,
-            to,
-            l_eq,
-        } = self;
+        let (branch, row, from, to, l_eq) = match self {
+            Self::DamageCapped {
+                branch,
+                row,
+                from,
+                to,
+                l_eq,
+            } => (branch, row, from, to, l_eq),
+            Self::BandNarrowed {
+                branch,
+                row,
+                width,
+                limit,
+            } => {
+                return write!(
+                    f,
+                    "{branch} row {row}: in bands wider than {limit:.1} mm (up to {width:.1} mm) the softening would \
+                     snap back; it is that of {limit:.1} mm there"
+                );
+            }
+        };
         write!(
             f,
             "{branch} row {row}: damage {from} is inadmissible with this E, stress and strain (the \
@@ -257,6 +282,22 @@ impl Curve {
         &self.nodes
     }
 
+    /// κ at the peak stress, of a plateau at its end.
+    pub fn peak(&self) -> f64 {
+        let by_stress = |best: &Node, node: &Node| {
+            if node.stress >= best.stress {
+                *node
+            } else {
+                *best
+            }
+        };
+        let first = self.nodes[0];
+        self.nodes
+            .iter()
+            .fold(first, |best, node| by_stress(&best, node))
+            .kappa
+    }
+
     /// σ̄ at first yield [MPa].
     pub fn first_yield(&self) -> f64 {
         self.nodes[0].effective
@@ -364,13 +405,7 @@ fn scale(
     e: f64,
     scaling: Option<(f64, f64)>,
 ) -> Result<Vec<TableRow>, TableError> {
-    let mut peak = 0;
-    for (i, row) in rows.iter().enumerate() {
-        // Of a plateau the end: what softens comes after it.
-        if row.stress >= rows[peak].stress {
-            peak = i;
-        }
-    }
+    let peak = peak_row(rows);
     let (l_ref, l_eq) = scaling.unwrap_or((1.0, 1.0));
     let at_peak = rows[peak].inelastic_strain;
     let scaled: Vec<TableRow> = rows
@@ -385,8 +420,6 @@ fn scale(
             ..*row
         })
         .collect();
-    // Largest l_eq/l_ref of each fall: E Δε_in/Δσ < 1 snaps back in the table itself.
-    let mut steepest: Option<(usize, f64)> = None;
     for i in 1..rows.len() {
         let fall = rows[i - 1].stress - rows[i].stress;
         let width = rows[i].inelastic_strain - rows[i - 1].inelastic_strain;
@@ -407,11 +440,8 @@ fn scale(
                 what,
             });
         }
-        if i > peak && steepest.is_none_or(|(_, least)| ratio < least) {
-            steepest = Some((i + 1, ratio));
-        }
     }
-    match steepest {
+    match snap_back(e, rows) {
         Some((row, ratio)) if l_eq >= ratio * l_ref => Err(TableError::SnapBack {
             branch,
             row,
@@ -420,4 +450,28 @@ fn scale(
         }),
         _ => Ok(scaled),
     }
+}
+
+/// Row of the peak stress, from 0; of a plateau its end: what softens comes after it.
+fn peak_row(rows: &[TableRow]) -> usize {
+    let higher = |p: usize, i: usize| {
+        if rows[i].stress >= rows[p].stress {
+            i
+        } else {
+            p
+        }
+    };
+    (0..rows.len()).fold(0, higher)
+}
+
+/// Least E Δε_in/Δσ of the falls beyond the peak, the largest l/l_ref that does not snap back (theory A.8), and the
+/// row (from 1) at the end of that fall; none without softening.
+pub fn snap_back(e: f64, rows: &[TableRow]) -> Option<(usize, f64)> {
+    (peak_row(rows) + 1..rows.len())
+        .filter(|&i| rows[i].stress < rows[i - 1].stress)
+        .map(|i| {
+            let width = rows[i].inelastic_strain - rows[i - 1].inelastic_strain;
+            (i + 1, e * width / (rows[i - 1].stress - rows[i].stress))
+        })
+        .reduce(|least, next| if next.1 < least.1 { next } else { least })
 }

@@ -8,6 +8,7 @@ use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::symmetry::{self, Plane};
 use super::{Model, across, rigid, scatter};
 use crate::error::Warning;
+use crate::material::uniaxial::snap_back;
 use crate::material::{MaterialHistory, MaterialParameters};
 use crate::results::Sizes;
 use std::borrow::Cow;
@@ -208,8 +209,9 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         let kind = match &material.parameters {
             MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
             MaterialParameters::DamagePlasticity(p) => {
-                let limit = [&p.tension, &p.compression]
-                    .map(|rows| findings::snap_back_ratio(p.elastic.E, rows));
+                let limit = [&p.tension, &p.compression].map(|rows| {
+                    snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)
+                });
                 let reference = p
                     .reference_length
                     .map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));

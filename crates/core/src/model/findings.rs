@@ -4,8 +4,9 @@ use super::Model;
 use super::deck::{Bond, Deck, FilledFrom, Interface, Subdivision, Wall};
 use super::masonry::{Masonry, Unit};
 use super::tables;
+use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
-use crate::material::{MaterialParameters, TableRow};
+use crate::material::{Extent, MaterialParameters};
 
 /// Equivalent lengths l_eq = V^(1/3) of the elements of a material that `of` accepts by its index
 /// [mm] (theory A.8, α_h = 1 for hex8), ascending and each once.
@@ -18,6 +19,17 @@ pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> V
     lengths.sort_by(f64::total_cmp);
     lengths.dedup_by(|b, a| *b <= *a * (1.0 + SAME_LENGTH));
     lengths
+}
+
+/// Least and largest width of the elements of a material that `of` accepts by its index, across any direction [mm]
+/// (theory A.8).
+pub(super) fn band_widths(model: &Model, of: impl Fn(usize) -> bool) -> [f64; 2] {
+    let mesh = &model.mesh;
+    let elements = (0..mesh.elements.len()).filter(|&e| of(mesh.material[e] as usize));
+    let extents: Vec<Extent> = elements
+        .filter_map(|e| extent(&mesh.corners(e), mesh.volume(e)))
+        .collect();
+    Extent::range(extents.iter())
 }
 
 /// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
@@ -63,7 +75,13 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
             if p.reference_length.is_none() {
                 warnings.push(unscaled(deck, name));
             }
-            match tables::judge(deck, name, p, &lengths) {
+            let judged = if p.has_bands() {
+                let widths = band_widths(model, |m| model.materials[m].name == name);
+                tables::judge_bands(deck, name, p, widths)
+            } else {
+                tables::judge(deck, name, p, &lengths)
+            };
+            match judged {
                 Ok(found) => warnings.extend(found),
                 Err(error) => errors.push(error),
             }
@@ -94,25 +112,6 @@ fn unscaled(deck: &Deck, name: &str) -> Warning {
         "reference_length is missing: the tables are taken as given in every element, and the \
          energy to break a unit depends on the mesh (scaling is off)",
     )
-}
-
-/// Largest l_eq/l_ref without snap-back, min E Δε_in/Δσ over the rows beyond the peak (theory A.8).
-/// Infinite without softening.
-pub(super) fn snap_back_ratio(modulus: f64, rows: &[TableRow]) -> f64 {
-    let peak = (0..rows.len()).fold(0, |p, i| {
-        if rows[i].stress >= rows[p].stress {
-            i
-        } else {
-            p
-        }
-    });
-    rows[peak..]
-        .windows(2)
-        .filter(|w| w[1].stress < w[0].stress)
-        .map(|w| {
-            modulus * (w[1].inelastic_strain - w[0].inelastic_strain) / (w[0].stress - w[1].stress)
-        })
-        .fold(f64::INFINITY, f64::min)
 }
 
 fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec<Warning> {

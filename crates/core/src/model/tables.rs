@@ -4,7 +4,7 @@
 use super::deck::Deck;
 use crate::error::{ModelError, Warning};
 use crate::material::{
-    Branch, Curve, DamagePlasticityParameters, Material, MaterialParameters, TableError,
+    Branch, Curve, Curves, DamagePlasticityParameters, Material, MaterialParameters, TableError,
     TableWarning,
 };
 
@@ -66,25 +66,69 @@ pub(super) fn judge(
     ModelError::gather(errors).map_or(Ok(warnings), Err)
 }
 
+/// Makes the curves of bands from the least to the largest of `widths` [mm], as a run does.
+///
+/// # Errors
+/// What the curves refuse.
+pub(super) fn judge_bands(
+    deck: &Deck,
+    name: &str,
+    p: &DamagePlasticityParameters,
+    widths: [f64; 2],
+) -> Result<Vec<Warning>, ModelError> {
+    let parameters = MaterialParameters::DamagePlasticity(p.clone());
+    let (_, said) =
+        Curves::of_bands(p, widths).map_err(|error| refusal(deck, name, &parameters, &error))?;
+    let mut warnings = Vec::new();
+    for branch in [Branch::Tension, Branch::Compression] {
+        warnings.extend(narrowed(deck, name, branch, &said));
+    }
+    warnings.extend(caps(deck, name, &said));
+    Ok(warnings)
+}
+
+/// That bands are taken to be narrower than they are.
+fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Option<Warning> {
+    said.iter().find_map(|warning| match *warning {
+        TableWarning::BandNarrowed {
+            branch,
+            row,
+            width,
+            limit,
+        } if branch == of => Some(deck.warning(
+            &cell(name, branch, row, None),
+            format!(
+                "elements are up to {width:.1} mm wide across a crack; beyond {limit:.1} mm the softening to row \
+                 {row} would snap back, and such a crack takes the energy of {width:.1}/{limit:.1} of its own: \
+                 finer elements, or a larger inelastic strain, would mend it"
+            ),
+        )),
+        _ => None,
+    })
+}
+
 /// One warning for each row whose damage had to be capped (theory A.5), over all lengths.
 fn caps(deck: &Deck, name: &str, warnings: &[TableWarning]) -> Vec<Warning> {
     let mut rows: Vec<(Branch, usize)> = Vec::new();
-    for TableWarning::DamageCapped { branch, row, .. } in warnings {
-        if !rows.contains(&(*branch, *row)) {
+    for warning in warnings {
+        if let TableWarning::DamageCapped { branch, row, .. } = warning
+            && !rows.contains(&(*branch, *row))
+        {
             rows.push((*branch, *row));
         }
     }
     rows.into_iter()
         .map(|(branch, row)| {
-            let of_row = warnings.iter().filter_map(
-                |TableWarning::DamageCapped {
-                     branch: b,
-                     row: r,
-                     from,
-                     to,
-                     l_eq,
-                 }| { (*b == branch && *r == row).then_some((*from, *to, *l_eq)) },
-            );
+            let of_row = warnings.iter().filter_map(|warning| match warning {
+                TableWarning::DamageCapped {
+                    branch: b,
+                    row: r,
+                    from,
+                    to,
+                    l_eq,
+                } => (*b == branch && *r == row).then_some((*from, *to, *l_eq)),
+                TableWarning::BandNarrowed { .. } => None,
+            });
             let place = |(_, to, l_eq): (f64, f64, Option<f64>)| match l_eq {
                 Some(l_eq) => format!("{to:.4} in elements of {l_eq:.1} mm"),
                 None => format!("{to:.4}"),

@@ -110,7 +110,7 @@ pub struct Frame {
     pub plastic_strain: Vec<[f64; 6]>,
     /// Whether any point of the element has plastic strain or damage. `[element]`
     pub yielded: Vec<bool>,
-    /// l_eq times the largest principal inelastic strain of the element's tensile cracks, mean over its
+    /// Width of the crack band (l_eq, or its own) times the largest principal inelastic strain of the element's tensile cracks, mean over its
     /// points [mm]. `[element]`
     pub crack_width: Vec<f64>,
     /// What the points of the interfaces do.

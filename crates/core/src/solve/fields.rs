@@ -48,8 +48,18 @@ impl Run<'_> {
             let elastic = model.materials[mesh.material[e] as usize]
                 .parameters
                 .elastic();
-            let cracks = points.iter().map(|h| crack_strain(h, elastic)).sum::<f64>() / 8.0;
-            frame.crack_width.push(mesh.volume(e).cbrt() * cracks);
+            let l_eq = mesh.volume(e).cbrt();
+            let width = |h: &MaterialHistory| {
+                let band = if h.crack_band > 0.0 {
+                    h.crack_band
+                } else {
+                    l_eq
+                };
+                band * crack_strain(h, elastic)
+            };
+            frame
+                .crack_width
+                .push(points.iter().map(width).sum::<f64>() / 8.0);
         }
         frame
     }

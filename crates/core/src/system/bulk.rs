@@ -2,13 +2,17 @@
 
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::pattern::CELL;
 pub use super::quiet::Kept;
 pub use super::solid::{ElementSlot, Marks, element};
 use super::{Evaluation, Trial};
-use crate::element::{ElementShape, ShapeError};
-use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, TableError};
+use crate::element::{ElementShape, ShapeError, extent};
+use crate::material::{
+    Curves, DamagePlasticity, Extent, LocalFailure, Material, MaterialHistory, MaterialParameters,
+    PointEnergy, TableError,
+};
 use crate::model::Model;
 use crate::solve::State;
 
@@ -99,6 +103,8 @@ impl Bulk {
             count: 0.0,
         };
         let mut known: HashMap<(Vec<i64>, u16, u64), u32> = HashMap::new();
+        // Of each shape the first element, its material, and how far it reaches.
+        let mut extents: Vec<(usize, u16, Extent)> = Vec::new();
         for (e, &material) in mesh.material.iter().enumerate() {
             let corners = mesh.corners(e);
             let share = mesh.share(&mesh.elements[e]);
@@ -111,24 +117,27 @@ impl Bulk {
                 let elastic = named.parameters.elastic();
                 let shape = ElementShape::new(&corners, model.formulation, elastic)
                     .map_err(|why| BulkError::Shape { element: e, why })?;
-                let l_eq = shape.volume.cbrt();
-                // What a table warns of, the model has told when it was built.
-                let (law, _) = Material::new(&named.parameters, Some(l_eq)).map_err(|why| {
-                    BulkError::Table {
-                        material: named.name.clone(),
-                        element: e,
-                        l_eq,
-                        why,
-                    }
-                })?;
+                let extent = extent(&corners, shape.volume);
+                extents.push((e, material, extent.unwrap_or(Extent::ball(shape.size))));
                 bulk.shapes.push(shape.counted(share));
-                bulk.laws.push(law);
                 let index = bulk.shapes.len() as u32 - 1;
                 known.insert(key, index);
                 index
             };
             bulk.shape_of.push(index);
             bulk.law_of.push(index);
+        }
+        let mut curves = MaterialCurves::default();
+        for (element, material, extent) in &extents {
+            let named = &model.materials[*material as usize];
+            // What a table warns of, the model has told when it was built.
+            let law = curves.law(*material, &named.parameters, *extent, &extents);
+            bulk.laws.push(law.map_err(|why| BulkError::Table {
+                material: named.name.clone(),
+                element: *element,
+                l_eq: extent.l_eq,
+                why,
+            })?);
         }
         Ok(bulk)
     }
@@ -204,6 +213,41 @@ impl Bulk {
             .min_by_key(|(e, _)| *e);
         trial.active[..n].fill(true);
         failure.map_or(Ok(()), Err)
+    }
+}
+
+/// The curves of materials whose bands have widths of their own: one ladder for all elements of a material.
+#[derive(Default)]
+struct MaterialCurves {
+    ladders: HashMap<u16, Arc<Curves>>,
+}
+
+impl MaterialCurves {
+    /// The law of a material in an element that reaches so far, beside `all` others.
+    fn law(
+        &mut self,
+        material: u16,
+        parameters: &MaterialParameters,
+        extent: Extent,
+        all: &[(usize, u16, Extent)],
+    ) -> Result<Material, TableError> {
+        let MaterialParameters::DamagePlasticity(p) = parameters else {
+            return Ok(Material::new(parameters, None)?.0);
+        };
+        if !p.has_bands() {
+            return Ok(Material::new(parameters, Some(extent.l_eq))?.0);
+        }
+        let curves = if let Some(curves) = self.ladders.get(&material) {
+            curves.clone()
+        } else {
+            let of_it = all.iter().filter(|(_, of, _)| *of == material);
+            let widths = Extent::range(of_it.map(|(_, _, extent)| extent));
+            let (curves, _) = Curves::of_bands(p, widths)?;
+            self.ladders.insert(material, curves.clone());
+            curves
+        };
+        let law = DamagePlasticity::with(p, curves, extent);
+        Ok(Material::DamagePlasticity(Box::new(law)))
     }
 }
 

@@ -1,7 +1,8 @@
 //! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory A).
 
 use crate::material::{
-    DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters, TableRow,
+    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
+    TableRow,
 };
 use crate::model::quantity::{Angle, Density, Length, Number, Pressure, Time};
 use schemars::JsonSchema;
@@ -52,6 +53,9 @@ pub struct Material {
     /// Length for which the tables hold l_ref [mm]; none = no scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_length: Option<Length>,
+    /// What is set against it: the cube root of an element's volume, or its length across the crack.
+    #[serde(default)]
+    pub crack_band: CrackBand,
     /// Interpolation between rows.
     #[serde(default)]
     pub interpolation: Interpolation,
@@ -96,6 +100,7 @@ impl Material {
             compression_recovery: one(),
             viscosity: Time::default(),
             reference_length: None,
+            crack_band: CrackBand::default(),
             interpolation: Interpolation::default(),
         }
     }
@@ -130,6 +135,7 @@ impl Material {
             compression_recovery: self.compression_recovery.get(),
             viscosity: self.viscosity.get(),
             reference_length: self.reference_length.map(Length::get),
+            crack_band: self.crack_band,
             interpolation: self.interpolation,
         })
     }

@@ -1,6 +1,7 @@
 //! Ranges of `[materials]`.
 
 use super::Checks;
+use crate::material::CrackBand;
 use crate::model::deck::{Material, Row};
 use crate::model::keys;
 
@@ -49,6 +50,12 @@ impl Checks<'_> {
         if let Some(length) = m.reference_length {
             self.positive(&key("reference_length"), length);
         }
+        self.demand(
+            m.crack_band == CrackBand::Volume || m.reference_length.is_some(),
+            &key("crack_band"),
+            || "a band has nothing to be set against: reference_length is missing".to_owned(),
+            "give reference_length, the width of the band for which the tables hold",
+        );
         let (t, c) = (m.tension.is_empty(), m.compression.is_empty());
         if t != c {
             let (given, missing) = if c {

@@ -1,0 +1,190 @@
+//! The width of the band in which softening localises (theory A.8): one length for an element, or a length of
+//! its own for each direction a crack may face.
+//!
+//! ```text
+//! volume:     l = V^(1/3)
+//! projected:  l(n) = 2/Σ_a |n·∇N_a|  at the centroid    (Oliver 1989; a brick a × b × c: a, b, c along its
+//!             edges, a/cos θ for a crack turned by θ out of its first face)
+//! ```
+//!
+//! With `projected` a material has a ladder of curves, each for widths within a four-hundredth, and a point takes the
+//! rung of its own width: that across the first principal direction in tension, across the last one in
+//! compression, as they are when it begins to soften, and held from there on.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::parameters::DamagePlasticityParameters;
+use super::uniaxial::{Branch, Curve, TableError, TableWarning, snap_back};
+
+/// How far an element reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// V^(1/3) [mm].
+    pub l_eq: f64,
+    /// Gradients of the shape functions at the centroid [1/mm]; zero for the same length in all directions.
+    pub gradient: [Vector3<f64>; 8],
+    /// Least and largest width across any direction [mm].
+    pub widths: [f64; 2],
+}
+
+impl Extent {
+    /// The same length [mm] in all directions.
+    pub fn ball(length: f64) -> Self {
+        Self {
+            l_eq: length,
+            gradient: [Vector3::zeros(); 8],
+            widths: [length; 2],
+        }
+    }
+
+    /// Least and largest width of several [mm].
+    pub fn range<'a>(of: impl Iterator<Item = &'a Self>) -> [f64; 2] {
+        of.fold([f64::INFINITY, 0.0], |[low, high], extent| {
+            [low.min(extent.widths[0]), high.max(extent.widths[1])]
+        })
+    }
+
+    /// Width across the unit direction `n` [mm].
+    pub fn across(&self, n: &Vector3<f64>) -> f64 {
+        let sum: f64 = self.gradient.iter().map(|g| g.dot(n).abs()).sum();
+        if sum > 0.0 { 2.0 / sum } else { self.l_eq }
+    }
+}
+
+/// Curves of one branch, from the narrowest band to the widest.
+#[derive(Clone, Debug)]
+pub(super) struct Ladder {
+    curves: Vec<Curve>,
+    /// Logarithm of the least width, and rungs to each unit of the logarithm.
+    lowest: f64,
+    rungs: f64,
+    /// κ at the peak stress, up to which all curves are one.
+    pub onset: f64,
+}
+
+/// Ratio of widths from a rung to the next: energies within a four-hundredth.
+const RATIO: f64 = 1.005;
+/// A band wider than the limit of snap-back over this counts as wide as that (theory A.8).
+const WITHIN: f64 = 1.01;
+
+impl Ladder {
+    fn single(curve: Curve) -> Self {
+        Self {
+            onset: curve.peak(),
+            curves: vec![curve],
+            lowest: 0.0,
+            rungs: 0.0,
+        }
+    }
+
+    /// The rung for a band of `width` [mm].
+    #[inline(always)]
+    pub fn rung(&self, width: f64) -> usize {
+        let at = ((width.ln() - self.lowest) * self.rungs).round();
+        // Not a number for a width of none: the first.
+        (at.max(0.0) as usize).min(self.curves.len() - 1)
+    }
+
+    /// Whether the rung is a question at all.
+    #[inline(always)]
+    pub fn has_rungs(&self) -> bool {
+        self.curves.len() > 1
+    }
+
+    #[inline(always)]
+    pub fn curve(&self, rung: usize) -> &Curve {
+        &self.curves[rung]
+    }
+}
+
+/// The curves of a material, which its laws share.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    pub(super) tension: Ladder,
+    pub(super) compression: Ladder,
+}
+
+impl Curves {
+    /// Of elements of one equivalent length [mm]; none, or none in the parameters' `reference_length`: tables as
+    /// given.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn of_length(
+        p: &DamagePlasticityParameters,
+        l_eq: Option<f64>,
+    ) -> Result<(Arc<Self>, Vec<TableWarning>), TableError> {
+        let scaling = p.reference_length.zip(l_eq);
+        let curve = |branch, rows| Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation);
+        let (tension, mut warnings) = curve(Branch::Tension, &p.tension)?;
+        let (compression, more) = curve(Branch::Compression, &p.compression)?;
+        warnings.extend(more);
+        let curves = Self {
+            tension: Ladder::single(tension),
+            compression: Ladder::single(compression),
+        };
+        Ok((Arc::new(curves), warnings))
+    }
+
+    /// Of bands from the least to the largest of `widths` [mm]. Where the softening of a wide band would snap
+    /// back, the widest that does not is taken, with a warning.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn of_bands(
+        p: &DamagePlasticityParameters,
+        widths: [f64; 2],
+    ) -> Result<(Arc<Self>, Vec<TableWarning>), TableError> {
+        let Some(l_ref) = p.reference_length else {
+            return Self::of_length(p, None);
+        };
+        let mut warnings = Vec::new();
+        let mut ladder = |branch, rows| {
+            let limit = snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(row, ratio)| {
+                let limit = ratio * l_ref / WITHIN;
+                if widths[1] > limit {
+                    let width = widths[1];
+                    warnings.push(TableWarning::BandNarrowed {
+                        branch,
+                        row,
+                        width,
+                        limit,
+                    });
+                }
+                limit
+            });
+            let [low, high] = widths.map(|w| w.min(limit));
+            let count = ((high / low).ln() / RATIO.ln()).ceil().max(0.0) as usize + 1;
+            let rungs = 1.0 / RATIO.ln();
+            let mut curves = Vec::with_capacity(count);
+            for rung in 0..count {
+                let width = (low * RATIO.powi(rung as i32)).min(high);
+                let scaling = Some((l_ref, width));
+                let (curve, more) =
+                    Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation)?;
+                curves.push(curve);
+                if rung == 0 || rung + 1 == count {
+                    warnings.extend(more);
+                }
+            }
+            let onset = curves[0].peak();
+            Ok(Ladder {
+                curves,
+                lowest: low.ln(),
+                rungs,
+                onset,
+            })
+        };
+        let tension = ladder(Branch::Tension, &p.tension)?;
+        let compression = ladder(Branch::Compression, &p.compression)?;
+        Ok((
+            Arc::new(Self {
+                tension,
+                compression,
+            }),
+            warnings,
+        ))
+    }
+}
