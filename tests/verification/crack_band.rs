@@ -274,3 +274,28 @@ fn elements_through_the_thickness_do_not_change_what_a_crack_takes() {
     assert!(projected.abs() < 0.005, "{projected}");
     assert!(volume.abs() > 0.02, "{volume}");
 }
+
+/// A band with nothing to be set against is refused; one that would snap back is narrowed and told of.
+#[test]
+fn what_a_deck_says_of_bands_is_checked() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability");
+    let text = std::fs::read_to_string(folder.join("small_wall.toml")).unwrap();
+    let text = text.replace(
+        "reference_length = \"31.4 mm\"",
+        "reference_length = \"31.4 mm\"\ncrack_band = \"projected\"",
+    );
+    let (_, model) = deck_and_model(&text);
+    let told: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
+    let narrowed = |branch: &str, limit: &str| {
+        let key = format!("materials.mortar.{branch}");
+        let of_it = model.warnings.iter().filter(|w| w.key.starts_with(&key));
+        of_it.filter(|w| w.message.contains(limit)).count()
+    };
+    // E Δε_in/Δσ l_ref/1.01 = 1.214 · 31.4/1.01 and 1.417 · 31.4/1.01 (theory A.8).
+    assert_eq!(narrowed("tension.1", "37.8 mm"), 2, "{told:#?}");
+    assert_eq!(narrowed("compression.2", "44.0 mm"), 2, "{told:#?}");
+    let bare = text.replace("reference_length = \"31.4 mm\"\n", "");
+    let error = Deck::from_str(&bare, "bare.toml").unwrap_err().to_string();
+    assert!(error.contains("materials.mortar.crack_band"), "{error}");
+    assert!(error.contains("reference_length is missing"), "{error}");
+}

@@ -145,6 +145,7 @@ def test_every_argument_of_materials_and_joints_is_a_key() -> None:
         tension_recovery=0.1,
         compression_recovery=0.9,
         viscosity=1e-4,
+        crack_band="projected",
         interpolation="lit",
         density=2e-9,
     )

@@ -212,11 +212,17 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
                 let limit = [&p.tension, &p.compression].map(|rows| {
                     snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)
                 });
+                let bands = if p.has_bands() {
+                    let [low, high] = findings::band_widths(model, |of| of == m);
+                    format!("{low:.1} to {high:.1} mm across a crack, ")
+                } else {
+                    String::new()
+                };
                 let reference = p
                     .reference_length
                     .map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
                 format!(
-                    "reference length {reference}, snap-back above {:.2} (tension) and {:.2} \
+                    "{bands}reference length {reference}, snap-back above {:.2} (tension) and {:.2} \
                      (compression) times it",
                     limit[0], limit[1]
                 )

@@ -28,6 +28,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("compression_recovery", "compression_recovery = 1"),
     ("viscosity", "viscosity = \"0.01 s\"  # in step time"),
     ("reference_length", "reference_length = \"50 mm\""),
+    ("crack_band", "crack_band = \"projected\"  # or \"volume\""),
     ("interpolation", "interpolation = \"eff1\"  # or \"lit\""),
     ("interfaces", "[interfaces.joint]"),
     ("f_t", "f_t = \"0.2 MPa\""),

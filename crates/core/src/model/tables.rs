@@ -99,8 +99,9 @@ fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Optio
             &cell(name, branch, row, None),
             format!(
                 "elements are up to {width:.1} mm wide across a crack; beyond {limit:.1} mm the softening to row \
-                 {row} would snap back, and such a crack takes the energy of {width:.1}/{limit:.1} of its own: \
-                 finer elements, or a larger inelastic strain, would mend it"
+                 {row} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} times its \
+                 energy: finer elements, or a larger inelastic strain, would mend it",
+                width / limit
             ),
         )),
         _ => None,

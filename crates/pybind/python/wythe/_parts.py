@@ -69,6 +69,7 @@ def damage_plasticity(
     tension_recovery: float | None = None,
     compression_recovery: float | None = None,
     viscosity: Quantity | None = None,
+    crack_band: str | None = None,
     interpolation: str | None = None,
     density: Quantity | None = None,
 ) -> Part:
@@ -82,6 +83,9 @@ def damage_plasticity(
         Rows of stress [MPa] (positive), inelastic strain, damage. Shape (rows, 3).
     reference_length
         Size of the elements for which the tables hold [mm].
+    crack_band
+        What is set against it: "volume", the cube root of an element's volume, or "projected", its length
+        across the crack.
     """
     return _part(
         E=E,
@@ -96,6 +100,7 @@ def damage_plasticity(
         tension_recovery=tension_recovery,
         compression_recovery=compression_recovery,
         viscosity=viscosity,
+        crack_band=crack_band,
         interpolation=interpolation,
         density=density,
     )

@@ -20,9 +20,10 @@ pub(super) fn material(text: &mut String, name: &str, of: &MaterialParameters) -
 
 fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::fmt::Result {
     if let Some(length) = p.reference_length {
+        let across = if p.has_bands() { " across a crack" } else { "" };
         writeln!(
             text,
-            "** Tables for elements {length:?} mm long; wythe scales the strains beyond the peak to each \
+            "** Tables for elements {length:?} mm long{across}; wythe scales the strains beyond the peak to each \
              element, Abaqus does not."
         )?;
     }
