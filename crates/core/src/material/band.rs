@@ -129,7 +129,8 @@ impl Curves {
     }
 
     /// Of bands from the least to the largest of `widths` [mm]. Where the softening of a wide band would snap
-    /// back, the widest that does not is taken, with a warning.
+    /// back, the widest that does not is taken, with a warning. Without elements to have widths, or a
+    /// `reference_length`: tables as given.
     ///
     /// # Errors
     /// [`TableError`].
@@ -137,7 +138,9 @@ impl Curves {
         p: &DamagePlasticityParameters,
         widths: [f64; 2],
     ) -> Result<(Arc<Self>, Vec<TableWarning>), TableError> {
-        let Some(l_ref) = p.reference_length else {
+        let [least, largest] = widths;
+        let sound = least > 0.0 && least <= largest && largest.is_finite();
+        let Some(l_ref) = p.reference_length.filter(|_| sound) else {
             return Self::of_length(p, None);
         };
         let mut warnings = Vec::new();

@@ -11,7 +11,7 @@ use crate::experiment::Point;
 /// Width and height of the picture [px].
 const SIZE: (u32, u32) = (1000, 660);
 /// Colours of series, again from the start if there are more.
-const COLOURS: [RGBColor; 13] = [
+const COLOURS: [RGBColor; 14] = [
     RGBColor(20, 20, 20),
     RGBColor(178, 34, 34),
     RGBColor(31, 78, 121),
@@ -24,6 +24,7 @@ const COLOURS: [RGBColor; 13] = [
     RGBColor(90, 90, 160),
     RGBColor(110, 80, 60),
     RGBColor(95, 95, 95),
+    RGBColor(20, 160, 70),
     RGBColor(230, 80, 20),
 ];
 const FRONT: RGBColor = RGBColor(150, 170, 190);

@@ -129,11 +129,13 @@ pub enum Group {
     Threads,
     /// Several of these at once.
     Several,
+    /// Width of the band in which solids soften, on any mesh.
+    CrackBand,
 }
 
 impl Group {
     /// All of them, in the order of the legend.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Default,
         Self::Element,
         Self::Mesh,
@@ -146,6 +148,7 @@ impl Group {
         Self::Fidelity,
         Self::Threads,
         Self::Several,
+        Self::CrackBand,
     ];
 
     /// In words.
@@ -163,6 +166,7 @@ impl Group {
             Self::Fidelity => "fidelity",
             Self::Threads => "threads",
             Self::Several => "several",
+            Self::CrackBand => "crack band",
         }
     }
 }
