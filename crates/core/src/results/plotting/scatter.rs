@@ -24,7 +24,7 @@ const COLOURS: [RGBColor; 14] = [
     RGBColor(90, 90, 160),
     RGBColor(110, 80, 60),
     RGBColor(95, 95, 95),
-    RGBColor(20, 160, 70),
+    RGBColor(212, 175, 0),
     RGBColor(230, 80, 20),
 ];
 const FRONT: RGBColor = RGBColor(150, 170, 190);
