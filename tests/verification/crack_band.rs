@@ -48,13 +48,11 @@ fn law(p: &DamagePlasticityParameters, of: Extent) -> DamagePlasticity {
 /// over l_ref, though its lengths differ by four. With the cube root of its volume, it is not.
 #[test]
 fn a_crack_takes_the_same_whichever_way_an_element_lies() {
-    let area = |axis: usize| EDGES.iter().product::<f64>() / EDGES[axis];
     for (band, exact) in [("projected", true), ("volume", false)] {
-        for (axis, [face, far]) in [["left", "right"], ["front", "back"], ["bottom", "top"]]
+        for (axis, (direction, far)) in [("x", "right"), ("y", "back"), ("z", "top")]
             .into_iter()
             .enumerate()
         {
-            let direction = ["x", "y", "z"][axis];
             let [x, y, z] = EDGES;
             let text = format!(
                 r#"format = 1
@@ -97,7 +95,6 @@ pressure = -1.0
 follower = false
 "#
             );
-            assert_ne!(face, far);
             let (deck, model) = deck_and_model(&text);
             assert_eq!(
                 deck.materials["brick"].crack_band == CrackBand::Projected,
@@ -120,7 +117,7 @@ follower = false
                 };
                 worst = worst.max((stress - table.max(0.3)).abs() / 3.5);
             }
-            println!("{band} {direction}: {worst:.2e}, {} mm²", area(axis));
+            println!("{band} {direction}: {worst:.2e}");
             assert!(softening > 5, "{softening} increments beyond the peak");
             if exact {
                 // The rung, of what has softened.

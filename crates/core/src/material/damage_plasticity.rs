@@ -2,7 +2,6 @@
 //! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
-use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector3, Vector6};
@@ -10,7 +9,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::band::{Curves, Extent, Ladder};
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
-use super::return_map::{Point, Slope, TrialStress, Variation, weight};
+use super::return_map::{Point, TrialStress, weight};
 use super::screen::FirstYield;
 use super::uniaxial::{Curve, TableError, TableWarning};
 use super::{Wanted, hooke};
@@ -36,8 +35,8 @@ pub struct DamagePlasticity {
     extent: Extent,
     /// F before anything has happened.
     pub(super) first_yield: FirstYield,
-    tension_recovery: f64,
-    compression_recovery: f64,
+    pub(super) tension_recovery: f64,
+    pub(super) compression_recovery: f64,
     viscosity: f64,
     /// Viscosity of the material itself, which a step may exceed [s].
     own_viscosity: f64,
@@ -47,10 +46,6 @@ pub struct DamagePlasticity {
 const YIELD: f64 = 1e-10;
 /// Largest extrapolated damage: what is left keeps the tangent positive definite.
 const MOST_DAMAGE: f64 = 0.999;
-/// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
-/// (docs/decisions.md).
-const LEAST_STIFFNESS: f64 = 0.3;
-
 impl DamagePlasticity {
     /// Fits the parameters to elements of equivalent length `l_eq` [mm]; none, or none in the
     /// parameters' `reference_length`: tables as given.
@@ -242,29 +237,6 @@ impl DamagePlasticity {
         )
     }
 
-    /// (1−d) C₀.
-    pub fn secant_stiffness(&self, intact: f64) -> Matrix6<f64> {
-        isotropic(self.bulk * intact, self.shear * intact)
-    }
-
-    /// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between
-    /// 0.3 (`LEAST_STIFFNESS`) and one times the intact part.
-    pub fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
-        // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
-        let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);
-        let moduli = [3.0 * self.bulk, 2.0 * self.shear];
-        let [volume, shape] = moduli.map(f64::sqrt);
-        let root = kelvin_isotropic(volume, shape);
-        let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
-        let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
-        let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
-        for value in eigen.eigenvalues.iter_mut() {
-            *value = value.clamp(LEAST_STIFFNESS * intact, intact);
-        }
-        let bounded = root * eigen.recompose() * root;
-        bounded.component_div(&(kelvin * kelvin.transpose()))
-    }
-
     /// The inviscid step from a trial stress; principal directions only where a tangent is wanted.
     #[inline(always)]
     fn inviscid(
@@ -312,7 +284,7 @@ impl DamagePlasticity {
         let mut point = self.point(&trial, 0.0);
         // Not finite, it has no root either.
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
-            if self.has_bands() {
+            if self.seeks_bands(old) {
                 bands = self.bands(&principal.directions(), old);
                 trial.rungs = self.rungs(bands);
                 // The same stress, but another slope from here.
@@ -337,6 +309,14 @@ impl DamagePlasticity {
     #[inline(always)]
     fn has_bands(&self) -> bool {
         self.curves.tension.has_rungs() || self.curves.compression.has_rungs()
+    }
+
+    /// Whether a point that yields has a band to choose: none is held in one of its branches.
+    #[inline(always)]
+    fn seeks_bands(&self, old: &MaterialHistory) -> bool {
+        let held =
+            old.kappa_t > self.curves.tension.onset && old.kappa_c > self.curves.compression.onset;
+        self.has_bands() && !held
     }
 
     /// Rungs for bands of these widths [mm].
@@ -410,7 +390,7 @@ impl DamagePlasticity {
 
     /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
     #[inline(always)]
-    fn intact(&self, p: &Point) -> ([f64; 2], f64) {
+    pub(super) fn intact(&self, p: &Point) -> ([f64; 2], f64) {
         let s_t = 1.0 - self.tension_recovery * p.r;
         let s_c = 1.0 - self.compression_recovery * (1.0 - p.r);
         let factors = [
@@ -418,86 +398,6 @@ impl DamagePlasticity {
             1.0 - s_c * p.tension.damage,
         ];
         (factors, 1.0 - factors[0] * factors[1])
-    }
-
-    /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
-    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory A.7, B.2).
-    #[inline(always)]
-    fn tangent(
-        &self,
-        inviscid: &Inviscid,
-        theta: f64,
-        intact: f64,
-        effective: &Vector6<f64>,
-    ) -> Matrix6<f64> {
-        let p = &inviscid.point;
-        let shear = self.shear * intact * (1.0 - theta + theta * p.eta);
-        let mut d = isotropic(self.bulk * intact, shear);
-        let Some(directions) = &inviscid.directions else {
-            return d;
-        };
-        let (slope, by_lambda, lambda) = self.gradients(inviscid, directions);
-        let gradient = |along: Vector6<f64>, over: f64| along + lambda * over;
-        let (r, kappa_t, kappa_c) = if inviscid.is_plastic() {
-            let eta = gradient(slope.eta, by_lambda.eta[0]);
-            d += inviscid.deviator * (theta * intact) * eta.transpose();
-            d -= sym6::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
-            (
-                gradient(slope.r, by_lambda.r[0]),
-                gradient(slope.kappa_t, by_lambda.kappa_t[0]),
-                gradient(slope.kappa_c, by_lambda.kappa_c[0]),
-            )
-        } else {
-            (slope.r, Vector6::zeros(), Vector6::zeros())
-        };
-        // ∇d (theory A.6): of either factor of the intact part.
-        let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
-        let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
-        let (factors, _) = self.intact(p);
-        let crushing =
-            kappa_c * (s_t * p.compression.damage_slope) - r * (w_t * p.compression.damage);
-        let cracking = kappa_t * (s_c * p.tension.damage_slope) + r * (w_c * p.tension.damage);
-        let damage = crushing * factors[1] + cracking * factors[0];
-        d -= effective * theta * damage.transpose();
-        d
-    }
-
-    /// Derivatives by the strain at constant λ, by λ, and ∇λ = −∇f/f_λ (zero in an elastic step).
-    #[inline(always)]
-    fn gradients(
-        &self,
-        inviscid: &Inviscid,
-        directions: &[Vector3<f64>; 3],
-    ) -> (Slope<6>, Slope<1>, Vector6<f64>) {
-        let Inviscid {
-            trial,
-            point,
-            deviator,
-            ..
-        } = inviscid;
-        // Voigt components of stress-like tensors pair with engineering shear.
-        let by_q = if trial.q > 0.0 {
-            3.0 * self.shear / trial.q
-        } else {
-            0.0
-        };
-        let mut s = directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
-        average_repeated(&trial.s, &mut s);
-        let (mean, q) = (sym6::UNIT * self.bulk, deviator * by_q);
-        let by_strain = Variation {
-            mean,
-            q,
-            s,
-            lambda: Vector6::zeros(),
-        };
-        let slope = self.slope(trial, point, &by_strain);
-        let by_lambda = self.slope(trial, point, &Variation::along_lambda());
-        let lambda = if inviscid.is_plastic() {
-            slope.f * (-1.0 / by_lambda.f[0])
-        } else {
-            Vector6::zeros()
-        };
-        (slope, by_lambda, lambda)
     }
 
     /// Energies of the step. With work by the trapezoidal rule the dissipation is
@@ -564,20 +464,20 @@ fn rests(old: &MaterialHistory, damage: f64) -> bool {
 }
 
 /// The inviscid end of a step.
-struct Inviscid {
-    trial: TrialStress,
-    point: Point,
+pub(super) struct Inviscid {
+    pub(super) trial: TrialStress,
+    pub(super) point: Point,
     /// Of the trial stress.
-    deviator: Vector6<f64>,
+    pub(super) deviator: Vector6<f64>,
     /// Principal directions; none where no derivative needs them.
-    directions: Option<[Vector3<f64>; 3]>,
+    pub(super) directions: Option<[Vector3<f64>; 3]>,
     /// Widths of the bands in which it cracks and is crushed [mm].
     bands: [f64; 2],
 }
 
 impl Inviscid {
     #[inline(always)]
-    fn is_plastic(&self) -> bool {
+    pub(super) fn is_plastic(&self) -> bool {
         self.point.lambda > 0.0
     }
 
@@ -598,25 +498,6 @@ impl Inviscid {
     }
 }
 
-/// K 1⊗1 + 2G dev, engineering Voigt.
-#[inline(always)]
-fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
-    let mut d = Matrix6::zeros();
-    for i in 0..3 {
-        for j in 0..3 {
-            d[(i, j)] = bulk - 2.0 / 3.0 * shear;
-        }
-        d[(i, i)] += 2.0 * shear;
-        d[(3 + i, 3 + i)] = shear;
-    }
-    d
-}
-
-/// An isotropic matrix by its eigenvalues, in Kelvin components.
-fn kelvin_isotropic(volume: f64, shape: f64) -> Matrix6<f64> {
-    Matrix6::identity() * shape + sym6::UNIT * ((volume - shape) / 3.0) * sym6::UNIT.transpose()
-}
-
 /// Invariants of a stress taken as trial state.
 fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress {
     let mean = sym6::mean(stress);
@@ -629,23 +510,6 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
         kappa_t,
         kappa_c,
         rungs: [0; 2],
-    }
-}
-
-/// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no
-/// arbitrary choice of directions.
-#[inline(always)]
-fn average_repeated(s: &[f64; 3], grad: &mut [Vector6<f64>; 3]) {
-    let close = 1e-9 * (s[0].abs() + s[2].abs());
-    let (upper, lower) = (s[0] - s[1] <= close, s[1] - s[2] <= close);
-    if upper && lower {
-        *grad = [(grad[0] + grad[1] + grad[2]) / 3.0; 3];
-    } else if upper {
-        let mean = (grad[0] + grad[1]) / 2.0;
-        (grad[0], grad[1]) = (mean, mean);
-    } else if lower {
-        let mean = (grad[1] + grad[2]) / 2.0;
-        (grad[1], grad[2]) = (mean, mean);
     }
 }
 

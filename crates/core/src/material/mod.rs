@@ -8,6 +8,7 @@ mod return_map;
 #[cfg(test)]
 mod sample;
 mod screen;
+mod tangent;
 pub mod uniaxial;
 
 pub use band::{Curves, Extent};
