@@ -243,6 +243,8 @@ pub struct Summary {
     pub factorisations: usize,
     /// How many of them the branches of the matrix without a change saved, by their operations.
     pub reused: f64,
+    /// Solves of regions by themselves, between those of the whole.
+    pub local_solves: usize,
     /// Evaluations of all forces, those of the line search among them.
     pub evaluations: usize,
     /// CPU-independent wall seconds by phase: elements, contact, assembly, factorise, solve, output.
@@ -268,6 +270,7 @@ impl Summary {
             cutbacks: 0,
             factorisations: 0,
             reused: 0.0,
+            local_solves: 0,
             evaluations: 0,
             seconds_by_phase: [0.0; 6],
             threads,

@@ -51,6 +51,9 @@ pub struct SummaryFile {
     /// How many of them were saved because parts of the matrix had not changed, by their operations.
     #[serde(default)]
     pub reused: f64,
+    /// Solves of regions by themselves, where what is out of balance is found in few places.
+    #[serde(default)]
+    pub local_solves: usize,
     /// Evaluations of all forces, those of the line search among them.
     pub force_evaluations: usize,
     /// Wall-clock time from the creation of the folder to its end [s].
@@ -237,6 +240,7 @@ impl SummaryFile {
             cutbacks: run.cutbacks,
             factorisations: run.factorisations,
             reused: run.reused,
+            local_solves: run.local_solves,
             force_evaluations: run.evaluations,
             wall_s: measured.wall_s,
             cpu_s: measured.cpu_s,
@@ -359,6 +363,7 @@ mod tests {
             "cutbacks",
             "factorisations",
             "reused",
+            "local_solves",
             "force_evaluations",
             "wall_s",
             "cpu_s",

@@ -395,6 +395,7 @@ impl<'m> Run<'m> {
         let c = self.clock + newton.clock;
         self.summary.factorisations = c.factorisations;
         self.summary.reused = c.reused;
+        self.summary.local_solves = c.local_solves;
         self.summary.evaluations = c.evaluations;
         self.summary.seconds_by_phase = [
             c.elements,

@@ -7,6 +7,7 @@ mod commit;
 mod course;
 pub mod drive;
 mod dynamics;
+mod elimination;
 mod explain;
 mod fidelity;
 mod fields;

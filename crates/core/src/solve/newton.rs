@@ -38,9 +38,9 @@ pub struct Newton<'m> {
     pub(super) linear: Option<LinearSolver>,
     /// [`State::wants_double`] where the increment starts.
     wants_double: bool,
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     /// Which filling `values` are of; none: anything.
-    filled: Option<u64>,
+    pub(super) filled: Option<u64>,
     pub(super) direction: Vec<f64>,
     pub(super) residual: Vec<f64>,
     /// What the last commit left out of balance [N].
@@ -305,6 +305,8 @@ impl<'m> Newton<'m> {
     ) -> Result<Report, Refusal> {
         let (solids, tolerance) = (setting.solids, self.step.tolerance);
         let (mut iteration, mut pursued) = (iterations.start, 0);
+        // Whether a region alone has led to balance since the last solve of the whole.
+        let mut alone = false;
         // A start in balance is no progress where the path says how far to go.
         let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
@@ -360,6 +362,15 @@ impl<'m> Newton<'m> {
                     node,
                 });
             }
+            // What a region leaves in balance may be so altogether: it is asked from the start, once.
+            let asks = iteration > 0 && on_path && !balanced;
+            if asks && self.eliminate(system, state, trial, setting, scale)? && !alone {
+                alone = Balance::new(&self.residual, scale).holds(1.0, tolerance.residual);
+                if alone {
+                    continue;
+                }
+            }
+            alone = false;
             // A start in balance needs no solve, only its tractions taken over.
             if !balanced || !on_path {
                 self.pull_along(system, state, attempt.advance);

@@ -120,6 +120,8 @@ pub struct Clock {
     pub factorisations: usize,
     /// How many of them their branches without a change of the matrix saved, by their operations.
     pub reused: f64,
+    /// How many solves of regions by themselves.
+    pub local_solves: usize,
     /// How many evaluations of all forces.
     pub evaluations: usize,
 }
@@ -136,6 +138,7 @@ impl std::ops::Add for Clock {
             solve: self.solve + other.solve,
             factorisations: self.factorisations + other.factorisations,
             reused: self.reused + other.reused,
+            local_solves: self.local_solves + other.local_solves,
             evaluations: self.evaluations + other.evaluations,
         }
     }

@@ -179,7 +179,7 @@ impl Bulk {
             trial.held.forget();
         }
         trial.held.fit_solids(n);
-        let x = &trial.x;
+        let (x, awake) = (&trial.x, trial.awake.as_ref());
         let failure = trial.cell_force[..n]
             .par_iter_mut()
             .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
@@ -192,6 +192,9 @@ impl Bulk {
             .with_min_len(16)
             .filter_map(
                 |(e, ((((((force, cell), written), new), energy), marks), kept))| {
+                    if awake.is_some_and(|awake| !awake.elements[e]) {
+                        return None;
+                    }
                     let shape = self.shape(e);
                     let law = &self.laws[self.law_of[e] as usize];
                     let positions = self.elements[e].map(|n| x[n as usize]);

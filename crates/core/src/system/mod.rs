@@ -31,13 +31,13 @@ pub use pattern::Gather;
 pub use quiet::{PointPose, Poses};
 pub use springs::Springs;
 pub use steered::Steered;
-pub use trial::{STIFFEST_UNDER_LOADS, Trial};
+pub use trial::{Awake, STIFFEST_UNDER_LOADS, Trial};
 
 use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
 use crate::solve::State;
-use linear::{Backend, LinearError, LinearSolver, Options, Pattern};
+use linear::{Analysis, Backend, LinearError, LinearSolver, Options, Pattern};
 use pattern::CELL;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wythe_contact::PointPair;
@@ -88,6 +88,8 @@ pub struct System {
     /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
     pub rounding_force: f64,
     gather: Option<Gather>,
+    /// Of the last matrix: that of the next step, or of what leaves a plane of symmetry, often has its pattern.
+    analysis: Option<Analysis>,
     analysed_version: usize,
     analysed_pairs: Vec<[u32; 2]>,
 }
@@ -121,6 +123,7 @@ impl System {
             steered: None,
             rounding_force: rounding::force(model),
             gather: None,
+            analysis: None,
             analysed_version: 0,
             analysed_pairs: Vec::new(),
         })
@@ -239,6 +242,7 @@ impl System {
         let (gather, solver) = self.ordered(&self.dofs, equations, backend)?;
         let entries = gather.row_idx.len();
         self.gather = Some(gather);
+        self.analysis = solver.analysis().cloned();
         self.analysed_version = self.contact.version();
         self.analysed_pairs.clear();
         self.analysed_pairs.extend_from_slice(self.general.pairs());
@@ -278,7 +282,8 @@ impl System {
         }
         let pattern = Pattern::new(gather.n, gather.col_ptr.clone(), gather.row_idx.clone())?
             .with_nodes(&group, &coordinates)?;
-        let solver = LinearSolver::analyse(&pattern, Options::new(backend))?;
+        let known = self.analysis.as_ref();
+        let solver = LinearSolver::analyse_beside(pattern, Options::new(backend), known)?;
         Ok((gather, solver))
     }
 
@@ -426,6 +431,26 @@ impl System {
             .sum();
         trial.mean_nodal_force = magnitude / (8.0 * self.bulk.count.max(f64::MIN_POSITIVE));
         Ok(())
+    }
+
+    /// From here on only what touches these slots is evaluated, until `trial.awake` is taken away: nothing else moves. Forces
+    /// and stiffness of all else stay those of the last evaluation.
+    pub fn watch(&self, trial: &mut Trial, slots: &[u32]) {
+        let mut moves = vec![false; self.dofs.slots];
+        slots.iter().for_each(|&slot| moves[slot as usize] = true);
+        // Held directions have no slot.
+        let moving = |slot: &u32| moves.get(*slot as usize).is_some_and(|moves| *moves);
+        let nodes: Vec<bool> = (self.dofs.slot.iter())
+            .map(|slots| slots.iter().any(moving))
+            .collect();
+        let near = |cell: &[u32; 8]| cell.iter().any(|&n| nodes[n as usize]);
+        let facets = 0..self.contact.points.len() / 4;
+        trial.awake = Some(Awake {
+            elements: self.bulk.elements.iter().map(near).collect(),
+            facets: facets
+                .map(|f| self.contact.cells_of(f).any(|(_, cell)| near(cell)))
+                .collect(),
+        });
     }
 
     /// Cells that have nodal forces: elements, planned contact, general contact.

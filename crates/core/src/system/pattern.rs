@@ -76,17 +76,20 @@ impl Gather {
         let mut pairs: Vec<(u64, u32)> = Vec::with_capacity(cells.len() * 64);
         for (c, cell) in cells.iter().enumerate() {
             let places = cell.map(|node| place[node as usize]);
-            for (a, &row) in places.iter().enumerate() {
-                for (b, &col) in places.iter().enumerate() {
-                    if col != NONE && row != NONE {
-                        let block = if symmetric { b * 8 + a } else { a * 8 + b };
-                        let pair = u64::from(col) << 32 | u64::from(row);
-                        pairs.push((pair, (c * 64 + block) as u32));
-                    }
+            for block in 0..64 {
+                let (a, b) = if symmetric {
+                    (block % 8, block / 8)
+                } else {
+                    (block / 8, block % 8)
+                };
+                let (row, col) = (places[a], places[b]);
+                if col != NONE && row != NONE {
+                    let pair = u64::from(col) << 32 | u64::from(row);
+                    pairs.push((pair, (c * 64 + block) as u32));
                 }
             }
         }
-        pairs.par_sort_unstable();
+        let pairs = sorted(pairs, order.len());
         let nodes_of = |pair: u64| (order[(pair >> 32) as usize], order[pair as u32 as usize]);
 
         let (col_ptr, row_idx) = compress(&pairs, n, &nodes_of, &equation);
@@ -233,6 +236,28 @@ fn node_rank(dofs: &DofMap, equations: &Equations) -> Vec<u32> {
         .collect()
 }
 
+/// The pairs by column, row and source, which they came in the order of: by counting rows, then columns, below `places`.
+fn sorted(mut pairs: Vec<(u64, u32)>, places: usize) -> Vec<(u64, u32)> {
+    let mut to = pairs.clone();
+    for shift in [0, 32] {
+        let key = |pair: u64| (pair >> shift) as u32 as usize;
+        let mut start = vec![0_usize; places + 1];
+        for (pair, _) in &pairs {
+            start[key(*pair) + 1] += 1;
+        }
+        for p in 0..places {
+            start[p + 1] += start[p];
+        }
+        for one in &pairs {
+            let at = &mut start[key(one.0)];
+            to[*at] = *one;
+            *at += 1;
+        }
+        std::mem::swap(&mut pairs, &mut to);
+    }
+    pairs
+}
+
 /// Compressed columns of the node pairs, sorted by column.
 fn compress(
     pairs: &[(u64, u32)],
@@ -240,33 +265,50 @@ fn compress(
     nodes_of: &impl Fn(u64) -> (u32, u32),
     equation: &impl Fn(u32, usize) -> u32,
 ) -> (Vec<usize>, Vec<u32>) {
-    let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
+    let equations = |node: u32| [0, 1, 2].map(|i| equation(node, i));
+    // Rows of nodes that share their columns, as a node and its image do, and which columns have them.
     let mut rows: Vec<u32> = Vec::new();
-    for of_column in pairs.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32) {
-        rows.clear();
+    let mut parts: Vec<(u32, std::ops::Range<usize>)> = Vec::new();
+    let mut of_columns = pairs
+        .chunk_by(|a, b| a.0 >> 32 == b.0 >> 32)
+        .map(|of_column| (equations(nodes_of(of_column[0].0).0), of_column))
+        .peekable();
+    let mut own: Vec<u32> = Vec::new();
+    while let Some((columns, of_column)) = of_columns.next() {
         for of_pair in of_column.chunk_by(|a, b| a.0 == b.0) {
             let (_, row) = nodes_of(of_pair[0].0);
-            let equations = (0..3).map(|i| equation(row, i));
-            rows.extend(equations.filter(|&r| r != PRESCRIBED));
+            own.extend(equations(row).into_iter().filter(|&r| r != PRESCRIBED));
         }
-        let (col, _) = nodes_of(of_column[0].0);
-        for c in (0..3)
-            .map(|j| equation(col, j))
-            .filter(|&c| c != PRESCRIBED)
-        {
-            columns[c as usize].extend_from_slice(&rows);
+        if of_columns.peek().is_some_and(|next| next.0 == columns) {
+            continue;
         }
+        // Rows repeat where nodes are images, or tied to one beam.
+        own.sort_unstable();
+        own.dedup();
+        let start = rows.len();
+        rows.append(&mut own);
+        let columns = columns.into_iter().filter(|&c| c != PRESCRIBED);
+        parts.extend(columns.map(|c| (c, start..rows.len())));
     }
-    // Rows repeat where nodes are tied to one beam, as columns do.
-    columns.par_iter_mut().for_each(|rows| {
-        rows.sort_unstable();
-        rows.dedup();
-    });
-    let mut col_ptr = vec![0; n + 1];
-    for (c, rows) in columns.iter().enumerate() {
-        col_ptr[c + 1] = col_ptr[c] + rows.len();
+    parts.sort_by_key(|(c, _)| *c);
+    let (mut col_ptr, mut row_idx) = (vec![0; n + 1], Vec::new());
+    let mut next = 0;
+    for c in 0..n {
+        let first = next;
+        while parts.get(next).is_some_and(|(of, _)| *of as usize == c) {
+            row_idx.extend_from_slice(&rows[parts[next].1.clone()]);
+            next += 1;
+        }
+        // Columns do as well, where nodes have some directions in common.
+        if next > first + 1 {
+            let mut all = row_idx.split_off(col_ptr[c]);
+            all.sort_unstable();
+            all.dedup();
+            row_idx.append(&mut all);
+        }
+        col_ptr[c + 1] = row_idx.len();
     }
-    (col_ptr, columns.concat())
+    (col_ptr, row_idx)
 }
 
 /// Cuts the blocks into tasks of whole node columns; the beams' columns are one task, the last.

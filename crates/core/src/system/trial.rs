@@ -92,6 +92,17 @@ pub struct Trial {
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
     pub mean_nodal_force: f64,
+    /// What is evaluated; none: everything.
+    pub awake: Option<Awake>,
+}
+
+/// Cells near what moves: the forces and stiffness of all others are those of the last evaluation.
+#[derive(Clone, Debug, Default)]
+pub struct Awake {
+    /// Solids. `[element]`
+    pub(super) elements: Vec<bool>,
+    /// Planned contact. `[slave facet]`
+    pub(super) facets: Vec<bool>,
 }
 
 impl Trial {
@@ -124,6 +135,7 @@ impl Trial {
         self.point_energy.clear();
         self.touches.clear();
         self.touch_loss = [0.0; 2];
+        self.awake = None;
     }
 
     /// Whether the numerical stiffness may grow to that of the law.
@@ -164,6 +176,16 @@ impl Trial {
     /// no point changed what it does, the numerical stiffness doubles, and where it may grow beyond the usual
     /// bound grows fourfold there: nothing chatters, and a stiffer one gets there sooner.
     pub fn keep_tractions(&mut self) {
+        if let Some(awake) = &self.awake {
+            // An iterate of these alone: what all points do is told by those of the whole.
+            for (p, history) in self.interface.iter().enumerate() {
+                if awake.facets[p / 4] {
+                    self.traction[p] = history.traction;
+                    self.bounding[p] = history.traction[0];
+                }
+            }
+            return;
+        }
         self.loose.keep();
         for (p, history) in self.interface.iter().enumerate() {
             self.traction[p] = history.traction;

@@ -30,6 +30,8 @@ struct Seen<'a> {
     sticks: bool,
     /// Stiffness may be taken at poses.
     keeps: bool,
+    /// Which facets are looked at; none: all. `[slave facet]`
+    awake: Option<&'a [bool]>,
 }
 
 /// What some facets in a row read and write.
@@ -80,6 +82,7 @@ impl Contact {
             soft: Soft::of(state, trial),
             sticks: trial.sticks,
             keeps,
+            awake: trial.awake.as_ref().map(|awake| &awake.facets[..]),
         };
         let mut force = &mut trial.cell_force[first_cell..];
         let mut cells = &mut trial.cells[first_cell * CELL..];
@@ -219,6 +222,10 @@ impl pulp::WithSimd for Work<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         for k in 0..self.group.history.len() / 4 {
+            let f = self.group.first + k;
+            if self.seen.awake.is_some_and(|awake| !awake[f]) {
+                continue;
+            }
             facet(simd, self.seen, &mut self.group, k);
         }
     }

@@ -25,8 +25,7 @@ pub(super) struct Mixed {
 
 impl Mixed {
     /// Allocates what factorisations in single precision need.
-    pub fn new(plan: Plan, pattern: &Pattern) -> Result<Self, LinearError> {
-        let plan = Arc::new(plan);
+    pub fn new(plan: Arc<Plan>, pattern: &Pattern) -> Result<Self, LinearError> {
         Ok(Self {
             single: Some(Multifrontal::new(Arc::clone(&plan), pattern)?),
             double: None,

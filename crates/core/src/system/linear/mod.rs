@@ -21,6 +21,7 @@ mod number;
 mod operator;
 mod ordering;
 mod pattern;
+mod region;
 mod reuse;
 #[cfg(test)]
 mod reuse_tests;
@@ -42,6 +43,7 @@ use std::time::Instant;
 pub use error::LinearError;
 pub use ordering::Ordering;
 pub use pattern::Pattern;
+pub use region::Region;
 
 use faer_llt::FaerLlt;
 use faer_lu::FaerLu;
@@ -182,10 +184,28 @@ impl Engine {
     }
 }
 
+/// A pattern and the order of elimination that was found for it.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    pattern: Arc<Pattern>,
+    plan: Arc<Plan>,
+    ordering: Ordering,
+}
+
+impl Analysis {
+    /// Whether an analysis of this pattern would find the same.
+    fn serves(&self, pattern: &Pattern, options: Options) -> bool {
+        self.plan.kind() == options.backend.kind()
+            && self.ordering == options.ordering
+            && self.pattern.is_same(pattern)
+    }
+}
+
 /// One matrix pattern, its symbolic analysis, the last matrix and its factors.
 #[derive(Debug)]
 pub struct LinearSolver {
     options: Options,
+    analysis: Option<Analysis>, // of a multifrontal engine
     operator: Operator,
     engine: Engine,
     refuge: Option<FaerLu>, // of a multifrontal LU, once it was needed
@@ -203,31 +223,56 @@ impl LinearSolver {
     /// # Errors
     /// [`LinearError::TooLarge`] if memory or 32-bit indices run out.
     pub fn analyse(pattern: &Pattern, options: Options) -> Result<Self, LinearError> {
+        Self::analyse_beside(pattern.clone(), options, None)
+    }
+
+    /// The same, with what is `known` of another matrix, where its pattern is this one.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::analyse`].
+    pub fn analyse_beside(
+        pattern: Pattern,
+        options: Options,
+        known: Option<&Analysis>,
+    ) -> Result<Self, LinearError> {
         let start = Instant::now();
         let mut stats = FactorStats::default();
+        let kind = options.backend.kind();
+        let known = known.filter(|known| known.serves(&pattern, options));
+        let pattern = known.map_or_else(|| Arc::new(pattern), |known| Arc::clone(&known.pattern));
+        let mut analysis = None;
         let engine = match options.backend {
             Backend::MultifrontalLlt | Backend::MultifrontalLu | Backend::MixedLlt => {
-                let plan = Plan::analyse(pattern, options.ordering, options.backend.kind())?;
+                let plan = match known {
+                    Some(known) => Arc::clone(&known.plan),
+                    None => Arc::new(Plan::analyse(&pattern, options.ordering, kind)?),
+                };
                 (stats.nnz, stats.flops) = (plan.factor_nnz(), plan.flops());
+                analysis = Some(Analysis {
+                    pattern: Arc::clone(&pattern),
+                    plan: Arc::clone(&plan),
+                    ordering: options.ordering,
+                });
                 if options.backend == Backend::MixedLlt {
-                    Engine::Mixed(Box::new(Mixed::new(plan, pattern)?))
+                    Engine::Mixed(Box::new(Mixed::new(plan, &pattern)?))
                 } else {
-                    Engine::Multifrontal(Box::new(Multifrontal::new(Arc::new(plan), pattern)?))
+                    Engine::Multifrontal(Box::new(Multifrontal::new(plan, &pattern)?))
                 }
             }
             Backend::FaerLlt => {
-                let graph = Graph::of(pattern)?;
-                let order = ordering::order(pattern, &graph, options.ordering)?;
-                let llt = FaerLlt::analyse(pattern, ordering::expand(pattern, &order))?;
+                let graph = Graph::of(&pattern)?;
+                let order = ordering::order(&pattern, &graph, options.ordering)?;
+                let llt = FaerLlt::analyse(&pattern, ordering::expand(&pattern, &order))?;
                 (stats.nnz, stats.flops) = (llt.factor_nnz(), llt.flops());
                 Engine::FaerLlt(llt)
             }
-            Backend::FaerLu => Engine::FaerLu(FaerLu::analyse(pattern)?),
+            Backend::FaerLu => Engine::FaerLu(FaerLu::analyse(&pattern)?),
         };
         stats.analysis_seconds = start.elapsed().as_secs_f64();
-        let operator = Operator::new(pattern.clone(), options.backend.kind());
+        let operator = Operator::new(pattern, kind);
         Ok(Self {
             options,
+            analysis,
             operator,
             engine,
             refuge: None,
@@ -253,6 +298,11 @@ impl LinearSolver {
     /// What the factorisation costs.
     pub fn stats(&self) -> FactorStats {
         self.stats
+    }
+
+    /// What was found of the pattern, for others that are equal; none of faer's back ends.
+    pub fn analysis(&self) -> Option<&Analysis> {
+        self.analysis.as_ref()
     }
 
     /// The choices this solver was made with.

@@ -163,6 +163,11 @@ impl Plan {
         })
     }
 
+    /// Which values of the matrix count.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
     /// Numbers in the factors.
     pub fn factor_nnz(&self) -> usize {
         self.assembly.storage[self.tree.len()]

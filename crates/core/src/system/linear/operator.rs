@@ -1,11 +1,13 @@
 //! The matrix itself, kept for residuals.
 
+use std::sync::Arc;
+
 use super::{Kind, LinearError, Pattern};
 
 /// A pattern with the last values, read as its kind says.
 #[derive(Debug)]
 pub(super) struct Operator {
-    pattern: Pattern,
+    pattern: Arc<Pattern>,
     kind: Kind,
     diagonal: Vec<usize>, // [equation] → entry
     values: Vec<f64>,     // [entry]
@@ -14,7 +16,7 @@ pub(super) struct Operator {
 }
 
 impl Operator {
-    pub fn new(pattern: Pattern, kind: Kind) -> Self {
+    pub fn new(pattern: Arc<Pattern>, kind: Kind) -> Self {
         let n = pattern.n();
         // `Pattern` has every diagonal entry.
         let diagonal = (0..n).filter_map(|j| pattern.find(j, j)).collect();

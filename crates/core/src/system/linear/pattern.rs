@@ -126,6 +126,17 @@ impl Pattern {
             .then_some(self.coordinates.as_slice())
     }
 
+    /// Whether the other one is this one to the last bit, places of the nodes too.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let bits = |x: &[f64; 3]| x.map(f64::to_bits);
+        let places = self.coordinates.iter().map(bits);
+        self.n == other.n
+            && self.col_ptr == other.col_ptr
+            && self.row_idx == other.row_idx
+            && self.group == other.group
+            && places.eq(other.coordinates.iter().map(bits))
+    }
+
     /// Position of entry (row, column) among the values, if it is in the pattern.
     pub fn find(&self, row: usize, column: usize) -> Option<usize> {
         let range = self.col_ptr[column]..self.col_ptr[column + 1];
