@@ -437,7 +437,9 @@ impl System {
     /// and stiffness of all else stay those of the last evaluation.
     pub fn watch(&self, trial: &mut Trial, slots: &[u32]) {
         let mut moves = vec![false; self.dofs.slots];
-        slots.iter().for_each(|&slot| moves[slot as usize] = true);
+        for &slot in slots {
+            moves[slot as usize] = true;
+        }
         // Held directions have no slot.
         let moving = |slot: &u32| moves.get(*slot as usize).is_some_and(|moves| *moves);
         let nodes: Vec<bool> = (self.dofs.slot.iter())

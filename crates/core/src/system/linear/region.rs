@@ -119,7 +119,9 @@ impl Pattern {
             first[g as usize] = first[g as usize].min(e as u32);
         }
         let mut inside = vec![false; self.n_groups()];
-        groups.iter().for_each(|&g| inside[g as usize] = true);
+        for &g in &groups {
+            inside[g as usize] = true;
+        }
         let (mut count, mut rim) = (groups.len(), groups);
         for _ in 0..rings {
             let mut next = Vec::new();
