@@ -47,7 +47,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
             for (at, tangent, alone) in [(&rest, true, false), (&q, false, true), (&q, true, true)]
             {
                 if watches && alone {
-                    system.watch(&mut trial, &slots);
+                    system.watch(&mut trial, slots.iter().copied());
                 }
                 setting.tangent = tangent;
                 let done = system.evaluate(&model, &state, &mut trial, at, setting, &mut clock);
@@ -55,7 +55,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
             }
             trial
         };
-        let (trial, all) = (run(&mut system, true), run(&mut system, false));
+        let (mut trial, all) = (run(&mut system, true), run(&mut system, false));
 
         // Without the numbers in the message: there are thousands.
         let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
@@ -76,6 +76,15 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
             damaged > 0 && damaged < all.interface.len() / 4,
             "{damaged}"
         );
+        // What is far is not looked at: what stands there stays.
+        let marked = [[f64::NAN; 3]; 8];
+        trial.cell_force[..model.mesh.elements.len()].fill(marked);
+        let done = system.evaluate(&model, &state, &mut trial, &q, setting, &mut clock);
+        done.unwrap();
+        let elements = trial.cell_force[..model.mesh.elements.len()].iter();
+        let stayed = elements.filter(|force| force[0][0].is_nan()).count();
+        let of = model.mesh.elements.len();
+        assert!(stayed > of / 2 && stayed < of, "{stayed} of {of}");
     }
 }
 
@@ -95,7 +104,8 @@ fn a_crack_is_balanced_by_itself() {
     );
     assert_eq!(all.local_solves, 0);
     assert!(some.local_solves > 0);
-    assert!(some.iterations < all.iterations);
+    // 0.57 of them; halves and kept stiffness alone take 0.74 (115 of 156).
+    assert!((some.iterations as f64) < 0.65 * all.iterations as f64);
     assert_eq!(some.factorisations, some.iterations);
     let last = |rows: &[HistoryRow]| rows[rows.len() - 1].clone();
     let (a, b) = (last(&whole.rows), last(&auto.rows));

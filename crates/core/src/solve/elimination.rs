@@ -29,7 +29,7 @@ const RINGS: usize = 3;
 const PART: usize = 6;
 /// Most solves of a region before the next one of the whole.
 const SOLVES: usize = 6;
-/// Part of what is out of balance outside below which the region is no longer what counts.
+/// Part of what was out of balance outside below which the region is no longer what counts.
 const ENOUGH: f64 = 0.5;
 
 impl Newton<'_> {
@@ -47,57 +47,54 @@ impl Newton<'_> {
         setting: Evaluation,
         scale: f64,
     ) -> Result<bool, Refusal> {
+        let Some(region) = self.region(system, setting) else {
+            return Ok(false);
+        };
+        let equations = region.equations().iter();
+        let slots = equations.map(|&e| self.equations.slot_of[e as usize]);
+        system.watch(trial, slots);
+        let enough = self.enough(&region, scale);
+        let solves = self.balance(system, state, trial, setting, region, enough);
+        trial.awake = None;
+        solves.map(|solves| solves > 0)
+    }
+
+    /// Where the out-of-balance forces are concentrated; none if they are not, or where regions are not solved.
+    fn region(&mut self, system: &System, setting: Evaluation) -> Option<Region> {
         let secant = matches!(setting.solids, Solids::Secant | Solids::Softened);
         let applies = self.model.fidelity == Fidelity::Auto
             && secant
             && self.motion.is_none()
             && system.general.is_absent()
             && !system.pattern_changed();
-        let Some(linear) = self.linear.as_ref().filter(|_| applies) else {
-            return Ok(false);
-        };
-        let pattern = linear.pattern();
+        let pattern = self.linear.as_ref().filter(|_| applies)?.pattern();
         let nodes = pattern.n_groups();
-        let region = timed(&mut self.clock.factorise, || {
+        timed(&mut self.clock.factorise, || {
             let few = pattern.concentrated(&self.residual, SHARE, nodes / FEW)?;
             let inside = pattern.around(few, RINGS, nodes / PART)?;
             // What cannot be analysed is left to the whole.
             Region::new(pattern, &inside).ok()
-        });
-        let Some(mut region) = region else {
-            return Ok(false);
-        };
-        let equations = region.equations().iter();
-        let slots: Vec<u32> = equations
-            .map(|&e| self.equations.slot_of[e as usize])
-            .collect();
-        system.watch(trial, &slots);
-        let solves = self.balance(system, state, trial, setting, scale, &mut region, &slots);
-        trial.awake = None;
-        solves.map(|solves| solves > 0)
+        })
     }
 
-    /// Solves the region until what is outside counts more. Returns the number of solves.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the increment, how it is evaluated, and where"
-    )]
+    /// Out-of-balance force of a region below which it is left [N].
+    fn enough(&self, region: &Region, scale: f64) -> f64 {
+        let outside = dot(&self.residual, &self.residual) - region.square(&self.residual);
+        (ENOUGH * outside.max(0.0).sqrt()).max(scale * self.step.tolerance.residual)
+    }
+
+    /// Solves the region until no more than `enough` is out of balance there [N]. Returns the number of solves.
     fn balance(
         &mut self,
         system: &mut System,
         state: &State,
         trial: &mut Trial,
         setting: Evaluation,
-        scale: f64,
-        region: &mut Region,
-        slots: &[u32],
+        mut region: Region,
+        enough: f64,
     ) -> Result<usize, Refusal> {
-        let square = |r: &[f64]| dot(r, r);
-        let outside = square(&self.residual) - square(&region.part(&self.residual));
-        let enough = (ENOUGH * outside.max(0.0).sqrt()).max(scale * self.step.tolerance.residual);
         for solves in 0..SOLVES {
-            let own = region.part(&self.residual);
-            if square(&own).sqrt() <= enough {
+            if region.square(&self.residual).sqrt() <= enough {
                 return Ok(solves);
             }
             timed(&mut self.clock.assembly, || {
@@ -111,13 +108,15 @@ impl Newton<'_> {
                 return Ok(solves);
             };
             self.clock.local_solves += 1;
-            let origin: Vec<f64> = slots.iter().map(|&slot| self.q[slot as usize]).collect();
-            LineSearch::new(dot(&direction, &own)).run(|eta| {
+            let slot = |e: &u32| self.equations.slot_of[*e as usize] as usize;
+            let slots: Vec<usize> = region.equations().iter().map(slot).collect();
+            let origin: Vec<f64> = slots.iter().map(|&slot| self.q[slot]).collect();
+            LineSearch::new(region.dot(&direction, &self.residual)).run(|eta| {
                 for ((&slot, from), d) in slots.iter().zip(&origin).zip(&direction) {
-                    self.q[slot as usize] = from + eta * d;
+                    self.q[slot] = from + eta * d;
                 }
                 self.evaluate(system, state, trial, along(setting))?;
-                Ok(dot(&direction, &region.part(&self.residual)))
+                Ok(region.dot(&direction, &self.residual))
             })?;
             trial.keep_tractions();
             self.evaluate(system, state, trial, setting)?;

@@ -435,9 +435,9 @@ impl System {
 
     /// From here on only what touches these slots is evaluated, until `trial.awake` is taken away: nothing else moves. Forces
     /// and stiffness of all else stay those of the last evaluation.
-    pub fn watch(&self, trial: &mut Trial, slots: &[u32]) {
+    pub fn watch(&self, trial: &mut Trial, slots: impl IntoIterator<Item = u32>) {
         let mut moves = vec![false; self.dofs.slots];
-        for &slot in slots {
+        for slot in slots {
             moves[slot as usize] = true;
         }
         // Held directions have no slot.

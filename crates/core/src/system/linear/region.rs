@@ -56,9 +56,16 @@ impl Region {
         &self.equations
     }
 
-    /// Of a vector over all equations its own part. `[own equation]`
-    pub fn part(&self, of: &[f64]) -> Vec<f64> {
-        self.equations.iter().map(|&e| of[e as usize]).collect()
+    /// `own`·v_Ω of `own` `[own equation]` and v over all equations.
+    pub fn dot(&self, own: &[f64], of: &[f64]) -> f64 {
+        let both = own.iter().zip(&self.equations);
+        both.map(|(x, &e)| x * of[e as usize]).sum()
+    }
+
+    /// |v_Ω|² of v over all equations.
+    pub fn square(&self, of: &[f64]) -> f64 {
+        let own = self.equations.iter().map(|&e| of[e as usize]);
+        own.map(|x| x * x).sum()
     }
 
     /// −K_ΩΩ⁻¹ r_Ω, of `values` `[entry]` and `residual` `[equation]` of the whole. `[own equation]`
@@ -203,7 +210,8 @@ mod tests {
         let mut region = Region::new(&pattern, &inside).unwrap();
         assert_eq!(region.equations(), [2, 3]);
         let r = [9.0, 9.0, 3.0, -6.0, 9.0, 9.0];
-        assert_eq!(region.part(&r), [3.0, -6.0]);
+        assert_eq!(region.square(&r), 45.0);
+        assert_eq!(region.dot(&[1.0, 2.0], &r), -9.0);
         // [2 −1; −1 2] d = [−3, 6]
         let d = region.direction(&values, &r).unwrap();
         assert!((d[0]).abs() < 1e-14 && (d[1] - 3.0).abs() < 1e-14, "{d:?}"); // rounding

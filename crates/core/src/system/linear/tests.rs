@@ -223,6 +223,44 @@ fn the_solution_has_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn an_analysis_serves_what_has_the_very_pattern_and_nothing_else() {
+    let (pattern, values) = solid([4, 3, 5], 5.0, 1e-3, 12);
+    let options = Options::new(Backend::MixedLlt);
+    let mut first = LinearSolver::analyse(&pattern, options).unwrap();
+    let known = first.analysis().cloned();
+    let beside = |pattern: &Pattern, options| {
+        LinearSolver::analyse_beside(pattern.clone(), options, known.as_ref()).unwrap()
+    };
+    let shares = |solver: &LinearSolver| {
+        let (a, b) = (solver.analysis().unwrap(), known.as_ref().unwrap());
+        Arc::ptr_eq(&a.plan, &b.plan)
+    };
+    // Another precision of the same triangle, too.
+    let double = Options::new(Backend::MultifrontalLlt);
+    assert!(shares(&beside(&pattern, double)));
+    assert!(!shares(&beside(
+        &pattern,
+        Options::new(Backend::MultifrontalLu)
+    )));
+    let mut places = pattern.coordinates().unwrap().to_vec();
+    places[7][1] += 1e-9;
+    let moved = pattern.clone().with_nodes(pattern.group(), &places);
+    assert!(!shares(&beside(&moved.unwrap(), options)));
+    let (other, _) = solid([4, 5, 3], 5.0, 1e-3, 12);
+    assert!(!shares(&beside(&other, options)));
+
+    let mut second = beside(&pattern, options);
+    assert!(shares(&second));
+    let solve = |solver: &mut LinearSolver| {
+        solver.factorise(&values).unwrap();
+        let mut x = rhs(pattern.n(), 1);
+        solver.solve(&mut x).unwrap();
+        x
+    };
+    assert!(solve(&mut second) == solve(&mut first));
+}
+
+#[test]
 fn a_mesh_that_lies_askew_is_cut_as_well_as_one_along_the_axes() {
     let (pattern, _) = solid([14, 14, 14], 5.0, 0.0, 13);
     let places = pattern.coordinates().unwrap().to_vec();
