@@ -187,6 +187,33 @@ tolerance = { residual = 1e-8 }
     }
 }
 
+/// What steers a load may be the mean of a body that the plane cuts: nodes in it count once, those beside it twice.
+#[test]
+fn a_mean_over_the_plane_steers_the_half() {
+    let steered = r#"
+[[steps]]
+kind = "load"
+loads = [{ name = "wind", on = "wall.left", pressure = "20 kPa" }, { name = "weight", on = "wall.top", traction = [0.02, 0, -0.4] }]
+procedure = "displacement_control"
+control = { probe = "side", displacement = -0.002 }
+increments = { initial = 0.5, max = 0.5 }
+"#;
+    for tangent in ["secant", "direct"] {
+        let rest = format!("tangent = \"{tangent}\"\ntolerance = {{ residual = 1e-8 }}\n");
+        let [(model, full), (_, auto)] = both(&format!("{}{steered}{rest}", stack()));
+        assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 30.0 }]);
+        assert!(auto.states[0].q.len() < 6 * full.states[0].q.len() / 10);
+        assert_eq!(full.rows.len(), auto.rows.len());
+        for (a, b) in full.rows.iter().zip(&auto.rows) {
+            // The side has nodes in the plane and beside it.
+            assert!((b.probes[3] / b.time + 0.002).abs() < 1e-9, "{b:?}");
+            assert!((a.load_factor / b.load_factor - 1.0).abs() < 1e-5);
+            assert!(apart(quantities(a), quantities(b)) < 1e-5, "{a:?} {b:?}");
+            assert!(apart(a.probes.clone(), b.probes.clone()) < 1e-5);
+        }
+    }
+}
+
 /// A quarter is a half of a half, and of elements that lie across both planes a quarter counts.
 #[test]
 fn two_planes_leave_a_quarter() {

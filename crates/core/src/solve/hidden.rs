@@ -54,7 +54,7 @@ impl Newton<'_> {
         let Some(settled) = settled else {
             return Ok(report);
         };
-        let (kept, q) = (trial.clone(), self.q.clone());
+        let (kept, q) = (trial.without_stiffness(), self.q.clone());
         trial.take_tractions(settled);
         // The last iterate before was one, too.
         let iterations = 1..1 + PATIENCE;
@@ -65,7 +65,7 @@ impl Newton<'_> {
         }
         let next = (2 * self.pause.next).max(1);
         self.pause = Pause { left: next, next };
-        *trial = kept;
+        trial.go_back(kept);
         self.load_to(report.load_factor, system, trial);
         self.q = q;
         self.evaluate(system, state, trial, setting)?;

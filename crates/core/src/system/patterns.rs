@@ -16,6 +16,7 @@
 //! nodes do not feel (BᵀA m = 0) changes by all of m, what they feel by no more than in an iterate.
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use wythe_contact::{PointStatus, Shift};
 
 use super::contact::{Contact, Soft, total_gap};
@@ -78,9 +79,8 @@ impl System {
         self.dofs.spread(dq, &mut way);
         let way: Vec<_> = way.into_iter().map(Vector3::from).collect();
         let points = self.contact.pressed(model, trial);
-        let mut work = 0.0;
-        let mut changes = Vec::with_capacity(points.len());
-        for (pressed, change) in points.iter().zip(settling(&points, &self.dofs)) {
+        let changes = settling(&points, &self.dofs);
+        let settle = |(pressed, change): (&Pressed, [f64; 3])| {
             // Beyond its bounds a traction would be read as an opening of the joint.
             let history = &trial.interface[pressed.point];
             let law = self.contact.law(model, pressed.point);
@@ -90,32 +90,156 @@ impl System {
                 .contact
                 .change_of(model, state, trial, pressed, settled);
             let moved = pressed.relative(&way);
-            for (by, axis) in by.iter().zip(&pressed.frame) {
-                work += pressed.area * by * axis.dot(&moved);
-            }
-            changes.push((pressed.point, settled));
-        }
+            let axes = by.iter().zip(&pressed.frame);
+            let works = axes.map(|(by, axis)| pressed.area * by * axis.dot(&moved));
+            (works.sum::<f64>(), (pressed.point, settled))
+        };
+        let settled = points
+            .par_iter()
+            .zip(changes)
+            .with_min_len(TASK)
+            .map(settle);
+        let (works, changes): (Vec<f64>, Vec<_>) = settled.unzip();
+        let work: f64 = works.iter().sum();
         (work.abs() > most).then_some(changes)
+    }
+}
+
+/// Points and nodes of a task.
+const TASK: usize = 512;
+
+/// Who moves whom.
+struct Web {
+    /// Nodes of each point, as places in [`Web::nodes`].
+    at: Vec<[u32; 8]>,
+    /// Nodes of any point, and what they are images of, ascending.
+    nodes: Vec<u32>,
+    /// Start of each node's part of `of`. `[place + 1]`
+    start: Vec<u32>,
+    /// Points that a node belongs to, in their order, and which of its nodes it is.
+    of: Vec<(u32, u8)>,
+    images: Vec<Image>,
+}
+
+/// A node beyond a plane of symmetry, and what it is an image of: places in [`Web::nodes`].
+struct Image {
+    node: usize,
+    of: usize,
+    sign: Vector3<f64>,
+}
+
+impl Web {
+    fn new(points: &[Pressed], dofs: &DofMap) -> Self {
+        let mut place = vec![u32::MAX; dofs.slot.len()];
+        for &n in points.iter().flat_map(|p| &p.nodes) {
+            place[n as usize] = 0;
+        }
+        for image in dofs.reflected() {
+            if place[image.node as usize] == 0 {
+                place[image.of as usize] = 0;
+            }
+        }
+        let nodes = (0..).zip(&mut place).filter(|(_, place)| **place == 0);
+        let nodes: Vec<u32> = (0..)
+            .zip(nodes)
+            .map(|(number, (node, place))| {
+                *place = number;
+                node
+            })
+            .collect();
+        let at = points.iter().map(|p| p.nodes.map(|n| place[n as usize]));
+        let at: Vec<[u32; 8]> = at.collect();
+        let mut start = vec![0_u32; nodes.len() + 1];
+        for &n in at.iter().flatten() {
+            start[n as usize + 1] += 1;
+        }
+        for n in 0..nodes.len() {
+            start[n + 1] += start[n];
+        }
+        let mut of = vec![(0, 0); 8 * points.len()];
+        let mut next = start.clone();
+        for (p, at) in (0..).zip(&at) {
+            for (a, &n) in (0..).zip(at) {
+                of[next[n as usize] as usize] = (p, a);
+                next[n as usize] += 1;
+            }
+        }
+        let images = dofs.reflected().iter().filter_map(|image| {
+            let [node, of] = [image.node, image.of].map(|n| place[n as usize]);
+            (node != u32::MAX).then(|| Image {
+                node: node as usize,
+                of: of as usize,
+                sign: Vector3::from(image.sign),
+            })
+        });
+        Self {
+            images: images.collect(),
+            at,
+            nodes,
+            start,
+            of,
+        }
+    }
+
+    /// Sum over the points of each node. `[place]`
+    fn sum<T: Send>(&self, term: impl Fn(usize, usize) -> T + Sync, zero: T) -> Vec<T>
+    where
+        T: Copy + Sync + std::ops::AddAssign,
+    {
+        let nodes = self.start.par_windows(2).with_min_len(TASK);
+        nodes
+            .map(|range| {
+                let mut sum = zero;
+                for &(p, a) in &self.of[range[0] as usize..range[1] as usize] {
+                    sum += term(p as usize, usize::from(a));
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// Movement of each point's slave against its master [mm] where nodes move by `y` `[place]`. `[point]`
+    fn relative<'a>(
+        &'a self,
+        points: &'a [Pressed],
+        y: &'a [Vector3<f64>],
+    ) -> impl IndexedParallelIterator<Item = (&'a Pressed, Vector3<f64>)> {
+        let all = points.par_iter().zip(&self.at).with_min_len(TASK);
+        all.map(|(p, at)| {
+            let nodes = at.iter().zip(&p.weights);
+            let moved = nodes.fold(Vector3::zeros(), |sum, (&n, w)| sum + y[n as usize] * *w);
+            (p, moved)
+        })
+    }
+
+    /// Lets what acts on images act on what they are images of.
+    fn fold(&self, f: &mut [Vector3<f64>]) {
+        for image in &self.images {
+            let own = std::mem::take(&mut f[image.node]);
+            f[image.of] += own.component_mul(&image.sign);
+        }
     }
 }
 
 /// δt of each point in its frame [MPa], by conjugate gradients with the diagonal.
 fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
-    let nodes = dofs.slot.len();
-    let zero = vec![Vector3::zeros(); nodes];
+    let web = Web::new(points, dofs);
     let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {
         a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
     };
-    let (mut r, mut diagonal) = (zero.clone(), vec![0.0; nodes]);
-    for p in points {
-        for (&n, w) in p.nodes.iter().zip(&p.weights) {
-            r[n as usize] += p.missing * (p.area * w);
-            diagonal[n as usize] += p.area * w * w * (1.0 + p.softness);
-        }
-    }
-    fold(dofs, &mut r);
-    for image in dofs.reflected() {
-        diagonal[image.of as usize] += std::mem::take(&mut diagonal[image.node as usize]);
+    let missing = |p: usize, a: usize| {
+        let p = &points[p];
+        p.missing * (p.area * p.weights[a])
+    };
+    let own = |p: usize, a: usize| {
+        let p = &points[p];
+        p.area * p.weights[a] * p.weights[a] * (1.0 + p.softness)
+    };
+    let mut r = web.sum(missing, Vector3::zeros());
+    let mut diagonal = web.sum(own, 0.0);
+    web.fold(&mut r);
+    for image in &web.images {
+        diagonal[image.of] += std::mem::take(&mut diagonal[image.node]);
     }
     let scaled = |r: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
         let entries = r.iter().zip(&diagonal);
@@ -123,7 +247,7 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
             .map(|(r, d)| if *d > 0.0 { r / *d } else { *r })
             .collect()
     };
-    let mut y = zero.clone();
+    let mut y = vec![Vector3::zeros(); web.nodes.len()];
     let mut z = scaled(&r);
     let mut direction = z.clone();
     let mut size = dot(&r, &z);
@@ -131,26 +255,28 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
         .iter()
         .fold(1.0_f64, |least, p| least.min(p.softness));
     let enough = (FALL * softest).powi(2) * size;
+    let mut force = vec![Vector3::zeros(); points.len()];
     for _ in 0..STEPS {
         if size.is_nan() || size <= enough {
             break;
         }
         // Images move as what they are images of.
-        for image in dofs.reflected() {
-            let of = direction[image.of as usize];
-            direction[image.node as usize] = of.component_mul(&Vector3::from(image.sign));
+        for image in &web.images {
+            direction[image.node] = direction[image.of].component_mul(&image.sign);
         }
-        let mut pulled = zero.clone();
-        for p in points {
-            let force = p.elastic * p.relative(&direction) * p.area;
-            for (&n, w) in p.nodes.iter().zip(&p.weights) {
-                let n = n as usize;
-                pulled[n] += force * *w + direction[n] * (p.area * w * w * p.softness);
-            }
-        }
-        fold(dofs, &mut pulled);
+        let moved = web.relative(points, &direction);
+        moved
+            .map(|(p, moved)| p.elastic * moved * p.area)
+            .collect_into_vec(&mut force);
+        let pull = |p: usize, a: usize| {
+            let (w, area, softness) = (points[p].weights[a], points[p].area, points[p].softness);
+            let node = web.at[p][a] as usize;
+            force[p] * w + direction[node] * (area * w * w * softness)
+        };
+        let mut pulled = web.sum(pull, Vector3::zeros());
+        web.fold(&mut pulled);
         let step = size / dot(&direction, &pulled);
-        for i in 0..nodes {
+        for i in 0..y.len() {
             y[i] += direction[i] * step;
             r[i] -= pulled[i] * step;
         }
@@ -161,70 +287,67 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
         }
         size = next;
     }
-    points
-        .iter()
-        .map(|p| {
-            let change = p.missing - p.elastic * p.relative(&y);
+    let moved = web.relative(points, &y);
+    moved
+        .map(|(p, moved)| {
+            let change = p.missing - p.elastic * moved;
             p.frame.map(|axis| axis.dot(&change))
         })
         .collect()
 }
 
-/// Lets what acts on images act on what they are images of.
-fn fold(dofs: &DofMap, f: &mut [Vector3<f64>]) {
-    for image in dofs.reflected() {
-        let own = std::mem::take(&mut f[image.node as usize]);
-        f[image.of as usize] += own.component_mul(&Vector3::from(image.sign));
-    }
-}
-
 impl Contact {
     /// The points that press on facets where one slides.
     fn pressed(&self, model: &Model, trial: &Trial) -> Vec<Pressed> {
-        let mut found = Vec::new();
-        for (f, status) in trial.status.chunks_exact(4).enumerate() {
-            if !status.contains(&PointStatus::Slip) {
-                continue;
+        let facets = trial.status.par_chunks_exact(4).enumerate();
+        facets
+            .with_min_len(TASK / 4)
+            .flat_map_iter(|(f, status)| self.pressed_of(model, trial, f, status))
+            .collect()
+    }
+
+    /// Those of a facet whose points do this.
+    fn pressed_of(
+        &self,
+        model: &Model,
+        trial: &Trial,
+        f: usize,
+        status: &[PointStatus],
+    ) -> impl Iterator<Item = Pressed> {
+        let law = self.law(model, 4 * f);
+        let softness = (self.numerical[f][0] / law.normal_stiffness).min(1.0);
+        let counts = status.contains(&PointStatus::Slip) && softness >= SOFTEST;
+        let slave = self.slave.corners(f, &trial.x);
+        let press = |p: usize| {
+            let point = 4 * f + p;
+            let history = &trial.interface[point];
+            if !counts || history.traction[0] >= 0.0 {
+                return None;
             }
-            let law = self.law(model, 4 * f);
-            let softness = (self.numerical[f][0] / law.normal_stiffness).min(1.0);
-            if softness < SOFTEST {
-                continue;
-            }
-            let slave = self.slave.corners(f, &trial.x);
-            for (p, status) in status.iter().enumerate() {
-                let point = 4 * f + p;
-                let history = &trial.interface[point];
-                if history.traction[0] >= 0.0 {
-                    continue;
+            let (anchor, pair) = (trial.anchors[point], trial.pairs[point]);
+            let (cell, kin) = self.see(point, &slave, anchor, pair, &trial.x)?;
+            let [n, t_1, t_2] = kin.frame;
+            let mut elastic = n * n.transpose();
+            let mut missing = n * (law.normal_stiffness * kin.gap - history.traction[0]);
+            if status[p] == PointStatus::Stick {
+                elastic = Matrix3::identity();
+                for (i, t) in [t_1, t_2].into_iter().enumerate() {
+                    let slip = history.slip[i] - history.plastic_slip[i];
+                    missing += t * (law.shear_stiffness * slip - history.traction[1 + i]);
                 }
-                let (anchor, pair) = (trial.anchors[point], trial.pairs[point]);
-                let Some((cell, kin)) = self.see(point, &slave, anchor, pair, &trial.x) else {
-                    continue;
-                };
-                let [n, t_1, t_2] = kin.frame;
-                let mut elastic = n * n.transpose();
-                let mut missing = n * (law.normal_stiffness * kin.gap - history.traction[0]);
-                if *status == PointStatus::Stick {
-                    elastic = Matrix3::identity();
-                    for (i, t) in [t_1, t_2].into_iter().enumerate() {
-                        let slip = history.slip[i] - history.plastic_slip[i];
-                        missing += t * (law.shear_stiffness * slip - history.traction[1 + i]);
-                    }
-                }
-                found.push(Pressed {
-                    point,
-                    nodes: self.cells[self.candidates.range(f).start + cell],
-                    weights: *kin.weights(),
-                    frame: kin.frame,
-                    area: self.points[point].area,
-                    elastic,
-                    missing,
-                    softness,
-                });
             }
-        }
-        found
+            Some(Pressed {
+                point,
+                nodes: self.cells[self.candidates.range(f).start + cell],
+                weights: *kin.weights(),
+                frame: kin.frame,
+                area: self.points[point].area,
+                elastic,
+                missing,
+                softness,
+            })
+        };
+        [0, 1, 2, 3].map(press).into_iter().flatten()
     }
 
     /// Change of the shifted law's traction at a point when that of the last iterate is `settled` and not

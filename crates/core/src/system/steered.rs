@@ -10,6 +10,8 @@
 //! whatever α, because α c (c·d) stands on both sides. Secant tangents know no geometric stiffness: two
 //! halves of a wall that rock about their hinges have none, and K alone would be singular.
 
+use std::collections::BTreeMap;
+
 use super::pattern::CELL;
 use crate::model::Model;
 use crate::model::scene::Control;
@@ -36,10 +38,14 @@ impl Steered {
     /// That of a controlled step; none of a probe of very many nodes.
     pub fn new(model: &Model, control: Control) -> Option<Self> {
         let probe = &model.probes[control.probe];
-        let mut weights: Vec<(u32, f64)> = Vec::new();
+        // A node of a half counts twice, once for its image.
+        let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
         for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
-            weights.extend(nodes.iter().map(|&n| (n, sign / nodes.len() as f64)));
+            for &n in nodes {
+                *weights.entry(n).or_default() += sign / nodes.len() as f64;
+            }
         }
+        let weights: Vec<(u32, f64)> = weights.into_iter().collect();
         if weights.is_empty() || weights.len() > MOST {
             return None;
         }

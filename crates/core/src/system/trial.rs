@@ -138,6 +138,25 @@ impl Trial {
         self.awake = None;
     }
 
+    /// A copy to go back to, without the stiffness: most of a trial's memory.
+    pub fn without_stiffness(&mut self) -> Self {
+        let cells = std::mem::take(&mut self.cells);
+        let copy = self.clone();
+        self.cells = cells;
+        copy
+    }
+
+    /// Goes back to a copy without stiffness. The cells keep what they hold now: the next evaluation with tangents finds
+    /// there what need not be written.
+    pub fn go_back(&mut self, copy: Self) {
+        let now = std::mem::replace(self, copy);
+        self.cells = now.cells;
+        self.held = now.held;
+        self.active = now.active;
+        self.changed = now.changed;
+        self.filling = now.filling;
+    }
+
     /// Whether the numerical stiffness may grow to that of the law.
     pub(super) fn is_under_loads(&self) -> bool {
         self.stiffest > STIFFEST

@@ -62,12 +62,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let supports = model.supports.iter().map(|support| cut.support(support));
     let mut supports = supports.collect::<Option<Vec<_>>>()?;
     supports.push(cut.plane());
-    let probes = model.probes.iter().enumerate();
-    let steers = |p: usize| {
-        let controls = model.steps.iter().filter_map(|step| step.control);
-        controls.into_iter().any(|control| control.probe == p)
-    };
-    let probes = probes.map(|(p, probe)| cut.probe(probe, steers(p)));
+    let probes = model.probes.iter().map(|probe| cut.probe(probe));
     let springs = model.springs.iter().map(|spring| cut.spring(spring));
     let loads = model.loads.iter().map(|load| cut.load(load));
     let steps = model.steps.iter().map(|step| cut.step(step, model));
@@ -260,7 +255,7 @@ impl Cut<'_> {
     }
 
     /// Motion of nodes that are not kept is that of their images; across the plane it is the other way round.
-    fn probe(&self, probe: &Probe, steers: bool) -> Option<Probe> {
+    fn probe(&self, probe: &Probe) -> Option<Probe> {
         let across = probe.axis == self.images.axis;
         let all = || probe.nodes.iter().chain(&probe.minus);
         let is_kept = |n: &u32| self.node[*n as usize].is_some();
@@ -277,15 +272,16 @@ impl Cut<'_> {
             let mut counts = times.values();
             let first = counts.next();
             // A node of the plane counts once, and one beside it for its image, too.
-            if counts.all(|count| Some(count) == first) {
-                Some(times.into_keys().collect())
+            let evenly = counts.all(|count| Some(count) == first);
+            if evenly {
+                times.into_keys().collect()
             } else {
-                (!steers).then_some(place)
+                place
             }
         };
         Some(Probe {
-            nodes: place(&probe.nodes)?,
-            minus: place(&probe.minus)?,
+            nodes: place(&probe.nodes),
+            minus: place(&probe.minus),
             sign: if turned { -probe.sign } else { probe.sign },
             ..probe.clone()
         })

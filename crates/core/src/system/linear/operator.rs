@@ -1,8 +1,23 @@
 //! The matrix itself, kept for residuals.
 
+use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::{Kind, LinearError, Pattern};
+
+/// Entries of a chunk: enough to outweigh its scheduling.
+const ENTRIES: usize = 60_000;
+/// Most chunks: each has sums of its own.
+const CHUNKS: usize = 32;
+
+/// Columns that one task reads, and the rows they reach.
+#[derive(Debug)]
+struct Chunk {
+    columns: Range<usize>,
+    rows: Range<usize>,
+}
 
 /// A pattern with the last values, read as its kind says.
 #[derive(Debug)]
@@ -10,7 +25,9 @@ pub(super) struct Operator {
     pattern: Arc<Pattern>,
     kind: Kind,
     diagonal: Vec<usize>, // [equation] → entry
-    values: Vec<f64>,     // [entry]
+    chunks: Vec<Chunk>,
+    sums: Vec<f64>,   // [chunk][row][column of the right-hand side]
+    values: Vec<f64>, // [entry]
     norm: f64,
     row_sums: Vec<f64>,
 }
@@ -20,14 +37,44 @@ impl Operator {
         let n = pattern.n();
         // `Pattern` has every diagonal entry.
         let diagonal = (0..n).filter_map(|j| pattern.find(j, j)).collect();
-        Self {
+        let mut new = Self {
             pattern,
             kind,
             diagonal,
+            chunks: Vec::new(),
+            sums: Vec::new(),
             values: Vec::new(),
             norm: 0.0,
             row_sums: vec![0.0; n],
+        };
+        new.chunks = new.cut();
+        new
+    }
+
+    /// Cuts the columns into chunks of about as many entries, the same whatever the threads, and with them the sums.
+    fn cut(&self) -> Vec<Chunk> {
+        let n = self.pattern.n();
+        let entries = |j: usize| self.column(j).len();
+        let total: usize = (0..n).map(entries).sum();
+        let each = ENTRIES.max(total.div_ceil(CHUNKS));
+        let (mut chunks, mut start, mut count) = (Vec::new(), 0, 0);
+        for j in 0..n {
+            count += entries(j);
+            if count >= each || j + 1 == n {
+                let columns = start..j + 1;
+                let rows = columns.clone().map(|j| {
+                    let rows = &self.pattern.row_idx()[self.column(j)];
+                    // Rows ascend, and the diagonal is among them.
+                    [rows[0], rows[rows.len() - 1]].map(|i| i as usize)
+                });
+                let rows = rows.fold(start..j + 1, |all, [first, last]| {
+                    all.start.min(first)..all.end.max(last + 1)
+                });
+                chunks.push(Chunk { columns, rows });
+                (start, count) = (j + 1, 0);
+            }
         }
+        chunks
     }
 
     pub fn pattern(&self) -> &Pattern {
@@ -49,11 +96,12 @@ impl Operator {
         &self.row_sums
     }
 
-    /// First entry of a column that is read.
-    fn first(&self, j: usize) -> usize {
+    /// Entries of a column that are read.
+    fn column(&self, j: usize) -> Range<usize> {
+        let col_ptr = self.pattern.col_ptr();
         match self.kind {
-            Kind::Symmetric => self.diagonal[j],
-            Kind::Unsymmetric => self.pattern.col_ptr()[j],
+            Kind::Symmetric => self.diagonal[j]..col_ptr[j + 1],
+            Kind::Unsymmetric => col_ptr[j]..col_ptr[j + 1],
         }
     }
 
@@ -67,23 +115,15 @@ impl Operator {
                 got: values.len(),
             });
         }
-        self.values.clear();
-        self.values.extend_from_slice(values);
-        self.row_sums.fill(0.0);
-        for j in 0..self.pattern.n() {
-            let end = self.pattern.col_ptr()[j + 1];
-            let start = self.first(j);
-            let rows = &self.pattern.row_idx()[start..end];
-            let sums = &mut self.row_sums;
-            let mut mirrored = 0.0;
-            for (&i, a) in rows.iter().zip(&values[start..end]) {
-                sums[i as usize] += a.abs();
-                mirrored += a.abs();
-            }
-            if self.kind == Kind::Symmetric {
-                sums[j] += mirrored - values[start].abs();
-            }
-        }
+        self.values.resize(expected, 0.0);
+        let to = self.values.par_chunks_mut(ENTRIES);
+        to.zip(values.par_chunks(ENTRIES))
+            .for_each(|(to, from)| to.copy_from_slice(from));
+        let ones = vec![1.0; self.pattern.n()];
+        let mut row_sums = std::mem::take(&mut self.row_sums);
+        row_sums.fill(0.0);
+        self.add(f64::abs, [&ones], &mut [&mut row_sums]);
+        self.row_sums = row_sums;
         self.norm = 0.0;
         for (equation, &sum) in self.row_sums.iter().enumerate() {
             if !sum.is_finite() {
@@ -94,41 +134,80 @@ impl Operator {
         Ok(())
     }
 
-    /// Y ← Y − A X of C columns, for which the matrix is read once.
-    fn subtract<const C: usize>(&self, x: [&[f64]; C], y: &mut [&mut [f64]; C]) {
-        let (col_ptr, row_idx) = (self.pattern.col_ptr(), self.pattern.row_idx());
-        for j in 0..self.pattern.n() {
+    /// Y ← Y + g(A) X of C columns, g of each entry; the matrix is read once. Chunks sum by themselves, and their sums are added
+    /// in their order.
+    fn add<const C: usize>(
+        &mut self,
+        g: impl Fn(f64) -> f64 + Copy + Sync,
+        x: [&[f64]; C],
+        y: &mut [&mut [f64]; C],
+    ) {
+        let size = |chunk: &Chunk| C * chunk.rows.len();
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.resize(self.chunks.iter().map(size).sum(), 0.0);
+        let mut rest = &mut sums[..];
+        let mut tasks = Vec::with_capacity(self.chunks.len());
+        for chunk in &self.chunks {
+            let (own, after) = rest.split_at_mut(size(chunk));
+            tasks.push((chunk, own));
+            rest = after;
+        }
+        let tasks = tasks.into_par_iter();
+        tasks.for_each(|(chunk, sums)| self.sum(chunk, g, x, sums.as_chunks_mut::<C>().0));
+        let mut rest = &sums[..];
+        for chunk in &self.chunks {
+            let (own, after) = rest.split_at(size(chunk));
+            for (i, sums) in chunk.rows.clone().zip(own.as_chunks::<C>().0) {
+                for c in 0..C {
+                    y[c][i] += sums[c];
+                }
+            }
+            rest = after;
+        }
+        self.sums = sums;
+    }
+
+    /// The rows that a chunk reaches of its part of g(A) X. `[row][column]`
+    fn sum<const C: usize>(
+        &self,
+        chunk: &Chunk,
+        g: impl Fn(f64) -> f64,
+        x: [&[f64]; C],
+        sums: &mut [[f64; C]],
+    ) {
+        sums.fill([0.0; C]);
+        let first = chunk.rows.start;
+        for j in chunk.columns.clone() {
             let own = x.map(|x| x[j]);
-            let end = col_ptr[j + 1];
-            match self.kind {
-                Kind::Unsymmetric => {
-                    let range = col_ptr[j]..end;
-                    for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
-                        for c in 0..C {
-                            y[c][i as usize] -= a * own[c];
-                        }
-                    }
+            let mut column = self.column(j);
+            let mut mirrored = [0.0; C];
+            if self.kind == Kind::Symmetric {
+                // (i, j) with i > j stands for (j, i) too.
+                let diagonal = g(self.values[column.start]);
+                mirrored = own.map(|x| diagonal * x);
+                column.start += 1;
+            }
+            let rows = &self.pattern.row_idx()[column.clone()];
+            for (&i, a) in rows.iter().zip(&self.values[column]) {
+                let a = g(*a);
+                let sums = &mut sums[i as usize - first];
+                for c in 0..C {
+                    sums[c] += a * own[c];
                 }
-                Kind::Symmetric => {
-                    // (i, j) with i > j stands for (j, i) too.
-                    let mut sum = own.map(|x| self.values[self.diagonal[j]] * x);
-                    let range = self.diagonal[j] + 1..end;
-                    for (&i, a) in row_idx[range.clone()].iter().zip(&self.values[range]) {
-                        for c in 0..C {
-                            y[c][i as usize] -= a * own[c];
-                            sum[c] += a * x[c][i as usize];
-                        }
-                    }
+                if self.kind == Kind::Symmetric {
                     for c in 0..C {
-                        y[c][j] -= sum[c];
+                        mirrored[c] += a * x[c][i as usize];
                     }
                 }
+            }
+            for c in 0..C {
+                sums[j - first][c] += mirrored[c];
             }
         }
     }
 
     /// r = b − A x, and how large it is.
-    pub fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64]) -> Residual {
+    pub fn residual(&mut self, x: &[f64], b: &[f64], r: &mut [f64]) -> Residual {
         let n = self.pattern.n();
         // f64::max drops NaN; this must not.
         let norm = |v: &[f64]| {
@@ -142,12 +221,13 @@ impl Operator {
         };
         let mut worst = Residual::default();
         r.copy_from_slice(b);
+        let minus = |a: f64| -a;
         for (x, r) in x.chunks(2 * n).zip(r.chunks_mut(2 * n)) {
             if x.len() > n {
                 let (r, r_next) = r.split_at_mut(n);
-                self.subtract([&x[..n], &x[n..]], &mut [r, r_next]);
+                self.add(minus, [&x[..n], &x[n..]], &mut [r, r_next]);
             } else {
-                self.subtract([x], &mut [r]);
+                self.add(minus, [x], &mut [r]);
             }
         }
         for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks(n)) {
@@ -176,4 +256,54 @@ pub(super) struct Residual {
     pub backward: f64,
     /// ‖r‖∞ / ‖b‖∞
     pub relative: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::linear::stencils::solid;
+
+    /// What chunks sum by themselves is A x, and what they reach overlaps: rows of the next layer.
+    #[test]
+    fn chunks_sum_to_the_product() {
+        let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
+        let n = pattern.n();
+        let x: Vec<f64> = (0..2 * n).map(|i| (0.7 * i as f64).sin()).collect();
+        let b: Vec<f64> = (0..2 * n).map(|i| (0.3 * i as f64).cos()).collect();
+        for kind in [Kind::Symmetric, Kind::Unsymmetric] {
+            let mut operator = Operator::new(Arc::new(pattern.clone()), kind);
+            operator.store(&values).unwrap();
+            let reach: usize = operator.chunks.iter().map(|c| c.rows.len()).sum();
+            assert!(operator.chunks.len() > 3 && reach > n);
+            let (mut expected, mut sums) = (b.clone(), vec![0.0; n]);
+            for j in 0..n {
+                for e in pattern.col_ptr()[j]..pattern.col_ptr()[j + 1] {
+                    let i = pattern.row_idx()[e] as usize;
+                    let read = match kind {
+                        Kind::Symmetric if i < j => pattern.find(j, i).unwrap(),
+                        _ => e,
+                    };
+                    let a = values[read];
+                    sums[i] += a.abs();
+                    expected[i] -= a * x[j];
+                    expected[n + i] -= a * x[n + j];
+                }
+            }
+            // Some eighty terms of a row, each with its rounding.
+            let (norm, near) = (operator.norm(), 80.0 * f64::EPSILON);
+            let largest = sums.iter().copied().fold(0.0, f64::max);
+            assert!((norm / largest - 1.0).abs() < near);
+            for (sum, expected) in operator.row_sums().iter().zip(&sums) {
+                assert!((sum - expected).abs() < near * norm);
+            }
+            // Both columns at once, and one by itself.
+            for columns in [2, 1] {
+                let mut r = vec![0.0; columns * n];
+                operator.residual(&x[..columns * n], &b[..columns * n], &mut r);
+                for (r, expected) in r.iter().zip(&expected) {
+                    assert!((r - expected).abs() < near * (norm + 1.0));
+                }
+            }
+        }
+    }
 }
