@@ -106,7 +106,7 @@ fn a_crack_is_balanced_by_itself() {
     assert!(some.local_solves > 0);
     // 0.57 of them; halves and kept stiffness alone take 0.74 (115 of 156).
     assert!((some.iterations as f64) < 0.65 * all.iterations as f64);
-    assert_eq!(some.factorisations, some.iterations);
+    assert!(some.factorisations <= some.iterations);
     let last = |rows: &[HistoryRow]| rows[rows.len() - 1].clone();
     let (a, b) = (last(&whole.rows), last(&auto.rows));
     // What `auto` promises (docs/solver.md); which increments were taken makes up to 2e-3.

@@ -221,6 +221,19 @@ fn a_wall_of_less_fidelity() {
     }
 }
 
+/// Whose factors serve several iterates of an increment, and none of the next.
+#[test]
+fn a_wall_that_factorises_less() {
+    let less = [
+        ("steps.1.displacement", "0.8 mm"),
+        ("steps.1.increments", "{ initial = 0.05, max = 0.1 }"),
+    ];
+    let model = deck("examples/03_shear_wall_j7d.toml", &less);
+    let summary = solve::run(&model, &mut Keeper::default()).unwrap();
+    assert!(2 * summary.factorisations < summary.iterations);
+    goes_on_as_if_nothing_had_happened(&model, "factors", 71);
+}
+
 /// A run that began with the whole goes on with it.
 #[test]
 fn a_run_of_the_whole_stays_whole() {

@@ -54,8 +54,9 @@ impl Newton<'_> {
         let force: Vec<f64> = slots
             .map(|slot| loads[slot] - moved[slot] - pull[slot])
             .collect();
-        self.by_load.clone_from(&force);
-        self.solve_both(system, trial)?;
+        // That of the last iterate, or of none.
+        let before = std::mem::replace(&mut self.by_load, force.clone());
+        self.solve_both(system, trial, &before)?;
         Ok(force)
     }
 

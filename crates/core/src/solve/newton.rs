@@ -11,6 +11,7 @@
 pub use super::balance::IMBALANCE;
 use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
 use super::closure::pursuit;
+use super::direction::Factors;
 use super::dynamics::Motion;
 use super::hidden::Pause;
 use super::ladder::Rung;
@@ -36,6 +37,9 @@ pub struct Newton<'m> {
     pub(super) tangent: Tangent,
     pub(super) equations: Equations,
     pub(super) linear: Option<LinearSolver>,
+    /// Its factors, if they are of a matrix of this increment: those of another one serve none of its iterates, so that what a
+    /// run finds that goes on from its start hangs on the state alone.
+    pub(super) factors: Option<Factors>,
     /// [`State::wants_double`] where the increment starts.
     pub(super) wants_double: bool,
     pub(super) values: Vec<f64>,
@@ -91,6 +95,7 @@ impl<'m> Newton<'m> {
             tangent: step.tangent,
             equations,
             linear: None,
+            factors: None,
             wants_double: false,
             values: Vec::new(),
             filled: None,
@@ -221,6 +226,7 @@ impl<'m> Newton<'m> {
     ) -> Outcome {
         // Nothing of refused attempts: a run that goes on knows the state alone.
         self.wants_double = state.wants_double;
+        self.factors = None;
         if let Some(linear) = &mut self.linear {
             linear.trust_single(!self.wants_double);
         }
@@ -327,6 +333,7 @@ impl<'m> Newton<'m> {
             }
             let ends = settled && balanced && on_path;
             if ends && (pursued == pursuit(self.method) || self.closes(system, state, trial)) {
+                self.prove(system, trial, attempt.increment.ends_step())?;
                 return Ok(Report {
                     iterations: solves.count,
                     residual: balance.largest,

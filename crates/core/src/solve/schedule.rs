@@ -19,6 +19,11 @@ impl Increment {
     pub fn end(&self) -> f64 {
         self.start + self.size
     }
+
+    /// Whether nothing of the step is left after it.
+    pub fn ends_step(&self) -> bool {
+        self.end() >= 1.0 - ROUNDING
+    }
 }
 
 /// Chooses the increments of one step.

@@ -17,6 +17,9 @@ mod mixed;
 #[cfg(test)]
 mod mixed_tests;
 mod multifrontal;
+mod near;
+#[cfg(test)]
+mod near_tests;
 mod number;
 mod operator;
 mod ordering;
@@ -49,6 +52,7 @@ use faer_llt::FaerLlt;
 use faer_lu::FaerLu;
 use mixed::Mixed;
 use multifrontal::{Multifrontal, Plan};
+use near::Near;
 use operator::Operator;
 use ordering::Graph;
 
@@ -215,6 +219,7 @@ pub struct LinearSolver {
     rhs: Vec<f64>,      // [column][equation], b kept for the residual
     residual: Vec<f64>, // [column][equation]
     previous: Vec<f64>, // [column][equation], x before a refinement
+    near: Near,
 }
 
 impl LinearSolver {
@@ -282,6 +287,7 @@ impl LinearSolver {
             rhs: Vec::new(),
             residual: Vec::new(),
             previous: Vec::new(),
+            near: Near::default(),
         })
     }
 
@@ -335,14 +341,8 @@ impl LinearSolver {
         self.factorised = false;
         self.in_refuge = false;
         self.stats.reused = 0.0;
-        let known = match &mut self.engine {
-            Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
-            Engine::Mixed(f) => f.compare(self.operator.values(), values),
-            _ => false,
-        };
-        if !known {
-            self.operator.store(values)?;
-        }
+        self.note(values)?;
+        self.operator.sum_rows()?;
         let pattern = self.operator.pattern();
         match &mut self.engine {
             Engine::Multifrontal(f) => match f.factorise(values, self.operator.row_sums()) {
@@ -364,6 +364,19 @@ impl LinearSolver {
         self.factorised = true;
         self.stats.seconds = start.elapsed().as_secs_f64();
         Ok(self.stats)
+    }
+
+    /// Keeps the values of a matrix. Fronts that they change are stale from here on, whenever that is factorised.
+    fn note(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        let known = match &mut self.engine {
+            Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
+            Engine::Mixed(f) => f.compare(self.operator.values(), values),
+            _ => false,
+        };
+        if known {
+            return Ok(());
+        }
+        self.operator.store(values)
     }
 
     /// Factorises the stored matrix with pivots anywhere in a column.

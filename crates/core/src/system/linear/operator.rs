@@ -30,6 +30,7 @@ pub(super) struct Operator {
     values: Vec<f64>, // [entry]
     norm: f64,
     row_sums: Vec<f64>,
+    summed: bool, // of these values
 }
 
 impl Operator {
@@ -46,6 +47,7 @@ impl Operator {
             values: Vec::new(),
             norm: 0.0,
             row_sums: vec![0.0; n],
+            summed: false,
         };
         new.chunks = new.cut();
         new
@@ -81,17 +83,17 @@ impl Operator {
         &self.pattern
     }
 
-    /// The last values. `[entry]`
+    /// The last values, those that are read. `[entry]`
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// ‖A‖∞ of the last values.
+    /// ‖A‖∞ of the values whose rows were summed last.
     pub fn norm(&self) -> f64 {
         self.norm
     }
 
-    /// Σ_j |a_ij| of the last values. `[equation]`
+    /// Σ_j |a_ij| of these. `[equation]`
     pub fn row_sums(&self) -> &[f64] {
         &self.row_sums
     }
@@ -105,7 +107,10 @@ impl Operator {
         }
     }
 
-    /// Copies the values and refuses those that are not finite.
+    /// Copies the values that are read.
+    ///
+    /// # Errors
+    /// [`LinearError::Length`].
     pub fn store(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let expected = self.pattern.nnz();
         if values.len() != expected {
@@ -115,15 +120,41 @@ impl Operator {
                 got: values.len(),
             });
         }
-        self.values.resize(expected, 0.0);
-        let to = self.values.par_chunks_mut(ENTRIES);
-        to.zip(values.par_chunks(ENTRIES))
-            .for_each(|(to, from)| to.copy_from_slice(from));
-        let ones = vec![1.0; self.pattern.n()];
-        let mut row_sums = std::mem::take(&mut self.row_sums);
-        row_sums.fill(0.0);
-        self.add(f64::abs, [&ones], &mut [&mut row_sums]);
-        self.row_sums = row_sums;
+        self.summed = false;
+        let mut own = std::mem::take(&mut self.values);
+        own.resize(expected, 0.0);
+        let mut rest = &mut own[..];
+        let mut tasks = Vec::with_capacity(self.chunks.len());
+        for chunk in &self.chunks {
+            let start = self.pattern.col_ptr()[chunk.columns.start];
+            let end = self.pattern.col_ptr()[chunk.columns.end];
+            let (head, tail) = rest.split_at_mut(end - start);
+            tasks.push((chunk, start, head));
+            rest = tail;
+        }
+        tasks.into_par_iter().for_each(|(chunk, start, own)| {
+            for j in chunk.columns.clone() {
+                let column = self.column(j);
+                own[column.start - start..column.end - start].copy_from_slice(&values[column]);
+            }
+        });
+        self.values = own;
+        Ok(())
+    }
+
+    /// Sums the rows of the last values, if that is not done, and refuses those that are not finite.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFinite`].
+    pub fn sum_rows(&mut self) -> Result<(), LinearError> {
+        if !self.summed {
+            let ones = vec![1.0; self.pattern.n()];
+            let mut row_sums = std::mem::take(&mut self.row_sums);
+            row_sums.fill(0.0);
+            self.add(f64::abs, [&ones], &mut [&mut row_sums]);
+            self.row_sums = row_sums;
+            self.summed = true;
+        }
         self.norm = 0.0;
         for (equation, &sum) in self.row_sums.iter().enumerate() {
             if !sum.is_finite() {
@@ -206,6 +237,25 @@ impl Operator {
         }
     }
 
+    /// Y = A X. `[column][equation]`
+    pub fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        self.add_columns(|a| a, x, y);
+    }
+
+    /// Y ← Y + g(A) X of any number of columns. `[column][equation]`
+    fn add_columns(&mut self, g: impl Fn(f64) -> f64 + Copy + Sync, x: &[f64], y: &mut [f64]) {
+        let n = self.pattern.n();
+        for (x, y) in x.chunks(2 * n).zip(y.chunks_mut(2 * n)) {
+            if x.len() > n {
+                let (y, y_next) = y.split_at_mut(n);
+                self.add(g, [&x[..n], &x[n..]], &mut [y, y_next]);
+            } else {
+                self.add(g, [x], &mut [y]);
+            }
+        }
+    }
+
     /// r = b − A x, and how large it is.
     pub fn residual(&mut self, x: &[f64], b: &[f64], r: &mut [f64]) -> Residual {
         let n = self.pattern.n();
@@ -221,15 +271,7 @@ impl Operator {
         };
         let mut worst = Residual::default();
         r.copy_from_slice(b);
-        let minus = |a: f64| -a;
-        for (x, r) in x.chunks(2 * n).zip(r.chunks_mut(2 * n)) {
-            if x.len() > n {
-                let (r, r_next) = r.split_at_mut(n);
-                self.add(minus, [&x[..n], &x[n..]], &mut [r, r_next]);
-            } else {
-                self.add(minus, [x], &mut [r]);
-            }
-        }
+        self.add_columns(|a| -a, x, r);
         for ((x, b), r) in x.chunks(n).zip(b.chunks(n)).zip(r.chunks(n)) {
             let (top, b) = (norm(r), norm(b));
             if top == 0.0 {
@@ -273,6 +315,7 @@ mod tests {
         for kind in [Kind::Symmetric, Kind::Unsymmetric] {
             let mut operator = Operator::new(Arc::new(pattern.clone()), kind);
             operator.store(&values).unwrap();
+            operator.sum_rows().unwrap();
             let reach: usize = operator.chunks.iter().map(|c| c.rows.len()).sum();
             assert!(operator.chunks.len() > 3 && reach > n);
             let (mut expected, mut sums) = (b.clone(), vec![0.0; n]);
