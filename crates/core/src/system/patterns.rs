@@ -182,9 +182,9 @@ impl Web {
     }
 
     /// Sum over the points of each node. `[place]`
-    fn sum<T: Send>(&self, term: impl Fn(usize, usize) -> T + Sync, zero: T) -> Vec<T>
+    fn sum<T>(&self, term: impl Fn(usize, usize) -> T + Sync, zero: T) -> Vec<T>
     where
-        T: Copy + Sync + std::ops::AddAssign,
+        T: Copy + Send + Sync + std::ops::AddAssign,
     {
         let nodes = self.start.par_windows(2).with_min_len(TASK);
         nodes

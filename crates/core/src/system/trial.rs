@@ -139,6 +139,7 @@ impl Trial {
     }
 
     /// A copy to go back to, without the stiffness: most of a trial's memory.
+    #[must_use]
     pub fn without_stiffness(&mut self) -> Self {
         let cells = std::mem::take(&mut self.cells);
         let copy = self.clone();
