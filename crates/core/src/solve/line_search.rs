@@ -5,6 +5,8 @@
 //! looked at. A residual costs a tenth of a factorisation: a few are well spent.
 
 use super::outcome::Refusal;
+/// d·r: slope of the energy along a direction d where the forces r are out of balance.
+pub(super) use crate::system::linear::dot;
 
 /// What to do next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,11 +49,6 @@ const SMALLEST_TO_IMPACT: f64 = 1e-6;
 
 /// A law that fails at a shorter step fails: the increment is cut.
 const NEAR: f64 = 0.1;
-
-/// Slope of the energy along a direction d where the forces r are out of balance.
-pub(super) fn dot(d: &[f64], r: &[f64]) -> f64 {
-    d.iter().zip(r).map(|(d, r)| d * r).sum()
-}
 
 impl LineSearch {
     /// Starts from the slope at η = 0 (negative for a direction of descent).

@@ -110,10 +110,8 @@ const TASK: usize = 512;
 
 /// Who moves whom.
 struct Web {
-    /// Nodes of each point, as places in [`Web::nodes`].
+    /// Nodes of each point, as places among those of any point and what they are images of, which ascend.
     at: Vec<[u32; 8]>,
-    /// Nodes of any point, and what they are images of, ascending.
-    nodes: Vec<u32>,
     /// Start of each node's part of `of`. `[place + 1]`
     start: Vec<u32>,
     /// Points that a node belongs to, in their order, and which of its nodes it is.
@@ -121,7 +119,7 @@ struct Web {
     images: Vec<Image>,
 }
 
-/// A node beyond a plane of symmetry, and what it is an image of: places in [`Web::nodes`].
+/// A node beyond a plane of symmetry, and what it is an image of, as places.
 struct Image {
     node: usize,
     of: usize,
@@ -139,21 +137,18 @@ impl Web {
                 place[image.of as usize] = 0;
             }
         }
-        let nodes = (0..).zip(&mut place).filter(|(_, place)| **place == 0);
-        let nodes: Vec<u32> = (0..)
-            .zip(nodes)
-            .map(|(number, (node, place))| {
-                *place = number;
-                node
-            })
-            .collect();
+        let mut places = 0;
+        for place in place.iter_mut().filter(|place| **place == 0) {
+            *place = places;
+            places += 1;
+        }
         let at = points.iter().map(|p| p.nodes.map(|n| place[n as usize]));
         let at: Vec<[u32; 8]> = at.collect();
-        let mut start = vec![0_u32; nodes.len() + 1];
+        let mut start = vec![0_u32; places as usize + 1];
         for &n in at.iter().flatten() {
             start[n as usize + 1] += 1;
         }
-        for n in 0..nodes.len() {
+        for n in 0..places as usize {
             start[n + 1] += start[n];
         }
         let mut of = vec![(0, 0); 8 * points.len()];
@@ -175,7 +170,6 @@ impl Web {
         Self {
             images: images.collect(),
             at,
-            nodes,
             start,
             of,
         }
@@ -247,7 +241,7 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
             .map(|(r, d)| if *d > 0.0 { r / *d } else { *r })
             .collect()
     };
-    let mut y = vec![Vector3::zeros(); web.nodes.len()];
+    let mut y = vec![Vector3::zeros(); r.len()];
     let mut z = scaled(&r);
     let mut direction = z.clone();
     let mut size = dot(&r, &z);

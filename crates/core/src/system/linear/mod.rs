@@ -205,6 +205,11 @@ impl Analysis {
     }
 }
 
+/// Σ a_i b_i.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// One matrix pattern, its symbolic analysis, the last matrix and its factors.
 #[derive(Debug)]
 pub struct LinearSolver {

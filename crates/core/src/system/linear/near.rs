@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use super::{Kind, LinearError, LinearSolver};
+use super::{Kind, LinearError, LinearSolver, dot};
 
 /// Part of the right-hand side that may be left, both as √(rᵀM⁻¹r).
 const TARGET: f64 = 0.05;
@@ -57,10 +57,6 @@ impl Column {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 impl LinearSolver {
     /// x = A⁻¹ b, to a twentieth, for the columns of `rhs` `[column][equation]`, in place, by conjugate gradients with the factors of the
     /// last matrix that was factorised. `values` `[entry]` are those of A, in the pattern's order; `guess` is what the
@@ -84,7 +80,9 @@ impl LinearSolver {
         }
         self.note(values)?;
         let mut near = std::mem::take(&mut self.near);
-        let found = self.iterate(&mut near, rhs, guess, most);
+        let found = self
+            .begin(&mut near, rhs, guess)
+            .and_then(|()| self.iterate(&mut near, most));
         if let Ok(true) = found {
             rhs.copy_from_slice(&near.x);
         }
@@ -97,14 +95,41 @@ impl LinearSolver {
         (self.stats.flops / (OPERATIONS * self.stats.nnz as f64)).min(MOST)
     }
 
+    /// What is left of the right-hand sides `b` by `guess`, and the way it points.
+    fn begin(&mut self, near: &mut Near, b: &[f64], guess: &[f64]) -> Result<(), LinearError> {
+        let n = self.n();
+        let guessed = b.len() - guess.len()..b.len();
+        near.x.clear();
+        near.x.resize(guessed.start, 0.0);
+        near.x.extend_from_slice(guess);
+        near.residual.clear();
+        near.residual.extend_from_slice(b);
+        near.product.resize(b.len(), 0.0);
+        if !guess.is_empty() {
+            let product = &mut near.product[guessed.clone()];
+            self.operator.multiply(guess, product);
+            for (r, a_x) in near.residual[guessed].iter_mut().zip(product) {
+                *r -= *a_x;
+            }
+        }
+        near.preconditioned.clone_from(&near.residual);
+        self.substitute(&mut near.preconditioned, b.len() / n)?;
+        near.direction.clone_from(&near.preconditioned);
+        near.columns.clear();
+        for ((b, x), (r, z)) in (b.chunks(n).zip(near.x.chunks(n)))
+            .zip(near.residual.chunks(n).zip(near.preconditioned.chunks(n)))
+        {
+            let (square, guessed) = (dot(r, z), dot(b, x));
+            near.columns.push(Column {
+                square,
+                whole: if guessed > 0.0 { guessed } else { square },
+            });
+        }
+        Ok(())
+    }
+
     /// Conjugate gradients, of all columns side by side so that the factors are read once. Whether they led there.
-    fn iterate(
-        &mut self,
-        near: &mut Near,
-        b: &[f64],
-        guess: &[f64],
-        most: f64,
-    ) -> Result<bool, LinearError> {
+    fn iterate(&mut self, near: &mut Near, most: f64) -> Result<bool, LinearError> {
         let n = self.n();
         let part = |c: usize| c * n..(c + 1) * n;
         let Near {
@@ -115,32 +140,6 @@ impl LinearSolver {
             product,
             columns,
         } = near;
-        x.clear();
-        x.resize(b.len() - guess.len(), 0.0);
-        x.extend_from_slice(guess);
-        residual.clear();
-        residual.extend_from_slice(b);
-        product.resize(b.len(), 0.0);
-        if !guess.is_empty() {
-            let guessed = b.len() - guess.len()..b.len();
-            self.operator
-                .multiply(&x[guessed.clone()], &mut product[guessed.clone()]);
-            for i in guessed {
-                residual[i] -= product[i];
-            }
-        }
-        preconditioned.clone_from(residual);
-        self.substitute(preconditioned, b.len() / n)?;
-        direction.clone_from(preconditioned);
-        columns.clear();
-        columns.extend((0..b.len() / n).map(|c| {
-            let square = dot(&residual[part(c)], &preconditioned[part(c)]);
-            let guessed = dot(&b[part(c)], &x[part(c)]);
-            Column {
-                square,
-                whole: if guessed > 0.0 { guessed } else { square },
-            }
-        }));
         let mut iterations = 0.0;
         while let Some(active) = active(columns) {
             iterations += 1.0;

@@ -1,7 +1,7 @@
 //! Solutions with the factors of another matrix.
 
 use super::stencils::{Noise, solid};
-use super::{Backend, LinearSolver, Options, Pattern};
+use super::{Backend, LinearSolver, Options, Pattern, dot};
 
 /// A solid, and the same where some of its diagonal, as of points that stick anew, has grown by `by` of itself.
 fn beside(every: usize, by: f64) -> (Pattern, [Vec<f64>; 2]) {
@@ -32,11 +32,7 @@ fn exact(pattern: &Pattern, values: &[f64], b: &[f64]) -> Vec<f64> {
     x
 }
 
-fn energy(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// ‖x − A⁻¹b‖ over ‖A⁻¹b‖, both in the norm of A: 1 − 2 x·b + x·A x over b·A⁻¹b, with A x = b − (b − A x).
+/// ‖x − A⁻¹b‖ over ‖A⁻¹b‖, both in the norm of A: √(r·A⁻¹r / b·A⁻¹b) with r = b − A x.
 fn error(pattern: &Pattern, values: &[f64], x: &[f64], b: &[f64]) -> f64 {
     let mut left = b.to_vec();
     for j in 0..pattern.n() {
@@ -44,8 +40,8 @@ fn error(pattern: &Pattern, values: &[f64], x: &[f64], b: &[f64]) -> f64 {
             left[pattern.row_idx()[e] as usize] -= values[e] * x[j];
         }
     }
-    let whole = energy(b, &exact(pattern, values, b));
-    (energy(&left, &exact(pattern, values, &left)) / whole).sqrt()
+    let whole = dot(b, &exact(pattern, values, b));
+    (dot(&left, &exact(pattern, values, &left)) / whole).sqrt()
 }
 
 #[test]
@@ -63,7 +59,8 @@ fn a_matrix_near_the_one_that_was_factorised_is_solved_to_a_twentieth() {
             assert!(solver.solve_near(&other, &mut x, guess).unwrap());
             for (x, b) in x.chunks(n).zip(b.chunks(n)) {
                 let found = error(&pattern, &other, x, b);
-                // A twentieth in the norm of M⁻¹; some of the diagonal of A is twice that of M.
+                // A twentieth of the residual is asked for, in the norm of M⁻¹; as little of A differs from M, the error in
+                // the norm of A is of that size (0.031 to 0.044).
                 assert!(found < 0.05, "{backend:?}: {found}");
                 let without = error(&pattern, &other, &exact(&pattern, &values, b), b);
                 println!("{backend:?}, {columns}: {found:.3}, by the factors alone {without:.3}");

@@ -30,7 +30,8 @@ pub(super) struct Operator {
     values: Vec<f64>, // [entry]
     norm: f64,
     row_sums: Vec<f64>,
-    summed: bool, // of these values
+    summed: bool,   // of these values
+    ones: Vec<f64>, // [equation]
 }
 
 impl Operator {
@@ -48,6 +49,7 @@ impl Operator {
             norm: 0.0,
             row_sums: vec![0.0; n],
             summed: false,
+            ones: vec![1.0; n],
         };
         new.chunks = new.cut();
         new
@@ -148,11 +150,13 @@ impl Operator {
     /// [`LinearError::NotFinite`].
     pub fn sum_rows(&mut self) -> Result<(), LinearError> {
         if !self.summed {
-            let ones = vec![1.0; self.pattern.n()];
-            let mut row_sums = std::mem::take(&mut self.row_sums);
+            let (mut row_sums, ones) = (
+                std::mem::take(&mut self.row_sums),
+                std::mem::take(&mut self.ones),
+            );
             row_sums.fill(0.0);
             self.add(f64::abs, [&ones], &mut [&mut row_sums]);
-            self.row_sums = row_sums;
+            (self.row_sums, self.ones) = (row_sums, ones);
             self.summed = true;
         }
         self.norm = 0.0;
