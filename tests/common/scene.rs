@@ -267,6 +267,7 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
             initial: size,
             max: size,
             min: 1e-3 * size,
+            peak: 1.0,
         },
         viscosity: 0.0,
         procedure: Procedure::Static,

@@ -116,7 +116,7 @@ fn dissipation_traces_the_snap_back_and_static_takes_over_again() {
 }
 
 /// Half of a clamped shallow arch of 1 m, 10 mm thick, that rises by 40 mm; its weight grows.
-fn shallow_arch(how: Procedure) -> (Model, u32) {
+fn shallow_arch(how: Procedure, increments: Increments) -> Model {
     let mut model = scene::empty();
     let solid = scene::heavy(1e4, 0.0, 1e-7);
     let strip = scene::block(
@@ -133,10 +133,9 @@ fn shallow_arch(how: Procedure) -> (Model, u32) {
     scene::hold(&mut model, strip.face(Face::Left), [true; 3]);
     scene::hold(&mut model, strip.face(Face::Right), [true, false, false]);
     scene::hold(&mut model, strip.nodes(), [false, true, false]);
-    let crown = strip.face(Face::Right);
     model.probes.push(Probe {
         column: "crown_mm".to_owned(),
-        nodes: crown.clone(),
+        nodes: strip.face(Face::Right),
         minus: Vec::new(),
         axis: 2,
         sign: -1.0,
@@ -149,20 +148,26 @@ fn shallow_arch(how: Procedure) -> (Model, u32) {
             probe: 0,
             displacement: 90.0,
         }),
-        increments: Increments {
-            initial: 0.01,
-            max: 0.01,
-            min: 1e-6,
-        },
+        increments,
         ..scene::left_alone(Gravity::Growing([0.0, 0.0, -4e4]), 1.0, 100, 1e-3)
     }];
-    (model, crown[0])
+    model
+}
+
+/// Growing from `initial` to `max`.
+fn increments(initial: f64, max: f64, peak: f64) -> Increments {
+    Increments {
+        initial,
+        max,
+        min: 1e-6,
+        peak,
+    }
 }
 
 #[test]
 fn an_arch_snaps_through_and_both_ways_of_steering_its_weight_agree() {
     let curve = |how| {
-        let (model, _) = shallow_arch(how);
+        let model = shallow_arch(how, increments(0.01, 0.01, 1.0));
         let rows = completed(&model).rows;
         let points = rows.iter().map(|r| [r.probes[0], r.load_factor]);
         points.collect::<Vec<_>>()
@@ -191,6 +196,34 @@ fn an_arch_snaps_through_and_both_ways_of_steering_its_weight_agree() {
     assert!((trough(&followed) - trough(&controlled)).abs() < 2e-2 * scale);
     // Arc length arrives at the whole load.
     assert!((followed.last().unwrap()[1] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn increments_are_short_where_the_load_has_its_peak() {
+    // Elastic, so that what is left of the peak is of the increments alone: (limit, increments to get to 30 mm).
+    let limit = |sizes| {
+        let rows = completed(&shallow_arch(Procedure::DisplacementControl, sizes)).rows;
+        let early: Vec<_> = rows.iter().filter(|r| r.probes[0] < 30.0).collect();
+        let most = early.iter().map(|r| r.load_factor).fold(0.0, f64::max);
+        (most, early.len())
+    };
+    let (exact, _) = limit(increments(0.002, 0.002, 1.0));
+    for size in [0.039, 0.041] {
+        let (passed_over, few) = limit(increments(size, size, 1.0));
+        let (seen, more) = limit(increments(size, size, 0.005));
+        println!(
+            "{size}: {} in {few}, {} in {more}",
+            passed_over / exact,
+            seen / exact
+        );
+        assert!(passed_over < 0.991 * exact, "{size}");
+        // What is asked for, and the tolerance of the residual.
+        assert!(
+            seen > (1.0 - 0.005 - 1e-3) * exact,
+            "{size}: {seen} {exact}"
+        );
+        assert!(more <= few + 2, "{size}: {few} {more}");
+    }
 }
 
 #[test]

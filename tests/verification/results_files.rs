@@ -75,6 +75,7 @@ fn model() -> Model {
                 initial: 0.25,
                 max: 0.25,
                 min: 1e-6,
+                peak: 1.0,
             },
             viscosity: 0.0,
             procedure: Procedure::Static,

@@ -338,6 +338,19 @@ fn a_step_that_stops_by_itself() {
 }
 
 #[test]
+fn a_peak_that_is_seen() {
+    let of = |peak| {
+        let model = deck(
+            "examples/85_arch_sideways.toml",
+            &[("steps.1.increments.peak", peak)],
+        );
+        goes_on_as_if_nothing_had_happened(&model, peak, 41)
+    };
+    // Its last increments before the peak are short.
+    assert!(of("0.005").len() > of("1").len());
+}
+
+#[test]
 fn a_path_through_snaps() {
     for (case, seed) in [("01-snap-back-bar", 1), ("15-brick-snaps", 2)] {
         let model = deck(&format!("tests/stability/cases/{case}/deck.toml"), &[]);

@@ -17,6 +17,7 @@ fn push(procedure: How, tolerance: f64) -> Vec<HistoryRow> {
         initial: size,
         max: size,
         min: 1e-4 * size,
+        peak: 1.0,
     };
     (step.procedure, step.tangent) = procedure;
     step.tolerance.residual = tolerance;

@@ -201,7 +201,9 @@ fn take_over(step: &mut DeckStep, said: &DeckStep, beam: &DeckBeam, laid: &Laid)
         (Turning::Free, StepKind::Drive) => step.spring = Some(name.clone()),
         (Turning::Free, _) => {
             // What is not said stays as a preload's.
-            let Increments { initial, max, min } = said.increments();
+            let Increments {
+                initial, max, min, ..
+            } = said.increments();
             step.name.get_or_insert_with(|| said.kind.name().to_owned());
             step.kind = StepKind::Load;
             step.increments.initial = Some(Number::new(initial));

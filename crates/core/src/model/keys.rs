@@ -191,6 +191,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("initial", "initial = 0.005"),
     ("max", "max = 0.0125"),
     ("min", "min = 1e-6"),
+    ("peak", "peak = 0.005"),
     ("duration", "duration = \"1 s\""),
     (
         "procedure",

@@ -348,6 +348,9 @@ pub struct Increments {
     pub max: f64,
     /// Smallest: a cut below it ends the run.
     pub min: f64,
+    /// Part of the largest force that may lie unseen between two increments at a peak, where a displacement is
+    /// driven or steers the load.
+    pub peak: f64,
 }
 
 /// How a step is solved.

@@ -43,6 +43,7 @@ pub fn model() -> Model {
             initial: 0.1,
             max: 0.1,
             min: 1e-6,
+            peak: 1.0,
         },
         procedure: Procedure::Static,
         tangent: Tangent::Direct,

@@ -9,7 +9,7 @@
 //! | by what the path is measured | `Trail` |
 //! | what a step counts its loads and drives from | `Starts` |
 //! | what increments leave open for the next ones | `Carried`, [`State`]'s energies |
-//! | where beyond a snap equilibrium was found, and what ends the step early | `beyond`, `Watch`, `stopped` |
+//! | where beyond a snap equilibrium was found, what ends the step early, whether a peak is near | `beyond`, `Watch`, `stopped`, `Crest` |
 //! | what is told at the end | summary, clock, snaps, swings |
 //!
 //! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the
@@ -20,6 +20,7 @@ use std::cell::OnceCell;
 use serde::{Deserialize, Serialize};
 
 use super::course::Course;
+use super::crest::Crest;
 use super::drive::{Run, RunError, steered};
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
@@ -67,6 +68,7 @@ struct Mark {
     load: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
+    crest: Crest,
     stopped: bool,
 }
 
@@ -184,6 +186,7 @@ impl Checkpoint {
         course.schedule.lengthen(part);
         course.ladder.lengthen(part);
         course.trail.lengthen(part);
+        course.crest.lengthen(part);
         if let Some(last) = &mut self.state.last {
             last.load *= part;
         }
@@ -221,6 +224,7 @@ impl<'m> Run<'m> {
                 load: course.load,
                 beyond: course.beyond,
                 watch: course.watch.clone(),
+                crest: course.crest,
                 stopped: course.stopped,
             },
             summary: self.summary.clone(),
@@ -289,6 +293,7 @@ impl<'m> Run<'m> {
         course.trail = trail;
         (course.load, course.beyond) = (mark.load, mark.beyond);
         (course.row, course.branch) = (mark.row, branch);
+        course.crest = mark.crest;
         course.watch = Watch::new(step, 0.0);
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

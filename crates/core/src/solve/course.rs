@@ -1,11 +1,13 @@
 //! The course of one step: which increment comes next, and by which method.
 
+use super::crest::Crest;
 use super::ladder::Ladder;
 use super::method::Method;
 use super::newton::Newton;
 use super::path::{Advance, Trail};
 use super::schedule::{Increment, Schedule};
 use super::stop::Watch;
+use super::told::drives;
 use crate::model::Model;
 use crate::model::amplitude::Branch;
 use crate::model::scene::{Procedure, Step};
@@ -36,6 +38,8 @@ pub(super) struct Course<'m> {
     pub(super) watch: Option<Watch>,
     /// It has.
     pub(super) stopped: bool,
+    /// The force of the last increments, that a peak be seen.
+    pub(super) crest: Crest,
     /// Part of the loads at which an increment found equilibrium beyond a snap.
     pub(super) beyond: Option<f64>,
 }
@@ -97,6 +101,7 @@ impl<'m> Course<'m> {
             repeat: true,
             end_refused: false,
             watch: None,
+            crest: Crest::default(),
             stopped: false,
             beyond: None,
         }
@@ -128,6 +133,30 @@ impl<'m> Course<'m> {
         match self.step.amplitude {
             None => size,
             Some(_) => self.branch.factor(start + size) - self.branch.factor(start),
+        }
+    }
+
+    /// Takes where the step stands for a point of the curve that may have a peak: of the load factor where a displacement
+    /// steers that, else of the `force` of what is driven.
+    pub(super) fn see(&mut self, force: f64) {
+        let force = match (&self.control, drives(self.step)) {
+            (Some(_), _) => self.load,
+            (None, true) => force,
+            (None, false) => return,
+        };
+        self.crest.take(self.schedule.done(), force);
+    }
+
+    /// Shortens the next increment where it would pass over a peak unseen.
+    pub(super) fn resolve_peak(&mut self) {
+        let method = self.ladder.method();
+        // What follows a path measures itself, and what swings has peaks of its own.
+        if method.follows_path() || method.has_inertia() {
+            return;
+        }
+        let (next, part) = (self.schedule.size(), self.step.increments.peak);
+        if let Some(size) = self.crest.shortens(next, part) {
+            self.schedule.shorten(size);
         }
     }
 

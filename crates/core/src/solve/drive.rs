@@ -215,7 +215,9 @@ impl<'m> Run<'m> {
         }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
-        course.watch = Watch::new(step, self.watched(index)[0]);
+        let [displacement, force] = self.watched(index);
+        course.watch = Watch::new(step, displacement);
+        course.see(force);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
         } else if !course.ladder.method().has_inertia() {
@@ -289,6 +291,8 @@ impl<'m> Run<'m> {
         }
         let seen = self.watched(course.index);
         let why = course.watch.as_mut().and_then(|watch| watch.take(seen));
+        course.see(seen[1]);
+        course.resolve_peak();
         let whole = course.is_whole();
         let end = whole || why.is_some();
         if let (Some(why), false) = (&why, whole) {
@@ -357,6 +361,8 @@ impl<'m> Run<'m> {
         // Where loads turn round the last increment says nothing of the next.
         self.state.last = None;
         course.trail.forget();
+        course.crest.forget();
+        course.see(self.watched(course.index)[1]);
         course.schedule.begin_small();
         course.beyond = None;
         if course.ladder.turn() {

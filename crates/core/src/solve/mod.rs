@@ -5,6 +5,7 @@ pub mod checkpoint;
 mod closure;
 mod commit;
 mod course;
+mod crest;
 mod direction;
 pub mod drive;
 mod dynamics;

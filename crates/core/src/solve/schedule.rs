@@ -98,6 +98,16 @@ impl Schedule {
         self.size = (base * factor).clamp(self.limits.min, self.limits.max);
     }
 
+    /// How large the next increment is, if as much is left of the step.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// The next increment is no larger than this.
+    pub fn shorten(&mut self, size: f64) {
+        self.size = self.size.min(size).max(self.limits.min);
+    }
+
     /// A path has led to part `load` of the step's loads.
     pub fn reach(&mut self, load: f64) {
         self.done = load;
@@ -144,6 +154,7 @@ mod tests {
                 initial: 0.07,
                 max: 0.2,
                 min: 1e-6,
+                peak: 1.0,
             },
             1.0,
         );
@@ -163,6 +174,7 @@ mod tests {
             initial: 0.03,
             max: 0.07,
             min: 1e-6,
+            peak: 1.0,
         };
         let rows = [0.0, 0.25, 0.3, 0.75, 1.0];
         let mut schedule = Schedule::new(limits, rows[1]);
@@ -186,6 +198,7 @@ mod tests {
                 initial: 0.1,
                 max: 0.2,
                 min: 0.03,
+                peak: 1.0,
             },
             1.0,
         );

@@ -124,11 +124,17 @@ impl Deck {
         let sizes = old.increments();
         let [initial, max, min] =
             [sizes.initial, sizes.max, sizes.min].map(|size| Some(Number::new(part * size)));
-        let increments = DeckIncrements { initial, max, min };
+        let increments = DeckIncrements {
+            initial,
+            max,
+            min,
+            peak: old.increments.peak,
+        };
         let now = step.increments();
         let same = near(now.initial, part * sizes.initial)
             && near(now.max, part * sizes.max)
-            && near(now.min, part * sizes.min);
+            && near(now.min, part * sizes.min)
+            && near(now.peak, sizes.peak);
         if step.increments == old.increments {
             step.increments = increments;
         } else if !same {

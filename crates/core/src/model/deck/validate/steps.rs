@@ -97,6 +97,9 @@ impl Checks<'_> {
             },
             "fractions of the step: 0 < min <= initial <= max <= 1",
         );
+        if let Some(peak) = step.increments.peak {
+            self.positive(&key("increments.peak"), peak);
+        }
         self.demand(
             step.viscosity.get() >= 0.0,
             &key("viscosity"),
