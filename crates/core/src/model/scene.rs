@@ -80,7 +80,7 @@ pub enum Fidelity {
     Auto,
     /// All of it.
     Full,
-    /// One half likewise, or all of it, with solids that stay linear elastic: only joints open and slide.
+    /// As `Auto`, with solids that stay linear elastic: only joints open and slide.
     Elastic,
 }
 

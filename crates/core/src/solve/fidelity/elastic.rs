@@ -30,7 +30,7 @@ impl Elastic {
     /// Of a model to be solved at [`Fidelity::Elastic`].
     pub fn of(model: &Model) -> Self {
         let mut elastic = Model {
-            fidelity: Fidelity::Full,
+            fidelity: Fidelity::Auto,
             ..model.clone()
         };
         let law = |parameters: &MaterialParameters| match parameters {
@@ -84,7 +84,7 @@ impl Watch<'_> {
         }
         format!(
             "fidelity is \"elastic\": the solids reach {largest:.2} times their yield stress (increment {increment}, \
-             unit {} in course {}), and what yields or cracks is left out; fidelity = \"full\" has it",
+             unit {} in course {}), and what yields or cracks is left out; fidelity = \"auto\" has it",
             mesh.unit[e], mesh.course[e]
         )
     }

@@ -5,7 +5,7 @@
 //! gives is what the whole gives as long as that stays symmetric. What bends or cracks to one side, with nothing in
 //! the scene that says to which, is left out.
 //!
-//! **Elastic solids** ([`Fidelity::Elastic`]). Only joints open and slide. How far the solids would have gone beyond
+//! **Elastic solids** ([`Fidelity::Elastic`]). Only joints open and slide; the rest is [`Fidelity::Auto`]. How far the solids would have gone beyond
 //! their yield surface is told at the end.
 
 mod elastic;
