@@ -251,7 +251,8 @@ Examples:
   wythe study accuracy-speed --repeats 3        all scenes, page and charts into docs
   wythe study accuracy-speed --only 1           one
   wythe study accuracy-speed --short            what the tests run, nothing is written
-  wythe study accuracy-speed --only 2 --references   its reference made anew";
+  wythe study accuracy-speed --only 2 --references   its reference made anew
+  wythe study accuracy-speed wall.toml          a model of your own, page and chart into wall.accuracy";
 
 const VALIDATION_HELP: &str = "\
 Examples:
@@ -317,6 +318,12 @@ pub struct Validation {
 /// `wythe study accuracy-speed`
 #[derive(Debug, Args)]
 pub struct AccuracySpeed {
+    /// A model of your own: a scene of it is drafted, over all that may be chosen of it, its reference made, and the choices run.
+    #[arg(value_name = "MODEL", conflicts_with_all = ["scenes", "only", "short", "references", "redraw"])]
+    pub model: Option<PathBuf>,
+    /// Say a key of MODEL anew, for all of its runs (repeatable).
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value, requires = "model")]
+    pub overrides: Vec<(String, String)>,
     /// Folder of the scenes, each in a folder with a scene.toml.
     #[arg(long, value_name = "DIR", default_value = "docs/accuracy-speed")]
     pub scenes: PathBuf,
@@ -342,7 +349,7 @@ pub struct AccuracySpeed {
     #[arg(long, conflicts_with_all = ["short", "references"])]
     pub redraw: bool,
     /// Folder for charts and tables; the page stands beside it [default: that of the scenes; of short forms: none, only
-    /// the lines].
+    /// the lines]. Of a model: folder for the page, and in it `scenes` [default: MODEL.accuracy beside the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

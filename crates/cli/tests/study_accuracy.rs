@@ -153,3 +153,66 @@ fn a_reference_that_ends_early_is_not_made() {
     );
     assert!(!file.with_file_name("reference.csv").exists());
 }
+
+#[test]
+fn a_model_of_ones_own_is_drafted_and_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("torn.toml");
+    std::fs::copy(couplet(), &model).unwrap();
+    let model = model.display().to_string();
+    let own = |more: &[&str]| wythe(&[&["study", "accuracy-speed", &model], more].concat());
+    // A tenth of the way, in few increments: what counts is that all of it is there.
+    let first = own(&[
+        "--set",
+        "steps.1.displacement=0.01",
+        "--set",
+        "steps.1.increments={initial=0.1,max=0.1}",
+    ]);
+    assert_eq!(code(&first), 0, "{}", stderr(&first));
+    let out = folder.path().join("torn.accuracy");
+    let page = std::fs::read_to_string(out.join("accuracy-speed.md")).unwrap();
+    for said in [
+        "| mesh finer |",
+        "| steps / 2 |",
+        "| penalty 50 |",
+        "(scenes/torn/chart.svg)",
+    ] {
+        assert!(page.contains(said), "{said}: {page}");
+    }
+    for name in ["chart.svg", "table.csv", "reference.csv", "pattern.txt"] {
+        assert!(out.join("scenes/torn").join(name).is_file(), "{name}");
+    }
+    // It is the user's from then on.
+    let scene = out.join("scenes/torn/scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let start = text.find("[[choices]]").unwrap();
+    let end = start + text[start + 1..].find("[[choices]]").unwrap();
+    let text = text[..=end].replace("title = \"", "title = \"My ");
+    std::fs::write(&scene, text).unwrap();
+    let second = own(&[]);
+    assert_eq!(code(&second), 0, "{}", stderr(&second));
+    let told = stdout(&second);
+    assert!(told.contains("1 of 1 choices"), "{told}");
+    let page = std::fs::read_to_string(out.join("accuracy-speed.md")).unwrap();
+    assert!(page.contains("## 1 My "), "{page}");
+
+    for (more, said) in [
+        (&["--set", "fidelity=full"][..], "taken as it stands"),
+        (&["--short"], "cannot be used with"),
+    ] {
+        let run = own(more);
+        assert_eq!(code(&run), 2, "{more:?}");
+        assert!(stderr(&run).contains(said), "{more:?}: {}", stderr(&run));
+    }
+    let toppling = repository("examples/30_toppling_stack.toml");
+    let toppling = toppling.display().to_string();
+    let elsewhere = folder.path().join("elsewhere").display().to_string();
+    let none = wythe(&["study", "accuracy-speed", &toppling, "--out", &elsewhere]);
+    assert_eq!(code(&none), 2);
+    assert!(
+        stderr(&none).contains("scene.toml of your own"),
+        "{}",
+        stderr(&none)
+    );
+    assert!(!folder.path().join("elsewhere").exists());
+}

@@ -1,16 +1,17 @@
 //! `wythe study accuracy-speed`: error against time over the choices that a user has.
 
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
 use miette::miette;
+use wythe_core::model::Deck;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
-    CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, link, page, read,
-    renew, scenes, study, table,
+    CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,
+    read, renew, scenes, study, table,
 };
 
 use super::{chosen, failed, other};
@@ -22,13 +23,19 @@ use crate::plot::write;
 
 /// The page, beside the folder of the scenes.
 const PAGE: &str = "accuracy-speed.md";
+/// A scene, in its folder.
+const SCENE: &str = "scene.toml";
 
 pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
+    let interrupt = Interrupt::listen();
+    let dir = match &arguments.model {
+        Some(model) => drafted(model, arguments, &interrupt)?,
+        None => arguments.scenes.clone(),
+    };
     let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
     let number = |scene: &Scene| scene.number.to_string();
     let is = |scene: &Scene, n: &str| number(scene) == n;
-    let scenes = chosen(scenes(&arguments.scenes)?, "scene", &only, number, is)?;
-    let interrupt = Interrupt::listen();
+    let scenes = chosen(scenes(&dir)?, "scene", &only, number, is)?;
     let options = Options {
         short: arguments.short,
         limit: Duration::from_secs_f64(arguments.limit),
@@ -39,10 +46,10 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         return references(&scenes, options.limit, &interrupt);
     }
     if arguments.redraw {
-        let out = arguments.out.as_ref().unwrap_or(&arguments.scenes);
+        let out = arguments.out.as_ref().unwrap_or(&dir);
         let table = |scene: &Scene| read(scene, &out.join(scene.folder_name()).join(TABLE));
         let all: Result<Vec<Studied>, _> = scenes.iter().map(table).collect();
-        return written_out(&all.map_err(Failure::input_output)?, arguments, out);
+        return written_out(&all.map_err(Failure::input_output)?, arguments, &dir, out);
     }
     if let Some(scene) = scenes.iter().find(|s| !s.reference.there()) {
         let (file, number) = (scene.reference.file.clone(), scene.number);
@@ -59,20 +66,63 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         return Err(Failure::Interrupted);
     }
     let out = match &arguments.out {
-        Some(out) => out.as_path(),
+        Some(out) if arguments.model.is_none() => out.as_path(),
         // The page tells of the full forms.
         None if arguments.short => return print(&summary(&all)),
-        None => arguments.scenes.as_path(),
+        _ => dir.as_path(),
     };
     for studied in &all {
         let folder = out.join(studied.scene.folder_name());
         write(&folder, TABLE, table(studied).as_bytes())?;
     }
-    written_out(&all, arguments, out)
+    written_out(&all, arguments, &dir, out)
+}
+
+/// The folder of scenes that holds the one of `model`, with its reference: both made where they are not there yet.
+fn drafted(
+    model: &Path,
+    arguments: &AccuracySpeed,
+    interrupt: &Interrupt,
+) -> Result<PathBuf, Failure> {
+    let file = model.canonicalize().map_err(|why| failed(model, why))?;
+    let out = arguments.out.clone();
+    let dir = out
+        .unwrap_or_else(|| model.with_extension("accuracy"))
+        .join("scenes");
+    let name = file.file_stem().unwrap_or_default();
+    let folder = dir.join(name);
+    let scene = folder.join(SCENE);
+    if scene.exists() && !arguments.overrides.is_empty() {
+        return Err(Failure::Model(miette!(
+            help = "write it into `set` there, or name another folder with --out",
+            "{} is taken as it stands, and --set says nothing of it",
+            scene.display()
+        )));
+    }
+    if scene.exists() {
+        eprintln!("{} is taken as it stands", scene.display());
+    } else {
+        let deck = Deck::load(&file, &arguments.overrides)?;
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let text = draft(&deck, &file, &arguments.overrides, threads).map_err(Failure::model)?;
+        write(&folder, SCENE, text.as_bytes())?;
+        eprintln!("written to {}", scene.display());
+    }
+    let scene = Scene::load(&scene)?;
+    if !scene.reference.there() {
+        let limit = Duration::from_secs_f64(arguments.limit);
+        references(&[scene], limit, interrupt)?;
+    }
+    Ok(dir)
 }
 
 /// Charts, and the page beside their folder.
-fn written_out(all: &[Studied], arguments: &AccuracySpeed, out: &Path) -> Result<(), Failure> {
+fn written_out(
+    all: &[Studied],
+    arguments: &AccuracySpeed,
+    dir: &Path,
+    out: &Path,
+) -> Result<(), Failure> {
     for studied in all {
         let folder = out.join(studied.scene.folder_name());
         if let Some(svg) = chart(studied).map_err(|why| failed(&folder.join(CHART), other(why)))? {
@@ -85,7 +135,7 @@ fn written_out(all: &[Studied], arguments: &AccuracySpeed, out: &Path) -> Result
         [] => String::new(),
         _ => written(&beside.join(PAGE))?,
     };
-    let advice = advice(&arguments.scenes)?;
+    let advice = advice(dir)?;
     let text = page(all, &advice, &link(out), &before);
     write(beside, PAGE, text.as_bytes())?;
     let out = beside.join(PAGE);

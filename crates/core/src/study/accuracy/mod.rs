@@ -1,12 +1,14 @@
 //! Accuracy against speed: one scene over the choices that a user has, error against time.
 //!
 //! ```text
+//!                             a model ─▶ draft ─▶ scene.toml
 //! docs/accuracy-speed/NN-name/scene.toml ─▶ Scene ─▶ runs, interleaved ─▶ Outcome ─▶ chart, table (CSV), section
 //!                             reference.csv ─▶ Known ─┤                          └─▶ docs/accuracy-speed.md
 //!                             pattern.txt ─▶ Pattern ─┘
 //! ```
 
 mod chart;
+mod draft;
 mod errors;
 mod front;
 mod outcome;
@@ -19,6 +21,7 @@ mod scene;
 mod written;
 
 pub use chart::chart;
+pub use draft::{DraftError, draft};
 pub use errors::{Errors, Known};
 pub use front::{FASTER, beaten, front, median};
 pub use outcome::{Options, Outcome, Studied, study};

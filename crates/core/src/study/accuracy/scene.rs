@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::errors::Known;
 use super::pattern::Pattern;
@@ -102,7 +102,7 @@ pub struct Choice {
 }
 
 /// What a choice is about: its colour in the chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
     /// What a deck gets that says nothing; the times of the others are told over its.

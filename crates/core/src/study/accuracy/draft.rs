@@ -1,0 +1,501 @@
+//! The scene of a model: what a user of it may choose, as the text of a `scene.toml`.
+
+use std::path::Path;
+
+use miette::Diagnostic;
+use serde::Serialize;
+use thiserror::Error;
+
+use super::scene::Group;
+use crate::model::Deck;
+use crate::model::deck::{DeckProbe, DeckProcedure, DeckStep, Interface, StepKind, Wall};
+
+/// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
+/// finer mesh would change is not in it.
+const UNCERTAINTY: f64 = 0.005;
+
+/// A model of which no scene is made.
+#[derive(Debug, Error, Diagnostic)]
+pub enum DraftError {
+    /// Nothing goes one way.
+    #[error("no curve of this model can be compared: {0}")]
+    #[diagnostic(help(
+        "the last step must drive along an axis, forth only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/studies.md)"
+    ))]
+    NoCurve(&'static str),
+    /// Its text cannot be made.
+    #[error("the scene cannot be written: {0}")]
+    Text(#[from] toml::ser::Error),
+}
+
+/// What is compared, and where that begins and ends.
+struct Compared {
+    x: String,
+    y: &'static str,
+    from: f64,
+    to: f64,
+}
+
+/// The serde mirror of a `scene.toml` to be written.
+#[derive(Serialize)]
+struct Draft<'a> {
+    number: u32,
+    title: String,
+    what: String,
+    deck: String,
+    set: Vec<String>,
+    x: &'a str,
+    y: &'a str,
+    steps: [usize; 1],
+    from: f64,
+    to: f64,
+    reference: Reference,
+    choices: Vec<Choice>,
+}
+
+#[derive(Serialize)]
+struct Reference {
+    file: &'static str,
+    set: Vec<String>,
+    threads: usize,
+    how: String,
+    uncertainty: f64,
+}
+
+#[derive(Clone, Serialize)]
+struct Choice {
+    name: String,
+    group: Group,
+    set: Vec<String>,
+    threads: usize,
+}
+
+/// A mesh in the deck: its key, and how many elements each side has.
+struct Mesh {
+    key: String,
+    sides: [u32; 3],
+    /// Of the sides along and up one is the joint's.
+    masonry: bool,
+}
+
+/// The `scene.toml` of the model in `file` with these keys said anew, on a machine of `threads` threads, which all make its
+/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
+///
+/// # Errors
+/// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
+pub fn draft(
+    deck: &Deck,
+    file: &Path,
+    set: &[(String, String)],
+    threads: usize,
+) -> Result<String, DraftError> {
+    let last = deck.steps.len().checked_sub(1);
+    let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
+    let compared = compared(deck, last)?;
+    let meshes = meshes(deck);
+    let refined = mesh_of(&meshes, finer);
+    let reference = [refined.clone(), scaled(deck, last, 0.5)].concat();
+    let written = |set: &[(String, String)]| -> Vec<String> {
+        set.iter().map(|(k, v)| format!("{k}={v}")).collect()
+    };
+    let how = if refined.is_empty() {
+        "half the increments; its mesh is that of the model, which no key refines."
+    } else {
+        "every side of the elements halved, half the increments. No finer mesh was run, so that its own error is not known."
+    };
+    let was = deck.to_toml()?;
+    let changes = |choice: &Choice| {
+        let all = [set, &pairs(&choice.set)].concat();
+        // What the deck refuses, or says already, is none of its choices.
+        let with = Deck::load(file, &all).ok()?.to_toml().ok()?;
+        (with != was || choice.threads > 1).then_some(())
+    };
+    let mut choices = vec![Choice {
+        name: "default".to_owned(),
+        group: Group::Default,
+        set: Vec::new(),
+        threads: 1,
+    }];
+    let offered = offered(deck, last, &meshes).into_iter();
+    choices.extend(offered.filter(|c| c.threads <= threads && changes(c).is_some()));
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let draft = Draft {
+        number: 1,
+        title: if deck.title.is_empty() {
+            name.to_string()
+        } else {
+            deck.title.clone()
+        },
+        what: format!(
+            "`{name}.toml`, its step `{}`, over what may be chosen.",
+            deck.steps[last].name()
+        ),
+        deck: file.to_string_lossy().into_owned(),
+        set: written(set),
+        x: &compared.x,
+        y: compared.y,
+        steps: [last],
+        from: compared.from,
+        to: compared.to,
+        reference: Reference {
+            file: "reference.csv",
+            set: written(&reference),
+            threads,
+            how: how.to_owned(),
+            uncertainty: UNCERTAINTY,
+        },
+        choices,
+    };
+    let text = toml::to_string(&draft)?;
+    Ok(format!(
+        "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/studies.md lists the keys. It stays as you change it.\n{text}"
+    ))
+}
+
+/// Columns and range of what the last step does.
+fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
+    let step = &deck.steps[last];
+    if let Some(control) = &step.control {
+        let of = |probe: &&DeckProbe| probe.name == control.probe;
+        let probe = deck.probes.iter().find(of).map(DeckProbe::column);
+        let x = probe.ok_or(DraftError::NoCurve("it has not the probe that steers it"))?;
+        // Increments end within a thousandth of the last.
+        let to = 0.995 * control.displacement.get();
+        return along(x, "load_factor", 0.0, to);
+    }
+    let is_drive = |step: &&DeckStep| step.kind == StepKind::Drive;
+    if !is_drive(&step) {
+        return Err(DraftError::NoCurve(
+            "its last step neither drives nor steers its load by a displacement",
+        ));
+    }
+    let drives = deck.steps.iter().filter(is_drive);
+    let mut way = [0.0; 2];
+    for drive in drives {
+        if drive.cycles.is_some() || drive.direction != step.direction {
+            return Err(DraftError::NoCurve("it is driven to and fro"));
+        }
+        let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
+        way = [way[1], way[1] + sign * drive.drive()];
+    }
+    along("displacement_mm".to_owned(), "force_kN", way[0], way[1])
+}
+
+fn along(x: String, y: &'static str, from: f64, to: f64) -> Result<Compared, DraftError> {
+    if from >= 0.0 && to > from {
+        Ok(Compared { x, y, from, to })
+    } else {
+        Err(DraftError::NoCurve(
+            "its displacement falls, and curves are read along one that grows",
+        ))
+    }
+}
+
+/// All meshes that the deck says or means.
+fn meshes(deck: &Deck) -> Vec<Mesh> {
+    let of_wall = |key: String, wall: &Wall| Mesh {
+        key,
+        sides: [wall.mesh.length, wall.mesh.thickness, wall.mesh.height],
+        masonry: true,
+    };
+    let plain = |key: String, sides: [u32; 3]| Mesh {
+        key,
+        sides,
+        masonry: false,
+    };
+    let wall = deck.wall.iter().map(|w| of_wall("wall.mesh".to_owned(), w));
+    let walls = deck.walls.iter().enumerate();
+    let walls = walls.map(|(i, w)| of_wall(format!("walls.{i}.mesh"), w));
+    let blocks = deck.blocks.iter().enumerate();
+    let blocks = blocks.map(|(i, block)| plain(format!("blocks.{i}.mesh"), block.mesh));
+    let arch = deck
+        .arch
+        .iter()
+        .map(|arch| plain("arch.mesh".to_owned(), arch.mesh));
+    wall.chain(walls).chain(blocks).chain(arch).collect()
+}
+
+/// Twice as many elements along this side.
+fn finer(mesh: &Mesh, side: usize) -> u32 {
+    let n = mesh.sides[side];
+    if mesh.masonry && side != 1 && n > 1 {
+        2 * (n - 1) + 1
+    } else {
+        2 * n
+    }
+}
+
+/// Half as many.
+fn coarser(mesh: &Mesh, side: usize) -> u32 {
+    let n = mesh.sides[side];
+    if mesh.masonry && side != 1 && n > 1 {
+        (n - 1).div_ceil(2) + 1
+    } else {
+        n.div_ceil(2)
+    }
+}
+
+fn mesh_of(meshes: &[Mesh], side: impl Fn(&Mesh, usize) -> u32) -> Vec<(String, String)> {
+    let value = |mesh: &Mesh| {
+        let [along, through, up] = [0, 1, 2].map(|s| side(mesh, s));
+        // A wall says its height before its thickness.
+        if mesh.masonry {
+            format!("[{along},{up},{through}]")
+        } else {
+            format!("[{along},{through},{up}]")
+        }
+    };
+    meshes.iter().map(|m| (m.key.clone(), value(m))).collect()
+}
+
+/// The increments of a step times this.
+fn scaled(deck: &Deck, step: usize, by: f64) -> Vec<(String, String)> {
+    let now = deck.steps[step].increments();
+    let [initial, max] = [now.initial, now.max].map(|size| (by * size).min(1.0));
+    vec![
+        (format!("steps.{step}.increments.initial"), number(initial)),
+        (format!("steps.{step}.increments.max"), number(max)),
+    ]
+}
+
+/// Without what rounding adds.
+fn number(x: f64) -> String {
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x);
+    f64::to_string(&rounded)
+}
+
+fn pairs(set: &[String]) -> Vec<(String, String)> {
+    let pair = |text: &String| {
+        let (key, value) = text.split_once('=')?;
+        Some((key.to_owned(), value.to_owned()))
+    };
+    set.iter().filter_map(pair).collect()
+}
+
+/// What may be chosen of any model; of this one, what it does not refuse.
+fn offered(deck: &Deck, last: usize, meshes: &[Mesh]) -> Vec<Choice> {
+    let mut all = Vec::new();
+    let mut offer = |name: &str, group: Group, set: Vec<(String, String)>| {
+        let set = set.into_iter().map(|(k, v)| format!("{k}={v}")).collect();
+        all.push(Choice {
+            name: name.to_owned(),
+            group,
+            set,
+            threads: 1,
+        });
+    };
+    let one = |key: &str, value: &str| vec![(key.to_owned(), value.to_owned())];
+    let of_step = |key: &str, value: &str| one(&format!("steps.{last}.{key}"), value);
+    let same = |mesh: &Mesh, side: usize| mesh.sides[side];
+
+    for formulation in ["b-bar", "full"] {
+        let set = one("element.formulation", formulation);
+        offer(&format!("element {formulation}"), Group::Element, set);
+    }
+    if !meshes.is_empty() {
+        offer("mesh coarser", Group::Mesh, mesh_of(meshes, coarser));
+        let elevation = |mesh: &Mesh, side: usize| match side {
+            1 => same(mesh, 1),
+            _ => finer(mesh, side),
+        };
+        offer(
+            "mesh finer in elevation",
+            Group::Mesh,
+            mesh_of(meshes, elevation),
+        );
+        let through = |mesh: &Mesh, side: usize| match side {
+            1 => finer(mesh, 1),
+            _ => same(mesh, side),
+        };
+        offer(
+            "mesh finer through the thickness",
+            Group::Mesh,
+            mesh_of(meshes, through),
+        );
+        offer("mesh finer", Group::Mesh, mesh_of(meshes, finer));
+    }
+    let cracks = deck.materials.iter().filter(|(_, m)| !m.tension.is_empty());
+    let cracks: Vec<&String> = cracks.map(|(name, _)| name).collect();
+    if !cracks.is_empty() {
+        let band = |name: &&String| {
+            (
+                format!("materials.{name}.crack_band"),
+                "projected".to_owned(),
+            )
+        };
+        offer(
+            "projected",
+            Group::CrackBand,
+            cracks.iter().map(band).collect(),
+        );
+    }
+    offer(
+        "corner points",
+        Group::Points,
+        one("contact.points", "corner"),
+    );
+    offer("4x4 points", Group::Points, one("contact.parts", "[2,2,2]"));
+    for factor in ["5", "50", "500", "5000"] {
+        let of = |(name, joint): (&String, &Interface)| {
+            let set = (
+                format!("interfaces.{name}.penalty_factor"),
+                factor.to_owned(),
+            );
+            joint.normal_stiffness.is_none().then_some(set)
+        };
+        let set: Vec<_> = deck.interfaces.iter().filter_map(of).collect();
+        if !set.is_empty() {
+            offer(&format!("penalty {factor}"), Group::Penalty, set);
+        }
+    }
+    for (name, by) in [("joints / 4", 0.25), ("joints x 4", 4.0)] {
+        let stiffness = |(name, joint): (&String, &Interface)| {
+            let said = [
+                ("normal", joint.normal_stiffness),
+                ("shear", joint.shear_stiffness),
+            ];
+            let key = |way: &str| format!("interfaces.{name}.{way}_stiffness");
+            said.into_iter()
+                .filter_map(|(way, k)| Some((key(way), number(by * k?.get()))))
+                .collect::<Vec<_>>()
+        };
+        let set: Vec<_> = deck.interfaces.iter().flat_map(stiffness).collect();
+        if !set.is_empty() {
+            offer(name, Group::Penalty, set);
+        }
+    }
+    if deck.steps[last].procedure != DeckProcedure::Dynamic {
+        for procedure in ["static", "quasi_static", "dissipation", "implex"] {
+            let name = procedure.replace('_', "-");
+            offer(&name, Group::Procedure, of_step("procedure", procedure));
+        }
+    }
+    offer(
+        "consistent",
+        Group::Procedure,
+        of_step("tangent", "consistent"),
+    );
+    for (name, by) in [("steps / 2", 0.5), ("steps x 2", 2.0), ("steps x 4", 4.0)] {
+        offer(name, Group::Step, scaled(deck, last, by));
+    }
+    let residual = number(0.2 * deck.steps[last].tolerance().residual);
+    let tighter = of_step("tolerance.residual", &residual);
+    offer("tolerance / 5", Group::Tolerance, tighter);
+    offer("full", Group::Fidelity, one("fidelity", "full"));
+    if !cracks.is_empty() {
+        offer("elastic", Group::Fidelity, one("fidelity", "elastic"));
+    }
+    for threads in [2, 4] {
+        all.push(Choice {
+            name: format!("{threads} threads"),
+            group: Group::Threads,
+            set: Vec::new(),
+            threads,
+        });
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::super::scene::{Origin, Scene};
+    use super::*;
+
+    fn example(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../examples/{name}.toml"))
+    }
+
+    fn drafted(name: &str, set: &[(&str, &str)]) -> Result<Scene, DraftError> {
+        let set: Vec<_> = set
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+            .collect();
+        let file = example(name);
+        let deck = Deck::load(&file, &set).unwrap();
+        let text = draft(&deck, &file, &set, 2)?;
+        // What is written is read again.
+        Ok(Scene::from_str(&text, "scene.toml", Path::new(".")).unwrap())
+    }
+
+    fn keys(scene: &Scene, name: &str) -> Option<String> {
+        let choice = scene.choices.iter().find(|c| c.name == name)?;
+        let set = choice.set.iter().map(|(k, v)| format!("{k}={v}"));
+        Some(set.collect::<Vec<_>>().join(" "))
+    }
+
+    #[test]
+    fn a_pushed_wall_is_compared_along_its_drive() {
+        let scene = drafted("03_shear_wall_j7d", &[("steps.1.displacement", "0.8 mm")]).unwrap();
+        assert_eq!(
+            (scene.x.as_str(), scene.y.as_str()),
+            ("displacement_mm", "force_kN")
+        );
+        assert_eq!(
+            (scene.range, scene.steps.as_deref()),
+            ([0.0, 0.8], Some(&[1][..]))
+        );
+        let Origin::Run(reference) = &scene.reference.origin else {
+            panic!("{:?}", scene.reference.origin)
+        };
+        let set = reference.set.iter().map(|(k, v)| format!("{k}={v}"));
+        assert_eq!(
+            set.collect::<Vec<_>>(),
+            [
+                "wall.mesh=[9,3,4]",
+                "steps.1.increments.initial=0.0025",
+                "steps.1.increments.max=0.00625"
+            ]
+        );
+        assert_eq!(
+            keys(&scene, "mesh coarser").as_deref(),
+            Some("wall.mesh=[3,2,1]")
+        );
+        assert_eq!(
+            keys(&scene, "projected").as_deref(),
+            Some("materials.brick.crack_band=projected materials.mortar.crack_band=projected")
+        );
+        // What it says already is no choice; nor is what it has not.
+        assert_eq!(keys(&scene, "penalty 500"), None);
+        assert_eq!(keys(&scene, "joints x 4"), None);
+        assert!(keys(&scene, "penalty 50").is_some());
+        assert_eq!(keys(&scene, "2 threads").as_deref(), Some(""));
+        assert_eq!(keys(&scene, "4 threads"), None);
+    }
+
+    #[test]
+    fn a_steered_load_is_compared_along_what_steers_it() {
+        let scene = drafted("62_out_of_plane_wall", &[]).unwrap();
+        assert_eq!(
+            (scene.x.as_str(), scene.y.as_str()),
+            ("middle_mm", "load_factor")
+        );
+        // Its wall is bent: three elements through its thickness, and softer joints.
+        assert_eq!(
+            keys(&scene, "mesh finer through the thickness").as_deref(),
+            Some("wall.mesh=[5,2,6]")
+        );
+        assert_eq!(keys(&scene, "implex"), None);
+    }
+
+    #[test]
+    fn stiffness_that_is_said_is_a_choice() {
+        let scene = drafted("../docs/validation/05-arches/sideways-27-12", &[]).unwrap();
+        assert_eq!(
+            keys(&scene, "joints x 4").as_deref(),
+            Some("interfaces.dry.normal_stiffness=400 interfaces.dry.shear_stiffness=400")
+        );
+        assert_eq!(keys(&scene, "penalty 50"), None);
+        assert_eq!(keys(&scene, "projected"), None);
+    }
+
+    #[test]
+    fn what_goes_no_way_has_no_curve() {
+        let back = [("steps.1.direction", "-x")];
+        for (name, set) in [("03_shear_wall_j7d", &back[..]), ("30_toppling_stack", &[])] {
+            let told = drafted(name, set).unwrap_err();
+            assert!(matches!(told, DraftError::NoCurve(_)), "{name}: {told}");
+        }
+    }
+}
