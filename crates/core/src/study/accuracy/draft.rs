@@ -6,9 +6,10 @@ use miette::Diagnostic;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::scene::Group;
+use super::offered::{offered, refined, scaled};
+use super::scene::{Choice, Group};
 use crate::model::Deck;
-use crate::model::deck::{DeckProbe, DeckProcedure, DeckStep, Interface, StepKind, Wall};
+use crate::model::deck::{DeckProbe, DeckStep, StepKind};
 
 /// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
 /// finer mesh would change is not in it.
@@ -50,7 +51,7 @@ struct Draft<'a> {
     from: f64,
     to: f64,
     reference: Reference,
-    choices: Vec<Choice>,
+    choices: Vec<Written>,
 }
 
 #[derive(Serialize)]
@@ -62,20 +63,12 @@ struct Reference {
     uncertainty: f64,
 }
 
-#[derive(Clone, Serialize)]
-struct Choice {
+#[derive(Serialize)]
+struct Written {
     name: String,
     group: Group,
     set: Vec<String>,
     threads: usize,
-}
-
-/// A mesh in the deck: its key, and how many elements each side has.
-struct Mesh {
-    key: String,
-    sides: [u32; 3],
-    /// Of the sides along and up one is the joint's.
-    masonry: bool,
 }
 
 /// The `scene.toml` of the model in `file` with these keys said anew, on a machine of `threads` threads, which all make its
@@ -92,8 +85,7 @@ pub fn draft(
     let last = deck.steps.len().checked_sub(1);
     let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
     let compared = compared(deck, last)?;
-    let meshes = meshes(deck);
-    let refined = mesh_of(&meshes, finer);
+    let refined = refined(deck);
     let reference = [refined.clone(), scaled(deck, last, 0.5)].concat();
     let written = |set: &[(String, String)]| -> Vec<String> {
         set.iter().map(|(k, v)| format!("{k}={v}")).collect()
@@ -104,20 +96,25 @@ pub fn draft(
         "every side of the elements halved, half the increments. No finer mesh was run, so that its own error is not known."
     };
     let was = deck.to_toml()?;
-    let changes = |choice: &Choice| {
-        let all = [set, &pairs(&choice.set)].concat();
-        // What the deck refuses, or says already, is none of its choices.
-        let with = Deck::load(file, &all).ok()?.to_toml().ok()?;
-        (with != was || choice.threads > 1).then_some(())
+    // What the deck refuses, or says already, is none of its choices.
+    let chooses = |choice: &Choice| {
+        let all = [set, &choice.set].concat();
+        let with = Deck::load(file, &all)
+            .ok()
+            .and_then(|deck| deck.to_toml().ok());
+        with.is_some_and(|with| with != was || choice.group == Group::Threads)
     };
-    let mut choices = vec![Choice {
-        name: "default".to_owned(),
-        group: Group::Default,
-        set: Vec::new(),
-        threads: 1,
-    }];
-    let offered = offered(deck, last, &meshes).into_iter();
-    choices.extend(offered.filter(|c| c.threads <= threads && changes(c).is_some()));
+    let default = Choice::new("default", Group::Default, Vec::new());
+    let offered = offered(deck, last).into_iter();
+    let offered = offered.filter(|choice| choice.threads <= threads && chooses(choice));
+    let choices = std::iter::once(default)
+        .chain(offered)
+        .map(|choice| Written {
+            set: written(&choice.set),
+            name: choice.name,
+            group: choice.group,
+            threads: choice.threads,
+        });
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     let draft = Draft {
         number: 1,
@@ -144,7 +141,7 @@ pub fn draft(
             how: how.to_owned(),
             uncertainty: UNCERTAINTY,
         },
-        choices,
+        choices: choices.collect(),
     };
     let text = toml::to_string(&draft)?;
     Ok(format!(
@@ -189,211 +186,6 @@ fn along(x: String, y: &'static str, from: f64, to: f64) -> Result<Compared, Dra
             "its displacement falls, and curves are read along one that grows",
         ))
     }
-}
-
-/// All meshes that the deck says or means.
-fn meshes(deck: &Deck) -> Vec<Mesh> {
-    let of_wall = |key: String, wall: &Wall| Mesh {
-        key,
-        sides: [wall.mesh.length, wall.mesh.thickness, wall.mesh.height],
-        masonry: true,
-    };
-    let plain = |key: String, sides: [u32; 3]| Mesh {
-        key,
-        sides,
-        masonry: false,
-    };
-    let wall = deck.wall.iter().map(|w| of_wall("wall.mesh".to_owned(), w));
-    let walls = deck.walls.iter().enumerate();
-    let walls = walls.map(|(i, w)| of_wall(format!("walls.{i}.mesh"), w));
-    let blocks = deck.blocks.iter().enumerate();
-    let blocks = blocks.map(|(i, block)| plain(format!("blocks.{i}.mesh"), block.mesh));
-    let arch = deck
-        .arch
-        .iter()
-        .map(|arch| plain("arch.mesh".to_owned(), arch.mesh));
-    wall.chain(walls).chain(blocks).chain(arch).collect()
-}
-
-/// Twice as many elements along this side.
-fn finer(mesh: &Mesh, side: usize) -> u32 {
-    let n = mesh.sides[side];
-    if mesh.masonry && side != 1 && n > 1 {
-        2 * (n - 1) + 1
-    } else {
-        2 * n
-    }
-}
-
-/// Half as many.
-fn coarser(mesh: &Mesh, side: usize) -> u32 {
-    let n = mesh.sides[side];
-    if mesh.masonry && side != 1 && n > 1 {
-        (n - 1).div_ceil(2) + 1
-    } else {
-        n.div_ceil(2)
-    }
-}
-
-fn mesh_of(meshes: &[Mesh], side: impl Fn(&Mesh, usize) -> u32) -> Vec<(String, String)> {
-    let value = |mesh: &Mesh| {
-        let [along, through, up] = [0, 1, 2].map(|s| side(mesh, s));
-        // A wall says its height before its thickness.
-        if mesh.masonry {
-            format!("[{along},{up},{through}]")
-        } else {
-            format!("[{along},{through},{up}]")
-        }
-    };
-    meshes.iter().map(|m| (m.key.clone(), value(m))).collect()
-}
-
-/// The increments of a step times this.
-fn scaled(deck: &Deck, step: usize, by: f64) -> Vec<(String, String)> {
-    let now = deck.steps[step].increments();
-    let [initial, max] = [now.initial, now.max].map(|size| (by * size).min(1.0));
-    vec![
-        (format!("steps.{step}.increments.initial"), number(initial)),
-        (format!("steps.{step}.increments.max"), number(max)),
-    ]
-}
-
-/// Without what rounding adds.
-fn number(x: f64) -> String {
-    let rounded = format!("{x:.6e}").parse().unwrap_or(x);
-    f64::to_string(&rounded)
-}
-
-fn pairs(set: &[String]) -> Vec<(String, String)> {
-    let pair = |text: &String| {
-        let (key, value) = text.split_once('=')?;
-        Some((key.to_owned(), value.to_owned()))
-    };
-    set.iter().filter_map(pair).collect()
-}
-
-/// What may be chosen of any model; of this one, what it does not refuse.
-fn offered(deck: &Deck, last: usize, meshes: &[Mesh]) -> Vec<Choice> {
-    let mut all = Vec::new();
-    let mut offer = |name: &str, group: Group, set: Vec<(String, String)>| {
-        let set = set.into_iter().map(|(k, v)| format!("{k}={v}")).collect();
-        all.push(Choice {
-            name: name.to_owned(),
-            group,
-            set,
-            threads: 1,
-        });
-    };
-    let one = |key: &str, value: &str| vec![(key.to_owned(), value.to_owned())];
-    let of_step = |key: &str, value: &str| one(&format!("steps.{last}.{key}"), value);
-    let same = |mesh: &Mesh, side: usize| mesh.sides[side];
-
-    for formulation in ["b-bar", "full"] {
-        let set = one("element.formulation", formulation);
-        offer(&format!("element {formulation}"), Group::Element, set);
-    }
-    if !meshes.is_empty() {
-        offer("mesh coarser", Group::Mesh, mesh_of(meshes, coarser));
-        let elevation = |mesh: &Mesh, side: usize| match side {
-            1 => same(mesh, 1),
-            _ => finer(mesh, side),
-        };
-        offer(
-            "mesh finer in elevation",
-            Group::Mesh,
-            mesh_of(meshes, elevation),
-        );
-        let through = |mesh: &Mesh, side: usize| match side {
-            1 => finer(mesh, 1),
-            _ => same(mesh, side),
-        };
-        offer(
-            "mesh finer through the thickness",
-            Group::Mesh,
-            mesh_of(meshes, through),
-        );
-        offer("mesh finer", Group::Mesh, mesh_of(meshes, finer));
-    }
-    let cracks = deck.materials.iter().filter(|(_, m)| !m.tension.is_empty());
-    let cracks: Vec<&String> = cracks.map(|(name, _)| name).collect();
-    if !cracks.is_empty() {
-        let band = |name: &&String| {
-            (
-                format!("materials.{name}.crack_band"),
-                "projected".to_owned(),
-            )
-        };
-        offer(
-            "projected",
-            Group::CrackBand,
-            cracks.iter().map(band).collect(),
-        );
-    }
-    offer(
-        "corner points",
-        Group::Points,
-        one("contact.points", "corner"),
-    );
-    offer("4x4 points", Group::Points, one("contact.parts", "[2,2,2]"));
-    for factor in ["5", "50", "500", "5000"] {
-        let of = |(name, joint): (&String, &Interface)| {
-            let set = (
-                format!("interfaces.{name}.penalty_factor"),
-                factor.to_owned(),
-            );
-            joint.normal_stiffness.is_none().then_some(set)
-        };
-        let set: Vec<_> = deck.interfaces.iter().filter_map(of).collect();
-        if !set.is_empty() {
-            offer(&format!("penalty {factor}"), Group::Penalty, set);
-        }
-    }
-    for (name, by) in [("joints / 4", 0.25), ("joints x 4", 4.0)] {
-        let stiffness = |(name, joint): (&String, &Interface)| {
-            let said = [
-                ("normal", joint.normal_stiffness),
-                ("shear", joint.shear_stiffness),
-            ];
-            let key = |way: &str| format!("interfaces.{name}.{way}_stiffness");
-            said.into_iter()
-                .filter_map(|(way, k)| Some((key(way), number(by * k?.get()))))
-                .collect::<Vec<_>>()
-        };
-        let set: Vec<_> = deck.interfaces.iter().flat_map(stiffness).collect();
-        if !set.is_empty() {
-            offer(name, Group::Penalty, set);
-        }
-    }
-    if deck.steps[last].procedure != DeckProcedure::Dynamic {
-        for procedure in ["static", "quasi_static", "dissipation", "implex"] {
-            let name = procedure.replace('_', "-");
-            offer(&name, Group::Procedure, of_step("procedure", procedure));
-        }
-    }
-    offer(
-        "consistent",
-        Group::Procedure,
-        of_step("tangent", "consistent"),
-    );
-    for (name, by) in [("steps / 2", 0.5), ("steps x 2", 2.0), ("steps x 4", 4.0)] {
-        offer(name, Group::Step, scaled(deck, last, by));
-    }
-    let residual = number(0.2 * deck.steps[last].tolerance().residual);
-    let tighter = of_step("tolerance.residual", &residual);
-    offer("tolerance / 5", Group::Tolerance, tighter);
-    offer("full", Group::Fidelity, one("fidelity", "full"));
-    if !cracks.is_empty() {
-        offer("elastic", Group::Fidelity, one("fidelity", "elastic"));
-    }
-    for threads in [2, 4] {
-        all.push(Choice {
-            name: format!("{threads} threads"),
-            group: Group::Threads,
-            set: Vec::new(),
-            threads,
-        });
-    }
-    all
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod chart;
 mod draft;
 mod errors;
 mod front;
+mod offered;
 mod outcome;
 mod page;
 mod pattern;

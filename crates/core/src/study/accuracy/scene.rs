@@ -171,6 +171,20 @@ impl Group {
     }
 }
 
+impl Choice {
+    /// On one thread, in the short form too.
+    pub fn new(name: &str, group: Group, set: Vec<(String, String)>) -> Self {
+        Self {
+            name: name.to_owned(),
+            group,
+            set,
+            threads: 1,
+            factor: 1.0,
+            short: true,
+        }
+    }
+}
+
 impl Scene {
     /// Reads a scene from its file.
     ///
