@@ -10,8 +10,8 @@ use wythe_core::model::Deck;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
-    CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,
-    read, renew, scenes, study, table,
+    CHART, Options, Outcome, PATTERN, Renewed, Scene, Studied, TABLE, advice, chart, draft, link,
+    page, read, renew, scenes, study, table,
 };
 
 use super::{chosen, failed, other};
@@ -99,19 +99,32 @@ fn drafted(
             scene.display()
         )));
     }
+    let limit = Duration::from_secs_f64(arguments.limit);
     if scene.exists() {
         eprintln!("{} is taken as it stands", scene.display());
     } else {
         let deck = Deck::load(&file, &arguments.overrides)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let text = draft(&deck, &file, &arguments.overrides, threads).map_err(Failure::model)?;
-        write(&folder, SCENE, text.as_bytes())?;
+        let drafted = |from: f64| -> Result<(), Failure> {
+            let text = draft(&deck, &file, &arguments.overrides, threads, from);
+            let text = text.map_err(Failure::model)?;
+            write(&folder, SCENE, text.as_bytes())?;
+            Ok(())
+        };
+        drafted(0.0)?;
         eprintln!("written to {}", scene.display());
+        let scene = Scene::load(&scene)?;
+        // What acts before the last step may have moved what is compared.
+        if let Some(made) = remade(&scene, limit, interrupt)?
+            && made.begins > scene.range[0]
+        {
+            drafted(made.begins)?;
+        }
+        return Ok(dir);
     }
     let scene = Scene::load(&scene)?;
     if !scene.reference.there() {
-        let limit = Duration::from_secs_f64(arguments.limit);
-        references(&[scene], limit, interrupt)?;
+        remade(&scene, limit, interrupt)?;
     }
     Ok(dir)
 }
@@ -145,24 +158,35 @@ fn written_out(
 /// Makes the references anew that come from runs.
 fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
     for scene in scenes {
-        let file = &scene.reference.file;
-        let made = renew(scene, limit, &|| interrupt.requested());
-        if interrupt.requested() {
-            return Err(Failure::Interrupted);
-        }
-        let told = match made.map_err(|why| unmade(file, &why))? {
-            None => format!("{}: its reference comes from elsewhere\n", scene.name()),
-            Some(made) => {
-                write_whole(file, made.curve.as_bytes()).map_err(|why| failed(file, why))?;
-                if let Some(text) = &made.pattern {
-                    write(&scene.folder, PATTERN, text.as_bytes())?;
-                }
-                format!("{}: written to {}\n", scene.name(), file.display())
-            }
-        };
-        print(&told)?;
+        remade(scene, limit, interrupt)?;
     }
     Ok(())
+}
+
+/// Makes the reference of a scene anew, if it comes from a run.
+fn remade(
+    scene: &Scene,
+    limit: Duration,
+    interrupt: &Interrupt,
+) -> Result<Option<Renewed>, Failure> {
+    let file = &scene.reference.file;
+    let made = renew(scene, limit, &|| interrupt.requested());
+    if interrupt.requested() {
+        return Err(Failure::Interrupted);
+    }
+    let made = made.map_err(|why| unmade(file, &why))?;
+    let told = match &made {
+        None => format!("{}: its reference comes from elsewhere\n", scene.name()),
+        Some(made) => {
+            write_whole(file, made.curve.as_bytes()).map_err(|why| failed(file, why))?;
+            if let Some(text) = &made.pattern {
+                write(&scene.folder, PATTERN, text.as_bytes())?;
+            }
+            format!("{}: written to {}\n", scene.name(), file.display())
+        }
+    };
+    print(&told)?;
+    Ok(made)
 }
 
 /// A reference whose run broke or ended early; its file is left as it is.

@@ -72,7 +72,8 @@ struct Written {
 }
 
 /// The `scene.toml` of the model in `file` with these keys said anew, on a machine of `threads` threads, which all make its
-/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
+/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments. `from`: where the
+/// comparison begins at the earliest, where what acts before that step has moved what is compared.
 ///
 /// # Errors
 /// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
@@ -81,6 +82,7 @@ pub fn draft(
     file: &Path,
     set: &[(String, String)],
     threads: usize,
+    from: f64,
 ) -> Result<String, DraftError> {
     let last = deck.steps.len().checked_sub(1);
     let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
@@ -132,7 +134,7 @@ pub fn draft(
         x: &compared.x,
         y: compared.y,
         steps: [last],
-        from: compared.from,
+        from: from.max(compared.from),
         to: compared.to,
         reference: Reference {
             file: "reference.csv",
@@ -206,7 +208,7 @@ mod tests {
             .collect();
         let file = example(name);
         let deck = Deck::load(&file, &set).unwrap();
-        let text = draft(&deck, &file, &set, 2)?;
+        let text = draft(&deck, &file, &set, 2, 0.0)?;
         // What is written is read again.
         Ok(Scene::from_str(&text, "scene.toml", Path::new(".")).unwrap())
     }
@@ -263,6 +265,7 @@ mod tests {
             (scene.x.as_str(), scene.y.as_str()),
             ("middle_mm", "load_factor")
         );
+        assert_eq!(scene.range, [0.0, 9.95]);
         // Its wall is bent: three elements through its thickness, and softer joints.
         assert_eq!(
             keys(&scene, "mesh finer through the thickness").as_deref(),

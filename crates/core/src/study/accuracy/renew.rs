@@ -14,6 +14,8 @@ use crate::study::run::Watch;
 pub struct Renewed {
     /// Its curve.
     pub curve: String,
+    /// Where that begins.
+    pub begins: f64,
     /// Its cracks; none where the run shows no frame within the range.
     pub pattern: Option<String>,
 }
@@ -34,6 +36,7 @@ pub fn renew(
     let set = [scene.set.clone(), choice.set.clone()].concat();
     let solved = solved(scene, choice, &set, Watch { limit, stop }, None)?;
     let curve = curve(scene, choice, &solved.ended);
+    let begins = curve.first().map_or(0.0, |p| p[0]);
     let end = curve.last().map_or(0.0, |p| p[0]);
     let [from, to] = scene.range;
     if end < to - SLACK * (to - from) {
@@ -50,6 +53,7 @@ pub fn renew(
     }
     Ok(Some(Renewed {
         curve: text,
+        begins,
         pattern: solved.pattern.as_ref().map(Pattern::text),
     }))
 }
