@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import runpy
 import subprocess
@@ -128,7 +127,6 @@ def test_the_version_is_that_of_the_runs(python_run: wythe.Results) -> None:
     assert python_run.version == python_run.summary["version"] == wythe.__version__
 
 
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command_with_130(tmp_path: Path) -> None:
     deck = wythe.templates.shear_wall().save(tmp_path / "wall.toml")
     arguments = [sys.executable, "-m", "wythe", "run", deck, "--quiet"]
