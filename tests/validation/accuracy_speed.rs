@@ -429,11 +429,10 @@ fn a_reference_is_made_by_the_run_that_it_is_said_to_come_from() {
     let made = renew(&scene, Duration::from_secs(60), &|| false)
         .unwrap()
         .unwrap();
-    assert!(
-        made.curve
-            .starts_with("# wythe study accuracy-speed --only 7 --references"),
-        "{made:?}"
-    );
+    // With the folder of its scenes, as it is not the project's.
+    let scenes = scene.folder.parent().unwrap().display();
+    let command = format!("# wythe study accuracy-speed --scenes {scenes} --only 7 --references\n");
+    assert!(made.curve.starts_with(&command), "{made:?}");
     std::fs::write(&scene.reference.file, made.curve).unwrap();
     // Nothing cracks in it, nor in the choices.
     let pattern = made.pattern.unwrap();

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wythe_core::model::templates;
+use wythe_core::study::accuracy::SCENES;
 
 use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
 pub use results::{Compare, Export, Format, Frames, Info, Plot};
@@ -325,7 +326,7 @@ pub struct AccuracySpeed {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value, requires = "model")]
     pub overrides: Vec<(String, String)>,
     /// Folder of the scenes, each in a folder with a scene.toml.
-    #[arg(long, value_name = "DIR", default_value = "docs/accuracy-speed")]
+    #[arg(long, value_name = "DIR", default_value = SCENES)]
     pub scenes: PathBuf,
     /// Scenes of these numbers only, e.g. 1,3.
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]

@@ -10,8 +10,8 @@ use wythe_core::model::Deck;
 use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
-    CHART, Options, Outcome, PATTERN, Renewed, Scene, Studied, TABLE, advice, chart, draft, link,
-    page, read, renew, scenes, study, table,
+    CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,
+    read, renew, scenes, study, table,
 };
 
 use super::{chosen, failed, other};
@@ -52,8 +52,12 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         return written_out(&all.map_err(Failure::input_output)?, arguments, &dir, out);
     }
     if let Some(scene) = scenes.iter().find(|s| !s.reference.there()) {
-        let (file, number) = (scene.reference.file.clone(), scene.number);
-        return Err(StudyError::NoReference { file, number }.into());
+        return Err(StudyError::NoReference {
+            file: scene.reference.file.clone(),
+            command: scene.command(),
+            number: scene.number,
+        }
+        .into());
     }
     let lines = Mutex::new(());
     let progress = |scene: &Scene, outcome: &Outcome, repeat: usize| {
@@ -99,32 +103,18 @@ fn drafted(
             scene.display()
         )));
     }
-    let limit = Duration::from_secs_f64(arguments.limit);
     if scene.exists() {
         eprintln!("{} is taken as it stands", scene.display());
     } else {
         let deck = Deck::load(&file, &arguments.overrides)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let drafted = |from: f64| -> Result<(), Failure> {
-            let text = draft(&deck, &file, &arguments.overrides, threads, from);
-            let text = text.map_err(Failure::model)?;
-            write(&folder, SCENE, text.as_bytes())?;
-            Ok(())
-        };
-        drafted(0.0)?;
+        let text = draft(&deck, &file, &arguments.overrides, threads).map_err(Failure::model)?;
+        write(&folder, SCENE, text.as_bytes())?;
         eprintln!("written to {}", scene.display());
-        let scene = Scene::load(&scene)?;
-        // What acts before the last step may have moved what is compared.
-        if let Some(made) = remade(&scene, limit, interrupt)?
-            && made.begins > scene.range[0]
-        {
-            drafted(made.begins)?;
-        }
-        return Ok(dir);
     }
     let scene = Scene::load(&scene)?;
     if !scene.reference.there() {
-        remade(&scene, limit, interrupt)?;
+        remade(&scene, Duration::from_secs_f64(arguments.limit), interrupt)?;
     }
     Ok(dir)
 }
@@ -164,18 +154,13 @@ fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Resul
 }
 
 /// Makes the reference of a scene anew, if it comes from a run.
-fn remade(
-    scene: &Scene,
-    limit: Duration,
-    interrupt: &Interrupt,
-) -> Result<Option<Renewed>, Failure> {
+fn remade(scene: &Scene, limit: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
     let file = &scene.reference.file;
     let made = renew(scene, limit, &|| interrupt.requested());
     if interrupt.requested() {
         return Err(Failure::Interrupted);
     }
-    let made = made.map_err(|why| unmade(file, &why))?;
-    let told = match &made {
+    let told = match made.map_err(|why| unmade(file, &why))? {
         None => format!("{}: its reference comes from elsewhere\n", scene.name()),
         Some(made) => {
             write_whole(file, made.curve.as_bytes()).map_err(|why| failed(file, why))?;
@@ -185,8 +170,7 @@ fn remade(
             format!("{}: written to {}\n", scene.name(), file.display())
         }
     };
-    print(&told)?;
-    Ok(made)
+    print(&told)
 }
 
 /// A reference whose run broke or ended early; its file is left as it is.

@@ -193,10 +193,12 @@ pub enum StudyError {
     NoScene(PathBuf),
     /// A scene whose reference was not made yet.
     #[error("there is no reference {}", file.display())]
-    #[diagnostic(help("make it with `wythe study accuracy-speed --only {number} --references`"))]
+    #[diagnostic(help("make it with `{command} --only {number} --references`"))]
     NoReference {
         /// Its file.
         file: PathBuf,
+        /// What runs the scenes beside it.
+        command: String,
         /// Number of the scene.
         number: u32,
     },

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use miette::Diagnostic;
-use serde::Serialize;
 use thiserror::Error;
 
 use super::offered::{offered, refined, scaled};
 use super::scene::{Choice, Group};
+use super::written::{ChoiceFile, ReferenceFile, SceneFile};
 use crate::model::Deck;
 use crate::model::deck::{DeckProbe, DeckStep, StepKind};
 
@@ -29,51 +29,15 @@ pub enum DraftError {
     Text(#[from] toml::ser::Error),
 }
 
-/// What is compared, and where that begins and ends.
+/// What is compared, and where that ends.
 struct Compared {
     x: String,
     y: &'static str,
-    from: f64,
     to: f64,
-}
-
-/// The serde mirror of a `scene.toml` to be written.
-#[derive(Serialize)]
-struct Draft<'a> {
-    number: u32,
-    title: String,
-    what: String,
-    deck: String,
-    set: Vec<String>,
-    x: &'a str,
-    y: &'a str,
-    steps: [usize; 1],
-    from: f64,
-    to: f64,
-    reference: Reference,
-    choices: Vec<Written>,
-}
-
-#[derive(Serialize)]
-struct Reference {
-    file: &'static str,
-    set: Vec<String>,
-    threads: usize,
-    how: String,
-    uncertainty: f64,
-}
-
-#[derive(Serialize)]
-struct Written {
-    name: String,
-    group: Group,
-    set: Vec<String>,
-    threads: usize,
 }
 
 /// The `scene.toml` of the model in `file` with these keys said anew, on a machine of `threads` threads, which all make its
-/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments. `from`: where the
-/// comparison begins at the earliest, where what acts before that step has moved what is compared.
+/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
 ///
 /// # Errors
 /// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
@@ -82,16 +46,12 @@ pub fn draft(
     file: &Path,
     set: &[(String, String)],
     threads: usize,
-    from: f64,
 ) -> Result<String, DraftError> {
     let last = deck.steps.len().checked_sub(1);
     let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
     let compared = compared(deck, last)?;
     let refined = refined(deck);
     let reference = [refined.clone(), scaled(deck, last, 0.5)].concat();
-    let written = |set: &[(String, String)]| -> Vec<String> {
-        set.iter().map(|(k, v)| format!("{k}={v}")).collect()
-    };
     let how = if refined.is_empty() {
         "half the increments; its mesh is that of the model, which no key refines."
     } else {
@@ -111,14 +71,16 @@ pub fn draft(
     let offered = offered.filter(|choice| choice.threads <= threads && chooses(choice));
     let choices = std::iter::once(default)
         .chain(offered)
-        .map(|choice| Written {
-            set: written(&choice.set),
+        .map(|choice| ChoiceFile {
+            set: lines(&choice.set),
             name: choice.name,
             group: choice.group,
             threads: choice.threads,
+            factor: choice.factor,
+            short: choice.short,
         });
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
-    let draft = Draft {
+    let draft = SceneFile {
         number: 1,
         title: if deck.title.is_empty() {
             name.to_string()
@@ -129,26 +91,41 @@ pub fn draft(
             "`{name}.toml`, its step `{}`, over what may be chosen.",
             deck.steps[last].name()
         ),
+        says: String::new(),
         deck: file.to_string_lossy().into_owned(),
-        set: written(set),
-        x: &compared.x,
-        y: compared.y,
-        steps: [last],
-        from: from.max(compared.from),
+        set: lines(set),
+        short: None,
+        x: compared.x,
+        y: compared.y.to_owned(),
+        steps: Some(vec![last]),
+        from: None,
         to: compared.to,
-        reference: Reference {
-            file: "reference.csv",
-            set: written(&reference),
-            threads,
+        short_to: None,
+        reference: ReferenceFile {
+            file: "reference.csv".to_owned(),
+            x: None,
+            y: None,
+            y_factor: 1.0,
+            peak: None,
             how: how.to_owned(),
             uncertainty: UNCERTAINTY,
+            set: Some(lines(&reference)),
+            threads,
+            factor: None,
+            command: None,
         },
         choices: choices.collect(),
+        peers: Vec::new(),
     };
     let text = toml::to_string(&draft)?;
     Ok(format!(
         "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/studies.md lists the keys. It stays as you change it.\n{text}"
     ))
+}
+
+/// Keys and values as `--set` has them.
+fn lines(set: &[(String, String)]) -> Vec<String> {
+    set.iter().map(|(k, v)| format!("{k}={v}")).collect()
 }
 
 /// Columns and range of what the last step does.
@@ -160,7 +137,7 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let x = probe.ok_or(DraftError::NoCurve("it has not the probe that steers it"))?;
         // Increments end within a thousandth of the last.
         let to = 0.995 * control.displacement.get();
-        return along(x, "load_factor", 0.0, to);
+        return along(x, "load_factor", [0.0, to]);
     }
     let is_drive = |step: &&DeckStep| step.kind == StepKind::Drive;
     if !is_drive(&step) {
@@ -177,12 +154,12 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
         way = [way[1], way[1] + sign * drive.drive()];
     }
-    along("displacement_mm".to_owned(), "force_kN", way[0], way[1])
+    along("displacement_mm".to_owned(), "force_kN", way)
 }
 
-fn along(x: String, y: &'static str, from: f64, to: f64) -> Result<Compared, DraftError> {
+fn along(x: String, y: &'static str, [from, to]: [f64; 2]) -> Result<Compared, DraftError> {
     if from >= 0.0 && to > from {
-        Ok(Compared { x, y, from, to })
+        Ok(Compared { x, y, to })
     } else {
         Err(DraftError::NoCurve(
             "its displacement falls, and curves are read along one that grows",
@@ -208,15 +185,14 @@ mod tests {
             .collect();
         let file = example(name);
         let deck = Deck::load(&file, &set).unwrap();
-        let text = draft(&deck, &file, &set, 2, 0.0)?;
+        let text = draft(&deck, &file, &set, 2)?;
         // What is written is read again.
         Ok(Scene::from_str(&text, "scene.toml", Path::new(".")).unwrap())
     }
 
     fn keys(scene: &Scene, name: &str) -> Option<String> {
         let choice = scene.choices.iter().find(|c| c.name == name)?;
-        let set = choice.set.iter().map(|(k, v)| format!("{k}={v}"));
-        Some(set.collect::<Vec<_>>().join(" "))
+        Some(lines(&choice.set).join(" "))
     }
 
     #[test]
@@ -233,9 +209,8 @@ mod tests {
         let Origin::Run(reference) = &scene.reference.origin else {
             panic!("{:?}", scene.reference.origin)
         };
-        let set = reference.set.iter().map(|(k, v)| format!("{k}={v}"));
         assert_eq!(
-            set.collect::<Vec<_>>(),
+            lines(&reference.set),
             [
                 "wall.mesh=[9,3,4]",
                 "steps.1.increments.initial=0.0025",
@@ -271,6 +246,8 @@ mod tests {
             keys(&scene, "mesh finer through the thickness").as_deref(),
             Some("wall.mesh=[5,2,6]")
         );
+        assert_eq!(keys(&scene, "penalty 50"), None);
+        assert!(keys(&scene, "penalty 500").is_some());
         assert_eq!(keys(&scene, "implex"), None);
     }
 

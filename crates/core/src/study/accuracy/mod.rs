@@ -31,4 +31,4 @@ pub use pattern::{Cracks, Grid, PATTERN, Pattern};
 pub use peer::Peer;
 pub use reading::read;
 pub use renew::{Renewed, renew};
-pub use scene::{Choice, Group, Origin, Reference, Scene, advice, scenes};
+pub use scene::{Choice, Group, Origin, Reference, SCENES, Scene, advice, scenes};

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::errors::Errors;
 use super::front::{FASTER, beaten, front};
 use super::outcome::{Outcome, Studied};
-use super::scene::{Group, Origin, Reference};
+use super::scene::{Group, Origin, Scene};
 use crate::study::expect::percent;
 
 /// Names of what stands beside a `scene.toml`.
@@ -31,9 +31,15 @@ pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String
          in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end.\n\n\
          *Cracks* is the overlap of the crack pattern with that of the reference at the end, seen in elevation: cells of 10 mm with an element torn by half or a crack of \
          0.05 mm, or with a joint that has lost half of its bond, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
-         fine ones, and lose overlap by that alone.\n\n\
-         Redo it with `wythe study accuracy-speed`, one scene with `--only`, a reference with `--references`.\n\n",
+         fine ones, and lose overlap by that alone.\n\n",
     );
+    if let Some(studied) = all.first() {
+        let command = studied.scene.command();
+        let _ = writeln!(
+            page,
+            "Redo it with `{command}`, one scene with `--only`, a reference with `--references`.\n"
+        );
+    }
     let mut sections = sections(before);
     for studied in all {
         sections.insert(studied.scene.number, section(studied, folder));
@@ -67,7 +73,7 @@ fn section(studied: &Studied, folder: &str) -> String {
         let _ = writeln!(text, "{}\n", scene.says.trim());
     }
     let _ = writeln!(text, "{}\n", verdict(studied));
-    let _ = writeln!(text, "{}\n", reference(&scene.reference, scene.number));
+    let _ = writeln!(text, "{}\n", reference(scene));
     text.push_str(
         "| Choice | | peak | energy | RMS | cracks | CPU, ratio | CPU s | wall, ratio | wall s | solves | front |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -218,7 +224,8 @@ fn verdict(studied: &Studied) -> String {
     format!("{within} and {front}; {faster}")
 }
 
-fn reference(reference: &Reference, number: u32) -> String {
+fn reference(scene: &Scene) -> String {
+    let (reference, number) = (&scene.reference, scene.number);
     let made = match &reference.origin {
         Origin::Run(choice) => {
             let set: Vec<String> = choice
@@ -227,7 +234,8 @@ fn reference(reference: &Reference, number: u32) -> String {
                 .map(|(k, v)| format!("`{k}={v}`"))
                 .collect();
             format!(
-                "`wythe study accuracy-speed --only {number} --references`, with {}",
+                "`{} --only {number} --references`, with {}",
+                scene.command(),
                 set.join(", ")
             )
         }

@@ -14,8 +14,6 @@ use crate::study::run::Watch;
 pub struct Renewed {
     /// Its curve.
     pub curve: String,
-    /// Where that begins.
-    pub begins: f64,
     /// Its cracks; none where the run shows no frame within the range.
     pub pattern: Option<String>,
 }
@@ -36,15 +34,14 @@ pub fn renew(
     let set = [scene.set.clone(), choice.set.clone()].concat();
     let solved = solved(scene, choice, &set, Watch { limit, stop }, None)?;
     let curve = curve(scene, choice, &solved.ended);
-    let begins = curve.first().map_or(0.0, |p| p[0]);
     let end = curve.last().map_or(0.0, |p| p[0]);
     let [from, to] = scene.range;
     if end < to - SLACK * (to - from) {
         return Err(format!("ends at {end} of {to}: {}", solved.ended.message));
     }
-    let (cost, number) = (solved.cost, scene.number);
+    let (cost, number, command) = (solved.cost, scene.number, scene.command());
     let mut text = format!(
-        "# wythe study accuracy-speed --only {number} --references\n# {} increments, {} solves, {:.0} s of CPU\n{},{}\n",
+        "# {command} --only {number} --references\n# {} increments, {} solves, {:.0} s of CPU\n{},{}\n",
         cost.increments, cost.iterations, solved.cpu, scene.x, scene.y
     );
     for [x, y] in curve {
@@ -53,7 +50,6 @@ pub fn renew(
     }
     Ok(Some(Renewed {
         curve: text,
-        begins,
         pattern: solved.pattern.as_ref().map(Pattern::text),
     }))
 }

@@ -12,6 +12,9 @@ use crate::study::curve::Point;
 use crate::study::written::{gathered, listed, parsed, text};
 use crate::study::{Short, StudyError};
 
+/// Where the study looks for scenes unless it is told.
+pub const SCENES: &str = "docs/accuracy-speed";
+
 /// A folder with `scene.toml`; `docs/studies.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -207,6 +210,16 @@ impl Scene {
     /// Number and title.
     pub fn name(&self) -> String {
         format!("{} {}", self.number, self.title)
+    }
+
+    /// The command that runs the scenes beside it.
+    pub fn command(&self) -> String {
+        let scenes = self.folder.parent().unwrap_or(Path::new("."));
+        if scenes == Path::new(SCENES) {
+            "wythe study accuracy-speed".to_owned()
+        } else {
+            format!("wythe study accuracy-speed --scenes {}", scenes.display())
+        }
     }
 
     /// Name of its folder.

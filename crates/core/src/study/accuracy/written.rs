@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::errors::Known;
 use super::pattern::{PATTERN, Pattern};
@@ -15,67 +15,76 @@ use crate::study::written::{ShortFile, pairs, parsed, short, text};
 use crate::study::{History, Short, StudyError};
 
 /// The serde mirror of `scene.toml`.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    number: u32,
-    title: String,
-    what: String,
-    #[serde(default)]
-    says: String,
-    deck: String,
-    #[serde(default)]
-    set: Vec<String>,
-    short: Option<ShortFile>,
-    x: String,
-    y: String,
-    steps: Option<Vec<usize>>,
-    #[serde(default)]
-    from: f64,
-    to: f64,
-    short_to: Option<f64>,
-    reference: ReferenceFile,
-    choices: Vec<ChoiceFile>,
-    #[serde(default)]
-    peers: Vec<PeerFile>,
+    pub number: u32,
+    pub title: String,
+    pub what: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub says: String,
+    pub deck: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    #[serde(skip_serializing)]
+    pub short: Option<ShortFile>,
+    pub x: String,
+    pub y: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<Vec<usize>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    pub to: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub short_to: Option<f64>,
+    pub reference: ReferenceFile,
+    pub choices: Vec<ChoiceFile>,
+    #[serde(default, skip_serializing)]
+    pub peers: Vec<PeerFile>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct ReferenceFile {
-    file: String,
-    x: Option<String>,
-    y: Option<String>,
-    #[serde(default = "one")]
-    y_factor: f64,
-    peak: Option<f64>,
-    how: String,
-    uncertainty: f64,
-    set: Option<Vec<String>>,
+pub struct ReferenceFile {
+    pub file: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<String>,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub y_factor: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak: Option<f64>,
+    pub how: String,
+    pub uncertainty: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub set: Option<Vec<String>>,
     #[serde(default = "one_thread")]
-    threads: usize,
-    factor: Option<f64>,
-    command: Option<String>,
+    pub threads: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct ChoiceFile {
-    name: String,
-    group: Group,
-    #[serde(default)]
-    set: Vec<String>,
+pub struct ChoiceFile {
+    pub name: String,
+    pub group: Group,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     #[serde(default = "one_thread")]
-    threads: usize,
-    #[serde(default = "one")]
-    factor: f64,
-    #[serde(default = "yes")]
-    short: bool,
+    pub threads: usize,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub factor: f64,
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub short: bool,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PeerFile {
+pub struct PeerFile {
     name: String,
     differs: String,
     file: String,
@@ -97,6 +106,17 @@ struct IndexFile {
 
 fn one() -> f64 {
     1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde hands it over")]
+#[expect(clippy::float_cmp, reason = "the default itself")]
+fn is_one(factor: &f64) -> bool {
+    *factor == one()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde hands it over")]
+fn is_yes(short: &bool) -> bool {
+    *short
 }
 
 fn one_thread() -> usize {
@@ -156,14 +176,18 @@ impl SceneFile {
             let what = format!("the deck has {last} steps, counted from 0, and no step {step}");
             return Err(error("steps", what));
         }
-        if !(self.from >= 0.0 && self.from < self.to && self.to.is_finite()) {
+        let reference = reference(self.reference, [&self.x, &self.y], source, folder, &error)?;
+        // What acts before the first of these rows may have moved what is compared.
+        let begins = reference.curve.first().map_or(0.0, |point| point[0]);
+        let from = self.from.unwrap_or(begins.max(0.0));
+        if !(from >= 0.0 && from < self.to && self.to.is_finite()) {
             return Err(error(
                 "to",
                 "must be beyond `from`, which is 0 or more".to_owned(),
             ));
         }
         let short_to = self.short_to.unwrap_or(self.to);
-        if !(self.from < short_to && short_to <= self.to) {
+        if !(from < short_to && short_to <= self.to) {
             return Err(error(
                 "short_to",
                 "must lie between `from` and `to`".to_owned(),
@@ -190,10 +214,9 @@ impl SceneFile {
                 return Err(error(&format!("peers.{i}.name"), what));
             }
         }
-        let reference = reference(self.reference, [&self.x, &self.y], source, folder, &error)?;
         let there = reference.there();
         for to in [self.to, short_to].into_iter().filter(|_| there) {
-            Known::new(&reference.curve, [self.from, to], reference.peak)
+            Known::new(&reference.curve, [from, to], reference.peak)
                 .map_err(|why| error("reference.file", why))?;
         }
         // Every choice is tried on the deck now: a slip in the last one would be found after hours.
@@ -222,7 +245,7 @@ impl SceneFile {
             x: self.x,
             y: self.y,
             steps: self.steps,
-            range: [self.from, self.to],
+            range: [from, self.to],
             short_to,
             reference,
             choices,
