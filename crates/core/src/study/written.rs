@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::case::{Case, CaseMethod, ENERGY, End, Short, StudyError};
 use super::expect::Wanted;
@@ -37,7 +37,7 @@ pub struct CaseFile {
 }
 
 /// The form that the tests run, as written.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     untagged,
     expecting = "expected `short = false` or `short = { set = [\"KEY=VALUE\"] }`"
@@ -47,7 +47,7 @@ pub(super) enum ShortFile {
     Table(SetFile),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SetFile {
     set: Vec<String>,

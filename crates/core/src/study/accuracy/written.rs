@@ -14,7 +14,7 @@ use crate::study::curve;
 use crate::study::written::{ShortFile, pairs, parsed, short, text};
 use crate::study::{History, Short, StudyError};
 
-/// The serde mirror of `scene.toml`.
+/// The serde mirror of `scene.toml`; TOML leaves out what is none.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
@@ -26,20 +26,16 @@ pub struct SceneFile {
     pub deck: String,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
-    #[serde(skip_serializing)]
     pub short: Option<ShortFile>,
     pub x: String,
     pub y: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<Vec<usize>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     pub to: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub short_to: Option<f64>,
     pub reference: ReferenceFile,
     pub choices: Vec<ChoiceFile>,
-    #[serde(default, skip_serializing)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peers: Vec<PeerFile>,
 }
 
@@ -47,23 +43,17 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields)]
 pub struct ReferenceFile {
     pub file: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<String>,
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub y_factor: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub peak: Option<f64>,
     pub how: String,
     pub uncertainty: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub set: Option<Vec<String>>,
     #[serde(default = "one_thread")]
     pub threads: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
 }
 
@@ -82,7 +72,7 @@ pub struct ChoiceFile {
     pub short: bool,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PeerFile {
     name: String,
