@@ -45,8 +45,10 @@ fn the_default_agrees_with_a_tenth_of_its_increments_and_a_hundredth_of_its_tole
     let rows = recording.rows.iter().filter(|r| r.step == 1);
     let curve: Curve = rows.map(|r| [r.displacement_mm, r.force_kN]).collect();
     let careful = careful(&folder);
-    // A fall that both must show: the wall has lost a quarter of its strength at the end.
-    assert!(curve.last().unwrap()[1] < 0.75 * peak(&curve));
+    // A fall that both must show: the wall has lost a fifth of its strength at the end.
+    for curve in [&curve, &careful] {
+        assert!(curve.last().unwrap()[1] < 0.8 * peak(curve));
+    }
     let strength = peak(&curve) / peak(&careful) - 1.0;
     let energy = work(&curve) / work(&careful) - 1.0;
     println!(

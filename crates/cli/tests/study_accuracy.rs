@@ -174,7 +174,7 @@ fn a_model_of_ones_own_is_drafted_and_run() {
     for said in [
         "| mesh finer |",
         "| steps / 2 |",
-        "| penalty 50 |",
+        "| penalty 500 |",
         "(scenes/torn/chart.svg)",
     ] {
         assert!(page.contains(said), "{said}: {page}");

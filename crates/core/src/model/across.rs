@@ -1,9 +1,11 @@
-//! Walls that are bent out of their plane: what they want if the deck says nothing of it.
+//! What walls with mortar want if the deck says nothing of it.
+//!
+//! Stiff joints hold units whose meshes do not match in each other's shape. Before anything cracks a wall that is
+//! bent out of its plane is 28 % too stiff with 500 E/h and up to 4 % with 50, and takes six tenths of the time; J7D,
+//! which is sheared, 11 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
 //!
 //! A section that bends opens on one side and is pressed together on the other: of two elements one has the joint's
-//! whole pressure, and the peak comes some 4 % lower than with three (docs/accuracy-speed.md, scene 4). Stiff
-//! joints hold units whose meshes do not match in each other's shape: with 500 E/h this wall is 28 % too stiff before
-//! anything cracks, with 50 E/h up to 4 %, and it takes six tenths of the time.
+//! whole pressure, and the peak comes some 4 % lower than with three (scene 4).
 
 use super::deck::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 use super::quantity::Number;
@@ -11,15 +13,18 @@ use super::quantity::Number;
 /// Elements through the thickness from which on the peak is within a per cent.
 const ENOUGH: u32 = 3;
 
-/// Penalty factor of their joints [-]; elsewhere it is that of theory C.8.
+/// Penalty factor of joints with mortar [-]; elsewhere it is that of theory C.8.
 const PENALTY: f64 = 50.0;
 
-/// Walls with mortar that something bends, by path.
+/// Walls with mortar whose units give, by path.
+fn soft(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
+    deck.walls()
+        .filter(|(.., wall)| wall.mortar_material.is_some() && !wall.rigid)
+}
+
+/// Those that something bends out of their plane.
 fn bent(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
-    deck.walls().filter(|(_, name, wall)| {
-        let soft = wall.mortar_material.is_some() && !wall.rigid;
-        soft && deck.steps.iter().any(|step| bends(step, name, wall))
-    })
+    soft(deck).filter(|(_, name, wall)| deck.steps.iter().any(|step| bends(step, name, wall)))
 }
 
 /// Those that have too few elements through their thickness.
@@ -27,7 +32,7 @@ fn thin(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
     bent(deck).filter(|(.., wall)| wall.mesh.thickness * wall.leaves < ENOUGH)
 }
 
-/// Chooses what the deck does not say of walls that are bent.
+/// Chooses what the deck does not say of walls with mortar.
 pub(super) fn choose(deck: &mut Deck) {
     choose_meshes(deck);
     choose_penalties(deck);
@@ -54,7 +59,7 @@ fn choose_penalties(deck: &mut Deck) {
     if deck.contact.general.is_some() {
         return;
     }
-    let names: Vec<String> = bent(deck)
+    let names: Vec<String> = soft(deck)
         .flat_map(|(.., wall)| {
             let others = [&wall.head_interface, &wall.collar_interface];
             std::iter::once(&wall.interface).chain(others.into_iter().flatten())
