@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use wythe_core::command::argument;
 use wythe_core::error::IoError;
 use wythe_core::model::import::{ImportedMesh, Units};
 use wythe_core::model::schema;
@@ -37,9 +38,10 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     // Another version of wythe may have written the one that is there.
     let beside = folder.join(SCHEMA);
     std::fs::write(&beside, schema::text()).map_err(unwritable(&beside))?;
-    let path = path.display();
+    let typed = argument(&path);
     print(&format!(
-        "{path} and, for editors, {} are written\nnext: {}wythe check {path}, then wythe run {path}\n",
+        "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",
+        path.display(),
         beside.display(),
         if arguments.from.is_some() {
             "say what is left to say, "

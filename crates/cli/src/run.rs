@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use serde_json::{Value, json};
+use wythe_core::command::argument;
 use wythe_core::model::Model;
 use wythe_core::results::{
     Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
@@ -160,7 +161,7 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
     ));
     lines.push(format!("results in {}", out.display()));
     if summary.status == Status::Interrupted {
-        lines.push(format!("to go on: wythe resume {}", out.display()));
+        lines.push(format!("to go on: wythe resume {}", argument(out)));
     }
     lines.join("\n") + "\n"
 }

@@ -176,6 +176,8 @@ fn a_model_of_ones_own_is_drafted_and_run() {
         "| steps / 2 |",
         "| penalty 500 |",
         "(scenes/torn/chart.svg)",
+        "Its own error: `mesh finer`, which lacks only what `steps / 2` has, is ",
+        "; `steps / 2`, which lacks only what `mesh finer` has, is ",
     ] {
         assert!(page.contains(said), "{said}: {page}");
     }

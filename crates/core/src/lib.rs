@@ -3,6 +3,7 @@
 //! Units are N, mm, MPa, tonne, s throughout. Tension is positive; a gap is positive when open.
 #![forbid(unsafe_code)]
 
+pub mod command;
 pub mod element;
 pub mod error;
 pub mod experiment;

@@ -2,7 +2,7 @@
 //!
 //! Stiff joints hold units whose meshes do not match in each other's shape. Before anything cracks a wall that is
 //! bent out of its plane is 28 % too stiff with 500 E/h and up to 4 % with 50, and takes six tenths of the time; J7D,
-//! which is sheared, 11 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
+//! which is sheared, 10 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
 //!
 //! A section that bends opens on one side and is pressed together on the other: of two elements one has the joint's
 //! whole pressure, and the peak comes some 4 % lower than with three (scene 4).

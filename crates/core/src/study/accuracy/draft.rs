@@ -12,7 +12,7 @@ use crate::model::Deck;
 use crate::model::deck::{DeckProbe, DeckStep, StepKind};
 
 /// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
-/// finer mesh would change is not in it.
+/// finer mesh would change is told by the choices that have its mesh or its increments alone.
 const UNCERTAINTY: f64 = 0.005;
 
 /// A model of which no scene is made.
@@ -55,7 +55,7 @@ pub fn draft(
     let how = if refined.is_empty() {
         "half the increments; its mesh is that of the model, which no key refines."
     } else {
-        "every side of the elements halved, half the increments. No finer mesh was run, so that its own error is not known."
+        "every side of the elements halved, half the increments."
     };
     let was = deck.to_toml()?;
     // What the deck refuses, or says already, is none of its choices.

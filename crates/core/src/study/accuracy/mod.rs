@@ -13,6 +13,7 @@ mod errors;
 mod front;
 mod offered;
 mod outcome;
+mod own_error;
 mod page;
 mod pattern;
 mod peer;

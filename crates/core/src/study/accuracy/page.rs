@@ -7,7 +7,8 @@ use std::path::Path;
 use super::errors::Errors;
 use super::front::{FASTER, beaten, front};
 use super::outcome::{Outcome, Studied};
-use super::scene::{Group, Origin, Scene};
+use super::own_error::own_error;
+use super::scene::{Group, Origin};
 use crate::study::expect::percent;
 
 /// Names of what stands beside a `scene.toml`.
@@ -73,7 +74,7 @@ fn section(studied: &Studied, folder: &str) -> String {
         let _ = writeln!(text, "{}\n", scene.says.trim());
     }
     let _ = writeln!(text, "{}\n", verdict(studied));
-    let _ = writeln!(text, "{}\n", reference(scene));
+    let _ = writeln!(text, "{}\n", reference(studied));
     text.push_str(
         "| Choice | | peak | energy | RMS | cracks | CPU, ratio | CPU s | wall, ratio | wall s | solves | front |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -224,7 +225,8 @@ fn verdict(studied: &Studied) -> String {
     format!("{within} and {front}; {faster}")
 }
 
-fn reference(scene: &Scene) -> String {
+fn reference(studied: &Studied) -> String {
+    let scene = &studied.scene;
     let (reference, number) = (&scene.reference, scene.number);
     let made = match &reference.origin {
         Origin::Run(choice) => {
@@ -243,7 +245,8 @@ fn reference(scene: &Scene) -> String {
     };
     let uncertainty = unsigned(reference.uncertainty);
     let how = reference.how.trim();
-    format!("Reference: {how} Its uncertainty: {uncertainty}. Made by {made}.")
+    let own = own_error(studied).map_or_else(String::new, |own| format!(" {own}"));
+    format!("Reference: {how} Its uncertainty: {uncertainty}. Made by {made}.{own}")
 }
 
 fn group(outcome: &Outcome) -> &'static str {

@@ -8,6 +8,7 @@ use super::errors::Known;
 use super::pattern::Pattern;
 use super::peer::Peer;
 use super::written::{self, SceneFile};
+use crate::command::argument;
 use crate::study::curve::Point;
 use crate::study::written::{gathered, listed, parsed, text};
 use crate::study::{Short, StudyError};
@@ -218,7 +219,7 @@ impl Scene {
         if scenes == Path::new(SCENES) {
             "wythe study accuracy-speed".to_owned()
         } else {
-            format!("wythe study accuracy-speed --scenes {}", scenes.display())
+            format!("wythe study accuracy-speed --scenes {}", argument(scenes))
         }
     }
 

@@ -1,0 +1,82 @@
+//! The error of a reference itself, by the choices that have a part of what makes it.
+//!
+//! A reference of half the elements and half the increments differs from one of these alone by what the other still
+//! changes. Errors in proportion to the size (first order) leave as much again behind every halving.
+
+use super::errors::Errors;
+use super::outcome::{Outcome, Studied};
+use super::scene::Origin;
+use crate::study::expect::percent;
+
+/// Keys of the deck and their values.
+type Set = [(String, String)];
+
+/// What the keys of the reference still change, and what is left of that, in words; nothing where no two choices share them.
+pub fn own_error(studied: &Studied) -> Option<String> {
+    let Origin::Run(reference) = &studied.scene.reference.origin else {
+        return None;
+    };
+    let outcomes = || studied.outcomes.iter().filter(|o| o.choice.threads == 1);
+    let without = |part: &Outcome| {
+        outcomes().find(|other| splits(&reference.set, [&part.choice.set, &other.choice.set]))
+    };
+    let parts = outcomes().filter(|part| part.choice.set.len() < reference.set.len());
+    let pairs = parts.filter_map(|part| Some((part, without(part)?)));
+    let (mut told, mut peak, mut energy) = (Vec::new(), 0.0, 0.0);
+    for (part, other) in pairs {
+        let name = &part.choice.name;
+        let Ok(Errors {
+            peak: of_peak,
+            energy: of_energy,
+            ..
+        }) = part.errors
+        else {
+            return Some(format!(
+                "Its own error is not known: `{name}` does not come to the end."
+            ));
+        };
+        peak += of_peak.abs();
+        energy += of_energy.abs();
+        told.push(format!(
+            "`{name}`, which lacks only what `{}` has, is {} off its peak and {} off its energy",
+            other.choice.name,
+            percent(of_peak),
+            percent(of_energy)
+        ));
+    }
+    let [peak, energy] = [peak, energy].map(|e| percent(e).trim_start_matches('+').to_owned());
+    (!told.is_empty()).then(|| {
+        format!(
+            "Its own error: {}. If errors fall in proportion to sizes it has as much left itself, up to {peak} of its peak and {energy} of its energy.",
+            told.join("; ")
+        )
+    })
+}
+
+/// Whether each key of `whole` is in one of `parts`, and no other.
+fn splits(whole: &Set, parts: [&Set; 2]) -> bool {
+    let both = || parts.into_iter().flatten();
+    both().count() == whole.len() && whole.iter().all(|key| both().any(|other| other == key))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(keys: &[&str]) -> Vec<(String, String)> {
+        let pair = |key: &&str| ((*key).to_owned(), "1".to_owned());
+        keys.iter().map(pair).collect()
+    }
+
+    #[test]
+    fn keys_are_split_where_each_is_in_one_part() {
+        let whole = set(&["mesh", "initial", "max"]);
+        let is = |parts: [&[&str]; 2]| splits(&whole, [&set(parts[0]), &set(parts[1])]);
+        assert!(is([&["mesh"], &["max", "initial"]]));
+        assert!(is([&["mesh", "initial", "max"], &[]]));
+        assert!(!is([&["mesh"], &["max"]]));
+        assert!(!is([&["mesh", "max"], &["max", "initial"]]));
+        assert!(!is([&["mesh", "other"], &["max"]]));
+        assert!(!is([&["mesh", "mesh"], &["max"]]));
+    }
+}
