@@ -1,5 +1,6 @@
 //! Commands that are shown, to be typed.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A path as an argument of a command: in quotes where a shell would take it apart.
@@ -16,7 +17,8 @@ pub fn argument(path: &Path) -> String {
     } else {
         // No path has a NUL, which is all that cannot be quoted.
         shlex::try_quote(&text)
-            .map_or_else(|_| text.clone().into_owned(), |quoted| quoted.into_owned())
+            .unwrap_or(Cow::Borrowed(&text))
+            .into_owned()
     }
 }
 
