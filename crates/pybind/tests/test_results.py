@@ -196,7 +196,7 @@ def test_what_was_not_driven_has_no_peak() -> None:
 def test_results_show_themselves(couplet: wythe.Results) -> None:
     shown = repr(couplet)
     assert shown.startswith(
-        "<wythe.Results 'couplet': completed, peak 5.570 kN at 0.0032 mm, 164 incr"
+        "<wythe.Results 'couplet': completed, peak 5.573 kN at 0.0032 mm, 164 incr"
     )
     assert couplet.path in shown
     assert "<svg" in couplet._repr_html_()
