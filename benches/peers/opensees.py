@@ -286,7 +286,7 @@ class Model:
         self.solids, self.nodes = element - 1, tag - 1
         elastic = {k: (number(deck["materials"][name]["E"]), deck["materials"][name]["nu"])
                    for k, name in names.items()}
-        pairs = face_pairs(courses, elastic, joint.get("penalty_factor", 500))
+        pairs = face_pairs(courses, elastic, joint.get("penalty_factor", 50))
         self.pairs = len(pairs)
         for (axis, a, b), (area, kn, ks) in pairs.items():
             # Half of pressure and stick goes through the springs: twice mu in the contact.

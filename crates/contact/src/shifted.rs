@@ -1,6 +1,6 @@
 //! The same law for a solver that iterates with a softer stiffness.
 //!
-//! A penalty of 500 times the elements' stiffness is a constant of the law, not of the solver. Let
+//! A penalty of 50 or 500 times the elements' stiffness is a constant of the law, not of the solver. Let
 //! t be the traction, g the gap, k the physical and k' < k the numerical stiffness. Where the law
 //! is elastic, the solver uses
 //!

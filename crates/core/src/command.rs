@@ -7,10 +7,11 @@ use std::path::Path;
 pub fn argument(path: &Path) -> String {
     let text = path.to_string_lossy();
     if cfg!(windows) {
-        // Names have no `"` there, and `'` quotes in no shell of all.
-        let parts = |c: char| c.is_whitespace() || "&()^%;,=".contains(c);
+        // Names have no `"` there, and cmd does not know `'`: both of its shells take `"`, but for what they expand within.
+        let parts = |c: char| c.is_whitespace() || "&()^%;,='`{}@#".contains(c);
         if text.contains(parts) {
-            format!("\"{text}\"")
+            // A backslash before the last `"` would make it one of the name.
+            format!("\"{}\"", text.trim_end_matches('\\'))
         } else {
             text.into_owned()
         }

@@ -40,7 +40,8 @@ pub struct Interface {
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
-    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it.
+    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
+    /// nothing is in general contact.
     #[serde(default = "penalty_factor")]
     pub penalty_factor: Number,
     /// Explicit normal stiffness k_n [N/mm³].

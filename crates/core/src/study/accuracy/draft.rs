@@ -55,7 +55,7 @@ pub fn draft(
     let how = if refined.is_empty() {
         "half the increments; its mesh is that of the model, which no key refines."
     } else {
-        "every side of the elements halved, half the increments."
+        "elements of half the size along every side (a layer of mortar stays one), half the increments."
     };
     let was = deck.to_toml()?;
     // What the deck refuses, or says already, is none of its choices.

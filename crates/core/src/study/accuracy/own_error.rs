@@ -1,6 +1,6 @@
 //! The error of a reference itself, by the choices that have a part of what makes it.
 //!
-//! A reference of half the elements and half the increments differs from one of these alone by what the other still
+//! A reference with elements and increments of half the size differs from one of these alone by what the other still
 //! changes. Errors in proportion to the size (first order) leave as much again behind every halving.
 
 use super::errors::Errors;
@@ -21,7 +21,13 @@ pub fn own_error(studied: &Studied) -> Option<String> {
         outcomes().find(|other| splits(&reference.set, [&part.choice.set, &other.choice.set]))
     };
     let parts = outcomes().filter(|part| part.choice.set.len() < reference.set.len());
-    let pairs = parts.filter_map(|part| Some((part, without(part)?)));
+    let mut pairs: Vec<_> = parts
+        .filter_map(|part| Some((part, without(part)?)))
+        .collect();
+    // The default lacks all of it, which is what the others lack together.
+    if pairs.len() > 1 {
+        pairs.retain(|(part, _)| !part.choice.set.is_empty());
+    }
     let (mut told, mut peak, mut energy) = (Vec::new(), 0.0, 0.0);
     for (part, other) in pairs {
         let name = &part.choice.name;
