@@ -55,7 +55,7 @@ fn the_default_agrees_with_a_tenth_of_its_increments_and_a_hundredth_of_its_tole
         "{} solves: peak {strength:+.1e}, energy {energy:+.1e}",
         summary.iterations
     );
-    // What is promised of the default; seen: 0.02 and 0.1 %.
+    // What is promised of the default; seen: 0.02 % of both.
     assert!(strength.abs() < 0.01, "{strength}");
     assert!(energy.abs() < 0.02, "{energy}");
 }

@@ -43,6 +43,14 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     assert_eq!(factor("62_out_of_plane_wall", &[said]), 500.0);
     assert_eq!(factor("03_shear_wall_j7d", &[]), 50.0);
     assert_eq!(factor("03_shear_wall_j7d", &[said]), 500.0);
+    // In general contact a stiff joint is what stops bodies that fly; a dry wall has that of theory C.8.
+    assert_eq!(factor("90_falling_wall", &[]), 500.0);
+    let text = std::fs::read_to_string(path("63_dry_stone_wall")).unwrap();
+    let silent = |line: &&str| !line.contains("_stiffness = ");
+    let text: Vec<&str> = text.lines().filter(silent).collect();
+    let dry = Deck::from_str(&text.join("\n"), "wall.toml").unwrap();
+    assert!(dry.interfaces["dry"].normal_stiffness.is_none());
+    assert_eq!(dry.interfaces["dry"].penalty_factor.get(), 500.0);
     let none = [("wall.leaves".to_owned(), "0".to_owned())];
     assert!(Deck::load(path("62_out_of_plane_wall"), &none).is_err());
 }

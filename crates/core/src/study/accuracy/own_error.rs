@@ -16,20 +16,12 @@ pub fn own_error(studied: &Studied) -> Option<String> {
     let Origin::Run(reference) = &studied.scene.reference.origin else {
         return None;
     };
-    let outcomes = || studied.outcomes.iter().filter(|o| o.choice.threads == 1);
-    let without = |part: &Outcome| {
-        outcomes().find(|other| splits(&reference.set, [&part.choice.set, &other.choice.set]))
-    };
-    let parts = outcomes().filter(|part| part.choice.set.len() < reference.set.len());
-    let mut pairs: Vec<_> = parts
-        .filter_map(|part| Some((part, without(part)?)))
-        .collect();
-    // The default lacks all of it, which is what the others lack together.
-    if pairs.len() > 1 {
-        pairs.retain(|(part, _)| !part.choice.set.is_empty());
-    }
+    let alone = |o: &&Outcome| o.choice.threads == 1;
+    let outcomes: Vec<&Outcome> = studied.outcomes.iter().filter(alone).collect();
+    let sets: Vec<&Set> = outcomes.iter().map(|o| o.choice.set.as_slice()).collect();
     let (mut told, mut peak, mut energy) = (Vec::new(), 0.0, 0.0);
-    for (part, other) in pairs {
+    for pair in pairs(&reference.set, &sets) {
+        let [part, other] = pair.map(|i| outcomes[i]);
         let name = &part.choice.name;
         let Ok(Errors {
             peak: of_peak,
@@ -59,6 +51,21 @@ pub fn own_error(studied: &Studied) -> Option<String> {
     })
 }
 
+/// Which of the sets lacks a part of `whole`, and which has just that. `[pair][lacks, has]`
+fn pairs(whole: &Set, sets: &[&Set]) -> Vec<[usize; 2]> {
+    let has = |lacks: &Set| sets.iter().position(|other| splits(whole, [lacks, other]));
+    let parts = sets.iter().enumerate();
+    let parts = parts.filter(|(_, part)| part.len() < whole.len());
+    let mut pairs: Vec<[usize; 2]> = parts
+        .filter_map(|(i, part)| Some([i, has(part)?]))
+        .collect();
+    // What lacks all of it lacks what the others lack together.
+    if pairs.len() > 1 {
+        pairs.retain(|&[lacks, _]| !sets[lacks].is_empty());
+    }
+    pairs
+}
+
 /// Whether each key of `whole` is in one of `parts`, and no other.
 fn splits(whole: &Set, parts: [&Set; 2]) -> bool {
     let both = || parts.into_iter().flatten();
@@ -84,5 +91,17 @@ mod tests {
         assert!(!is([&["mesh", "max"], &["max", "initial"]]));
         assert!(!is([&["mesh", "other"], &["max"]]));
         assert!(!is([&["mesh", "mesh"], &["max"]]));
+    }
+    #[test]
+    fn what_is_lacking_counts_once() {
+        let whole = set(&["mesh", "initial", "max"]);
+        let [default, mesh, steps, other] =
+            [&[][..], &["mesh"], &["initial", "max"], &["other"]].map(set);
+        let of = |sets: &[&Set]| pairs(&whole, sets);
+        assert_eq!(of(&[&default, &mesh, &other, &steps]), [[1, 3], [3, 1]]);
+        // A choice that has all of it is the reference.
+        assert_eq!(of(&[&default, &mesh, &steps, &whole]), [[1, 2], [2, 1]]);
+        assert_eq!(of(&[&default, &mesh, &whole]), [[0, 2]]);
+        assert!(of(&[&default, &mesh, &other]).is_empty());
     }
 }
