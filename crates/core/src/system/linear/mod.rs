@@ -5,6 +5,7 @@
 //! exceeds [`Options::target`], at most [`Options::refinements`] times, and refused if it stays
 //! above [`Options::accept`].
 
+mod ahead;
 mod assembly;
 mod directions;
 mod dissection;

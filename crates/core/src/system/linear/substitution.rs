@@ -9,6 +9,7 @@ use std::ops::Range;
 use faer::{MatMut, MatRef};
 
 use super::Kind;
+use super::ahead::Ahead;
 use super::kernels;
 use super::multifrontal::Plan;
 use super::number::Number;
@@ -84,7 +85,9 @@ impl Plan {
             return;
         };
         let columns = vectors.columns;
+        let mut ahead = Ahead::new(factors.numbers, &self.assembly.storage);
         for s in task.own.clone() {
+            ahead.up(s, task.own.end);
             let (k, b) = (self.tree.columns(s), self.tree.below(s).len());
             let (at, at_below) = self.extent(task.start..s, columns);
             let x = &mut vectors.x[at..][..k * columns];
@@ -156,7 +159,9 @@ impl Plan {
     /// x ← U⁻¹ x on the subtree of a task, whose root knows the solution below it; children last.
     pub fn backward<T: Number>(&self, task: &Task<T>, factors: Factors<T>, vectors: Vectors<T>) {
         let columns = vectors.columns;
+        let mut ahead = Ahead::new(factors.numbers, &self.assembly.storage);
         for s in task.own.clone().rev() {
+            ahead.down(s, task.own.start);
             let (k, b) = (self.tree.columns(s), self.tree.below(s).len());
             let (at, at_below) = self.extent(task.start..s, columns);
             let x = &mut vectors.x[at..][..k * columns];
