@@ -16,15 +16,17 @@ const ENOUGH: u32 = 3;
 /// Penalty factor of joints with mortar [-]; elsewhere it is that of theory C.8.
 const PENALTY: f64 = 50.0;
 
-/// Walls with mortar whose units give, by path.
-fn soft(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
+/// Walls with mortar, by path.
+fn mortared(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
     deck.walls()
-        .filter(|(.., wall)| wall.mortar_material.is_some() && !wall.rigid)
+        .filter(|(.., wall)| wall.mortar_material.is_some())
 }
 
-/// Those that something bends out of their plane.
+/// Those that something bends out of their plane, and whose units give.
 fn bent(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
-    soft(deck).filter(|(_, name, wall)| deck.steps.iter().any(|step| bends(step, name, wall)))
+    mortared(deck).filter(|(_, name, wall)| {
+        !wall.rigid && deck.steps.iter().any(|step| bends(step, name, wall))
+    })
 }
 
 /// Those that have too few elements through their thickness.
@@ -54,12 +56,13 @@ fn choose_meshes(deck: &mut Deck) {
     }
 }
 
-/// The stiffness of their joints. Where anything may meet anywhere it is what stops bodies that fly, and stays.
+/// The stiffness of their joints; units that count as rigid want one said. Where anything may meet anywhere it is what stops
+/// bodies that fly, and stays.
 fn choose_penalties(deck: &mut Deck) {
     if deck.contact.general.is_some() {
         return;
     }
-    let names: Vec<String> = soft(deck)
+    let names: Vec<String> = mortared(deck)
         .flat_map(|(.., wall)| {
             let others = [&wall.head_interface, &wall.collar_interface];
             std::iter::once(&wall.interface).chain(others.into_iter().flatten())
