@@ -55,7 +55,7 @@ fn main() {
         for (series, fidelity) in [Fidelity::Full, Fidelity::Auto].into_iter().enumerate() {
             model.fidelity = fidelity;
             let (cpu, last, summary) = growth::run(&model, &pool);
-            let a_solve = cpu / summary.factorisations.max(1) as f64;
+            let a_solve = cpu / summary.iterations.max(1) as f64;
             writeln!(
                 table,
                 "{units},{},{},{cpu:.2},{},{},{:.1},{:.4},{:.5},{:.4}",

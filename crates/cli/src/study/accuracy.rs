@@ -49,7 +49,14 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         let out = arguments.out.as_ref().unwrap_or(&dir);
         let table = |scene: &Scene| read(scene, &out.join(scene.folder_name()).join(TABLE));
         let all: Result<Vec<Studied>, _> = scenes.iter().map(table).collect();
-        return written_out(&all.map_err(Failure::input_output)?, arguments, &dir, out);
+        let all = all.map_err(Failure::input_output)?;
+        for studied in &all {
+            let folder = out.join(studied.scene.folder_name());
+            let path = folder.join(TABLE);
+            let measured = std::fs::read_to_string(&path).map_err(|why| failed(&path, why))?;
+            write(&folder, TABLE, with_peers(&measured, studied).as_bytes())?;
+        }
+        return written_out(&all, arguments, &dir, out);
     }
     if let Some(scene) = scenes.iter().find(|s| !s.reference.there()) {
         return Err(StudyError::NoReference {
@@ -80,6 +87,17 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         write(&folder, TABLE, table(studied).as_bytes())?;
     }
     written_out(&all, arguments, &dir, out)
+}
+
+/// A table as it was measured, with the rows of peers as they are now: these come last.
+fn with_peers(measured: &str, studied: &Studied) -> String {
+    let fresh = table(studied);
+    let choices = fresh.lines().count() - studied.peers().len();
+    let lines = measured.lines().take(choices);
+    lines
+        .chain(fresh.lines().skip(choices))
+        .map(|line| format!("{line}\n"))
+        .collect()
 }
 
 /// The folder of scenes that holds the one of `model`, with its reference: both made where they are not there yet.
@@ -204,13 +222,16 @@ fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
         Err(why) => format!("NO ERROR: {why}"),
     };
     let (name, cost) = (&outcome.choice.name, &outcome.cost);
-    format!(
-        "{}, {name} ({repeat}): {how}; {} solves, {:.2} s of CPU, {:.2} s",
-        scene.name(),
-        cost.iterations,
-        outcome.cpu_seconds(),
-        outcome.wall_seconds()
-    )
+    let (cpu, wall) = (outcome.cpu_seconds(), outcome.wall_seconds());
+    let took = if cpu.is_finite() {
+        format!(
+            "; {} solves, {cpu:.2} s of CPU, {wall:.2} s",
+            cost.iterations
+        )
+    } else {
+        String::new() // it was not run
+    };
+    format!("{}, {name} ({repeat}): {how}{took}", scene.name())
 }
 
 /// How many choices came to the end.

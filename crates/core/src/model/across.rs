@@ -5,7 +5,7 @@
 //! which is sheared, 10 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
 //!
 //! A section that bends opens on one side and is pressed together on the other: of two elements one has the joint's
-//! whole pressure, and the peak comes some 4 % lower than with three (scene 4).
+//! whole pressure, and the peak comes 3.4 % lower than with three (scene 4).
 
 use super::deck::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 use super::quantity::Number;
@@ -87,7 +87,7 @@ pub(super) fn notes(deck: &Deck) -> Vec<String> {
             let Subdivision { length, height, .. } = wall.mesh;
             format!(
                 "mesh: {name} is bent out of its plane with fewer than three elements through its thickness: of two its \
-                 peak is some 4 % lower ({path}.mesh = [{length}, {height}, {ENOUGH}])"
+                 peak is some 3 % lower ({path}.mesh = [{length}, {height}, {ENOUGH}])"
             )
         })
         .collect()

@@ -11,8 +11,10 @@ type Set = Vec<(String, String)>;
 struct Mesh {
     key: String,
     sides: [u32; 3],
-    /// Of the sides along and up one is the joint's.
-    masonry: bool,
+    /// Of a wall, which says its height before its thickness.
+    of_wall: bool,
+    /// Whether one of the elements is the joint's. `[side]`
+    joint: [bool; 3],
 }
 
 /// All meshes that the deck says or means.
@@ -20,12 +22,18 @@ fn meshes(deck: &Deck) -> Vec<Mesh> {
     let of_wall = |key: String, wall: &Wall| Mesh {
         key,
         sides: [wall.mesh.length, wall.mesh.thickness, wall.mesh.height],
-        masonry: true,
+        of_wall: true,
+        joint: [
+            wall.head_joint.get() > 0.0,
+            false,
+            wall.bed_joint.get() > 0.0,
+        ],
     };
     let plain = |key: String, sides: [u32; 3]| Mesh {
         key,
         sides,
-        masonry: false,
+        of_wall: false,
+        joint: [false; 3],
     };
     let wall = deck.wall.iter().map(|w| of_wall("wall.mesh".to_owned(), w));
     let walls = deck.walls.iter().enumerate();
@@ -42,7 +50,7 @@ fn meshes(deck: &Deck) -> Vec<Mesh> {
 /// Twice as many elements along this side.
 fn finer(mesh: &Mesh, side: usize) -> u32 {
     let n = mesh.sides[side];
-    if mesh.masonry && side != 1 && n > 1 {
+    if mesh.joint[side] && n > 1 {
         2 * (n - 1) + 1
     } else {
         2 * n
@@ -52,7 +60,7 @@ fn finer(mesh: &Mesh, side: usize) -> u32 {
 /// Half as many.
 fn coarser(mesh: &Mesh, side: usize) -> u32 {
     let n = mesh.sides[side];
-    if mesh.masonry && side != 1 && n > 1 {
+    if mesh.joint[side] && n > 1 {
         (n - 1).div_ceil(2) + 1
     } else {
         n.div_ceil(2)
@@ -62,8 +70,7 @@ fn coarser(mesh: &Mesh, side: usize) -> u32 {
 fn mesh_of(meshes: &[Mesh], side: impl Fn(&Mesh, usize) -> u32) -> Set {
     let value = |mesh: &Mesh| {
         let [along, through, up] = [0, 1, 2].map(|s| side(mesh, s));
-        // A wall says its height before its thickness.
-        if mesh.masonry {
+        if mesh.of_wall {
             format!("[{along},{up},{through}]")
         } else {
             format!("[{along},{through},{up}]")

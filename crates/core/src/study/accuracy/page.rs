@@ -63,7 +63,8 @@ fn sections(page: &str) -> BTreeMap<u32, String> {
 
 fn section(studied: &Studied, folder: &str) -> String {
     let scene = &studied.scene;
-    let at = format!("{folder}/{}", scene.folder_name());
+    // No blanks in what a link leads to.
+    let at = format!("{folder}/{}", scene.folder_name()).replace(' ', "%20");
     let mut text = format!("## {}\n\n{}\n\n", scene.name(), scene.what.trim());
     let _ = writeln!(
         text,
@@ -198,11 +199,11 @@ fn verdict(studied: &Studied) -> String {
         )
     };
     // The chart shows the larger error of the two: what is nearer in one by being farther in the other is not as accurate.
-    let peak = errors.peak.abs().max(floor);
+    let [peak, energy] = [errors.peak, errors.energy].map(|error| error.abs().max(floor));
     let as_near = studied.outcomes.iter().zip(&points);
     let as_near: Vec<(f64, f64)> = as_near
         .map(|(o, &(time, error))| match &o.errors {
-            Ok(other) if other.peak.abs() <= peak => (time, error),
+            Ok(other) if other.peak.abs() <= peak && other.energy.abs() <= energy => (time, error),
             _ => (time, f64::NAN),
         })
         .collect();
