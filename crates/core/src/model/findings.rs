@@ -165,7 +165,7 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
             ),
         ));
     }
-    if f.normal_stiffness.is_some() && deck.says(&format!("interfaces.{name}.penalty_factor")) {
+    if f.normal_stiffness.is_some() && deck.says(&format!("{path}.penalty_factor")) {
         warnings.push(warn(
             "penalty_factor",
             "not used: explicit stiffnesses are given".to_owned(),

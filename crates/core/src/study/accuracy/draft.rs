@@ -195,26 +195,6 @@ mod tests {
         Some(lines(&choice.set).join(" "))
     }
 
-    /// One of the elements along and up is the joint's, and stays one, where there are joints.
-    #[test]
-    fn finer_meshes_keep_joints_and_halve_dry_stones() {
-        let of = |name: &str| {
-            let set =
-                crate::study::accuracy::offered::refined(&Deck::load(example(name), &[]).unwrap());
-            lines(&set).join(" ")
-        };
-        assert!(
-            of("03_shear_wall_j7d").contains("wall.mesh=[9,3,4]"),
-            "{}",
-            of("03_shear_wall_j7d")
-        );
-        assert!(
-            of("65_quarter_wall").contains("wall.mesh=[8,4,4]"),
-            "{}",
-            of("65_quarter_wall")
-        );
-    }
-
     #[test]
     fn a_pushed_wall_is_compared_along_its_drive() {
         let scene = drafted("03_shear_wall_j7d", &[("steps.1.displacement", "0.8 mm")]).unwrap();

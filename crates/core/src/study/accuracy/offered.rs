@@ -216,3 +216,25 @@ fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
         .take(1 + usize::from(cracks))
         .map(|name| Choice::new(name, Group::Fidelity, one("fidelity", name)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of the elements along and up is the joint's, and stays one, where there are joints.
+    #[test]
+    fn finer_and_coarser_meshes_keep_joints_and_cut_dry_stones() {
+        let of = |name: &str, side: fn(&Mesh, usize) -> u32| {
+            let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+            let deck = Deck::load(format!("{examples}/{name}.toml"), &[]).unwrap();
+            let set = mesh_of(&meshes(&deck), side).into_iter();
+            set.filter(|(key, _)| key == "wall.mesh")
+                .map(|(_, value)| value)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(of("03_shear_wall_j7d", finer), ["[9,3,4]"]);
+        assert_eq!(of("03_shear_wall_j7d", coarser), ["[3,2,1]"]);
+        assert_eq!(of("65_quarter_wall", finer), ["[8,4,4]"]);
+        assert_eq!(of("65_quarter_wall", coarser), ["[2,1,1]"]);
+    }
+}
