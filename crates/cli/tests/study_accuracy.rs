@@ -98,11 +98,16 @@ fn references_are_made_then_the_page_with_charts_and_tables() {
     let text = std::fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("It was torn.").count(), 1, "{text}");
     assert_eq!(text.matches("It is torn.").count(), 1, "{text}");
-    // All sections from the tables, nothing is run.
+    // All sections from the tables, nothing is run; what was measured stays, and rows of peers that are none go.
+    let table = scenes(folder.path()).join("1/table.csv");
+    let measured = std::fs::read_to_string(&table).unwrap();
+    let gone = "gone,peer,1,1,1,1,NaN,1,1,NaN,NaN,1,NaN,NaN,NaN,NaN,\n";
+    std::fs::write(&table, format!("{measured}{gone}")).unwrap();
     let redrawn = accuracy(folder.path(), &["--redraw"]);
     assert_eq!(code(&redrawn), 0, "{}", stderr(&redrawn));
     let text = std::fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("It is torn.").count(), 2, "{text}");
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), measured);
 }
 
 #[test]

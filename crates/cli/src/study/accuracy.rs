@@ -11,7 +11,7 @@ use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
     CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,
-    read, renew, scenes, study, table,
+    read, renew, scenes, study, table, with_peers,
 };
 
 use super::{chosen, failed, other};
@@ -87,17 +87,6 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
         write(&folder, TABLE, table(studied).as_bytes())?;
     }
     written_out(&all, arguments, &dir, out)
-}
-
-/// A table as it was measured, with the rows of peers as they are now: these come last.
-fn with_peers(measured: &str, studied: &Studied) -> String {
-    let fresh = table(studied);
-    let choices = fresh.lines().count() - studied.peers().len();
-    let lines = measured.lines().take(choices);
-    lines
-        .chain(fresh.lines().skip(choices))
-        .map(|line| format!("{line}\n"))
-        .collect()
 }
 
 /// The folder of scenes that holds the one of `model`, with its reference: both made where they are not there yet.

@@ -27,7 +27,7 @@ pub use draft::{DraftError, draft};
 pub use errors::{Errors, Known};
 pub use front::{FASTER, beaten, front, median};
 pub use outcome::{Options, Outcome, Studied, study};
-pub use page::{CHART, TABLE, link, page, table};
+pub use page::{CHART, TABLE, link, page, table, with_peers};
 pub use pattern::{Cracks, Grid, PATTERN, Pattern};
 pub use peer::Peer;
 pub use reading::read;

@@ -63,8 +63,7 @@ fn sections(page: &str) -> BTreeMap<u32, String> {
 
 fn section(studied: &Studied, folder: &str) -> String {
     let scene = &studied.scene;
-    // No blanks in what a link leads to.
-    let at = format!("{folder}/{}", scene.folder_name()).replace(' ', "%20");
+    let at = format!("{folder}/{}", link(&scene.folder));
     let mut text = format!("## {}\n\n{}\n\n", scene.name(), scene.what.trim());
     let _ = writeln!(
         text,
@@ -300,6 +299,19 @@ pub fn table(studied: &Studied) -> String {
             outcome.energy,
         );
     }
+    text + &peer_rows(studied)
+}
+
+/// A table as it was measured, with the rows of peers as they are now.
+pub fn with_peers(measured: &str, studied: &Studied) -> String {
+    let is_peer = |line: &&str| line.split(',').nth(1) == Some("peer");
+    let kept = measured.lines().filter(|line| !is_peer(line));
+    let kept: String = kept.flat_map(|line| [line, "\n"]).collect();
+    kept + &peer_rows(studied)
+}
+
+fn peer_rows(studied: &Studied) -> String {
+    let mut text = String::new();
     for (peer, errors) in studied.peers() {
         let (of, why) = (numbers(&errors), why(&errors));
         let _ = writeln!(
@@ -330,8 +342,8 @@ fn why(errors: &Result<Errors, String>) -> String {
     why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")))
 }
 
-/// The name of a folder as links have it.
+/// The name of a folder as links have it: without blanks.
 pub fn link(folder: &Path) -> String {
     let name = folder.file_name().unwrap_or(folder.as_os_str());
-    name.to_string_lossy().into_owned()
+    name.to_string_lossy().replace(' ', "%20")
 }
