@@ -34,9 +34,7 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
     // The joints of any wall with mortar are a tenth as stiff as others, if nothing is said of these.
     let factor = |name: &str, overrides: &[(&str, &str)]| {
-        load(name, overrides).interfaces["joint"]
-            .penalty_factor
-            .get()
+        load(name, overrides).interfaces["joint"].penalty()
     };
     let said = ("interfaces.joint.penalty_factor", "500");
     assert_eq!(factor("62_out_of_plane_wall", &[]), 50.0);
@@ -50,7 +48,7 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     let text: Vec<&str> = text.lines().filter(silent).collect();
     let dry = Deck::from_str(&text.join("\n"), "wall.toml").unwrap();
     assert!(dry.interfaces["dry"].normal_stiffness.is_none());
-    assert_eq!(dry.interfaces["dry"].penalty_factor.get(), 500.0);
+    assert_eq!(dry.interfaces["dry"].penalty(), 500.0);
     let none = [("wall.leaves".to_owned(), "0".to_owned())];
     assert!(Deck::load(path("62_out_of_plane_wall"), &none).is_err());
 }
@@ -139,6 +137,20 @@ fn the_checker_reports_sizes_energies_and_warnings() {
             "interfaces.joint.shear_stiffness"
         ]
     );
+    // Explicit stiffnesses leave a factor without effect, the default's, too.
+    let explicit = [
+        ("interfaces.joint.normal_stiffness", "100"),
+        ("interfaces.joint.shear_stiffness", "50"),
+    ];
+    assert!(key_of(&explicit).is_empty());
+    for factor in ["500", "50"] {
+        let both = [
+            &explicit[..],
+            &[("interfaces.joint.penalty_factor", factor)],
+        ]
+        .concat();
+        assert_eq!(key_of(&both), ["interfaces.joint.penalty_factor"]);
+    }
     let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
     let unscaled = text.replace("reference_length = \"50 mm\"\n", "");
     let (_, warnings) =
@@ -155,6 +167,48 @@ fn the_checker_reports_sizes_energies_and_warnings() {
         .unwrap()
         + 1;
     assert_eq!(warnings[0].line, Some(line));
+}
+
+/// Where no displacement drives or steers there is no peak to see, nor where inertia or a path says how far.
+#[test]
+fn a_peak_is_seen_by_what_drives_or_steers() {
+    let keys = |name: &str, set: &[(&str, &str)]| -> Vec<String> {
+        let (_, warnings) = Model::from_deck(&load(name, set)).unwrap();
+        let keys = warnings.into_iter().map(|w| w.key);
+        keys.filter(|key| key.ends_with("peak")).collect()
+    };
+    let (couplet, bent) = ("02_couplet_shear", "62_out_of_plane_wall");
+    let [preload, drive] = [0, 1].map(|i| format!("steps.{i}.increments.peak"));
+    let set = [(preload.as_str(), "0.01"), (drive.as_str(), "0.01")];
+    assert_eq!(keys(couplet, &set), [preload.as_str()]);
+    assert_eq!(keys(bent, &set), [preload.as_str()]);
+    let swings = [&set[1..], &[("steps.1.procedure", "dissipation")]].concat();
+    assert_eq!(keys(couplet, &swings), [drive.as_str()]);
+}
+
+#[test]
+fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
+    let told = |set: &[(&str, &str)]| {
+        let deck = load("03_shear_wall_j7d", set);
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        check(&deck, &model).to_string()
+    };
+    let text = told(&[]);
+    assert!(text.contains("11908 unknowns"), "{text}");
+    assert!(
+        text.contains("one half of it, 6616 unknowns, is solved"),
+        "{text}"
+    );
+    let text = told(&[
+        ("fidelity", "full"),
+        ("interfaces.joint.penalty_factor", "1e300"),
+    ]);
+    assert!(
+        text.contains("\"auto\" one half of it, 6616 unknowns"),
+        "{text}"
+    );
+    assert!(text.lines().all(|line| line.len() < 300), "{text}");
+    assert!(text.contains("k_n / k_s = 6.800e301 / "), "{text}");
 }
 
 /// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory A.5). In

@@ -115,7 +115,9 @@ fn drafted(
     } else {
         let deck = Deck::load(&file, &arguments.overrides)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let text = draft(&deck, &file, &arguments.overrides, threads).map_err(Failure::model)?;
+        let at = real(&folder).map_err(|why| failed(&folder, why))?;
+        let text = draft(&deck, &file, &at, &arguments.overrides, threads);
+        let text = text.map_err(Failure::model)?;
         write(&folder, SCENE, text.as_bytes())?;
         eprintln!("written to {}", scene.display());
     }
@@ -124,6 +126,17 @@ fn drafted(
         remade(&scene, Duration::from_secs_f64(arguments.limit), interrupt)?;
     }
     Ok(dir)
+}
+
+/// The absolute path without links, of what may not be there yet.
+fn real(path: &Path) -> std::io::Result<PathBuf> {
+    match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Err(_), Some(parent), Some(name)) if parent.as_os_str().is_empty() => {
+            Ok(Path::new(".").canonicalize()?.join(name))
+        }
+        (Err(_), Some(parent), Some(name)) => Ok(real(parent)?.join(name)),
+        (there, ..) => there,
+    }
 }
 
 /// Charts, and the page beside their folder.

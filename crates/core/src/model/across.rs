@@ -70,12 +70,10 @@ fn choose_penalties(deck: &mut Deck) {
         .cloned()
         .collect();
     for name in names {
-        let said = deck.says(&format!("interfaces.{name}.penalty_factor"));
-        match deck.interfaces.get_mut(&name) {
-            Some(interface) if !said && interface.normal_stiffness.is_none() => {
-                interface.penalty_factor = Number::new(PENALTY);
-            }
-            _ => {}
+        if let Some(interface) = deck.interfaces.get_mut(&name)
+            && interface.normal_stiffness.is_none()
+        {
+            interface.penalty_factor.get_or_insert(Number::new(PENALTY));
         }
     }
 }

@@ -61,8 +61,13 @@ impl fmt::Display for CheckReport {
 /// Tells of a model and the deck it was made from.
 pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     let sizes = sizes(model);
-    let [memory_mb, in_double] = memory_mb(deck, model);
-    let mut notes = notes(deck, model);
+    let least = mirrored::least(model);
+    let [memory_mb, in_double] = match &least {
+        // As much again for the question of symmetry.
+        Cow::Owned(half) if model.fidelity != Fidelity::Full => memory_mb(deck, half, 2.0),
+        _ => memory_mb(deck, model, 1.0),
+    };
+    let mut notes = notes(deck, model, &least);
     if in_double - memory_mb > WORTH_TELLING_MB {
         notes.push(format!(
             "memory: about {in_double:.0} MB where a matrix wants factors of double precision, as under the weight of what is high and thin"
@@ -115,23 +120,15 @@ pub fn sizes(model: &Model) -> Sizes {
 }
 
 /// Estimated peak memory [MB] with factors of single precision, and with those of double: the program, two histories of 8 points
-/// an element, matrices of elements and contact pairs, and what the linear solver needs; unsymmetric that is always of double
-/// precision and a fifth more. Where a part of the scene is solved by symmetry, so is as much again, to see whether it stays so.
+/// an element, matrices of elements and contact pairs, and what the linear solver needs, so many `times` over; unsymmetric that is
+/// always of double precision and a fifth more.
 ///
 /// The factor of a wall that is w unknowns thick grows as that of a plane grid. In double precision that is w log₂(n/w) bytes for
 /// each of n unknowns; in single, where less than a half is the factor's, the logarithm is lost in the rest. Constants are measured on
 /// walls of 12,000 to 1,430,000 unknowns, which are met within a seventh. What has blocks is taken for a
 /// cube, n^1.22 bytes, measured at 14,000 and 86,000 unknowns: flat scenes take less.
-fn memory_mb(deck: &Deck, model: &Model) -> [f64; 2] {
-    let solved = match model.fidelity {
-        Fidelity::Full => Cow::Borrowed(model),
-        Fidelity::Auto | Fidelity::Elastic => mirrored::least(model),
-    };
-    let times = match &solved {
-        Cow::Borrowed(_) => 1.0,
-        Cow::Owned(_) => 2.0, // the question of symmetry
-    };
-    let (model, sizes) = (solved.as_ref(), sizes(&solved));
+fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
+    let sizes = sizes(model);
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
     let contact = 24 * 24 * 8 + 2 * size_of::<wythe_contact::InterfaceHistory>();
     let bodies = model.mesh.elements.len() * element + sizes.contact_points * contact;
@@ -198,7 +195,8 @@ const SAME_PLANE: f64 = 1e-6;
 /// What a run of two bricks takes [MB].
 const PROGRAM_MB: f64 = 23.0;
 
-fn notes(deck: &Deck, model: &Model) -> Vec<String> {
+/// `least`: what is left of the model where halves of it are taken.
+fn notes(deck: &Deck, model: &Model, least: &Model) -> Vec<String> {
     let mut notes = Vec::new();
     for (m, material) in model.materials.iter().enumerate() {
         let name = &material.name;
@@ -244,7 +242,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     }
     notes.extend(across::notes(deck));
     notes.extend(symmetry_note(deck));
-    notes.extend(fidelity_note(model));
+    notes.extend(fidelity_note(model, least));
     notes.extend(rigid_note(deck, model));
     notes.extend(beams_notes(deck, model));
     if deck.has_blocks() {
@@ -362,9 +360,10 @@ fn symmetry_note(deck: &Deck) -> Option<String> {
 }
 
 /// What need not be computed: halves of a scene that is its own mirror image.
-fn fidelity_note(model: &Model) -> Option<String> {
+fn fidelity_note(model: &Model, least: &Model) -> Option<String> {
     let planes = mirror_planes(model);
     let part = mirrored::part(planes.len())?;
+    let unknowns = sizes(least).dofs;
     let planes: Vec<String> = planes.iter().map(ToString::to_string).collect();
     let image = format!(
         "the scene is its own mirror image in the plane {}",
@@ -372,10 +371,12 @@ fn fidelity_note(model: &Model) -> Option<String> {
     );
     Some(match model.fidelity {
         Fidelity::Auto | Fidelity::Elastic => {
-            format!("fidelity: {image}: {part} of it is solved, and the whole is shown")
+            format!(
+                "fidelity: {image}: {part} of it, {unknowns} unknowns, is solved, and the whole is shown"
+            )
         }
         Fidelity::Full => format!(
-            "fidelity: {image}: with fidelity = \"auto\" {part} of it is solved, and the whole is shown"
+            "fidelity: {image}: with fidelity = \"auto\" {part} of it, {unknowns} unknowns, is solved, and the whole is shown"
         ),
     })
 }
@@ -399,7 +400,7 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     let laws = contact.laws.iter().zip(&contact.law_names);
     let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
         let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
-        format!("{normal:.0} / {shear:.0}")
+        format!("{} / {}", rounded(normal), rounded(shear))
     });
     let mut pairs: Vec<String> = pairs.collect();
     let mut told = HashSet::new();
@@ -414,6 +415,15 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
         }
     );
     [kind, stiffness]
+}
+
+/// Without decimals; beyond ten digits with an exponent.
+fn rounded(stiffness: f64) -> String {
+    if stiffness < 1e10 {
+        format!("{stiffness:.0}")
+    } else {
+        format!("{stiffness:.3e}")
+    }
 }
 
 /// What was drawn for the units, if their bond scatters.

@@ -1,7 +1,7 @@
 //! Physics of a model that can be judged before it is run.
 
 use super::Model;
-use super::deck::{Bond, Deck, FilledFrom, Interface, Subdivision, Wall};
+use super::deck::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
 use super::masonry::{Masonry, Unit};
 use super::tables;
 use crate::element::extent;
@@ -90,7 +90,20 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     for (name, interface) in interfaces(deck, model) {
         warnings.extend(check_interface(deck, name, interface, model));
     }
+    warnings.extend(peaks_not_seen(deck));
     (warnings, errors)
+}
+
+/// Steps that say how well a peak is seen, and see none.
+fn peaks_not_seen(deck: &Deck) -> Vec<Warning> {
+    let says = |step: &DeckStep| step.increments.peak.is_some() && !step.sees_peaks();
+    let steps = deck.steps.iter().enumerate();
+    let silent = steps.filter(|(_, step)| says(step));
+    let told = |(i, _)| {
+        let message = "not used: a peak is seen where a displacement drives or steers, without inertia and along no path";
+        deck.warning(&format!("steps.{i}.increments.peak"), message)
+    };
+    silent.map(told).collect()
 }
 
 /// Interfaces that the model uses, each once.
@@ -165,7 +178,7 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
             ),
         ));
     }
-    if f.normal_stiffness.is_some() && deck.says(&format!("{path}.penalty_factor")) {
+    if f.normal_stiffness.is_some() && f.penalty_factor.is_some() {
         warnings.push(warn(
             "penalty_factor",
             "not used: explicit stiffnesses are given".to_owned(),

@@ -100,7 +100,7 @@ pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContac
         &model.mesh,
         &model.materials,
         interface.mu.get(),
-        interface.penalty_factor.get(),
+        interface.penalty(),
         given,
     )))
 }

@@ -25,7 +25,7 @@ pub(super) fn law_between(
 ) -> u16 {
     let stiffness = |s: &Side<'_>| s.material.E / s.size;
     let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
-    let normal = interface.penalty_factor.get() * stiffness(&softer);
+    let normal = interface.penalty() * stiffness(&softer);
     let shear = normal / (2.0 * (1.0 + softer.material.nu));
     let law = match (interface.normal_stiffness, interface.shear_stiffness) {
         (Some(normal), Some(shear)) => interface.law(normal.get(), shear.get()),

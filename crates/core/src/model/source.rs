@@ -376,7 +376,13 @@ pub(super) enum Trouble {
 
 /// The message of an error, without line breaks.
 fn in_a_line(error: &toml::de::Error) -> String {
-    error.message().trim_end().replace('\n', ", ")
+    let message = error.message().trim_end();
+    // What TOML takes for a choice; no choice of a deck is a table.
+    let message = message.replace(
+        "wanted string or table",
+        "expected one of the choices, in quotes",
+    );
+    message.replace('\n', ", ")
 }
 
 /// `prefix.key`, or `key` at the root.

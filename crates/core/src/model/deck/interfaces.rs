@@ -42,8 +42,8 @@ pub struct Interface {
     pub G_II: Option<FractureEnergy>,
     /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
     /// nothing is in general contact.
-    #[serde(default = "penalty_factor")]
-    pub penalty_factor: Number,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penalty_factor: Option<Number>,
     /// Explicit normal stiffness k_n [N/mm³].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_stiffness: Option<InterfaceStiffness>,
@@ -84,11 +84,14 @@ enum CouplingSchema {
 }
 
 /// Theory C.8: 500 × E/h.
-fn penalty_factor() -> Number {
-    Number::new(500.0)
-}
+const PENALTY: f64 = 500.0;
 
 impl Interface {
+    /// Stiffness over that of the facing elements [-].
+    pub fn penalty(&self) -> f64 {
+        self.penalty_factor.map_or(PENALTY, Number::get)
+    }
+
     /// Without bond: a dry joint, damaged from the start (theory C.8, last line).
     pub fn is_dry(&self) -> bool {
         self.f_t.get() == 0.0 && self.c.get() == 0.0

@@ -285,6 +285,17 @@ impl DeckStep {
         }
     }
 
+    /// Whether increments are shortened at a peak of its force.
+    pub fn sees_peaks(&self) -> bool {
+        use DeckProcedure::{ArcLength, Dissipation, Dynamic, QuasiStatic};
+        let driven = self.kind == StepKind::Drive || self.control.is_some();
+        driven
+            && !matches!(
+                self.procedure,
+                QuasiStatic | Dynamic | ArcLength | Dissipation
+            )
+    }
+
     /// Tolerance of the model: 5e-3 of the mean nodal force (theory F) with consistent tangents; with
     /// the cheaper ones what measures as accurate (docs/decisions.md).
     pub fn tolerance(&self) -> Tolerance {

@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use crate::experiment::Point;
 
 /// Width and height of the picture [px].
-const SIZE: (u32, u32) = (1000, 660);
+const SIZE: (u32, u32) = (1200, 660);
 /// Colours of series, again from the start if there are more.
 const COLOURS: [RGBColor; 14] = [
     RGBColor(20, 20, 20),
@@ -32,12 +32,12 @@ const FLOOR: RGBColor = RGBColor(120, 120, 120);
 /// Size of names, and width of a letter of them [px].
 const LETTERS: i32 = 13;
 const LETTER: f64 = 6.8;
-/// Air around the picture, room for the numbers along the axes, height of the title, and of a line of the legend [px].
+/// Air around the picture, room for the numbers along the axes and for the legend on the right, height of a line of that [px].
 const MARGIN: u32 = 18;
 const BELOW: u32 = 46;
 const BESIDE: u32 = 76;
-const TITLE: u32 = 30;
-const LINE: f64 = 17.0;
+const LEGEND: u32 = 240;
+const LINE: i32 = 17;
 /// Radius of a point [px].
 const RADIUS: i32 = 5;
 
@@ -107,12 +107,12 @@ impl Scatter<'_> {
         let xs = self.spots.iter().map(|s| s.at.0);
         let ys = self.spots.iter().map(|s| s.at.1);
         let ys = ys.chain(self.floor.map(|f| f.0));
-        // Room for names on the right and the legend above.
-        let (xs, ys) = (span(xs, 1.3, 2.0), span(ys, 1.6, 3.0));
-        let corner = self.corner(&xs, &ys);
+        // Room for names on the right and above.
+        let (xs, ys) = (span(xs, 1.3, 2.0), span(ys, 1.6, 2.0));
         let mut chart = ChartBuilder::on(root)
             .caption(self.title, ("sans-serif", 20))
             .margin(MARGIN)
+            .margin_right(MARGIN + LEGEND)
             .x_label_area_size(BELOW)
             .y_label_area_size(BESIDE)
             .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
@@ -128,73 +128,14 @@ impl Scatter<'_> {
             .label_style(("sans-serif", 14))
             .draw()?;
         self.lines(&mut chart)?;
-        for (i, name) in self.series.iter().enumerate() {
-            let colour = COLOURS[i % COLOURS.len()];
-            let mut of_series = self.spots.iter().filter(|s| s.series == i).peekable();
-            if of_series.peek().is_none() {
-                continue;
-            }
-            let marks = of_series.map(|s| Circle::new(s.at, RADIUS, colour.filled()));
-            chart
-                .draw_series(marks)?
-                .label(*name)
-                .legend(move |(x, y)| Circle::new((x + 8, y), RADIUS, colour.filled()));
+        for spot in self.spots {
+            let mark = Circle::new(spot.at, RADIUS, colour(spot.series).filled());
+            chart.draw_series([mark])?;
         }
         let ringed = self.spots.iter().filter(|s| s.marked);
         chart.draw_series(ringed.map(|s| Circle::new(s.at, RADIUS + 5, BLACK.stroke_width(2))))?;
-        chart
-            .configure_series_labels()
-            .position(corner)
-            .margin(10)
-            .legend_area_size(20)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(200, 200, 200))
-            .label_font(("sans-serif", 13))
-            .draw()?;
+        self.legend(root)?;
         self.names(root, &chart)
-    }
-
-    /// The corner where the legend hides the fewest spots and names.
-    fn corner(&self, xs: &Range<f64>, ys: &Range<f64>) -> SeriesLabelPosition {
-        use SeriesLabelPosition::{LowerLeft, LowerRight, UpperLeft, UpperRight};
-        let plane = (
-            f64::from(SIZE.0 - 2 * MARGIN - BESIDE),
-            f64::from(SIZE.1 - 2 * MARGIN - BELOW - TITLE),
-        );
-        let shown = |i: &usize| self.spots.iter().any(|s| s.series == *i);
-        // Front and floor have a line each, a line more is air. The longest line is the front's.
-        let lines = (0..self.series.len()).filter(shown).count() + 3;
-        let (high, wide) = (LINE * lines as f64 / plane.1, 0.3);
-        // A name stands two letters from its point.
-        let letter = LETTER / plane.0;
-        let part =
-            |range: &Range<f64>, v: f64| (v / range.start).ln() / (range.end / range.start).ln();
-        let places: Vec<(f64, f64, f64)> = self
-            .spots
-            .iter()
-            .map(|s| {
-                let (x, y) = (part(xs, s.at.0), part(ys, s.at.1));
-                (x, x + (s.name.chars().count() + 2) as f64 * letter, y)
-            })
-            .collect();
-        let hidden = |right: bool, upper: bool| {
-            let across = |from: f64, to: f64| {
-                if right { to > 1.0 - wide } else { from < wide }
-            };
-            let along = |y: f64| if upper { y > 1.0 - high } else { y < high };
-            places
-                .iter()
-                .filter(|(from, to, y)| across(*from, *to) && along(*y))
-                .count()
-        };
-        let corners = [
-            (UpperRight, hidden(true, true)),
-            (LowerRight, hidden(true, false)),
-            (UpperLeft, hidden(false, true)),
-            (LowerLeft, hidden(false, false)),
-        ];
-        let least = corners.into_iter().min_by_key(|(_, hidden)| *hidden);
-        least.map_or(UpperRight, |(corner, _)| corner)
     }
 
     /// The front as stairs, and the floor.
@@ -202,18 +143,49 @@ impl Scatter<'_> {
         if let Some(last) = self.front.last() {
             let corner = |w: &[Point]| [w[0], (w[1].0, w[0].1)];
             let stairs = self.front.windows(2).flat_map(corner).chain([*last]);
-            chart
-                .draw_series(LineSeries::new(stairs, FRONT.stroke_width(3)))?
-                .label("front: nothing is better in both")
-                .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FRONT.stroke_width(3)));
+            chart.draw_series(LineSeries::new(stairs, FRONT.stroke_width(3)))?;
         }
-        if let Some((floor, name)) = self.floor {
+        if let Some((floor, _)) = self.floor {
             let range = span(self.spots.iter().map(|s| s.at.0), 1.3, 2.0);
             let line = [(range.start, floor), (range.end, floor)];
-            chart
-                .draw_series(DashedLineSeries::new(line, 6, 5, FLOOR.stroke_width(1)))?
-                .label(name)
-                .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], FLOOR.stroke_width(1)));
+            chart.draw_series(DashedLineSeries::new(line, 6, 5, FLOOR.stroke_width(1)))?;
+        }
+        Ok(())
+    }
+
+    /// Lines and series that are there, right of the plane, where they hide nothing.
+    fn legend<'a>(&self, root: &Area<'a>) -> Result<(), Failed<'a>> {
+        let left = (SIZE.0 - MARGIN - LEGEND) as i32 + 12;
+        let mut y = MARGIN as i32 + 40;
+        let mut say = |name: &str, mark: &dyn Fn(i32) -> Result<(), Failed<'a>>| {
+            mark(y)?;
+            let style = ("sans-serif", LETTERS).into_font();
+            let at = (left + 24, y - LETTERS / 2);
+            y += LINE;
+            root.draw(&Text::new(name.to_owned(), at, style))
+        };
+        let stroke = |[from, to]: [i32; 2], y: i32, style: ShapeStyle| {
+            root.draw(&PathElement::new([(left + from, y), (left + to, y)], style))
+        };
+        if !self.front.is_empty() {
+            let style = FRONT.stroke_width(3);
+            say("front: nothing is better in both", &|y| {
+                stroke([0, 16], y, style)
+            })?;
+        }
+        if let Some((_, name)) = self.floor {
+            let style = FLOOR.stroke_width(1);
+            say(name, &|y| {
+                stroke([0, 6], y, style).and(stroke([11, 17], y, style))
+            })?;
+        }
+        for (i, name) in self.series.iter().enumerate() {
+            if self.spots.iter().any(|s| s.series == i) {
+                let mark = colour(i).filled();
+                say(name, &|y| {
+                    root.draw(&Circle::new((left + 8, y), RADIUS, mark))
+                })?;
+            }
         }
         Ok(())
     }
@@ -230,7 +202,10 @@ impl Scatter<'_> {
         for (spot, at) in self.spots.iter().zip(&pixels) {
             let width = (LETTER * spot.name.chars().count() as f64) as i32;
             let place = place(*at, width, &taken);
-            let colour = COLOURS[spot.series % COLOURS.len()];
+            let colour = colour(spot.series);
+            if let Some(line) = leader(*at, place) {
+                root.draw(&PathElement::new(line, colour.mix(0.4).stroke_width(1)))?;
+            }
             let style = ("sans-serif", LETTERS).into_font().color(&colour);
             root.draw(&Text::new(
                 spot.name.clone(),
@@ -258,15 +233,27 @@ impl Frame {
 fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
     let frame = |left: i32, top: i32| Frame([left, top, left + width, top + LETTERS]);
     let beside = [x + 9, x - 9 - width];
-    let shifts = (0..8)
+    let shifts = (0..12)
         .flat_map(|i| [-i, i])
         .map(|i| y - LETTERS / 2 + i * (LETTERS - 2));
     let mut places = shifts.flat_map(|top| beside.map(|left| frame(left, top)));
-    let inside = |f: &Frame| f.0[0] > 90 && f.0[2] < SIZE.0 as i32 - 18;
+    let (from, to) = (MARGIN + BESIDE, SIZE.0 - MARGIN - LEGEND);
+    let inside = |f: &Frame| f.0[0] > from as i32 && f.0[2] < to as i32;
     let free = |f: &Frame| inside(f) && !taken.iter().any(|t| t.meets(f));
     places
         .find(free)
         .unwrap_or(frame(beside[0], y - LETTERS / 2))
+}
+
+/// From a point to its name, where that is not beside it.
+fn leader((x, y): (i32, i32), Frame([left, top, right, bottom]): Frame) -> Option<[(i32, i32); 2]> {
+    let nearest = if left > x { left } else { right };
+    let middle = i32::midpoint(top, bottom);
+    ((middle - y).abs() > LETTERS).then_some([(x, y), (nearest, middle)])
+}
+
+fn colour(series: usize) -> RGBColor {
+    COLOURS[series % COLOURS.len()]
 }
 
 /// A range around values, with so much air on either side.
@@ -318,61 +305,28 @@ mod tests {
         assert_eq!(svg.matches("<circle ").count(), 5);
     }
 
+    /// However many there are and however long its name is.
     #[test]
-    fn the_legend_lies_where_it_hides_nothing() {
-        let corner = |at: &[Point]| {
-            let spots: Vec<Spot> = at.iter().map(|&at| spot("a", at, 0)).collect();
-            let scene = Scatter {
-                title: "",
-                axes: [""; 2],
-                series: &["a"],
-                spots: &spots,
-                front: &[],
-                floor: None,
-            };
-            scene.corner(&(1.0..100.0), &(1.0..100.0))
-        };
-        assert!(matches!(
-            corner(&[(2.0, 50.0)]),
-            SeriesLabelPosition::UpperRight
-        ));
-        assert!(matches!(
-            corner(&[(50.0, 97.0)]),
-            SeriesLabelPosition::LowerRight
-        ));
-        let right = [(50.0, 97.0), (50.0, 1.1)];
-        assert!(matches!(corner(&right), SeriesLabelPosition::UpperLeft));
+    fn the_legend_lies_beside_all_names() {
+        let at = (900, 300);
+        let name = place(at, 120, &[]);
+        assert!(
+            name.0[2] < (SIZE.0 - MARGIN - LEGEND) as i32,
+            "{:?}",
+            name.0
+        );
     }
 
     #[test]
-    fn the_legend_hides_no_long_name_and_is_as_high_as_what_it_shows() {
-        let corner = |name: &str, at: Point, series: &[&str]| {
-            let scene = Scatter {
-                title: "",
-                axes: [""; 2],
-                series,
-                spots: &[spot(name, at, 0)],
-                front: &[],
-                floor: None,
-            };
-            scene.corner(&(1.0..100.0), &(1.0..100.0))
-        };
-        // The same point in the middle: its long name reaches under the corner.
-        let at = (10.0, 97.0);
-        assert!(matches!(
-            corner("a", at, &["a"]),
-            SeriesLabelPosition::UpperRight
-        ));
-        assert!(matches!(
-            corner("a name that is a good deal longer", at, &["a"]),
-            SeriesLabelPosition::LowerRight
-        ));
-        // A point at mid-height is under no legend of one line, whatever series have no point.
-        let many = ["a"; 20];
-        assert!(matches!(
-            corner("a", (50.0, 10.0), &many),
-            SeriesLabelPosition::UpperRight
-        ));
+    fn a_name_that_is_not_beside_its_point_is_led_to_it() {
+        let at = (400, 300);
+        let beside = place(at, 80, &[]);
+        assert_eq!(leader(at, beside), None);
+        let wall = Frame([0, 260, 1000, 340]);
+        let away = place(at, 80, &[wall]);
+        let [from, to] = leader(at, away).unwrap();
+        assert_eq!(from, at);
+        assert!(to.0 == away.0[0] && (away.0[1]..=away.0[3]).contains(&to.1));
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub enum DraftError {
     /// Nothing goes one way.
     #[error("no curve of this model can be compared: {0}")]
     #[diagnostic(help(
-        "the last step must drive along an axis, forth only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/studies.md)"
+        "the last step must drive along an axis, one way only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/studies.md)"
     ))]
     NoCurve(&'static str),
     /// Its text cannot be made.
@@ -29,21 +29,22 @@ pub enum DraftError {
     Text(#[from] toml::ser::Error),
 }
 
-/// What is compared, and where that ends.
+/// What is compared, as a scene says it, and where that ends.
 struct Compared {
     x: String,
-    y: &'static str,
+    y: String,
     to: f64,
 }
 
-/// The `scene.toml` of the model in `file` with these keys said anew, on a machine of `threads` threads, which all make its
-/// reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
+/// The `scene.toml`, in `folder`, of the model in `file` with these keys said anew, on a machine of `threads` threads, which all
+/// make its reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
 ///
 /// # Errors
 /// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
 pub fn draft(
     deck: &Deck,
     file: &Path,
+    folder: &Path,
     set: &[(String, String)],
     threads: usize,
 ) -> Result<String, DraftError> {
@@ -79,6 +80,8 @@ pub fn draft(
             factor: choice.factor,
             short: choice.short,
         });
+    // Relative, so that both may be moved together; from one drive to another there is no way.
+    let way = pathdiff::diff_paths(file, folder).unwrap_or_else(|| file.to_owned());
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     let draft = SceneFile {
         number: 1,
@@ -92,11 +95,11 @@ pub fn draft(
             deck.steps[last].name()
         ),
         says: String::new(),
-        deck: file.to_string_lossy().into_owned(),
+        deck: way.to_string_lossy().replace('\\', "/"),
         set: lines(set),
         short: None,
         x: compared.x,
-        y: compared.y.to_owned(),
+        y: compared.y,
         steps: Some(vec![last]),
         from: None,
         to: compared.to,
@@ -137,7 +140,7 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let x = probe.ok_or(DraftError::NoCurve("it has not the probe that steers it"))?;
         // Increments end within a thousandth of the last.
         let to = 0.995 * control.displacement.get();
-        return along(x, "load_factor", [0.0, to]);
+        return along(&x, "load_factor", [0.0, to], 1.0);
     }
     let is_drive = |step: &&DeckStep| step.kind == StepKind::Drive;
     if !is_drive(&step) {
@@ -154,16 +157,26 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
         way = [way[1], way[1] + sign * drive.drive()];
     }
-    along("displacement_mm".to_owned(), "force_kN", way)
+    // Its force is that along the axis, and turns with it.
+    along("displacement_mm", "force_kN", way, way[1].signum())
 }
 
-fn along(x: String, y: &'static str, [from, to]: [f64; 2]) -> Result<Compared, DraftError> {
+/// A curve along `x`, turned where that falls, of `y` times this sign.
+fn along(x: &str, y: &str, way: [f64; 2], of_y: f64) -> Result<Compared, DraftError> {
+    let of_x = way[1].signum();
+    let [from, to] = way.map(|x| of_x * x);
     if from >= 0.0 && to > from {
-        Ok(Compared { x, y, to })
+        let signed = |column: &str, sign: f64| {
+            let minus = if sign < 0.0 { "-" } else { "" };
+            format!("{minus}{column}")
+        };
+        Ok(Compared {
+            x: signed(x, of_x),
+            y: signed(y, of_y),
+            to,
+        })
     } else {
-        Err(DraftError::NoCurve(
-            "its displacement falls, and curves are read along one that grows",
-        ))
+        Err(DraftError::NoCurve("its displacement goes forth and back"))
     }
 }
 
@@ -185,9 +198,12 @@ mod tests {
             .collect();
         let file = example(name);
         let deck = Deck::load(&file, &set).unwrap();
-        let text = draft(&deck, &file, &set, 2)?;
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let text = draft(&deck, &file, folder, &set, 2)?;
         // What is written is read again.
-        Ok(Scene::from_str(&text, "scene.toml", Path::new(".")).unwrap())
+        let scene = Scene::from_str(&text, "scene.toml", folder).unwrap();
+        assert!(text.contains("deck = \"../../examples/"), "{text}");
+        Ok(scene)
     }
 
     fn keys(scene: &Scene, name: &str) -> Option<String> {
@@ -262,10 +278,31 @@ mod tests {
         assert_eq!(keys(&scene, "projected"), None);
     }
 
+    /// Along -x displacement and force are negative; a load that is steered the other way still grows.
+    #[test]
+    fn what_falls_is_turned() {
+        let signs = |name: &str, set: &[(&str, &str)]| {
+            let scene = drafted(name, set).unwrap();
+            assert!(scene.range[1] > 0.0, "{:?}", scene.range);
+            scene.signs
+        };
+        let (push, press) = ("03_shear_wall_j7d", "62_out_of_plane_wall");
+        assert_eq!(signs(push, &[("steps.1.direction", "-x")]), [-1.0, -1.0]);
+        assert_eq!(
+            signs(push, &[("steps.1.displacement", "-1 mm")]),
+            [-1.0, -1.0]
+        );
+        let pulled = [
+            ("steps.1.control.displacement", "-1 mm"),
+            ("steps.1.loads.0.pressure", "-10 kPa"),
+        ];
+        assert_eq!(signs(press, &pulled), [-1.0, 1.0]);
+        assert_eq!(signs(press, &[]), [1.0, 1.0]);
+    }
+
     #[test]
     fn what_goes_no_way_has_no_curve() {
-        let back = [("steps.1.direction", "-x")];
-        for (name, set) in [("03_shear_wall_j7d", &back[..]), ("30_toppling_stack", &[])] {
+        for (name, set) in [("42_cyclic_wall", &[][..]), ("30_toppling_stack", &[])] {
             let told = drafted(name, set).unwrap_err();
             assert!(matches!(told, DraftError::NoCurve(_)), "{name}: {told}");
         }

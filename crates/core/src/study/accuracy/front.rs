@@ -1,5 +1,7 @@
 //! Which choices no other one beats, in error and time.
 
+use super::errors::Errors;
+
 /// How much less time makes another choice the better one where both are as accurate [-].
 pub const FASTER: f64 = 0.8;
 
@@ -36,12 +38,18 @@ pub fn front(points: &[(f64, f64)], floor: f64) -> Vec<usize> {
     order
 }
 
-/// The fastest of those that are as accurate as point `of` and take at most [`FASTER`] of its time.
-pub fn beaten(points: &[(f64, f64)], of: usize, floor: f64) -> Option<usize> {
-    let (time, error) = (points[of].0, points[of].1.max(floor));
-    let better = |i: &usize| points[*i].0 <= FASTER * time && points[*i].1 <= error;
-    let all = (0..points.len()).filter(better);
-    all.min_by(|a, b| points[*a].0.total_cmp(&points[*b].0))
+/// The fastest of those that are as accurate as choice `of`, in both peak and energy, and take at most [`FASTER`] of its
+/// time: what is nearer in one by being farther in the other is not as accurate. Errors below `floor` are equal; none: the run
+/// did not come to its end.
+pub fn beaten(times: &[f64], errors: &[Option<Errors>], of: usize, floor: f64) -> Option<usize> {
+    let sizes = |errors: Errors| [errors.peak, errors.energy].map(f64::abs);
+    let bounds = sizes(errors[of]?).map(|error| error.max(floor));
+    let as_near = |i: &usize| {
+        errors[*i].is_some_and(|errors| std::iter::zip(sizes(errors), bounds).all(|(e, b)| e <= b))
+    };
+    (0..times.len())
+        .filter(|i| times[*i] <= FASTER * times[of] && as_near(i))
+        .min_by(|a, b| times[*a].total_cmp(&times[*b]))
 }
 
 #[cfg(test)]
@@ -80,11 +88,26 @@ mod tests {
     }
 
     #[test]
-    fn a_choice_is_beaten_by_one_as_accurate_and_a_fifth_faster() {
-        let points = [(1.0, 0.01), (0.85, 0.001), (0.7, 0.02), (0.75, 0.01)];
-        assert_eq!(beaten(&points, 0, 0.0), Some(3));
-        assert_eq!(beaten(&points[..3], 0, 0.0), None);
-        assert_eq!(beaten(&points, 0, 0.02), Some(2));
-        assert_eq!(beaten(&[(1.0, 0.01), (0.1, f64::NAN)], 0, 0.0), None);
+    fn a_choice_is_beaten_by_one_as_accurate_in_both_and_a_fifth_faster() {
+        let of = |peak, energy| {
+            let rms = f64::NAN; // is not asked
+            Some(Errors { peak, energy, rms })
+        };
+        let times = [1.0, 0.85, 0.7, 0.75, 0.6, 0.5, 0.4];
+        let errors = [
+            of(0.01, -0.02),
+            of(0.001, 0.001), // not a fifth faster
+            of(0.02, 0.01),   // farther in its peak
+            of(-0.01, 0.02),
+            of(0.0, 0.03), // farther in its energy
+            None,          // came to no end
+            of(f64::NAN, 0.0),
+        ];
+        assert_eq!(beaten(&times, &errors, 0, 0.0), Some(3));
+        assert_eq!(beaten(&times[..3], &errors[..3], 0, 0.0), None);
+        // Below what the reference tells apart, a larger error is none.
+        assert_eq!(beaten(&times, &errors, 0, 0.02), Some(2));
+        assert_eq!(beaten(&times, &errors, 0, 0.03), Some(4));
+        assert_eq!(beaten(&times, &errors, 5, 0.03), None);
     }
 }

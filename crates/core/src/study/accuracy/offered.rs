@@ -162,10 +162,10 @@ fn solids(deck: &Deck) -> Vec<Choice> {
 /// Stiffness of the joints: over that of what they join, or as it is said.
 fn joints(deck: &Deck) -> Vec<Choice> {
     let key = |name: &str, of: &str| format!("interfaces.{name}.{of}");
-    let over = |factor: &str| {
+    let over = |factor: f64| {
         let of = |(name, joint): (&String, &Interface)| {
-            let relative = joint.normal_stiffness.is_none();
-            relative.then(|| (key(name, "penalty_factor"), factor.to_owned()))
+            let other = joint.normal_stiffness.is_none() && joint.penalty() != factor;
+            other.then(|| (key(name, "penalty_factor"), number(factor)))
         };
         let set = deck.interfaces.iter().filter_map(of).collect();
         Choice::new(&format!("penalty {factor}"), Group::Penalty, set)
@@ -181,7 +181,7 @@ fn joints(deck: &Deck) -> Vec<Choice> {
         let set = deck.interfaces.iter().flat_map(of).flatten().collect();
         Choice::new(name, Group::Penalty, set)
     };
-    let over = ["5", "50", "500", "5000"].map(over).into_iter();
+    let over = [5.0, 50.0, 500.0, 5000.0].map(over).into_iter();
     over.chain([("joints / 4", 0.25), ("joints x 4", 4.0)].map(times))
         .collect()
 }

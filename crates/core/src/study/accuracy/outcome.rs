@@ -279,9 +279,10 @@ pub(super) fn curve(scene: &Scene, choice: &Choice, ended: &Ended) -> Vec<Point>
     let start = [&scene.x, &scene.y].map(|name| history.before(name, first));
     let (x, y) = (history.column(&scene.x), history.column(&scene.y));
     let points = rows.into_iter().map(|i| [x[i], y[i]]);
+    let [of_x, of_y] = scene.signs;
     std::iter::once(start)
         .chain(points)
-        .map(|[x, y]| [x, choice.factor * y])
+        .map(|[x, y]| [of_x * x, of_y * choice.factor * y])
         .collect()
 }
 
@@ -311,6 +312,7 @@ pub(super) fn solved(
         let (started, cpu) = (Instant::now(), cpu_of(pool));
         let last = Last {
             x: &scene.x,
+            sign: scene.signs[0],
             // Displacement control ends beyond by what its tolerance leaves.
             to: scene.range[1] + SLACK * (scene.range[1] - scene.range[0]),
             cracks: None,
@@ -334,6 +336,8 @@ pub(super) fn solved(
 struct Last<'a> {
     /// Column along which curves are compared.
     x: &'a str,
+    /// What it is multiplied by.
+    sign: f64,
     /// How far a frame may be.
     to: f64,
     cracks: Option<Cracks>,
@@ -349,7 +353,7 @@ impl Recorder for Last<'_> {
         if let Some(frame) = frame {
             let history = History::new(std::slice::from_ref(row), &model.columns());
             let x = history.column(self.x).first();
-            if x.is_some_and(|x| *x <= self.to) {
+            if x.is_some_and(|x| self.sign * x <= self.to) {
                 self.cracks = Some(Cracks::of(frame));
             }
         }

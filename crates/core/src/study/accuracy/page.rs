@@ -197,16 +197,13 @@ fn verdict(studied: &Studied) -> String {
             percent(errors.peak)
         )
     };
-    // The chart shows the larger error of the two: what is nearer in one by being farther in the other is not as accurate.
-    let [peak, energy] = [errors.peak, errors.energy].map(|error| error.abs().max(floor));
-    let as_near = studied.outcomes.iter().zip(&points);
-    let as_near: Vec<(f64, f64)> = as_near
-        .map(|(o, &(time, error))| match &o.errors {
-            Ok(other) if other.peak.abs() <= peak && other.energy.abs() <= energy => (time, error),
-            _ => (time, f64::NAN),
-        })
-        .collect();
-    let faster = match beaten(&as_near, i, floor) {
+    let times: Vec<f64> = points.iter().map(|point| point.0).collect();
+    let both = studied
+        .outcomes
+        .iter()
+        .map(|o| o.errors.as_ref().ok().copied());
+    let both: Vec<Option<Errors>> = both.collect();
+    let faster = match beaten(&times, &both, i, floor) {
         None => format!(
             "no other choice is as accurate in both peak and energy and takes at most {} of its time.",
             percent(FASTER).trim_start_matches('+')

@@ -39,6 +39,8 @@ pub struct Scene {
     pub x: String,
     /// Column that is compared.
     pub y: String,
+    /// What both are multiplied by: −1 where a minus stands before the column. `[x, y]`
+    pub signs: [f64; 2],
     /// Rows of these steps only; of all without a choice.
     pub steps: Option<Vec<usize>>,
     /// Where the comparison begins and ends, in units of `x`.

@@ -157,6 +157,7 @@ impl SceneFile {
         let error = |path: &str, message: String| -> StudyError {
             source.error(path, message, &advice(path)).into()
         };
+        let [(x, of_x), (y, of_y)] = [&self.x, &self.y].map(|column| signed(column));
         let set = pairs(source, "set", &self.set)?;
         let deck = folder.join(&self.deck);
         let with_set = Deck::load(&deck, &set)?;
@@ -166,7 +167,7 @@ impl SceneFile {
             let what = format!("the deck has {last} steps, counted from 0, and no step {step}");
             return Err(error("steps", what));
         }
-        let reference = reference(self.reference, [&self.x, &self.y], source, folder, &error)?;
+        let reference = reference(self.reference, [x, y], source, folder, &error)?;
         // What acts before the first of these rows may have moved what is compared.
         let begins = reference.curve.first().map_or(0.0, |point| point[0]);
         let from = self.from.unwrap_or(begins.max(0.0));
@@ -185,9 +186,8 @@ impl SceneFile {
         }
         let short = short(source, "short", self.short.as_ref())?;
         let choices = choices(source, self.choices, &error)?;
-        let of_peer = |(i, peer): (usize, PeerFile)| {
-            checked_peer(peer, i, [&self.x, &self.y], self.to, folder, &error)
-        };
+        let of_peer =
+            |(i, peer): (usize, PeerFile)| checked_peer(peer, i, [x, y], self.to, folder, &error);
         let peers: Vec<Peer> = self
             .peers
             .into_iter()
@@ -232,8 +232,9 @@ impl SceneFile {
             deck,
             set,
             short,
-            x: self.x,
-            y: self.y,
+            x: x.to_owned(),
+            y: y.to_owned(),
+            signs: [of_x, of_y],
             steps: self.steps,
             range: [from, self.to],
             short_to,
@@ -247,12 +248,21 @@ impl SceneFile {
     fn columns(&self, deck: &Deck, error: &Error<'_>) -> Result<(), StudyError> {
         let own = deck.columns();
         let columns: Vec<String> = History::names().into_iter().chain(own).collect();
-        for (key, name) in [("x", &self.x), ("y", &self.y)] {
-            if !columns.contains(name) {
+        for (key, column) in [("x", &self.x), ("y", &self.y)] {
+            let (name, _) = signed(column);
+            if !columns.iter().any(|own| own == name) {
                 return Err(error(key, format!("the history has no column `{name}`")));
             }
         }
         Ok(())
+    }
+}
+
+/// A column's name, and −1 where a minus before it turns its sign.
+fn signed(column: &str) -> (&str, f64) {
+    match column.strip_prefix('-') {
+        Some(name) => (name, -1.0),
+        None => (column, 1.0),
     }
 }
 

@@ -15,7 +15,9 @@ impl Checks<'_> {
         self.not_negative(&key("c"), f.c);
         self.not_negative(&key("tan_phi"), f.tan_phi);
         self.not_negative(&key("mu"), f.mu);
-        self.positive(&key("penalty_factor"), f.penalty_factor);
+        if let Some(factor) = f.penalty_factor {
+            self.positive(&key("penalty_factor"), factor);
+        }
         for (name, value) in [
             ("normal_stiffness", f.normal_stiffness),
             ("shear_stiffness", f.shear_stiffness),
