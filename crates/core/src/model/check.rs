@@ -125,7 +125,7 @@ pub fn sizes(model: &Model) -> Sizes {
 ///
 /// The factor of a wall that is w unknowns thick grows as that of a plane grid. In double precision that is w log₂(n/w) bytes for
 /// each of n unknowns; in single, where less than a half is the factor's, the logarithm is lost in the rest. Constants are measured on
-/// walls of 12,000 to 1,430,000 unknowns, which are met within a seventh. What has blocks is taken for a
+/// walls of 12,000 to 1,430,000 unknowns, which are met within a sixth. What has blocks is taken for a
 /// cube, n^1.22 bytes, measured at 14,000 and 86,000 unknowns: flat scenes take less.
 fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
     let sizes = sizes(model);
