@@ -376,7 +376,7 @@ fn the_checker_offers_the_half() {
     );
     let auto = told(&whole).unwrap();
     assert!(
-        auto.contains("plane y = 30 mm: one half of it is solved"),
+        auto.contains("plane y = 30 mm: one half of it, ") && auto.contains("is solved, and"),
         "{auto}"
     );
     assert_eq!(
