@@ -222,8 +222,39 @@ fn increments_are_short_where_the_load_has_its_peak() {
             seen > (1.0 - 0.005 - 1e-3) * exact,
             "{size}: {seen} {exact}"
         );
-        assert!(more <= few + 2, "{size}: {few} {more}");
+        // One that has passed over it is taken again, in parts, and what follows is short at first.
+        assert!(more <= few + 4, "{size}: {few} {more}");
     }
+}
+
+/// A bond that breaks within 3 µm is pulled and sheared over millimetres: the first increment is beyond its peak.
+#[test]
+fn a_peak_within_the_first_increments_is_seen() {
+    let most = |name: &str, step: &str, way: &str, peak: &str| {
+        let way = (format!("{step}.displacement"), way.to_owned());
+        let peak = (format!("{step}.increments.peak"), peak.to_owned());
+        let set = [way, peak];
+        let set: Vec<(&str, &str)> = set.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+        let (model, _) = Model::from_deck(&common::examples::load(name, &set)).unwrap();
+        let rows = completed(&model).rows;
+        rows.iter().map(|r| r.force_kN).fold(0.0, f64::max)
+    };
+    let (torn, sheared) = ("01_couplet_tension", "02_couplet_shear");
+    // f_t A, of which uneven stress takes half a per cent; what a sharp peak hides between two increments is some more.
+    let bond = 0.28e-3 * 204.0 * 98.0;
+    for way in ["0.2 mm", "0.4 mm", "1 mm", "5 mm"] {
+        let seen = most(torn, "steps.0", way, "0.005");
+        println!("{way}: {:.4} of the bond", seen / bond);
+        assert!(seen > 0.975 * bond && seen < bond, "{way}: {seen}");
+    }
+    assert!(most(torn, "steps.0", "5 mm", "1") < 0.7 * bond);
+    let slowly = most(sheared, "steps.1", "0.6 mm", "0.005");
+    for way in ["3 mm", "6 mm", "20 mm"] {
+        let seen = most(sheared, "steps.1", way, "0.005");
+        println!("{way}: {:.4} of that over 0.6 mm", seen / slowly);
+        assert!((seen / slowly - 1.0).abs() < 0.01, "{way}: {seen} {slowly}");
+    }
+    assert!(most(sheared, "steps.1", "6 mm", "1") < 0.95 * slowly);
 }
 
 #[test]

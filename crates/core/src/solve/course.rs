@@ -40,6 +40,8 @@ pub(super) struct Course<'m> {
     pub(super) stopped: bool,
     /// The force of the last increments, that a peak be seen.
     pub(super) crest: Crest,
+    /// Force over size of the last try of a first increment.
+    pub(super) secant: Option<f64>,
     /// Part of the loads at which an increment found equilibrium beyond a snap.
     pub(super) beyond: Option<f64>,
 }
@@ -102,6 +104,7 @@ impl<'m> Course<'m> {
             end_refused: false,
             watch: None,
             crest: Crest::default(),
+            secant: None,
             stopped: false,
             beyond: None,
         }

@@ -11,6 +11,11 @@ const NEAR: f64 = 0.9;
 /// Part of the last increment that the next is at least, however sharp the peak looks.
 const LEAST: f64 = 0.25;
 
+/// Part of a force that the first of a curve begins with at most.
+pub(super) const AT_REST: f64 = 0.1;
+/// Times the part that is left unseen, where the force does not fall.
+const CORNER: f64 = 4.0;
+
 /// The last increments of a step.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Crest {
@@ -59,6 +64,49 @@ impl Crest {
         }
         let resolves = (8.0 * part * force / kappa).sqrt().max(LEAST * size);
         (resolves < next).then_some(resolves)
+    }
+
+    /// The force where the way begins, if nothing else is known.
+    pub(super) fn begins_at(&self) -> Option<f64> {
+        match self.last {
+            [None, None, Some([_, force])] => Some(force),
+            _ => None,
+        }
+    }
+
+    /// Size of another try of an increment that ends at `time` with this `force`, if more than `part` of the force may lie
+    /// unseen within it: at the vertex of the parabola through its ends and the one before, or, where the force has fallen
+    /// farther than that tells of, where it would have come to without the fall. What goes on rising has a corner more
+    /// often than a peak, and is asked for [`CORNER`] times as much, but for the second increment from rest, which is long
+    /// beside what it has come.
+    pub(super) fn passed(&self, time: f64, force: f64, part: f64) -> Option<f64> {
+        let [earlier, Some(a), Some(b)] = self.last else {
+            return None;
+        };
+        let ([before, size], sign) = ([b[0] - a[0], time - b[0]], b[1].signum());
+        let [first, start, end] = [a[1], b[1], force].map(|force| sign * force);
+        let largest = start.max(end);
+        if !(before > 0.0 && size > 0.0 && largest >= NEAR * self.most && part < 1.0) {
+            return None;
+        }
+        let [rise, then] = [(start - first) / before, (end - start) / size];
+        let kappa = 2.0 * (rise - then) / (before + size);
+        // Of the parabola, where the increment begins.
+        let slope = rise - 0.5 * kappa * before;
+        if !(rise > 0.0 && slope < kappa * size) {
+            return None;
+        }
+        let (unseen, resolves) = if slope > 0.0 {
+            let vertex = start + 0.5 * slope * slope / kappa;
+            (vertex - largest, (8.0 * part * largest / kappa).sqrt())
+        } else {
+            (rise * size, part * largest / rise)
+        };
+        let is_first = earlier.is_none() && first.abs() <= AT_REST * largest;
+        let corner = then >= 0.0 && !is_first;
+        let least = if corner { CORNER * part } else { part };
+        let resolves = resolves.clamp(LEAST * size, 0.5 * size);
+        (unseen > least * largest).then_some(resolves)
     }
 }
 
@@ -121,6 +169,58 @@ mod tests {
         assert!(!stays(&turned));
         turned.forget();
         assert!(stays(&turned));
+    }
+
+    /// What is taken again is shorter, until no more than the given part is left between two increments.
+    #[test]
+    fn a_peak_that_was_passed_over_is_gone_back_to() {
+        let brittle = |t: f64| if t < 2.03 { 10.0 * t } else { 4.0 };
+        let bonded = |t: f64| if t < 0.9 { 10.0 * t } else { 9.0 - (t - 0.9) };
+        let runs: [(&dyn Fn(f64) -> f64, f64); 3] =
+            [(&hill, 10.0), (&brittle, 20.3), (&bonded, 9.0)];
+        for (force, peak) in runs {
+            for sign in [1.0, -1.0] {
+                let mut way = crest(&[0.0], |t| sign * force(t));
+                let (mut at, mut size, mut tries, mut most) = (0.0, 0.7, 0, 0.0_f64);
+                while at < 3.0 {
+                    tries += 1;
+                    let to = at + size;
+                    match way.passed(to, sign * force(to), 0.005) {
+                        Some(shorter) => {
+                            assert!((LEAST - 1e-9..0.5 + 1e-9).contains(&(shorter / size)));
+                            size = shorter;
+                        }
+                        None => {
+                            at = to;
+                            way.take(at, sign * force(at));
+                            most = most.max(force(at));
+                            size = (1.5 * size).min(0.7);
+                        }
+                    }
+                }
+                assert!(
+                    most > 0.98 * peak && tries < 60,
+                    "{most} of {peak} in {tries}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_rises_on_or_was_seen_is_not_taken_again() {
+        let again = |times: &[f64], to: f64, force: fn(f64) -> f64, part: f64| {
+            crest(times, force).passed(to, force(to), part).is_some()
+        };
+        let brittle = |t: f64| if t < 2.0 { t } else { 1.0 };
+        assert!(again(&[1.0, 1.9], 2.5, brittle, 0.005));
+        assert!(!again(&[1.0, 1.9], 2.5, brittle, 1.0)); // as it was asked for
+        assert!(!again(&[1.0, 1.9], 1.99, brittle, 0.005));
+        assert!(!again(&[2.1, 2.2], 2.3, brittle, 0.005));
+        assert!(!again(&[1.8, 1.9], 2.05, hill, 0.005)); // too flat a piece of it
+        assert!(!again(&[1.0], 2.5, brittle, 0.005));
+        // A corner: friction does not fall, and hides nothing.
+        let slides = |t: f64| t.min(2.0);
+        assert!(!again(&[1.5, 1.7, 1.9], 2.1, slides, 0.005));
     }
 
     #[test]

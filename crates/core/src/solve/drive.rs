@@ -171,7 +171,15 @@ impl<'m> Run<'m> {
                     true
                 }
                 Outcome::Converged(report) => match self.jump(&course, leg) {
-                    None => self.accept(&mut course, leg, report, recorder)?,
+                    None => match self.passed_peak(&mut course, leg, report) {
+                        None => self.accept(&mut course, leg, report, recorder)?,
+                        Some(size) => {
+                            course.solves += report.iterations;
+                            self.cut_back(&mut course);
+                            course.schedule.resume(size);
+                            true
+                        }
+                    },
                     Some(refusal) => {
                         course.solves += report.iterations;
                         self.cut_back(&mut course);
@@ -302,7 +310,7 @@ impl<'m> Run<'m> {
         self.summary.increments += 1;
         self.summary.iterations += solves;
         (course.cutbacks, course.solves) = (0, 0);
-        (course.repeat, course.end_refused) = (true, false);
+        (course.repeat, course.end_refused, course.secant) = (true, false, None);
         let done = course.schedule.done();
         if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
             course.beyond = None;

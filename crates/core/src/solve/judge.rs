@@ -3,10 +3,12 @@
 use wythe_contact::InterfaceHistory;
 
 use super::course::{Course, Leg};
+use super::crest::AT_REST;
 use super::drive::{CUT, Run};
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
+use super::told::drives;
 use crate::model::scene::Procedure;
 
 /// Largest growth of an increment.
@@ -15,6 +17,10 @@ const GROW: f64 = 1.5;
 const MANY: usize = 10;
 /// Part of the elastic energy that a snap sets free.
 const RELEASE: f64 = 0.2;
+/// Damage in a first increment from which on a peak may lie within it [-].
+const BREAKS: f64 = 0.005;
+/// Times the stiffness of the try before, if that has passed something.
+const STIFFER: f64 = 1.05;
 /// Part of the kinetic energy that a blow may give.
 const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that begin or cease to press in an impact.
@@ -92,6 +98,54 @@ impl Run<'_> {
             Method::Dissipation if self.is_leap(course) => Some(Refusal::Leap),
             _ => None,
         }
+    }
+
+    /// Size of another try of the increment that the trial ends, if that has passed over a peak unseen.
+    pub(super) fn passed_peak(&self, course: &mut Course, leg: Leg, report: Report) -> Option<f64> {
+        if leg.method.follows_path() || leg.method.has_inertia() {
+            return None;
+        }
+        let force = match (&course.control, drives(course.step)) {
+            (Some(_), _) => report.load_factor,
+            (None, true) => 1e-3 * self.drives_with(course),
+            (None, false) => return None,
+        };
+        let (increments, increment) = (course.step.increments, leg.increment);
+        let size = match course.crest.begins_at() {
+            Some(start) => {
+                let again = increments.peak < 1.0
+                    && self.breaks_at_once(course, [start, force], increment.size);
+                again.then_some(CUT * increment.size)
+            }
+            None => {
+                let end = increment.end();
+                course.crest.passed(end, force, increments.peak)
+            }
+        };
+        size.filter(|size| *size >= increments.min)
+    }
+
+    /// Whether a first increment, from no force to one, may hide a peak, of which no curve tells yet: something is damaged
+    /// in it, and a shorter try was stiffer than the one before, or there was none.
+    fn breaks_at_once(&self, course: &mut Course, [start, end]: [f64; 2], size: f64) -> bool {
+        if start.abs() > AT_REST * end.abs() || !self.is_damaged() {
+            return false;
+        }
+        let secant = (end - start).abs() / size;
+        let before = course.secant.replace(secant);
+        before.is_none_or(|before| secant > STIFFER * before)
+    }
+
+    /// Whether the increment that the trial ends damages a joint or a solid.
+    fn is_damaged(&self) -> bool {
+        let (state, trial) = (&self.state, &self.trial);
+        let mut joints = state.interface.iter().zip(&trial.interface);
+        let mut solids = state.material.iter().zip(&trial.material);
+        joints.any(|(old, new)| new.damage - old.damage > BREAKS)
+            || solids.any(|(old, new)| {
+                new.tensile_damage - old.tensile_damage > BREAKS
+                    || new.compressive_damage - old.compressive_damage > BREAKS
+            })
     }
 
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,

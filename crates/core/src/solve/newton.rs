@@ -477,6 +477,16 @@ impl<'m> Newton<'m> {
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
 
+    /// Force on a beam in the increment that `trial` ends [N].
+    pub fn applied(&self, system: &System, trial: &Trial, slot: usize) -> f64 {
+        let given = self.loads.given(slot);
+        match &self.motion {
+            Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - given,
+            Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], given),
+            None => trial.force[slot] - given,
+        }
+    }
+
     /// Work from outside and the energies of motion of the increment that `trial` ends, by the
     /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
     /// `dq` are the displacements of the increment [mm]. `[slot]`
@@ -485,12 +495,7 @@ impl<'m> Newton<'m> {
         state.loads.clone_from(&self.loads.values);
         state.energies.numerical += system.crossing_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
-            let given = self.loads.given(slot);
-            let applied = match &self.motion {
-                Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - given,
-                Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], given),
-                None => trial.force[slot] - given,
-            };
+            let applied = self.applied(system, trial, slot);
             state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];
             state.applied[slot] = applied;
         }

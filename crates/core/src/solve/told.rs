@@ -1,5 +1,6 @@
 //! What the history tells of a commit: displacement and force of what is driven or loaded, probes, loads.
 
+use super::course::Course;
 use super::drive::Run;
 use super::probes::probes;
 use crate::model::Model;
@@ -32,10 +33,7 @@ impl Run<'_> {
             return (displacement, force, 0.0);
         }
         let (state, dofs) = (&self.state, &self.system.dofs);
-        let driven = self.model.steps[step]
-            .driven
-            .or_else(|| self.model.steps.iter().find_map(|s| s.driven));
-        let Some((beam, direction)) = driven else {
+        let Some((beam, direction)) = self.driven_beam(step) else {
             return self.driven_spring(step);
         };
         let slot = dofs.beam_slot(beam, direction);
@@ -46,14 +44,40 @@ impl Run<'_> {
         (state.q[slot], state.applied[slot], -along)
     }
 
+    /// Force of what a step drives, along its drive, in the increment that the trial ends [N].
+    pub(super) fn drives_with(&self, course: &Course) -> f64 {
+        let (system, trial) = (&self.system, &self.trial);
+        match self.driven_beam(course.index) {
+            Some((beam, direction)) => {
+                let slot = system.dofs.beam_slot(beam, direction);
+                course.newton.applied(system, trial, slot)
+            }
+            None => self
+                .driven_end(course.index)
+                .map_or(0.0, |(s, i)| system.spring_forces(trial)[s][i]),
+        }
+    }
+
+    /// The beam that a step is told by, and its direction: the step's own, or that of another.
+    fn driven_beam(&self, step: usize) -> Option<(usize, usize)> {
+        let steps = &self.model.steps;
+        steps[step]
+            .driven
+            .or_else(|| steps.iter().find_map(|s| s.driven))
+    }
+
+    /// The spring whose end a step drives, or another does, and its direction.
+    fn driven_end(&self, step: usize) -> Option<(usize, usize)> {
+        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
+        steps
+            .flat_map(|step| step.springs.iter().enumerate())
+            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)))
+    }
+
     /// Displacement of the driven end of a spring [mm] and its force along the drive [N], where a step
     /// drives one and no face.
     fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
-        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
-        let driven = steps
-            .flat_map(|step| step.springs.iter().enumerate())
-            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)));
-        driven.map_or((0.0, 0.0, 0.0), |(s, i)| {
+        self.driven_end(step).map_or((0.0, 0.0, 0.0), |(s, i)| {
             (
                 self.state.spring_ends[s][i],
                 self.state.spring_forces[s][i],
