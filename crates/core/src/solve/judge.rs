@@ -111,16 +111,13 @@ impl Run<'_> {
             (None, false) => return None,
         };
         let (increments, increment) = (course.step.increments, leg.increment);
-        let size = match course.crest.begins_at() {
-            Some(start) => {
-                let again = increments.peak < 1.0
-                    && self.breaks_at_once(course, [start, force], increment.size);
-                again.then_some(CUT * increment.size)
-            }
-            None => {
-                let end = increment.end();
-                course.crest.passed(end, force, increments.peak)
-            }
+        let size = if let Some(start) = course.crest.begins_at() {
+            let again = increments.peak < 1.0
+                && self.breaks_at_once(course, [start, force], increment.size);
+            again.then_some(CUT * increment.size)
+        } else {
+            let end = increment.end();
+            course.crest.passed(end, force, increments.peak)
         };
         size.filter(|size| *size >= increments.min)
     }
