@@ -17,8 +17,8 @@ def model() -> wythe.Model:
     """Two bricks and a joint, pulled beyond the peak: 20 increments, 0.1 s."""
     return wythe.templates.couplet().with_(
         {
-            "steps.0.increments": {"initial": 0.1, "max": 0.1},
-            "steps.1.increments": {"initial": 0.1, "max": 0.1},
+            "steps.0.increments": {"initial": 0.1, "max": 0.1, "peak": 1},
+            "steps.1.increments": {"initial": 0.1, "max": 0.1, "peak": 1},
             "steps.1.displacement": "0.02 mm",
         }
     )
