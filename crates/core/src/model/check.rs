@@ -3,7 +3,7 @@
 use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
-use super::mirrored::{self, mirror_planes};
+use super::mirrored::{self, MirrorPlane};
 use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::symmetry::{self, Plane};
 use super::{Model, across, rigid, scatter};
@@ -61,13 +61,14 @@ impl fmt::Display for CheckReport {
 /// Tells of a model and the deck it was made from.
 pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     let sizes = sizes(model);
-    let least = mirrored::least(model);
+    let (planes, least) = mirrored::reduced(model);
     let [memory_mb, in_double] = match &least {
         // As much again for the question of symmetry.
         Cow::Owned(half) if model.fidelity != Fidelity::Full => memory_mb(deck, half, 2.0),
         _ => memory_mb(deck, model, 1.0),
     };
-    let mut notes = notes(deck, model, &least);
+    let mut notes = notes(deck, model);
+    notes.extend(fidelity_note(model.fidelity, &planes, &least));
     if in_double - memory_mb > WORTH_TELLING_MB {
         notes.push(format!(
             "memory: about {in_double:.0} MB where a matrix wants factors of double precision, as under the weight of what is high and thin"
@@ -195,8 +196,7 @@ const SAME_PLANE: f64 = 1e-6;
 /// What a run of two bricks takes [MB].
 const PROGRAM_MB: f64 = 23.0;
 
-/// `least`: what is left of the model where halves of it are taken.
-fn notes(deck: &Deck, model: &Model, least: &Model) -> Vec<String> {
+fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
     for (m, material) in model.materials.iter().enumerate() {
         let name = &material.name;
@@ -242,7 +242,6 @@ fn notes(deck: &Deck, model: &Model, least: &Model) -> Vec<String> {
     }
     notes.extend(across::notes(deck));
     notes.extend(symmetry_note(deck));
-    notes.extend(fidelity_note(model, least));
     notes.extend(rigid_note(deck, model));
     notes.extend(beams_notes(deck, model));
     if deck.has_blocks() {
@@ -359,9 +358,8 @@ fn symmetry_note(deck: &Deck) -> Option<String> {
     ))
 }
 
-/// What need not be computed: halves of a scene that is its own mirror image.
-fn fidelity_note(model: &Model, least: &Model) -> Option<String> {
-    let planes = mirror_planes(model);
+/// What need not be computed: halves of a scene that is its own mirror image in these planes. `least`: what is left of it.
+fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> Option<String> {
     let part = mirrored::part(planes.len())?;
     let unknowns = sizes(least).dofs;
     let planes: Vec<String> = planes.iter().map(ToString::to_string).collect();
@@ -369,7 +367,7 @@ fn fidelity_note(model: &Model, least: &Model) -> Option<String> {
         "the scene is its own mirror image in the plane {}",
         planes.join(" and ")
     );
-    Some(match model.fidelity {
+    Some(match fidelity {
         Fidelity::Auto | Fidelity::Elastic => {
             format!(
                 "fidelity: {image}: {part} of it, {unknowns} unknowns, is solved, and the whole is shown"

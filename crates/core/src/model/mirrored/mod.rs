@@ -51,22 +51,18 @@ pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
     })
 }
 
-/// What `fidelity = "auto"` solves of a model: the half that is left when no other can be taken, or all of it.
-pub(crate) fn least(model: &Model) -> Cow<'_, Model> {
-    let mut least = Cow::Borrowed(model);
-    while let Some((_, half)) = halved(&least) {
+/// Planes by which a model is its own mirror image, in the order in which halves are taken of it, and what `fidelity = "auto"`
+/// solves of it: the half that is left when no other can be taken, or all of it.
+pub(crate) fn reduced(model: &Model) -> (Vec<MirrorPlane>, Cow<'_, Model>) {
+    let (mut planes, mut least) = (Vec::new(), Cow::Borrowed(model));
+    while let Some((Images { axis, at, .. }, half)) = halved(&least) {
+        planes.push(MirrorPlane { axis, at });
         least = Cow::Owned(half.model);
     }
-    least
+    (planes, least)
 }
 
 /// Planes by which a model is its own mirror image, in the order in which halves are taken of it.
 pub fn mirror_planes(model: &Model) -> Vec<MirrorPlane> {
-    let mut planes = Vec::new();
-    let mut found = halved(model);
-    while let Some((Images { axis, at, .. }, half)) = found {
-        planes.push(MirrorPlane { axis, at });
-        found = halved(&half.model);
-    }
-    planes
+    reduced(model).0
 }
