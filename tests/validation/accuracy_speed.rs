@@ -85,7 +85,8 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
         let overlap = cracks(name);
         assert!((0.5..0.9).contains(&overlap), "{name}: {overlap}");
     }
-    // A peak that is there from the start is seen by four times the step, too; without that part of it is lost.
+    // A peak that is there from the start is seen by four times the step, too. Under inertia, where nothing goes back to
+    // it, part of it is lost: the study sees it.
     let of = |name: &str| {
         all[0]
             .outcomes
@@ -94,7 +95,8 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
             .unwrap()
     };
     let peak = |name: &str| of(name).errors.clone().unwrap().peak.abs();
-    assert!(peak("steps x 4") < 0.01, "{}", peak("steps x 4"));
+    assert!(peak("steps x 4") <= peak("default"));
+    assert!(peak("quasi-static") > 2.0 * peak("default"));
 }
 
 #[test]

@@ -121,6 +121,13 @@ const BAD: &[Bad] = &[
         "x, y, z",
     ),
     (
+        "mesh = [4, 2, 1]",
+        "rotate = { axis = 3, angle = 3 }",
+        "blocks.1.rotate.axis",
+        "expected one of the choices, in quotes",
+        "axis = ",
+    ),
+    (
         "velocity = [\"1 m/s\"",
         "velocity = [\"1 m\"",
         "blocks.1.velocity.0",

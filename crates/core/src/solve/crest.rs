@@ -196,10 +196,11 @@ mod tests {
                     most = most.max(force(at));
                     size = (1.5 * size).min(0.7);
                 }
-                assert!(
-                    most > 0.98 * peak && tries < 60,
-                    "{most} of {peak} in {tries}"
-                );
+                println!("{most} of {peak} in {tries}");
+                // Four times the part where the force rises on; of a parabola or a fall no more than the part. Three
+                // go in ten increments; a fall takes two tries each time that what comes before it is halved.
+                let left = if peak == 9.0 { 4.0 } else { 1.0 } * 0.005;
+                assert!(most > (1.0 - left) * peak && tries < 30);
             }
         }
     }

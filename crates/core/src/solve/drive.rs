@@ -165,21 +165,16 @@ impl<'m> Run<'m> {
                 Solves::new(&mut tell),
             );
             let go_on = match outcome {
-                Outcome::Converged(report) if self.try_as_shock(&mut course, leg) => {
+                Outcome::Converged(report)
+                    if self.try_as_shock(&mut course, leg)
+                        || self.go_back_to_peak(&mut course, leg, report) =>
+                {
                     course.solves += report.iterations;
                     self.cut_back(&mut course);
                     true
                 }
                 Outcome::Converged(report) => match self.jump(&course, leg) {
-                    None => match self.passed_peak(&mut course, leg, report) {
-                        None => self.accept(&mut course, leg, report, recorder)?,
-                        Some(size) => {
-                            course.solves += report.iterations;
-                            self.cut_back(&mut course);
-                            course.schedule.resume(size);
-                            true
-                        }
-                    },
+                    None => self.accept(&mut course, leg, report, recorder)?,
                     Some(refusal) => {
                         course.solves += report.iterations;
                         self.cut_back(&mut course);

@@ -100,14 +100,27 @@ impl Run<'_> {
         }
     }
 
+    /// Whether to try the increment that the trial ends again, shorter, because it has passed over a peak unseen. One that
+    /// has jumped is refused for that.
+    pub(super) fn go_back_to_peak(&self, course: &mut Course, leg: Leg, report: Report) -> bool {
+        let size = self.passed_peak(course, leg, report);
+        match size.filter(|_| self.jump(course, leg).is_none()) {
+            Some(size) => {
+                course.schedule.resume(size);
+                true
+            }
+            None => false,
+        }
+    }
+
     /// Size of another try of the increment that the trial ends, if that has passed over a peak unseen.
-    pub(super) fn passed_peak(&self, course: &mut Course, leg: Leg, report: Report) -> Option<f64> {
+    fn passed_peak(&self, course: &mut Course, leg: Leg, report: Report) -> Option<f64> {
         if leg.method.follows_path() || leg.method.has_inertia() {
             return None;
         }
         let force = match (&course.control, drives(course.step)) {
             (Some(_), _) => report.load_factor,
-            (None, true) => 1e-3 * self.drives_with(course),
+            (None, true) => 1e-3 * self.driving_force(course),
             (None, false) => return None,
         };
         let (increments, increment) = (course.step.increments, leg.increment);

@@ -45,7 +45,7 @@ impl Run<'_> {
     }
 
     /// Force of what a step drives, along its drive, in the increment that the trial ends [N].
-    pub(super) fn drives_with(&self, course: &Course) -> f64 {
+    pub(super) fn driving_force(&self, course: &Course) -> f64 {
         let (system, trial) = (&self.system, &self.trial);
         match self.driven_beam(course.index) {
             Some((beam, direction)) => {
