@@ -38,6 +38,8 @@ pub struct DamagePlasticity {
     pub(super) tension_recovery: f64,
     pub(super) compression_recovery: f64,
     viscosity: f64,
+    /// Fastest rise of damage [1/s].
+    damage_rate: f64,
     /// Viscosity of the material itself, which a step may exceed [s].
     own_viscosity: f64,
 }
@@ -92,13 +94,15 @@ impl DamagePlasticity {
             tension_recovery: p.tension_recovery,
             compression_recovery: p.compression_recovery,
             viscosity: p.viscosity,
+            damage_rate: f64::INFINITY,
             own_viscosity: p.viscosity,
         }
     }
 
     /// Takes the larger of its own viscosity and that of a step [s] from here on.
-    pub fn stabilise(&mut self, viscosity: f64) {
+    pub fn stabilise(&mut self, viscosity: f64, damage_rate: f64) {
         self.viscosity = self.own_viscosity.max(viscosity);
+        self.damage_rate = damage_rate;
     }
 
     /// Tension curve; of several bands that of the narrowest.
@@ -188,17 +192,23 @@ impl DamagePlasticity {
             }
         }
         // Theory A.7: backward Euler of Duvaut–Lions, θ = Δt/(μ+Δt).
-        let theta = if self.viscosity > 0.0 {
+        let mut theta = if self.viscosity > 0.0 {
             dt / (self.viscosity + dt)
         } else {
             1.0
         };
+        // Damage that would rise faster than its rate allows is held back, and plastic strain with it.
+        let (rise, most) = (damage - old.viscous_damage, self.damage_rate * dt);
+        let held_back = rise > most && most < theta * rise;
+        if held_back {
+            theta = most / rise;
+        }
         history.viscous_strain =
             history.plastic_strain * theta + old.viscous_strain * (1.0 - theta);
         history.viscous_damage = theta * history.damage + (1.0 - theta) * old.viscous_damage;
         history.viscous_strain_step = history.viscous_strain - old.viscous_strain;
         history.viscous_damage_step = history.viscous_damage - old.viscous_damage;
-        if !inviscid.is_plastic() && self.viscosity == 0.0 {
+        if !inviscid.is_plastic() && self.viscosity == 0.0 && theta == 1.0 {
             // A change of r in an elastic step, or the last of a viscosity that ended, is no rate
             // to go on with.
             history.viscous_strain_step = Vector6::zeros();
@@ -208,10 +218,14 @@ impl DamagePlasticity {
         let effective = hooke(&self.elastic, &elastic_strain);
         history.stress = effective * (1.0 - history.viscous_damage);
         let energy = self.energies(old, &history, &elastic_strain, &effective, &inviscid);
-        let tangent = if want_tangent {
-            self.tangent(&inviscid, theta, 1.0 - history.viscous_damage, &effective)
-        } else {
+        let intact = 1.0 - history.viscous_damage;
+        let tangent = if !want_tangent {
             Matrix6::zeros()
+        } else if held_back {
+            // However far the strain goes, damage rises by as much.
+            self.secant(intact)
+        } else {
+            self.tangent(&inviscid, theta, intact, &effective)
         };
         Ok(Response {
             stress: history.stress,
@@ -219,6 +233,17 @@ impl DamagePlasticity {
             history,
             energy,
         })
+    }
+
+    /// Stiffness of a point with this intact part: (1−d) C₀ [MPa].
+    fn secant(&self, intact: f64) -> Matrix6<f64> {
+        let mut secant = Matrix6::zeros();
+        for i in 0..6 {
+            let mut strain = Vector6::zeros();
+            strain[i] = 1.0;
+            secant.set_column(i, &(hooke(&self.elastic, &strain) * intact));
+        }
+        secant
     }
 
     /// Intact part and stress with extrapolated viscous strain and damage.
@@ -417,7 +442,7 @@ impl DamagePlasticity {
         let plastic = 0.5 * (old.stress + new.stress).dot(&d_strain);
         let damage = 0.5 * effective_old.dot(elastic_strain) * d_damage;
         let mut viscous = 0.0;
-        if self.viscosity > 0.0 {
+        if self.viscosity > 0.0 || new.viscous_damage < new.damage {
             // Work on the overstress, stress and energy release beyond the inviscid state.
             let relaxed_effective = inviscid.effective();
             let relaxed = relaxed_effective * (1.0 - new.damage);

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::Course;
 use super::crest::Crest;
-use super::drive::{Run, RunError, steered};
+use super::drive::{Run, RunError, regularise, steered};
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
@@ -69,6 +69,7 @@ struct Mark {
     beyond: Option<f64>,
     watch: Option<Watch>,
     crest: Crest,
+    relaxed: bool,
     stopped: bool,
 }
 
@@ -225,6 +226,7 @@ impl<'m> Run<'m> {
                 beyond: course.beyond,
                 watch: course.watch.clone(),
                 crest: course.crest,
+                relaxed: course.relaxed,
                 stopped: course.stopped,
             },
             summary: self.summary.clone(),
@@ -268,7 +270,7 @@ impl<'m> Run<'m> {
         };
         let slots = run.system.dofs.slots;
         run.state = state;
-        run.system.bulk.stabilise(step.viscosity);
+        regularise(&mut run.system, step);
         run.system.steered = steered(model, step);
         let mut newton = Newton::new(model, step, &run.system, &run.state);
         let stopped = mark.is_stopped_in(step);
@@ -294,6 +296,7 @@ impl<'m> Run<'m> {
         (course.load, course.beyond) = (mark.load, mark.beyond);
         (course.row, course.branch) = (mark.row, branch);
         course.crest = mark.crest;
+        course.relaxed = mark.relaxed;
         course.watch = Watch::new(step, 0.0);
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

@@ -44,6 +44,14 @@ pub(super) struct Course<'m> {
     pub(super) secant: Option<f64>,
     /// Part of the loads at which an increment found equilibrium beyond a snap.
     pub(super) beyond: Option<f64>,
+    /// Refusals in a row by the first method of the step.
+    pub(super) refusals: usize,
+    /// The last increment was a relaxation.
+    pub(super) relaxed: bool,
+    /// Size of the increment after a relaxation, when one is to be committed.
+    pub(super) resumes_at: Option<f64>,
+    /// Size below which a relaxation is tried again after one that led nowhere.
+    pub(super) relaxes_below: f64,
 }
 
 /// A displacement c·q that steers the load.
@@ -52,6 +60,16 @@ pub(super) struct Steering {
     gradient: Vec<f64>,
     /// How far it goes in the step [mm].
     way: f64,
+}
+
+impl Steering {
+    /// The displacement goes by `part` of its way in the step.
+    pub(super) fn along(&self, part: f64) -> Advance<'_> {
+        Advance::Along {
+            gradient: &self.gradient,
+            by: part * self.way,
+        }
+    }
 }
 
 /// One increment to be tried.
@@ -71,10 +89,7 @@ impl Leg {
         part: f64,
     ) -> Advance<'a> {
         match (self.method, control) {
-            (Method::DisplacementControl, Some(control)) => Advance::Along {
-                gradient: &control.gradient,
-                by: part * control.way,
-            },
+            (Method::DisplacementControl, Some(control)) => control.along(part),
             (method, _) if method.follows_path() => trail.advance(),
             _ => Advance::Load,
         }
@@ -107,6 +122,10 @@ impl<'m> Course<'m> {
             secant: None,
             stopped: false,
             beyond: None,
+            refusals: 0,
+            relaxed: false,
+            resumes_at: None,
+            relaxes_below: f64::INFINITY,
         }
     }
 

@@ -132,6 +132,10 @@ impl Newton<'_> {
                 self.filled = None;
                 system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
             }
+            if let Some(dashpots) = &self.dashpots {
+                self.filled = None;
+                dashpots.add_to(system, &self.equations, &mut self.values);
+            }
         });
         Ok(())
     }

@@ -6,11 +6,11 @@ use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
-use super::judge::{growth, resolving};
+use super::judge::{GROW, growth, resolving};
 use super::ladder::{Ladder, QUIET};
 use super::method::Method;
 use super::newton::Newton;
-use super::outcome::{Attempt, Clock, Outcome, Report, Solves};
+use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
 use super::state::State;
 use super::stop::Watch;
 use super::tally::{Snaps, Swings};
@@ -178,13 +178,13 @@ impl<'m> Run<'m> {
                     Some(refusal) => {
                         course.solves += report.iterations;
                         self.cut_back(&mut course);
-                        self.refuse(&mut course, leg, &refusal, recorder)
+                        self.relax_or_refuse(&mut course, leg, &refusal, recorder)?
                     }
                 },
                 Outcome::Refused(refusal, spent) => {
                     course.solves += spent;
                     self.cut_back(&mut course);
-                    self.refuse(&mut course, leg, &refusal, recorder)
+                    self.relax_or_refuse(&mut course, leg, &refusal, recorder)?
                 }
             };
             if !go_on {
@@ -195,6 +195,58 @@ impl<'m> Run<'m> {
         Ok(self.keeps_symmetry(&course, recorder))
     }
 
+    /// Relaxes the structure over a snap, or chooses what to try after a refusal; false if the run ends here.
+    fn relax_or_refuse(
+        &mut self,
+        course: &mut Course<'m>,
+        leg: Leg,
+        refusal: &Refusal,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        course.refusals += 1;
+        let size = leg.increment.size;
+        if self.may_relax(course, leg, refusal) {
+            match self.relax(course, leg, recorder) {
+                Some(relaxed) => return self.accept_relaxed(course, leg, relaxed, recorder),
+                None => course.relaxes_below = RELAX_AGAIN * size,
+            }
+        }
+        Ok(self.refuse(course, leg, refusal, recorder))
+    }
+
+    /// Commits the end of a relaxation that `leg` began.
+    fn accept_relaxed(
+        &mut self,
+        course: &mut Course<'m>,
+        leg: Leg,
+        (last, report): (Leg, Report),
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        course.resumes_at = Some(GROW * leg.increment.size);
+        let go_on = self.accept(course, last, report, recorder)?;
+        course.newton.dashpots = None;
+        Ok(go_on)
+    }
+
+    /// Whether a relaxation may lead over the trouble that an increment was refused for.
+    fn may_relax(&self, course: &Course, leg: Leg, refusal: &Refusal) -> bool {
+        let applies = match course.step.procedure {
+            Procedure::Auto => course.ladder.is_static(),
+            Procedure::DisplacementControl => true,
+            _ => false,
+        };
+        let stuck = match refusal {
+            Refusal::Snap | Refusal::Linear { dof: Some(_), .. } => true,
+            Refusal::Linear { .. } => false,
+            // One snap is often followed by another.
+            _ => {
+                let size = leg.increment.size;
+                course.refusals > 1 || course.relaxed || course.ladder.is_small(size)
+            }
+        };
+        applies && stuck && leg.increment.size < course.relaxes_below
+    }
+
     /// Prepares a step.
     fn begin(&mut self, index: usize) -> Result<Course<'m>, RunError> {
         let model = self.model;
@@ -202,7 +254,7 @@ impl<'m> Run<'m> {
         self.system.steered = steered(model, step);
         let newton = Newton::new(model, step, &self.system, &self.state);
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
-        self.system.bulk.stabilise(step.viscosity);
+        regularise(&mut self.system, step);
         let massless = self.massless(step);
         if let (true, Some(place)) = (step.procedure.has_inertia(), &massless) {
             return Err(RunError::NoMass {
@@ -280,7 +332,14 @@ impl<'m> Run<'m> {
         } else {
             course.schedule.accept(leg.increment, growth);
         }
-        if let Some(measure) = course.measured_by() {
+        course.relaxed = leg.method == Method::Relaxation;
+        if let Some(size) = course.resumes_at.take() {
+            // What moved in pseudo-time says nothing of the next increment.
+            course.schedule.resume(size);
+            course.trail.forget();
+            course.crest.forget();
+            self.state.last = None;
+        } else if let Some(measure) = course.measured_by() {
             let share = self.state.energies.dissipated_share(&before);
             let dissipates = measure == Method::ArcLength || share > SHARE;
             let (system, trial) = (&self.system, &self.trial);
@@ -305,6 +364,7 @@ impl<'m> Run<'m> {
         self.summary.increments += 1;
         self.summary.iterations += solves;
         (course.cutbacks, course.solves) = (0, 0);
+        (course.refusals, course.relaxes_below) = (0, f64::INFINITY);
         (course.repeat, course.end_refused, course.secant) = (true, false, None);
         let done = course.schedule.done();
         if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
@@ -417,6 +477,19 @@ impl<'m> Run<'m> {
     }
 }
 
+/// Largest increments of a step in which the damage of a point may rise from 0 to 1, at least (docs/solver.md, "Snaps").
+const SNAPS_TAKE: f64 = 4.0;
+
+/// Takes over the viscosity of a step, and its bound on the rate of damage: `auto` alone has one.
+pub(super) fn regularise(system: &mut System, step: &Step) {
+    let damage_rate = if step.procedure == Procedure::Auto {
+        1.0 / (SNAPS_TAKE * step.increments.max * step.duration)
+    } else {
+        f64::INFINITY
+    };
+    system.bulk.stabilise(step.viscosity, damage_rate);
+}
+
 /// Stiffness along what steers the load of a step, which secant tangents want.
 pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
     let controls = step.procedure == Procedure::DisplacementControl;
@@ -425,6 +498,9 @@ pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
         .filter(|_| controls && step.tangent == Tangent::Secant)?;
     Steered::new(model, control)
 }
+
+/// Part of the size of an increment whose relaxation led nowhere below which another one is tried.
+const RELAX_AGAIN: f64 = 0.2;
 
 /// Part of the energy that an increment takes in or gives back, from which on what it dissipates
 /// measures the path.

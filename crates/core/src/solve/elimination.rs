@@ -65,6 +65,7 @@ impl Newton<'_> {
         let applies = self.model.fidelity == Fidelity::Auto
             && secant
             && self.motion.is_none()
+            && self.dashpots.is_none()
             && system.general.is_absent()
             && !system.pattern_changed();
         let pattern = self.linear.as_ref().filter(|_| applies)?.pattern();

@@ -12,7 +12,7 @@ use super::told::drives;
 use crate::model::scene::Procedure;
 
 /// Largest growth of an increment.
-const GROW: f64 = 1.5;
+pub(super) const GROW: f64 = 1.5;
 /// Solves above which an increment does not grow.
 const MANY: usize = 10;
 /// Part of the elastic energy that a snap sets free.

@@ -198,6 +198,11 @@ impl Ladder {
         self.at > 0 && self.at + 1 == self.rungs.len()
     }
 
+    /// Whether statics is the method of now, before anything else was tried.
+    pub fn is_static(&self) -> bool {
+        self.at < self.statics
+    }
+
     /// Size of increments below which errors are reported and no longer pursued.
     pub fn floor(&self) -> f64 {
         self.floor

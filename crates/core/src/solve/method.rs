@@ -23,6 +23,8 @@ pub enum Method {
     Dissipation,
     /// At a displacement.
     DisplacementControl,
+    /// Over a snap with dashpots, at held loads.
+    Relaxation,
 }
 
 impl Method {
@@ -50,6 +52,7 @@ impl Method {
             Self::ArcLength => "arc_length",
             Self::Dissipation => "dissipation",
             Self::DisplacementControl => "displacement_control",
+            Self::Relaxation => "relaxation",
         }
     }
 

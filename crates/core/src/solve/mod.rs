@@ -29,6 +29,7 @@ mod path;
 mod predict;
 mod probes;
 mod refuse;
+mod relaxation;
 mod schedule;
 pub mod state;
 mod stop;

@@ -20,10 +20,11 @@ use super::loads::Loads;
 use super::method::Method;
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
 use super::path::Advance;
+use super::relaxation::Dashpots;
 use super::schedule::Increment;
 use super::state::State;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Step, Tangent};
+use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
 use crate::system::linear::LinearSolver;
 use crate::system::{Equations, Evaluation, Solids, System, Trial, Turning};
 use std::ops::Range;
@@ -69,6 +70,8 @@ pub struct Newton<'m> {
     pub(super) loads_start: Loads,
     /// Inertia, if it acts.
     pub(super) motion: Option<Motion>,
+    /// The dashpots of a relaxation, if one is in progress.
+    pub(super) dashpots: Option<Dashpots>,
     /// When patterns of tractions are settled.
     pub(super) pause: Pause,
     /// Wall time by phase.
@@ -113,6 +116,7 @@ impl<'m> Newton<'m> {
             loads_start: loads.clone(),
             loads,
             motion: None,
+            dashpots: None,
             pause: Pause::default(),
             clock: Clock::default(),
         }
@@ -210,6 +214,33 @@ impl<'m> Newton<'m> {
         }
     }
 
+    /// Forces of the dashpots at the last iterate [N]. `[equation]`
+    pub(super) fn dashpot_forces(&self) -> Vec<f64> {
+        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
+        slots
+            .map(|slot| {
+                let dashpots = self.dashpots.as_ref();
+                dashpots.map_or(0.0, |dashpots| dashpots.force(slot, self.q[slot]))
+            })
+            .collect()
+    }
+
+    /// Work of the dashpots in an increment without inertia, by the trapezoidal rule. `dq`: its displacements [mm] `[slot]`
+    fn account_dashpots(&self, state: &mut State, dq: &[f64]) {
+        let mut now = vec![0.0; state.damping.len()];
+        for (force, &slot) in self
+            .dashpot_forces()
+            .into_iter()
+            .zip(&self.equations.slot_of)
+        {
+            now[slot as usize] = force;
+        }
+        let forces = now.iter().zip(&state.damping);
+        let work: f64 = forces.zip(dq).map(|((a, b), u)| 0.5 * (a + b) * u).sum();
+        state.energies.damping += work;
+        state.damping = now;
+    }
+
     /// Generalised displacements at the last iterate [mm]. `[slot]`
     pub fn q(&self) -> &[f64] {
         &self.q
@@ -253,7 +284,12 @@ impl<'m> Newton<'m> {
         attempt: Attempt,
         solves: &mut Solves,
     ) -> Result<Report, Refusal> {
-        let dt = attempt.increment.size * self.step.duration;
+        // A relaxation ends when nothing is held back any more.
+        let dt = if self.dashpots.is_some() {
+            self.step.duration
+        } else {
+            attempt.increment.size * self.step.duration
+        };
         let solids = if self.method == Method::Implex {
             // The rate of a state without a last increment is not known: nothing extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
@@ -271,7 +307,11 @@ impl<'m> Newton<'m> {
             turning: self.turning(),
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
-        let most = self.step.tolerance.max_iterations;
+        let most = match &self.dashpots {
+            // A stiffer relaxation is cheaper than one that converges slowly.
+            Some(_) => self.step.tolerance.max_iterations.min(RELAXING),
+            None => self.step.tolerance.max_iterations,
+        };
         let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
         if !setting.shifted || self.method == Method::Implex {
             return Ok(report);
@@ -343,7 +383,11 @@ impl<'m> Newton<'m> {
                 });
             }
             pursued += usize::from(ends);
-            if iteration >= iterations.end + pursued {
+            let hopeless = self.step.procedure == Procedure::Auto
+                && self.motion.is_none()
+                && iteration >= PATIENCE
+                && balance.root_mean_square > FAR_OFF * IMBALANCE;
+            if hopeless || iteration >= iterations.end + pursued {
                 let (node, _) = system
                     .dofs
                     .node_of(self.equations.slot_of[balance.worst] as usize);
@@ -409,6 +453,11 @@ impl<'m> Newton<'m> {
         for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
             *r = trial.force[slot as usize] - loads[slot as usize];
         }
+        if let Some(dashpots) = &self.dashpots {
+            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+                *r += dashpots.force(slot as usize, self.q[slot as usize]);
+            }
+        }
         if let Some(motion) = &mut self.motion {
             motion.update(system, state, trial, &self.q, setting.tangent);
             for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
@@ -430,6 +479,9 @@ impl<'m> Newton<'m> {
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
         if trial.may_meet() || self.flies(system) {
             search = search.to_impact();
+        }
+        if self.dashpots.is_some() {
+            search = search.no_further_than(1.0);
         }
         let slots = self.equations.slot_of.iter();
         let origin: Vec<f64> = slots.map(|&slot| self.q[slot as usize]).collect();
@@ -508,6 +560,9 @@ impl<'m> Newton<'m> {
         }
         state.spring_forces = forces;
         state.spring_ends.clone_from(&trial.spring_ends);
+        if self.motion.is_none() {
+            self.account_dashpots(state, dq);
+        }
         if let Some(motion) = &self.motion {
             motion.commit(&system.mass, state, trial, dq, &self.loads.total);
         }
@@ -517,6 +572,14 @@ impl<'m> Newton<'m> {
 /// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
 /// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.
 const SOFTENED: usize = 6;
+
+/// Iterations after which an increment of `auto` is given up whose out-of-balance forces, in the root mean square, are still
+/// more than so many times the tolerance: a smaller one, or a relaxation, is cheaper.
+const PATIENCE: usize = 12;
+const FAR_OFF: f64 = 10.0;
+
+/// Iterations of a sub-increment of a relaxation at most.
+const RELAXING: usize = 14;
 
 /// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
 pub(super) fn along(setting: Evaluation) -> Evaluation {

@@ -29,9 +29,15 @@ impl Newton<'_> {
         self.q.copy_from_slice(&state.q);
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;
+        // Time by which the last increment is extrapolated.
+        let pseudo_time = self.dashpots.as_ref().filter(|dashpots| !dashpots.loads);
+        let dt = match pseudo_time {
+            Some(dashpots) => 1.0 / dashpots.factor,
+            None => attempt.increment.size * self.step.duration,
+        };
         let end = match (attempt.advance, last) {
             (Advance::Load, _) => attempt.load_end,
-            (_, Some(last)) => start + setting.dt / last.dt * last.load,
+            (_, Some(last)) => start + dt / last.dt * last.load,
             (_, None) => start,
         };
         self.moment = attempt.increment.end();
@@ -44,7 +50,7 @@ impl Newton<'_> {
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         if let (Some(last), true) = (last, setting.shifted) {
-            let ratio = self.momentum(&state.energies) * setting.dt / last.dt;
+            let ratio = self.momentum(&state.energies) * dt / last.dt;
             system.extrapolate_tractions(self.model, state, trial, ratio);
         }
         // What moves goes on: a tangent would see it stick where it was.
@@ -53,16 +59,19 @@ impl Newton<'_> {
             return Ok(());
         }
         if let Some(last) = last {
-            let ratio = setting.dt / last.dt;
+            let ratio = dt / last.dt;
             for &slot in &self.equations.slot_of {
                 self.q[slot as usize] += ratio * last.dq[slot as usize];
             }
+            self.anchor(state);
             return Ok(());
         }
         if attempt.advance != Advance::Load {
+            self.anchor(state);
             return Ok(());
         }
         let target = std::mem::replace(&mut self.q, state.q.clone());
+        self.anchor(state);
         timed(&mut self.clock.contact, || system.search(trial, &self.q));
         // Where a step begins, nothing tells that what slid will go on: a drive may turn round.
         trial.sticks = state.last.is_none();
@@ -85,6 +94,7 @@ impl Newton<'_> {
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
         }
+        self.anchor(state);
         let pressed = self.loads.mean > 0.0 || self.loads.values.iter().any(|v| *v != [0.0; 3]);
         if pressed && setting.shifted {
             // Weight, or a load, presses joints that nothing pressed before: without the pressure of this start they
@@ -98,5 +108,13 @@ impl Newton<'_> {
             trial.keep_tractions();
         }
         Ok(())
+    }
+
+    /// The dashpots of a relaxation resist leaving the present start where loads grow, and the last commit where they do not.
+    fn anchor(&mut self, state: &State) {
+        if let Some(dashpots) = &mut self.dashpots {
+            let q = if dashpots.loads { &self.q } else { &state.q };
+            dashpots.anchor_at(q);
+        }
     }
 }

@@ -143,10 +143,10 @@ impl Bulk {
     }
 
     /// Takes over the viscosity of a step [s].
-    pub fn stabilise(&mut self, viscosity: f64) {
+    pub fn stabilise(&mut self, viscosity: f64, damage_rate: f64) {
         for law in &mut self.laws {
             if let Material::DamagePlasticity(law) = law {
-                law.stabilise(viscosity);
+                law.stabilise(viscosity, damage_rate);
             }
         }
     }

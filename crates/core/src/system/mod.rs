@@ -334,12 +334,23 @@ impl System {
 
     /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
     pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
+        self.add_diagonal(equations, factor, &self.mass.slot, values);
+    }
+
+    /// Adds `factor` times these coefficients to the diagonal of the matrix of `equations`. `coefficients`: `[slot]`
+    pub fn add_diagonal(
+        &self,
+        equations: &Equations,
+        factor: f64,
+        coefficients: &[f64],
+        values: &mut [f64],
+    ) {
         let Some(gather) = &self.gather else { return };
         for (e, &slot) in equations.slot_of.iter().enumerate() {
             let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
             // Rows ascend; an element couples every unknown with itself.
             if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
-                values[column.start + k] += factor * self.mass.slot[slot as usize];
+                values[column.start + k] += factor * coefficients[slot as usize];
             }
         }
     }
