@@ -21,18 +21,24 @@ const MARGIN: u32 = 16;
 const BELOW: u32 = 46;
 const BESIDE: u32 = 60;
 
-/// A histogram of values above zero, as SVG text. `series`: names and their values, drawn from below in this order; those
-/// without a value are left out of the legend. `axis`: of the values; `counts`: of the bars.
+/// A series of a histogram.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bars {
+    /// As the legend has it.
+    pub name: String,
+    /// Which of six colours.
+    pub colour: usize,
+    /// Above zero.
+    pub values: Vec<f64>,
+}
+
+/// A histogram of values above zero, as SVG text. `series`: drawn from below in this order; those without a value are left out
+/// of the legend. `axis`: of the values; `counts`: of the bars.
 ///
 /// # Errors
 /// There is no value, one is not above zero, or what plotters says if it cannot draw.
-pub fn histogram(
-    title: &str,
-    axis: &str,
-    counts: &str,
-    series: &[(String, Vec<f64>)],
-) -> Result<String, String> {
-    let all = || series.iter().flat_map(|s| &s.1);
+pub fn histogram(title: &str, axis: &str, counts: &str, series: &[Bars]) -> Result<String, String> {
+    let all = || series.iter().flat_map(|s| &s.values);
     if all().next().is_none() || !all().all(|v| *v > 0.0 && v.is_finite()) {
         return Err("a logarithmic axis wants values above zero".to_owned());
     }
@@ -60,13 +66,12 @@ fn edge(bar: i32) -> f64 {
 fn draw<'a>(
     root: &DrawingArea<SVGBackend<'a>, Shift>,
     [title, axis, counts]: [&str; 3],
-    series: &[(String, Vec<f64>)],
+    series: &[Bars],
 ) -> Result<(), Failed<'a>> {
     root.fill(&WHITE)?;
-    let bars = || series.iter().flat_map(|s| &s.1).map(|v| bar(*v));
+    let bars = || series.iter().flat_map(|s| &s.values).map(|v| bar(*v));
     let (first, last) = (bars().min().unwrap_or(0), bars().max().unwrap_or(0));
-    let count =
-        |series: &(String, Vec<f64>), at: i32| series.1.iter().filter(|v| bar(**v) == at).count();
+    let count = |of: &Bars, at: i32| of.values.iter().filter(|v| bar(**v) == at).count();
     let heights = (first..=last).map(|at| series.iter().map(|s| count(s, at)).sum::<usize>());
     let highest = heights.max().unwrap_or(1);
     let mut chart = ChartBuilder::on(root)
@@ -84,14 +89,14 @@ fn draw<'a>(
         .bold_line_style(RGBColor(225, 225, 225))
         .x_desc(axis)
         .y_desc(counts)
-        .x_label_formatter(&|v| format!("{}", v.round()))
-        .y_label_formatter(&|v| format!("{}", v.round()))
+        .x_label_formatter(&|v| marked(*v))
+        .y_label_formatter(&|v| whole(*v))
         .axis_desc_style(("sans-serif", 16))
         .label_style(("sans-serif", 14))
         .draw()?;
     let mut below = vec![0_usize; (last - first + 1) as usize];
-    for (i, of_series) in series.iter().enumerate().filter(|(_, s)| !s.1.is_empty()) {
-        let colour = COLOURS[i % COLOURS.len()];
+    for of_series in series.iter().filter(|s| !s.values.is_empty()) {
+        let colour = COLOURS[of_series.colour % COLOURS.len()];
         let mut rectangles = Vec::new();
         for (at, below) in (first..=last).zip(&mut below) {
             let above = *below + count(of_series, at);
@@ -104,7 +109,7 @@ fn draw<'a>(
         }
         chart
             .draw_series(rectangles)?
-            .label(format!("{} ({})", of_series.0, of_series.1.len()))
+            .label(format!("{} ({})", of_series.name, of_series.values.len()))
             .legend(move |(x, y)| Rectangle::new([(x, y - 6), (x + 14, y + 6)], colour.filled()));
     }
     chart
@@ -116,16 +121,43 @@ fn draw<'a>(
         .draw()
 }
 
+/// A count; nothing between two of them.
+fn whole(value: f64) -> String {
+    if value == value.round() {
+        value.to_string()
+    } else {
+        String::new()
+    }
+}
+
+/// Numbers along the logarithmic axis that begin with 1, 2 or 5: there is no room for all.
+fn marked(value: f64) -> String {
+    let text = value.round().to_string();
+    if text.starts_with(['1', '2', '5']) {
+        text
+    } else {
+        String::new()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn bars(name: &str, values: &[f64]) -> Bars {
+        Bars {
+            name: name.to_owned(),
+            colour: 0,
+            values: values.to_vec(),
+        }
+    }
+
     #[test]
     fn bars_are_stacked_and_series_without_a_value_are_not_told() {
         let series = [
-            ("completed".to_owned(), vec![100.0, 101.0, 1000.0]),
-            ("collapsed".to_owned(), vec![]),
-            ("out_of_time".to_owned(), vec![100.0]),
+            bars("completed", &[100.0, 101.0, 1000.0]),
+            bars("collapsed", &[]),
+            bars("out_of_time", &[100.0]),
         ];
         let svg = histogram("Zoo", "solves", "walls", &series).unwrap();
         for said in ["completed (3)", "out_of_time (1)", "solves", "walls"] {
@@ -144,8 +176,8 @@ mod tests {
 
     #[test]
     fn values_without_a_logarithm_are_refused() {
-        for values in [vec![], vec![0.0], vec![f64::NAN], vec![1.0, -1.0]] {
-            assert!(histogram("", "", "", &[("a".to_owned(), values)]).is_err());
+        for values in [&[][..], &[0.0], &[f64::NAN], &[1.0, -1.0]] {
+            assert!(histogram("", "", "", &[bars("a", values)]).is_err());
         }
     }
 }

@@ -10,7 +10,7 @@ pub mod scene;
 
 pub use chart::{Line, curves, load_displacements};
 pub use deflection::{Along, Deflection, deflections};
-pub use histogram::histogram;
+pub use histogram::{Bars, histogram};
 pub use raster::png;
 pub use scatter::{Spot, scatter};
 pub use scene::scene;

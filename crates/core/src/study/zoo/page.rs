@@ -2,27 +2,42 @@
 
 use std::collections::BTreeMap;
 
-use super::row::{AREA, ENERGY, PEAK, REFUSED, Row, SOLVES};
+use super::row::{AREA, CRASHED, ENERGY, OUT_OF_TIME, PEAK, REFUSED, Row, SOLVES};
 use super::study::Folder;
-use crate::results::plotting;
+use crate::results::plotting::{self, Bars};
 
 /// Median of the solves that is aimed at.
 const MEDIAN: usize = 350;
 /// 95th percentile that is aimed at.
 const MOST: usize = 1500;
 
+/// Statuses with a colour of their own in the histogram; all others share the next one.
+const COLOURED: [&str; 5] = [
+    "completed",
+    "collapsed",
+    OUT_OF_TIME,
+    "not_converged",
+    CRASHED,
+];
+
 /// Solves of all walls as SVG text; none where no wall was solved.
 ///
 /// # Errors
 /// What plotters says if it cannot draw.
 pub fn histogram(rows: &[Row]) -> Result<Option<String>, String> {
-    let mut series: Vec<(String, Vec<f64>)> = Vec::new();
-    for (name, _) in statuses(rows) {
-        let of_name = rows.iter().filter(|r| r.status == name && r.solves > 0);
-        let solves = of_name.map(|r| r.solves as f64).collect();
-        series.push((name, solves));
-    }
-    if series.iter().all(|s| s.1.is_empty()) {
+    let of_status = |(name, _): (String, usize)| {
+        let solved = rows.iter().filter(|r| r.status == name && r.solves > 0);
+        Bars {
+            colour: COLOURED
+                .iter()
+                .position(|of| *of == name)
+                .unwrap_or(COLOURED.len()),
+            values: solved.map(|r| r.solves as f64).collect(),
+            name,
+        }
+    };
+    let series: Vec<Bars> = statuses(rows).into_iter().map(of_status).collect();
+    if series.iter().all(|s| s.values.is_empty()) {
         return Ok(None);
     }
     plotting::histogram("Solves of the zoo", "linear solves", "walls", &series).map(Some)
