@@ -100,9 +100,12 @@ fn command(rows: &[Row], arguments: &Zoo) -> String {
             _ => ranges.push((row.seed, row.seed)),
         }
     }
-    let range = |&(a, b): &(u64, u64)| match a == b {
-        true => a.to_string(),
-        false => format!("{a}..{b}"),
+    let range = |&(a, b): &(u64, u64)| {
+        if a == b {
+            a.to_string()
+        } else {
+            format!("{a}..{b}")
+        }
     };
     let seeds: Vec<String> = ranges.iter().map(range).collect();
     let mut command = format!("wythe study zoo --seeds {}", seeds.join(","));

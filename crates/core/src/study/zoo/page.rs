@@ -164,12 +164,16 @@ fn loads(page: &mut String, rows: &[Row]) {
 /// What is worst about a wall, for the order of the table: no answer, wrong energies, a wrong curve, many solves. Walls that
 /// are refused come last: their decks are wrong.
 fn badness(row: &Row) -> (u8, usize) {
-    let kind = match () {
-        () if row.status == REFUSED => 4,
-        () if !row.answered() => 0,
-        () if row.energies_out() => 1,
-        () if row.far_from_reference() => 2,
-        () => 3,
+    let kind = if row.status == REFUSED {
+        4
+    } else if !row.answered() {
+        0
+    } else if row.energies_out() {
+        1
+    } else if row.far_from_reference() {
+        2
+    } else {
+        3
     };
     (kind, usize::MAX - row.solves)
 }

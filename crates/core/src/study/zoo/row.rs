@@ -160,14 +160,14 @@ impl Row {
             self.summarised(&summary);
             return Ok(());
         }
-        self.status = match ended {
+        let status = match ended {
             Ended {
                 out_of_time: true, ..
             } => OUT_OF_TIME,
             Ended { code: Some(2), .. } => REFUSED,
             _ => CRASHED,
-        }
-        .to_owned();
+        };
+        status.clone_into(&mut self.status);
         self.message = one_line(&ended.stderr);
         let Some(open) = open else {
             return Ok(());

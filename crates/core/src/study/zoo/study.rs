@@ -167,14 +167,13 @@ fn one(
     options: &Options,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Row>, IoError> {
-    let mut row = match before {
-        Some(row) => row,
-        None => {
-            let out = folder.run(wall.seed);
-            match run(wall, folder, &out, &[], options.limit, options, stop)? {
-                Some(row) => row,
-                None => return Ok(None),
-            }
+    let mut row = if let Some(row) = before {
+        row
+    } else {
+        let out = folder.run(wall.seed);
+        match run(wall, folder, &out, &[], options.limit, options, stop)? {
+            Some(row) => row,
+            None => return Ok(None),
         }
     };
     // Without a model there is nothing to compare.

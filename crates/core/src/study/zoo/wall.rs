@@ -390,9 +390,12 @@ impl fmt::Display for G {
         let scientific = format!("{value:.*e}", digits - 1);
         let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
         let exponent: i32 = exponent.parse().unwrap_or(0);
-        let trimmed = |text: &str| match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text.to_owned(),
+        let trimmed = |text: &str| {
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text.to_owned()
+            }
         };
         if exponent < -4 || exponent >= digits as i32 {
             let sign = if exponent < 0 { '-' } else { '+' };

@@ -68,13 +68,11 @@ impl Reader {
             }
             "CONCRETE COMPRESSION HARDENING" => Ok(Some(Table::Hardening)),
             "CONCRETE TENSION STIFFENING" => {
-                match measure(kind.as_deref(), true) {
-                    Some(measure) => material.stiffening.measure = measure,
-                    None => {
-                        let why = "an unknown TYPE, not STRAIN, DISPLACEMENT or GFI";
-                        return unusable(&mut material.unusable, why);
-                    }
-                }
+                let Some(measure) = measure(kind.as_deref(), true) else {
+                    let why = "an unknown TYPE, not STRAIN, DISPLACEMENT or GFI";
+                    return unusable(&mut material.unusable, why);
+                };
+                material.stiffening.measure = measure;
                 Ok(Some(Table::Stiffening))
             }
             "CONCRETE TENSION DAMAGE" => {

@@ -517,6 +517,9 @@ fn left_without_sides(mesh: &mut ImportedMesh, name: String, mut nodes: Vec<u32>
 }
 
 /// Sides of elements that a surface stands for, and its nodes, if it is one of nodes.
+type Found = (Vec<(u32, u8)>, Vec<u32>);
+
+/// Looks up what a surface stands for.
 fn sides(
     frames: &[Frame<'_>],
     at: usize,
@@ -524,7 +527,7 @@ fn sides(
     mesh: &mut ImportedMesh,
     outside: &[(u32, u8)],
     name: &str,
-) -> Result<(Vec<(u32, u8)>, Vec<u32>), Wrong> {
+) -> Result<Found, Wrong> {
     let mut all = Vec::new();
     let mut nodes = Vec::new();
     let mut absent = None;
