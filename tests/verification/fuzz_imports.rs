@@ -25,7 +25,7 @@ static SEEDS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
 });
 
 /// What stands where something else was expected.
-const PIECES: [&str; 28] = [
+const PIECES: [&str; 32] = [
     "0",
     "-1",
     "1",
@@ -47,6 +47,10 @@ const PIECES: [&str; 28] = [
     "1, 1000000000, 1",
     "*ELSET, ELSET=BOTH\nBOTH",
     "*ELEMENT, TYPE=C3D8",
+    "*ELEMENT, TYPE=C3D20R, ELSET=BOTH",
+    "*SURFACE, NAME=S, TYPE=NODE\n1",
+    "*ELASTIC, TYPE=ORTHO",
+    "** wythe: reference_length = 1e308",
     "*NODE",
     "\"",
     "=",

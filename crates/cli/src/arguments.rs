@@ -3,6 +3,7 @@
 mod results;
 
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
@@ -245,7 +246,24 @@ pub enum Study {
     /// Error against time over the choices that a user has: mesh, penalty, procedure, step …
     #[command(after_help = ACCURACY_HELP)]
     AccuracySpeed(AccuracySpeed),
+    /// Random walls, run as a newcomer would: how many come to an answer, and at which cost.
+    #[command(after_help = ZOO_HELP)]
+    Zoo(Zoo),
 }
+
+const ZOO_HELP: &str = "\
+Each seed is a wall: units of eight formats, five bonds, dry to strong joints, pressed by 0.05 to 2 MPa, pushed, \
+pushed to and fro, bent by an air bag, with no key of the solver. Each is run in a process of its own.
+
+DIR then holds zoo.md (figures, histogram, the worst walls first), zoo.csv (a row a wall) and walls/ with the deck and \
+the folder of each run. Walls that it holds already are not run again, unless with --fresh, so a study that was \
+stopped goes on by the same command.
+
+Examples:
+  wythe study zoo --seeds 1..200 --out zoo
+  wythe study zoo --seeds 1,4,25 --limit 60 --fresh
+  wythe study zoo --seeds 1..20 --reference     each beside a careful run
+  wythe study zoo --seeds 7 --decks-only";
 
 const ACCURACY_HELP: &str = "\
 Examples:
@@ -353,6 +371,40 @@ pub struct AccuracySpeed {
     /// the lines]. Of a model: folder for the page, and in it `scenes` [default: MODEL.accuracy beside the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `wythe study zoo`
+#[derive(Debug, Args)]
+pub struct Zoo {
+    /// Seeds, e.g. 1,4,25 or 1..200 (both ends included).
+    #[arg(long, value_name = "SEEDS", value_delimiter = ',', default_value = "1..200", value_parser = seeds)]
+    pub seeds: Vec<RangeInclusive<u64>>,
+    /// Folder for all of it.
+    #[arg(long, value_name = "DIR", default_value = Zoo::OUT)]
+    pub out: PathBuf,
+    /// CPU seconds that a wall may take; its reference may take ten times as many.
+    #[arg(long, value_name = "SECONDS", default_value = "300", value_parser = seconds)]
+    pub limit: f64,
+    /// Walls at a time [default: as many as there are cores for their threads].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Threads of a wall.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub threads: NonZeroUsize,
+    /// Compare each wall with a careful run: increments a tenth, consistent tangents, a tenth of their tolerance.
+    #[arg(long)]
+    pub reference: bool,
+    /// Run walls again that were run before.
+    #[arg(long)]
+    pub fresh: bool,
+    /// Write decks and run nothing.
+    #[arg(long, conflicts_with_all = ["limit", "jobs", "threads", "reference", "fresh"])]
+    pub decks_only: bool,
+}
+
+impl Zoo {
+    /// Where it goes unless it is said.
+    pub const OUT: &str = "zoo";
 }
 
 /// A model and what is said anew of it.
@@ -550,6 +602,19 @@ fn key_value(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// A seed, or the first and the last of several.
+fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let number = |text: &str| text.trim().parse::<u64>();
+    let range = match text.split_once("..") {
+        Some((first, last)) => number(first).and_then(|f| Ok(f..=number(last)?)),
+        None => number(text).map(|seed| seed..=seed),
+    };
+    match range {
+        Ok(range) if !range.is_empty() => Ok(range),
+        _ => Err("expected whole numbers, e.g. 1,4,25 or 1..200".to_owned()),
+    }
+}
+
 /// A time that a clock can hold: a year is longer than any run.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -566,6 +631,15 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn seeds_are_numbers_or_ranges_with_both_ends() {
+        assert_eq!(seeds("7"), Ok(7..=7));
+        assert_eq!(seeds("1..200"), Ok(1..=200));
+        for wrong in ["", "a", "-1", "5..4", "1..", "1...3", "1.5"] {
+            assert!(seeds(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

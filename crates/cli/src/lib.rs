@@ -24,6 +24,7 @@ mod terminal;
 mod unicode;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::Parser;
 
@@ -37,6 +38,12 @@ use failure::Failure;
 /// again, but Ctrl-C and the number of threads (`--threads`) belong to the process: the first Ctrl-C of a run
 /// asks it to stop, the second ends the process; and rayon takes a number of threads once only.
 pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    command_of(&[this_program()], arguments)
+}
+
+/// [`command`] where the process is of another program, as of an interpreter: `program` is that program and those arguments
+/// that make the command of it, so that studies can run decks in processes of their own.
+pub fn command_of(program: &[OsString], arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         // What is asked for (`--help`, `--version`) comes as an error with exit code 0.
@@ -47,7 +54,7 @@ pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     failure::draw_as_the_terminal_can();
-    let outcome = std::panic::catch_unwind(|| dispatch(&arguments.command));
+    let outcome = std::panic::catch_unwind(|| dispatch(&arguments.command, program));
     match outcome {
         Ok(Ok(())) => 0,
         Ok(Err(failure)) => {
@@ -64,7 +71,17 @@ pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn dispatch(command: &Command) -> Result<(), Failure> {
+/// The program of this process. By the link of the system where there is one: it leads to the same program after a new one
+/// was put in its place.
+fn this_program() -> OsString {
+    let link = Path::new("/proc/self/exe");
+    if link.exists() {
+        return link.into();
+    }
+    std::env::current_exe().map_or_else(|_| "wythe".into(), Into::into)
+}
+
+fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments),
         Command::New(arguments) => new::new(arguments),
@@ -78,7 +95,7 @@ fn dispatch(command: &Command) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
-        Command::Study(arguments) => study::study(arguments),
+        Command::Study(arguments) => study::study(arguments, program),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),
     }

@@ -2,7 +2,9 @@
 
 mod accuracy;
 mod validation;
+mod zoo;
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
@@ -22,12 +24,13 @@ use crate::interrupt::Interrupt;
 const PAGE: &str = "stability.md";
 const PICTURE: &str = "stability.svg";
 
-/// Runs the study that was asked for.
-pub fn study(arguments: &Study) -> Result<(), Failure> {
+/// Runs the study that was asked for. `program`: what runs a deck in a process of its own.
+pub fn study(arguments: &Study, program: &[OsString]) -> Result<(), Failure> {
     match arguments {
         Study::Stability(arguments) => stability(arguments),
         Study::AccuracySpeed(arguments) => accuracy::accuracy_speed(arguments),
         Study::Validation(arguments) => validation::validation(arguments),
+        Study::Zoo(arguments) => zoo::zoo(arguments, program),
     }
 }
 

@@ -178,6 +178,33 @@ fn a_deck_is_written_around_a_mesh() {
     std::fs::write(folder.path().join("lime.toml"), text + more).unwrap();
     let output = wythe(&["check", &at("lime.toml")]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
+    // What the file has and a deck cannot have is left to its author.
+    let odd = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
+               *ELEMENT,TYPE=C3D8,ELSET=E\n1,1,2,3,4,5,6,7,8\n*SURFACE,NAME=S,TYPE=NODE\n1\n\
+               *MATERIAL,NAME=WOOD\n*ELASTIC,TYPE=ORTHO\n1,2,3,4,5,6,7,8\n9\n\
+               *SOLID SECTION,ELSET=E,MATERIAL=WOOD\n";
+    std::fs::write(at("odd.inp"), odd).unwrap();
+    let output = new(&["--from", &at("odd.inp"), "--force"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let text = std::fs::read_to_string(at("lime.toml")).unwrap();
+    for part in [
+        "# surface S of nodes is read as a set of nodes",
+        "# The material \"WOOD\" of the file cannot be taken: *ELASTIC (line 15): its elasticity is not isotropic",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let check = || wythe(&["check", &at("lime.toml")]);
+    assert!(stderr(&check()).contains("write the material in the deck"));
+    let wood = text
+        .replace("# [materials.", "[materials.")
+        .replace("\n# E = ", "\nE = ");
+    let wood = wood
+        .replace("\n# nu = ", "\nnu = ")
+        .replace("\n# density = ", "\ndensity = ");
+    let more = "\n[[supports]]\non = \"lime.S\"\n[[supports]]\non = \"lime.E\"\n[[steps]]\nkind = \"gravity\"\n";
+    std::fs::write(at("lime.toml"), wood + more).unwrap();
+    assert_eq!(code(&check()), 0, "{}", stderr(&check()));
+
     for (rest, part) in [
         (&["--from", &at("no.inp"), "--force"][..], "no.inp"),
         (

@@ -8,7 +8,19 @@ use wythe_core::model::templates::TEMPLATES;
 /// Runs the command with these arguments, the first of them the program's name, and returns its exit code.
 #[pyfunction]
 pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    py.detach(|| wythe_cli::command(arguments))
+    let interpreter = || {
+        py.import("sys")?
+            .getattr("executable")?
+            .extract::<OsString>()
+    };
+    match interpreter() {
+        // Studies that run decks in processes of their own call the package, as `python -m wythe`.
+        Ok(python) if !python.is_empty() => {
+            let program = [python, "-m".into(), "wythe".into()];
+            py.detach(|| wythe_cli::command_of(&program, arguments))
+        }
+        _ => py.detach(|| wythe_cli::command(arguments)),
+    }
 }
 
 /// Name, one line and text of every template.

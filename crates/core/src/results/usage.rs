@@ -9,6 +9,11 @@ pub fn cpu_seconds() -> Option<f64> {
     parse_cpu(&std::fs::read_to_string("/proc/self/stat").ok()?)
 }
 
+/// CPU seconds of another process, all threads, user and system; none where `/proc` does not say, or it is gone.
+pub fn cpu_seconds_of(process: u32) -> Option<f64> {
+    parse_cpu(&std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?)
+}
+
 /// CPU seconds of the calling thread; none where `/proc` does not say.
 pub fn thread_cpu_seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;

@@ -7,6 +7,8 @@
 //!
 //! [`validation`] sets runs beside what is known of them: tests, exact solutions, other models.
 //!
+//! [`zoo`] runs random walls as newcomers would, and says how many come to an answer and at which cost.
+//!
 //! ```text
 //! cases/NN-name/case.toml ─▶ Case ─┐
 //!                     METHODS ─────┴▶ stability ─▶ Cell ─▶ report (Markdown), picture (SVG)
@@ -29,6 +31,7 @@ mod run;
 mod stability;
 pub mod validation;
 mod written;
+pub mod zoo;
 
 pub use case::{Case, CaseMethod, End, Short, StudyError, cases};
 pub use cell::{Cell, Cost, Place, Verdict};

@@ -10,17 +10,22 @@ use crate::model::templates::SCHEMA;
 
 impl ImportedMesh {
     /// The text of a deck that imports this mesh as `name` from `file`, its materials written out. What the
-    /// author has to decide stands in comments: interfaces, supports, steps.
+    /// author has to decide stands in comments: materials that cannot be converted, interfaces, supports, steps.
     ///
     /// # Errors
-    /// A material that cannot be converted, as a sentence.
+    /// What TOML refuses to write, which nothing here should be.
     pub fn as_deck(&self, name: &str, file: &str, units: &str) -> Result<String, String> {
         let mut materials: BTreeMap<&str, Material> = BTreeMap::new();
+        let mut missing: Vec<(&str, String)> = Vec::new();
         let mut remarks = self.notes.clone();
         for own in &self.materials {
-            let (made, notes) = own
-                .in_a_deck(self.lengths_of(&own.name))
-                .map_err(|why| format!("material {}: {why}", own.name))?;
+            let (made, notes) = match own.in_a_deck(self.lengths_of(&own.name)) {
+                Ok(made) => made,
+                Err(why) => {
+                    missing.push((own.name.as_str(), why));
+                    continue;
+                }
+            };
             remarks.extend(
                 notes
                     .into_iter()
@@ -84,6 +89,17 @@ impl ImportedMesh {
         let tables: BTreeMap<&str, _> = [("materials", materials)].into();
         let tables = toml::to_string(&tables).map_err(|why| why.to_string())?;
         say(format!("\n{tables}"));
+        for (name, why) in missing {
+            let why = why.replace('\n', " ");
+            say(format!(
+                "# The material {} of the file cannot be taken: {why}. Write it yourself:",
+                quoted(name)
+            ));
+            say(format!(
+                "# [materials.{}]\n# E = \"10000 MPa\"\n# nu = 0.2\n# density = \"1800 kg/m^3\"\n",
+                quoted(name)
+            ));
+        }
         let surface = self.surfaces.keys().next();
         let face = surface.map_or_else(|| format!("{name}.SURFACE"), |s| format!("{name}.{s}"));
         say(format!(

@@ -8,17 +8,24 @@ use crate::model::mesh::CORNERS;
 const NAMED: usize = 5;
 
 impl ImportedMesh {
-    /// Sees that every element is sound: eight different nodes, a positive volume at each of its corners, no
+    /// Sees that every element is sound: eight different nodes, a positive volume at each of its integration points, no
     /// side in common with more than one other.
     ///
     /// # Errors
     /// The first element that is not, its file and line, its place in space, and what the others are.
     pub fn check(&self) -> Result<(), ImportError> {
         if self.elements.is_empty() {
+            let others = self.left_out.iter();
+            let others = others.map(|(kind, count)| format!("{count} of the type {kind}"));
+            let others: Vec<String> = others.collect();
+            let but = match others.as_slice() {
+                [] => String::new(),
+                others => format!(", only elements that are not read: {}", others.join(", ")),
+            };
             return Err(ImportError {
                 file: self.files.first().cloned().unwrap_or_default(),
                 line: None,
-                message: "there are no hexahedra in it".to_owned(),
+                message: format!("there are no hexahedra in it{but}"),
                 help: "elements of 8 nodes are read: C3D8 of Abaqus, type 5 of Gmsh".to_owned(),
             });
         }
@@ -28,7 +35,7 @@ impl ImportedMesh {
             "a hexahedron has eight nodes: wedges and pyramids must be meshed as hexahedra",
         )?;
         self.refuse(
-            |e| !is_upright(&self.corners(e)),
+            |e| !has_volume(&self.corners(e)),
             |e| self.fold(e),
             "nodes 1 to 4 run counter-clockwise seen from 5 to 8; let no corner be pushed through",
         )?;
@@ -40,6 +47,23 @@ impl ImportedMesh {
             ));
         }
         Ok(())
+    }
+
+    /// Notes elements that are folded at a corner and have a volume at their integration points nevertheless: they can be
+    /// computed with, if not well.
+    pub(super) fn note_folded(&mut self) {
+        let folded = |e: &usize| {
+            let corners = self.corners(*e);
+            !is_upright(&corners) && has_volume(&corners)
+        };
+        let folded: Vec<usize> = (0..self.elements.len()).filter(folded).collect();
+        if let Some(first) = folded.first() {
+            self.notes.push(format!(
+                "{} elements have a corner that is flat or folded, and a volume at their integration points (the first is {})",
+                folded.len(),
+                self.name_of(*first)
+            ));
+        }
     }
 
     fn corners(&self, e: usize) -> [[f64; 3]; 8] {
@@ -84,6 +108,25 @@ impl ImportedMesh {
         let label = self.node_labels[self.elements[e][n] as usize];
         format!("has no positive volume at its node {label}: it is flat or folded there")
     }
+}
+
+/// Whether the determinant of the Jacobian is positive at all eight points of 2 × 2 × 2 Gauss integration.
+fn has_volume(x: &[[f64; 3]; 8]) -> bool {
+    let g = 1.0 / 3.0_f64.sqrt();
+    CORNERS.iter().all(|at| {
+        let at = at.map(|s| g * s);
+        let mut edges = [[0.0; 3]; 3];
+        for (x, c) in x.iter().zip(&CORNERS) {
+            let factor = [0, 1, 2].map(|d| 1.0 + c[d] * at[d]);
+            for (d, edge) in edges.iter_mut().enumerate() {
+                let slope = 0.125 * c[d] * factor[(d + 1) % 3] * factor[(d + 2) % 3];
+                for (edge, x) in edge.iter_mut().zip(x) {
+                    *edge += slope * x;
+                }
+            }
+        }
+        dot(cross(edges[0], edges[1]), edges[2]) > 0.0
+    })
 }
 
 /// Triple product of the three edges that meet in a corner, along ξ, η, ζ.

@@ -4,6 +4,7 @@
 //! The rows lie at the strains of both tables, so that both are met exactly wherever they are linear.
 
 use super::{Place, Units};
+use crate::material::CrackBand;
 use crate::model::deck::{Material, Row};
 use crate::model::quantity::{Angle, Density, Length, Number, Pressure, Time};
 
@@ -55,6 +56,12 @@ pub struct ImportedMaterial {
     pub compression_recovery: f64,
     /// Rows for other temperatures, rates or fields were left out.
     pub depends: bool,
+    /// Why it cannot be used: a law that is not one of ours, a row that is none.
+    pub unusable: Option<String>,
+    /// Length for which its tables hold, where wythe wrote it beside them [mm].
+    pub reference_length: Option<f64>,
+    /// Whether that is set against the length of an element across a crack, likewise.
+    pub projected: bool,
 }
 
 /// Equivalent lengths V^(1/3) of the elements of a material [mm].
@@ -88,6 +95,9 @@ impl ImportedMaterial {
         if let Some(elastic) = &mut self.elastic {
             elastic[0] *= units.stress();
         }
+        if let Some(length) = &mut self.reference_length {
+            *length *= units.length;
+        }
         if let Some(density) = &mut self.density {
             *density *= units.density();
         }
@@ -116,6 +126,9 @@ impl ImportedMaterial {
     /// What is missing or cannot be converted, as a sentence.
     pub fn in_a_deck(&self, lengths: Option<Lengths>) -> Result<(Material, Vec<String>), String> {
         let mut notes = Vec::new();
+        if let Some(why) = &self.unusable {
+            return Err(why.clone());
+        }
         let Some([e, nu]) = self.elastic else {
             return Err("it has no *ELASTIC".to_owned());
         };
@@ -154,7 +167,10 @@ impl ImportedMaterial {
             .tension(&material.compression, lengths, &mut notes)
             .map_err(|why| format!("tension: {why}"))?;
         material.tension = tension;
-        material.reference_length = length.map(Length::new);
+        material.reference_length = length.or(self.reference_length).map(Length::new);
+        if self.projected {
+            material.crack_band = CrackBand::Projected;
+        }
         Ok((material, notes))
     }
 

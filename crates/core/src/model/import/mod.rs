@@ -52,6 +52,8 @@ pub struct ImportedMesh {
     pub materials: Vec<ImportedMaterial>,
     /// Which elements are of which material.
     pub sections: Vec<Section>,
+    /// Elements of other types that were left out, by their type.
+    pub left_out: BTreeMap<String, usize>,
     /// What the author should know: what was not read, what was taken for what.
     pub notes: Vec<String>,
 }
@@ -187,6 +189,7 @@ impl ImportedMesh {
             }
         };
         mesh.scale(units);
+        mesh.note_folded();
         Ok(mesh)
     }
 

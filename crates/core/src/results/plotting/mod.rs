@@ -3,12 +3,14 @@
 
 pub mod chart;
 pub mod deflection;
+pub mod histogram;
 pub mod raster;
 pub mod scatter;
 pub mod scene;
 
 pub use chart::{Line, curves, load_displacements};
 pub use deflection::{Along, Deflection, deflections};
+pub use histogram::{Bars, histogram};
 pub use raster::png;
 pub use scatter::{Spot, scatter};
 pub use scene::scene;

@@ -81,12 +81,17 @@ fn fields(line: &str) -> Vec<&str> {
     parts.map(str::trim).collect()
 }
 
+/// How a comment begins that wythe wrote for itself, see [`Sink::remark`].
+pub(super) const REMARK: &str = "** wythe:";
+
 /// What takes the lines.
 pub(super) trait Sink {
     /// A keyword begins; whatever came before it has ended.
     fn keyword(&mut self, keyword: &Keyword) -> Result<(), Wrong>;
     /// A line of data of the last keyword.
     fn data(&mut self, fields: &[&str], place: Place) -> Result<(), Wrong>;
+    /// A comment by which wythe says what Abaqus has no keyword for: `** wythe: KEY = VALUE`, after the last keyword.
+    fn remark(&mut self, key: &str, value: &str);
 }
 
 /// Files deeper than this include each other in a circle, or might as well.
@@ -133,6 +138,14 @@ impl<'a> Lines<'a> {
                 line: n as u32 + 1,
             };
             let line = line.trim();
+            if let Some((key, value)) = line.strip_prefix(REMARK).and_then(|l| l.split_once('=')) {
+                // It is about the keyword before it.
+                if let Some((text, place)) = open.take_if(|(text, _)| !text.ends_with(',')) {
+                    self.keyword(&text, place, sink)?;
+                }
+                sink.remark(key.trim(), value.trim());
+                continue;
+            }
             if line.starts_with("**") || line.is_empty() {
                 continue;
             }
@@ -225,6 +238,29 @@ mod tests {
             ));
             Ok(())
         }
+
+        fn remark(&mut self, key: &str, value: &str) {
+            self.0.push(format!("remark {key} {value}"));
+        }
+    }
+
+    #[test]
+    fn a_remark_comes_after_the_keyword_that_it_is_about() {
+        let text = b"*MATERIAL, NAME=A\n** wythe: reference_length = 50.5\n** wythe writes: a = b\n*ELASTIC\n1, 0.2\n";
+        let mut heard = Heard::default();
+        let mut nothing = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        Lines::new(&mut nothing)
+            .scan("a.inp", text, &mut heard)
+            .unwrap();
+        assert_eq!(
+            heard.0,
+            [
+                "0:1 *MATERIAL [(\"NAME\", \"A\")]",
+                "remark reference_length 50.5",
+                "0:4 *ELASTIC []",
+                "0:5 1|0.2",
+            ]
+        );
     }
 
     #[test]

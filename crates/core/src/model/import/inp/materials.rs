@@ -21,10 +21,11 @@ pub(super) enum Table {
 }
 
 impl Reader {
-    /// The table that a keyword begins; none if it is not one of a material that is read.
+    /// The table that a keyword begins; none if it is not one of a material that is read. One that means another law makes
+    /// the material one that cannot be used: a deck that has a material of its own in its place does without it.
     ///
     /// # Errors
-    /// Options that mean another law.
+    /// A material without a name, or with that of another.
     pub(super) fn material_keyword(&mut self, keyword: &Keyword) -> Result<Option<Table>, Wrong> {
         if keyword.name == "MATERIAL" {
             let name = keyword.required("NAME")?;
@@ -42,12 +43,10 @@ impl Reader {
         let Some(material) = self.raw.materials.last_mut() else {
             return Ok(None);
         };
-        let refuse = |why: &str, help: &str| {
-            Err(Wrong::new(
-                keyword.place,
-                format!("material {}: {why}", material.name),
-                help.to_owned(),
-            ))
+        let (line, name) = (keyword.place.line, &keyword.name);
+        let unusable = |of: &mut Option<String>, why: &str| {
+            of.get_or_insert_with(|| format!("*{name} (line {line}): {why}"));
+            Ok(Some(Table::None))
         };
         let kind = keyword.get("TYPE").map(str::to_uppercase);
         let recovery = |name: &str, default: f64| match keyword.get(name) {
@@ -58,9 +57,9 @@ impl Reader {
             "ELASTIC" if kind.as_deref().is_none_or(|k| k.starts_with("ISO")) => {
                 Ok(Some(Table::Elastic))
             }
-            "ELASTIC" => refuse(
-                "its elasticity is not isotropic",
-                "write *ELASTIC with E and nu: solids are isotropic",
+            "ELASTIC" => unusable(
+                &mut material.unusable,
+                "its elasticity is not isotropic, as that of solids is here",
             ),
             "DENSITY" => Ok(Some(Table::Density)),
             "CONCRETE DAMAGED PLASTICITY" => {
@@ -69,10 +68,11 @@ impl Reader {
             }
             "CONCRETE COMPRESSION HARDENING" => Ok(Some(Table::Hardening)),
             "CONCRETE TENSION STIFFENING" => {
-                match measure(kind.as_deref(), true) {
-                    Some(measure) => material.stiffening.measure = measure,
-                    None => return refuse("an unknown TYPE", "STRAIN, DISPLACEMENT or GFI"),
-                }
+                let Some(measure) = measure(kind.as_deref(), true) else {
+                    let why = "an unknown TYPE, not STRAIN, DISPLACEMENT or GFI";
+                    return unusable(&mut material.unusable, why);
+                };
+                material.stiffening.measure = measure;
                 Ok(Some(Table::Stiffening))
             }
             "CONCRETE TENSION DAMAGE" => {
@@ -81,10 +81,8 @@ impl Reader {
                     recovery("COMPRESSION RECOVERY", 1.0),
                 );
                 let (Some(measure), Some(recovered)) = (measure, recovered) else {
-                    return refuse(
-                        "an unknown TYPE or recovery",
-                        "STRAIN or DISPLACEMENT; 0 to 1",
-                    );
+                    let why = "an unknown TYPE, not STRAIN or DISPLACEMENT, or a recovery that is no number";
+                    return unusable(&mut material.unusable, why);
                 };
                 material.tension_damage.measure = measure;
                 material.compression_recovery = recovered;
@@ -92,7 +90,7 @@ impl Reader {
             }
             "CONCRETE COMPRESSION DAMAGE" => {
                 let Some(recovered) = recovery("TENSION RECOVERY", 0.0) else {
-                    return refuse("its recovery is no number", "a number from 0 to 1");
+                    return unusable(&mut material.unusable, "its recovery is no number");
                 };
                 material.tension_recovery = recovered;
                 Ok(Some(Table::CompressionDamage))
@@ -102,38 +100,28 @@ impl Reader {
     }
 
     /// A line of a table.
-    pub(super) fn material_row(
-        &mut self,
-        table: Table,
-        fields: &[&str],
-        place: Place,
-    ) -> Result<(), Wrong> {
+    pub(super) fn material_row(&mut self, table: Table, fields: &[&str], place: Place) {
         let ended = &mut self.table_ended;
-        let Some(material) = self.raw.materials.last_mut() else {
-            return Ok(());
+        let Some(material) = self
+            .raw
+            .materials
+            .last_mut()
+            .filter(|_| table != Table::None)
+        else {
+            return;
         };
         let filled = fields.iter().rposition(|f| !f.is_empty());
         let fields = &fields[..filled.map_or(0, |last| last + 1)];
-        let numbers: Option<Vec<f64>> = fields
-            .iter()
-            .map(|f| {
-                if f.is_empty() {
-                    Some(f64::NAN)
-                } else {
-                    real(f)
-                }
-            })
-            .collect();
-        let Some(numbers) = numbers else {
-            return Err(Wrong::new(
-                place,
-                format!(
-                    "material {}: `{}` is no row",
-                    material.name,
-                    fields.join(", ")
-                ),
-                "a row is numbers with commas between them",
-            ));
+        let number = |f: &&str| match *f {
+            "" => Some(f64::NAN),
+            text => real(text),
+        };
+        let Some(numbers) = fields.iter().map(number).collect::<Option<Vec<f64>>>() else {
+            let (row, line) = (fields.join(", "), place.line);
+            let why =
+                || format!("`{row}` (line {line}) is no row of numbers with commas between them");
+            material.unusable.get_or_insert_with(why);
+            return;
         };
         let at = |i: usize| numbers.get(i).copied().unwrap_or(f64::NAN);
         let pair = || [at(0), if at(1).is_nan() { 0.0 } else { at(1) }];
@@ -177,7 +165,6 @@ impl Reader {
             }
         }
         material.depends |= *ended;
-        Ok(())
     }
 }
 

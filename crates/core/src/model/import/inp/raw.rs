@@ -1,6 +1,7 @@
 //! What an `.inp` says before its names are looked up.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::super::{ImportedMaterial, Place};
 
@@ -49,8 +50,18 @@ pub(super) struct Surface {
     pub(super) name: String,
     /// Made of nodes, not of sides of elements.
     pub(super) of_nodes: bool,
-    /// Side from 0; none: what is outside.
-    pub(super) members: Vec<(Member, Option<u8>, Place)>,
+    /// The side as it is written, in capitals; none: what is outside. Elements that are not read have sides of other names.
+    pub(super) members: Vec<(Member, Option<String>, Place)>,
+}
+
+/// An element of a type that is not read.
+#[derive(Clone, Debug)]
+pub(super) struct Other {
+    /// Its type, in capitals.
+    pub(super) kind: Arc<str>,
+    pub(super) label: u64,
+    /// Labels of its nodes.
+    pub(super) nodes: Vec<u64>,
     pub(super) place: Place,
 }
 
@@ -67,6 +78,7 @@ pub(super) struct SolidSection {
 pub(super) struct Scope {
     pub(super) nodes: Vec<Node>,
     pub(super) elements: Vec<Element>,
+    pub(super) others: Vec<Other>,
     pub(super) node_sets: Vec<Set>,
     pub(super) element_sets: Vec<Set>,
     pub(super) surfaces: Vec<Surface>,
@@ -98,6 +110,6 @@ pub(super) struct Raw {
     pub(super) types: BTreeMap<String, usize>,
     /// Keywords that were not read, and where the first of each is.
     pub(super) skipped: BTreeMap<String, Place>,
-    /// What the author should know.
-    pub(super) notes: Vec<String>,
+    /// Hexahedra with more labels on their line than those of eight nodes, and where the first is.
+    pub(super) long: Option<(usize, Place)>,
 }

@@ -1,10 +1,12 @@
 //! From lines to what they say, by part, instance and assembly.
 
+use std::sync::Arc;
+
 use super::super::numbers::{label, real};
-use super::super::{MOST_ELEMENTS, MOST_NODES, Place, Wrong, point};
+use super::super::{MOST_ELEMENTS, MOST_NODES, Place, Wrong};
 use super::lines::{Keyword, Sink, unquoted};
 use super::materials::Table;
-use super::raw::{Element, Instance, Member, Node, Raw, Scope, Set, SolidSection, Surface};
+use super::raw::{Element, Instance, Member, Node, Other, Raw, Scope, Set, SolidSection};
 use super::sets;
 
 /// What the lines of data belong to.
@@ -22,8 +24,11 @@ pub(super) enum Now {
         place: Place,
         named: bool,
     },
-    /// Elements of a type that is not.
-    Strangers { kind: String },
+    /// Elements of a type that is not: how many nodes each has, where that is known.
+    Others {
+        kind: Arc<str>,
+        nodes: Option<usize>,
+    },
     /// Members of the last set.
     Set { of_nodes: bool, generated: bool },
     /// Members of the last surface.
@@ -58,20 +63,22 @@ pub(super) struct Reader {
 }
 
 /// Keywords without which the mesh would not be what is meant.
-const REFUSED: [(&str, &str); 9] = [
+const REFUSED: [(&str, &str); 8] = [
     ("NGEN", "nodes"),
     ("NFILL", "nodes"),
     ("NCOPY", "nodes"),
     ("NMAP", "nodes"),
     ("SYSTEM", "nodes"),
-    ("TRANSFORM", "directions of nodes"),
     ("ELGEN", "elements"),
     ("ELCOPY", "elements"),
     ("PARAMETER", "numbers"),
 ];
 
-/// Types that are read as hex8, and what each is in Abaqus.
-pub(super) const HEXAHEDRA: [&str; 6] = ["C3D8", "C3D8R", "C3D8I", "C3D8S", "C3D8H", "C3D8RH"];
+/// Whether elements of this type are read as hex8: C3D8, C3D8R, C3D8I, C3D8RH, C3D8T ….
+fn is_hexahedron(kind: &str) -> bool {
+    let rest = kind.strip_prefix("C3D8");
+    rest.is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_uppercase()))
+}
 
 impl Reader {
     /// What was read, at the end of the file.
@@ -137,7 +144,7 @@ impl Reader {
             let set = sets::of_what_follows(name, keyword.place);
             self.scope().element_sets.push(set);
         }
-        self.now = if HEXAHEDRA.contains(&kind.as_str()) {
+        self.now = if is_hexahedron(&kind) {
             self.raw.types.entry(kind).or_default();
             Now::Elements {
                 numbers: Vec::new(),
@@ -145,7 +152,9 @@ impl Reader {
                 named: keyword.has("ELSET"),
             }
         } else {
-            Now::Strangers { kind }
+            let nodes = nodes_of(&kind);
+            let kind = kind.into();
+            Now::Others { kind, nodes }
         };
         Ok(())
     }
@@ -224,12 +233,12 @@ impl Reader {
         if let [first, nodes @ ..] = &numbers[..]
             && nodes.len() >= 8
         {
-            let Ok(nodes) = <[u64; 8]>::try_from(nodes) else {
-                return Err(Wrong::new(
-                    begun,
-                    format!("element {first} has {} nodes, not 8", nodes.len()),
-                    "a line is its label and the labels of its eight nodes",
-                ));
+            // Programs that read eight write more: nodes of incompatible modes, or those of a quadratic element.
+            if nodes.len() > 8 {
+                self.raw.long.get_or_insert((0, begun)).0 += 1;
+            }
+            let Ok(nodes) = <[u64; 8]>::try_from(&nodes[..8]) else {
+                return Ok(()); // there are eight
             };
             self.elements += 1;
             if self.elements > MOST_ELEMENTS {
@@ -255,28 +264,25 @@ impl Reader {
         Ok(())
     }
 
-    /// An element of a type that cannot be meant.
-    fn stranger(&mut self, fields: &[&str], place: Place, kind: &str) -> Wrong {
-        let scope = self.scope();
-        let labels: Vec<u64> = fields.iter().filter_map(|f| label(f)).collect();
-        let (own, nodes) = labels.split_first().unwrap_or((&0, &[]));
-        let at: Vec<[f64; 3]> = nodes
-            .iter()
-            .filter_map(|n| scope.nodes.iter().find(|node| node.label == *n))
-            .map(|node| node.x)
-            .collect();
-        let near = if at.is_empty() {
-            String::new()
-        } else {
-            let middle = [0, 1, 2].map(|d| at.iter().map(|x| x[d]).sum::<f64>() / at.len() as f64);
-            let near = point(middle);
-            format!(" near {}", near.trim_end_matches(" mm"))
-        };
-        Wrong::new(
-            place,
-            format!("element {own}{near} is of the type {kind}, not a hexahedron of eight nodes"),
-            instead_of(kind),
-        )
+    /// A line of an element that is left out. Those of more nodes than fit on a line go on over several.
+    fn other(&mut self, fields: &[&str], place: Place, kind: &Arc<str>, nodes: Option<usize>) {
+        let mut labels = fields.iter().filter_map(|f| label(f));
+        let others = &mut self.scope().others;
+        if let (Some(last), Some(wanted)) = (others.last_mut(), nodes)
+            && last.kind == *kind
+            && last.nodes.len() < wanted
+        {
+            last.nodes.extend(labels);
+            return;
+        }
+        if let Some(label) = labels.next() {
+            others.push(Other {
+                kind: Arc::clone(kind),
+                label,
+                nodes: labels.collect(),
+                place,
+            });
+        }
     }
 
     fn moved(&mut self, fields: &[&str], place: Place) -> Result<(), Wrong> {
@@ -378,6 +384,12 @@ impl Sink for Reader {
         Ok(())
     }
 
+    fn remark(&mut self, key: &str, value: &str) {
+        if !self.in_step {
+            self.remarked(key, value);
+        }
+    }
+
     fn data(&mut self, fields: &[&str], place: Place) -> Result<(), Wrong> {
         if self.in_step {
             return Ok(());
@@ -396,9 +408,14 @@ impl Sink for Reader {
                 let (numbers, begun, named) = (std::mem::take(numbers), *begun, *named);
                 self.element(fields, place, numbers, begun, named)
             }
-            Now::Strangers { kind } => {
-                let kind = std::mem::take(kind);
-                Err(self.stranger(fields, place, &kind))
+            Now::Others { kind, nodes } => {
+                let (kind, nodes) = (Arc::clone(kind), *nodes);
+                self.elements += 1;
+                if self.elements > MOST_ELEMENTS {
+                    return Err(too_many(place, "elements"));
+                }
+                self.other(fields, place, &kind, nodes);
+                Ok(())
             }
             Now::Set {
                 of_nodes,
@@ -417,20 +434,36 @@ impl Sink for Reader {
             }
             Now::Surface => {
                 let last = self.scope().surfaces.last_mut();
-                last.map_or(Ok(()), |surface: &mut Surface| {
-                    sets::sides(surface, fields, place)
-                })
+                if let Some(surface) = last {
+                    sets::sides(surface, fields, place);
+                }
+                Ok(())
             }
             Now::Instance => self.moved(fields, place),
             Now::Material(table) => {
                 let table = *table;
-                self.material_row(table, fields, place)
+                self.material_row(table, fields, place);
+                Ok(())
             }
         }
     }
 }
 
 impl Reader {
+    /// Takes what wythe wrote of a material beside Abaqus' keywords.
+    fn remarked(&mut self, key: &str, value: &str) {
+        let Some(material) = self.raw.materials.last_mut() else {
+            return;
+        };
+        match (key, real(value)) {
+            ("reference_length", Some(length)) if length > 0.0 => {
+                material.reference_length = Some(length);
+            }
+            ("crack_band", None) => material.projected = unquoted(value) == "projected",
+            _ => {}
+        }
+    }
+
     /// Notes a keyword that is not read.
     pub(super) fn skip(&mut self, keyword: &Keyword) {
         let skipped = &mut self.raw.skipped;
@@ -446,18 +479,22 @@ fn too_many(place: Place, what: &str) -> Wrong {
     )
 }
 
-/// What to do about elements of a type that is not read.
-fn instead_of(kind: &str) -> &'static str {
+/// What is to be known of elements of a type that is not read.
+pub(super) fn instead_of(kind: &str) -> &'static str {
     if kind.starts_with("COH") {
-        "wythe's interfaces have no thickness: take cohesive elements out and let the faces beside them \
-         meet by [[contacts]]"
-    } else if kind.starts_with("C3D20") || kind.starts_with("C3D27") {
-        "mesh it with elements of first order: C3D8"
+        "interfaces have no thickness: let the faces beside cohesive elements meet by [[contacts]]"
     } else if kind.starts_with("C3D") {
-        "mesh it with hexahedra of first order: C3D8"
+        "mesh solids with hexahedra of first order: C3D8"
     } else {
-        "only solids are read: take these elements out of the file"
+        "only solids are read"
     }
+}
+
+/// Nodes of a solid by its type, C3D20R or DC3D10; none of others, which fit on a line.
+fn nodes_of(kind: &str) -> Option<usize> {
+    let (_, rest) = kind.split_once("3D")?;
+    let digits = rest.trim_end_matches(|c: char| !c.is_ascii_digit());
+    digits.parse().ok().filter(|&nodes: &usize| nodes > 8)
 }
 
 /// A member of a set: a label or a name.

@@ -1,9 +1,10 @@
 //! From what an `.inp` says to a mesh: instances placed, labels and names looked up.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::super::{ImportedMesh, MOST_ELEMENTS, MOST_NODES, Place, Section, Wrong};
 use super::raw::{Instance, Member, Node, Raw, Scope, Set, Surface};
+use super::reader::instead_of;
 use crate::model::hexahedron::norm;
 use crate::model::keys::nearest;
 use crate::model::scene::turned;
@@ -28,6 +29,8 @@ struct Frame<'a> {
     labels: [HashMap<u64, u32>; 2],
     /// Labels in order, for ranges. `[kind]`
     order: [Vec<u64>; 2],
+    /// Labels of elements that are not read.
+    others: HashSet<u64>,
     /// Definitions by name in capitals, and the name as it is written first. `[kind]`
     sets: [BTreeMap<String, Vec<&'a Set>>; 2],
     /// Sets that are looked up. `[kind]`
@@ -61,6 +64,7 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
         ));
     }
     if frames.len() == 1
+        && raw.scope.elements.is_empty()
         && let Some((name, _)) = raw.parts.iter().find(|(_, p)| !p.elements.is_empty())
     {
         return Err(Wrong::new(
@@ -75,6 +79,8 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
         let moves = instance.map_or(&empty, |i| &raw.instances[i].moves);
         lay(&mut mesh, frame, instance.map(|i| i as u16), moves)?;
     }
+    leave_others_out(&mut mesh, &mut frames);
+    leave_parts_out(&mut mesh, &raw);
     let mut members = 0;
     for i in 0..frames.len() {
         look_up(&mut frames, i, &mut mesh, &mut members)?;
@@ -90,7 +96,11 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
         };
         let nodes = nodes.into_iter().map(|(n, set)| (written(NODES, &n), set));
         mesh.node_sets.extend(nodes);
-        let elements = elements.into_iter();
+        // Sets of elements that are not read are none.
+        let others = !frame.others.is_empty();
+        let elements = elements
+            .into_iter()
+            .filter(|(_, set)| !(others && set.is_empty()));
         let elements = elements.map(|(n, set)| (written(ELEMENTS, &n), set));
         mesh.element_sets.extend(elements);
     }
@@ -101,7 +111,7 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
 
 /// What was read as something else, and what was not read at all.
 fn notes(raw: &Raw) -> Vec<String> {
-    let mut notes = raw.notes.clone();
+    let mut notes = Vec::new();
     let types: Vec<&str> = raw.types.keys().map(String::as_str).collect();
     if !types.is_empty() && types != ["C3D8I"] {
         notes.push(format!(
@@ -109,6 +119,21 @@ fn notes(raw: &Raw) -> Vec<String> {
              C3D8I; none has reduced integration",
             types.join(", ")
         ));
+    }
+    if let Some((count, place)) = raw.long {
+        notes.push(format!(
+            "{count} hexahedra have more labels on their line than those of eight nodes, which are taken; the others are \
+             left out (the first is at line {})",
+            place.line
+        ));
+    }
+    for material in &raw.materials {
+        if let Some(why) = &material.unusable {
+            notes.push(format!(
+                "material {} is left out: {why}; write it in the deck where it is used",
+                material.name
+            ));
+        }
     }
     if !raw.skipped.is_empty() {
         let each = |(name, place): (&String, &Place)| format!("*{name} (line {})", place.line);
@@ -155,6 +180,7 @@ impl<'a> Frame<'a> {
         Self {
             name,
             scopes,
+            others: HashSet::new(),
             labels: Default::default(),
             order: Default::default(),
             sets,
@@ -355,6 +381,7 @@ fn one(
     match member {
         Member::Label(label) => match frames[at].labels[kind].get(label) {
             Some(index) => found.push(*index),
+            None if kind == ELEMENTS && frames[at].others.contains(label) => {}
             None => absent.get_or_insert((*label, 0)).1 += 1,
         },
         Member::Range(range) => found.extend(frames[at].range(kind, *range)),
@@ -388,6 +415,10 @@ fn one(
             {
                 found.push(*index);
                 return Ok(());
+            }
+            let label = super::super::numbers::label(name);
+            if kind == ELEMENTS && label.is_some_and(|label| frames[at].others.contains(&label)) {
+                return Ok(()); // of an instance, left out
             }
             let name = name.to_uppercase();
             if !frames[at].sets[kind].contains_key(&name) {
@@ -443,7 +474,7 @@ fn unknown<'a>(
     Wrong::new(place, format!("there is no {kind} named {name}"), help)
 }
 
-/// Looks up the surfaces of all frames.
+/// Looks up the surfaces of all frames. What of them is not there is noted: nobody may need it.
 fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
     let any = |f: &Frame<'_>| f.scopes.iter().any(|s| !s.surfaces.is_empty());
     if !frames.iter().any(any) {
@@ -453,8 +484,12 @@ fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> 
     let outside = mesh.exterior().unwrap_or_default();
     for (at, frame) in frames.iter().enumerate() {
         for surface in frame.scopes.iter().flat_map(|s| &s.surfaces) {
-            let sides = sides(frames, at, surface, mesh, &outside)?;
             let name = format!("{}{}", prefix(frame.name.as_deref()), surface.name);
+            let (sides, nodes) = sides(frames, at, surface, mesh, &outside, &name)?;
+            if sides.is_empty() {
+                left_without_sides(mesh, name, nodes);
+                continue;
+            }
             let mut all = mesh.surfaces.remove(&name).unwrap_or_default();
             all.extend(sides);
             all.sort_unstable();
@@ -465,19 +500,40 @@ fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> 
     Ok(())
 }
 
-/// Sides of elements that a surface stands for.
+/// A surface that has no side of a hexahedron: a set of nodes, if it has nodes.
+fn left_without_sides(mesh: &mut ImportedMesh, name: String, mut nodes: Vec<u32>) {
+    if nodes.is_empty() {
+        mesh.notes.push(format!(
+            "surface {name} is left out: none of its elements is a hexahedron"
+        ));
+        return;
+    }
+    mesh.notes.push(format!(
+        "surface {name} of nodes is read as a set of nodes: no side of an element has all of its nodes in it"
+    ));
+    nodes.sort_unstable();
+    nodes.dedup();
+    mesh.node_sets.entry(name).or_insert(nodes);
+}
+
+/// Sides of elements that a surface stands for, and its nodes, if it is one of nodes.
+type Found = (Vec<(u32, u8)>, Vec<u32>);
+
+/// Looks up what a surface stands for.
 fn sides(
     frames: &[Frame<'_>],
     at: usize,
     surface: &Surface,
-    mesh: &ImportedMesh,
+    mesh: &mut ImportedMesh,
     outside: &[(u32, u8)],
-) -> Result<Vec<(u32, u8)>, Wrong> {
+    name: &str,
+) -> Result<Found, Wrong> {
     let mut all = Vec::new();
     let mut nodes = Vec::new();
+    let mut absent = None;
     let kind = if surface.of_nodes { NODES } else { ELEMENTS };
     for (member, side, place) in &surface.members {
-        let (mut found, mut absent) = (Vec::new(), None);
+        let mut found = Vec::new();
         one(
             frames,
             at,
@@ -489,16 +545,13 @@ fn sides(
             &mut found,
             &mut absent,
         )?;
-        if let Some((label, _)) = absent {
-            let what = if surface.of_nodes { "node" } else { "element" };
-            return Err(Wrong::new(
-                *place,
-                format!("surface {}: there is no {what} {label}", surface.name),
-                "name what is there",
-            ));
-        }
         match side {
-            Some(side) => all.extend(found.into_iter().map(|e| (e, *side))),
+            // Sides of elements that are not read have other names.
+            Some(_) if found.is_empty() => {}
+            Some(side) => {
+                let side = number_of(side, surface, *place)?;
+                all.extend(found.into_iter().map(|e| (e, side)));
+            }
             None if surface.of_nodes => nodes.extend(found),
             None => {
                 found.sort_unstable();
@@ -507,20 +560,92 @@ fn sides(
             }
         }
     }
+    if let Some((label, count)) = absent {
+        let what = if surface.of_nodes {
+            "nodes"
+        } else {
+            "elements"
+        };
+        mesh.notes.push(format!(
+            "surface {name}: {count} of its {what} are not there (the first is {label})"
+        ));
+    }
     if surface.of_nodes {
         all = mesh.sides_between(&nodes, outside);
-        if all.is_empty() && !nodes.is_empty() {
-            return Err(Wrong::new(
-                surface.place,
-                format!(
-                    "surface {} of nodes: no side of an element has all of its nodes in it",
-                    surface.name
-                ),
-                "take all nodes of the face, or a surface of elements (TYPE=ELEMENT)",
-            ));
+    }
+    Ok((all, nodes))
+}
+
+/// The side of a hexahedron from 0, S1 to S6 as it is written.
+fn number_of(side: &str, surface: &Surface, place: Place) -> Result<u8, Wrong> {
+    match side
+        .strip_prefix('S')
+        .and_then(super::super::numbers::label)
+    {
+        Some(n @ 1..=6) => Ok(n as u8 - 1),
+        _ => Err(Wrong::new(
+            place,
+            format!(
+                "surface {}: `{side}` is no side of a hexahedron",
+                surface.name
+            ),
+            "its sides are S1 to S6",
+        )),
+    }
+}
+
+/// Notes elements of types that are not read, a line a type, and remembers their labels.
+fn leave_others_out(mesh: &mut ImportedMesh, frames: &mut [Frame<'_>]) {
+    let mut of_hexahedra = vec![false; mesh.nodes.len()];
+    for n in mesh.elements.iter().flatten() {
+        of_hexahedra[*n as usize] = true;
+    }
+    // By type: how many, how many of them have nodes in common with hexahedra, the first.
+    let mut kinds: BTreeMap<&str, (usize, usize, u64, Place)> = BTreeMap::new();
+    for frame in frames {
+        for other in frame.scopes.iter().flat_map(|s| &s.others) {
+            frame.others.insert(other.label);
+            let kind = kinds.entry(&other.kind);
+            let (count, joined, ..) = kind.or_insert((0, 0, other.label, other.place));
+            *count += 1;
+            let indices = other
+                .nodes
+                .iter()
+                .filter_map(|n| frame.labels[NODES].get(n));
+            let mut shared = indices.map(|n| of_hexahedra[*n as usize]);
+            *joined += usize::from(shared.any(|shared| shared));
         }
     }
-    Ok(all)
+    for (kind, (count, joined, first, place)) in kinds {
+        let joined = match joined {
+            0 => String::new(),
+            joined => format!(", {joined} of them with nodes of hexahedra"),
+        };
+        mesh.notes.push(format!(
+            "{count} elements of the type {kind} are left out{joined} (the first is {first}, line {}): {}",
+            place.line,
+            instead_of(kind)
+        ));
+        *mesh.left_out.entry(kind.to_owned()).or_default() += count;
+    }
+}
+
+/// Notes parts that stand nowhere.
+fn leave_parts_out(mesh: &mut ImportedMesh, raw: &Raw) {
+    let placed = raw.instances.iter().map(|i| i.part.to_uppercase());
+    let placed: BTreeSet<String> = placed.collect();
+    let unused: Vec<&str> = raw
+        .parts
+        .keys()
+        .map(String::as_str)
+        .filter(|name| !placed.contains(*name))
+        .collect();
+    if !unused.is_empty() {
+        mesh.notes.push(format!(
+            "no *INSTANCE puts them anywhere, so these parts are left out: {}",
+            unused.join(", ")
+        ));
+    }
 }
 
 /// Looks up which elements are of which material.

@@ -83,35 +83,15 @@ pub(super) fn surface(keyword: &Keyword) -> Result<Option<Surface>, Wrong> {
         name: keyword.required("NAME")?,
         of_nodes: kind == "NODE",
         members: Vec::new(),
-        place: keyword.place,
     }))
 }
 
 /// A line of a surface: a label or a set, and the side of its elements.
-pub(super) fn sides(surface: &mut Surface, fields: &[&str], place: Place) -> Result<(), Wrong> {
+pub(super) fn sides(surface: &mut Surface, fields: &[&str], place: Place) {
     let Some(who) = fields.first().filter(|f| !f.is_empty()) else {
-        return Ok(());
+        return;
     };
-    let side = match fields.get(1).copied().unwrap_or("") {
-        _ if surface.of_nodes => None,
-        "" => None,
-        text => {
-            let digit = text.strip_prefix(['S', 's']).and_then(label);
-            match digit {
-                Some(n @ 1..=6) => Some(n as u8 - 1),
-                _ => {
-                    return Err(Wrong::new(
-                        place,
-                        format!(
-                            "surface {}: `{text}` is no side of a hexahedron",
-                            surface.name
-                        ),
-                        "its sides are S1 to S6",
-                    ));
-                }
-            }
-        }
-    };
+    let side = fields.get(1).filter(|f| !f.is_empty() && !surface.of_nodes);
+    let side = side.map(|text| text.to_uppercase());
     surface.members.push((member(who), side, place));
-    Ok(())
 }

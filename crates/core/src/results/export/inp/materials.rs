@@ -24,8 +24,11 @@ fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::
         writeln!(
             text,
             "** Tables for elements {length:?} mm long{across}; wythe scales the strains beyond the peak to each \
-             element, Abaqus does not."
+             element, Abaqus does not.\n** wythe: reference_length = {length:?}"
         )?;
+        if p.has_bands() {
+            writeln!(text, "** wythe: crack_band = \"projected\"")?;
+        }
     }
     writeln!(text, "*CONCRETE DAMAGED PLASTICITY")?;
     writeln!(
