@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use wythe::error::{MOST_ERRORS, ModelError};
 use wythe::model::{Deck, Model, check};
 
-/// `wythe check` ends within 10 s on any deck below 1 MB; twice that on a machine that is busy with other tests.
-const LIMIT: Duration = Duration::from_secs(20);
+/// `wythe check` ends within 10 s on any deck below 1 MB; on a machine that is busy with other tests a deck that takes a
+/// second has been seen to take half a minute, and one that is not bounded takes hours.
+const LIMIT: Duration = Duration::from_secs(120);
 
 fn text(example: &str) -> String {
     let path = format!("{}/examples/{example}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -56,7 +57,7 @@ fn lengths_and_counts_are_judged_before_anything_is_laid_out() {
         (
             leaves,
             "wall.pattern.0.leaves.0.units",
-            "[\"0.3 mm\"]",
+            "[\"0.05 mm\"]",
             "wall.pattern.0.leaves.0.units.0",
         ),
         (

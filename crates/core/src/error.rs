@@ -119,7 +119,8 @@ impl ModelError {
             let message = format!("{left} more errors are not shown");
             let mut rest = all[MOST_ERRORS].alone();
             (rest.0.key, rest.0.span, rest.0.message) = (String::new(), None, message);
-            rest.0.help = "correct those above first: many errors often have one cause".to_owned();
+            rest.0.help =
+                String::from("correct those above first: many errors often have one cause");
             all.truncate(MOST_ERRORS);
             all.push(rest);
         }

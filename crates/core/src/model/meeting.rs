@@ -185,7 +185,7 @@ fn overhang(
         let x = facet.map(|n| bodies.mesh.nodes[n as usize]);
         near.clear();
         tree.query(&around, &touch::surroundings(&x), &mut stack, |i| {
-            near.push(i as usize)
+            near.push(i as usize);
         });
         let below = |o: &&[[f64; 3]; 4]| touch::distance(&x, o).is_some_and(|d| d.abs() <= reach);
         let below: Vec<_> = near.iter().map(|i| outlines[*i]).filter(below).collect();

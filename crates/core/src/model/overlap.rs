@@ -18,7 +18,7 @@ const OVERLAPS: f64 = 1e-3;
 const TOO_DEEP: f64 = 0.05;
 
 /// Boxes of bodies that touch may have so much in common by rounding [mm].
-const TOUCHING: f64 = 1e-6;
+pub(super) const TOUCHING: f64 = 1e-6;
 
 /// More pairs than these, of warnings and of errors, are not told one by one.
 const MOST_TOLD: usize = 5;

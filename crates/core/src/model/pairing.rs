@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckContact, Names};
 use super::hexahedron::{Face, area_vector, norm};
+use super::overlap;
 use super::roll::Place;
 use super::touch;
 use crate::error::{Errors, ModelError};
@@ -283,6 +284,9 @@ fn add_touching(
         facet_area: f64,
         area: f64,
     }
+    // Before each of six faces is looked at.
+    overlap::near(&overlap::boxes(bodies), overlap::TOUCHING)
+        .map_err(|crowded| crowded.error(deck, bodies))?;
     let mut sides = Vec::new();
     for (b, block) in bodies.all.iter().enumerate() {
         for (f, face) in block.faces[..block.skin].iter().enumerate() {

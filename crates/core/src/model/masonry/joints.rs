@@ -204,7 +204,7 @@ fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
         for high in &highs {
             near.clear();
             tree.query(&boxes, &high.around(), &mut stack, |i| {
-                near.push(i as usize)
+                near.push(i as usize);
             });
             for low in near.iter().map(|i| &lows[*i]) {
                 if (low.plane - high.plane).abs() > TOUCH {
@@ -296,7 +296,7 @@ fn slaves(
     for facet in &facets_here {
         near.clear();
         tree.query(&boxes, &facet.around(), &mut stack, |i| {
-            near.push(i as usize)
+            near.push(i as usize);
         });
         near.sort_unstable();
         let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
