@@ -220,10 +220,11 @@ impl Source {
     pub(super) fn error_of_bytes(
         &self,
         bytes: Range<usize>,
+        path: &str,
         message: String,
         help: &str,
     ) -> ModelError {
-        self.error_in(Some(bytes), "", message, help)
+        self.error_in(Some(bytes), path, message, help)
     }
 
     /// A warning about the key `path`.

@@ -45,20 +45,24 @@ pub(super) fn judge_path(path: &str) -> Result<(), String> {
 pub(super) fn judge_keys(source: &Source, root: &DeTable<'_>) -> Result<(), ModelError> {
     let mut judge = Judge {
         source,
+        path: String::new(),
         left: MOST_PATHS,
     };
-    judge.table(root, 0, 1)
+    judge.table(root, 1)
 }
 
 struct Judge<'a> {
     source: &'a Source,
+    /// Of what is judged.
+    path: String,
     /// Bytes of paths that may still come.
     left: usize,
 }
 
 impl Judge<'_> {
-    /// The keys of a table, whose own path has `above` bytes and which is the `depth`-th.
-    fn table(&mut self, table: &DeTable<'_>, above: usize, depth: usize) -> Result<(), ModelError> {
+    /// The keys of the table at the path, which is the `depth`-th.
+    fn table(&mut self, table: &DeTable<'_>, depth: usize) -> Result<(), ModelError> {
+        let above = self.path.len();
         for (key, value) in table {
             let name = key.get_ref();
             if name.len() > LONGEST_KEY {
@@ -66,27 +70,36 @@ impl Judge<'_> {
                 let help = format!(
                     "names of keys, materials and interfaces have at most {LONGEST_KEY} bytes"
                 );
-                return Err(self.source.error_of_bytes(key.span(), message, &help));
+                return Err(self.wrong(key.span(), message, &help));
             }
             // A title is any text; what is hidden in it is written as escapes.
             if above == 0 && name == "title" && value.get_ref().is_str() {
                 continue;
             }
+            self.below(name);
             self.plain(name, key.span())?;
-            self.value(value, above + name.len() + 1, depth)?;
+            self.value(value, depth)?;
+            self.path.truncate(above);
         }
         Ok(())
     }
 
-    fn value(
-        &mut self,
-        value: &Spanned<DeValue<'_>>,
-        path: usize,
-        depth: usize,
-    ) -> Result<(), ModelError> {
+    /// Goes to a key or an entry below.
+    fn below(&mut self, name: &str) {
+        if !self.path.is_empty() {
+            self.path.push('.');
+        }
+        self.path.push_str(name);
+    }
+
+    fn wrong(&self, bytes: Range<usize>, message: String, help: &str) -> ModelError {
+        self.source.error_of_bytes(bytes, &self.path, message, help)
+    }
+
+    fn value(&mut self, value: &Spanned<DeValue<'_>>, depth: usize) -> Result<(), ModelError> {
         let deep =
             matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)) && depth == DEEPEST;
-        let left = self.left.checked_sub(path);
+        let left = self.left.checked_sub(self.path.len());
         let (Some(left), false) = (left, deep) else {
             let (message, help) = if deep {
                 (
@@ -99,14 +112,20 @@ impl Judge<'_> {
                     "describe many blocks by `copies`, `stack` or [[imports]]",
                 )
             };
-            return Err(self.source.error_of_bytes(value.span(), message, help));
+            return Err(self.wrong(value.span(), message, help));
         };
         self.left = left;
         match value.get_ref() {
-            DeValue::Table(table) => self.table(table, path, depth + 1),
-            DeValue::Array(items) => items
-                .iter()
-                .try_for_each(|item| self.value(item, path + LONGEST_INDEX, depth + 1)),
+            DeValue::Table(table) => self.table(table, depth + 1),
+            DeValue::Array(items) => {
+                let above = self.path.len();
+                for (i, item) in items.iter().enumerate() {
+                    self.below(&i.to_string());
+                    self.value(item, depth + 1)?;
+                    self.path.truncate(above);
+                }
+                Ok(())
+            }
             DeValue::String(text) => self.plain(text, value.span()),
             _ => Ok(()),
         }
@@ -117,19 +136,16 @@ impl Judge<'_> {
         if text.len() > LONGEST_TEXT {
             let message = format!("a text of {} bytes", text.len());
             let help = format!("names and paths have at most {LONGEST_TEXT} bytes");
-            return Err(self.source.error_of_bytes(bytes, message, &help));
+            return Err(self.wrong(bytes, message, &help));
         }
-        match text.chars().find(|c| is_hidden(*c) || *c == '\n') {
+        match text.chars().find(|c| is_hidden(*c)) {
             None => Ok(()),
             Some(c) => {
                 let message = format!("the character {} stands in this text", c.escape_default());
                 let help =
                     "names are of characters that can be seen; only the title may say anything";
-                Err(self.source.error_of_bytes(bytes, message, help))
+                Err(self.wrong(bytes, message, help))
             }
         }
     }
 }
-
-/// Bytes of the index of an entry of a list, with its dot.
-const LONGEST_INDEX: usize = 7;
