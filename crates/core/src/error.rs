@@ -82,7 +82,7 @@ impl ModelError {
             message: printable(message.into()),
             key: printable(key.into()),
             help: printable(help.into()),
-            source: NamedSource::new(file, text),
+            source: NamedSource::new(printable(file.to_owned()), text),
             span: span.map(|s| s.start.min(length)..s.end.min(length)),
             place: Place::default(),
             others: Vec::new(),
