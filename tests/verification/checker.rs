@@ -201,14 +201,14 @@ fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
     );
     let text = told(&[
         ("fidelity", "full"),
-        ("interfaces.joint.penalty_factor", "1e300"),
+        ("interfaces.joint.penalty_factor", "1e15"),
     ]);
     assert!(
         text.contains("\"auto\" one half of it, 6616 unknowns"),
         "{text}"
     );
     assert!(text.lines().all(|line| line.len() < 300), "{text}");
-    assert!(text.contains("k_n / k_s = 6.800e301 / "), "{text}");
+    assert!(text.contains("k_n / k_s = 6.800e16 / "), "{text}");
 }
 
 /// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory A.5). In

@@ -25,7 +25,7 @@ static SEEDS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
 });
 
 /// What stands where something else was expected.
-const PIECES: [&str; 32] = [
+const PIECES: [&str; 44] = [
     "0",
     "-1",
     "1",
@@ -45,6 +45,18 @@ const PIECES: [&str; 32] = [
     "*INCLUDE, INPUT=flat.inp",
     "*NSET, NSET=A, GENERATE",
     "1, 1000000000, 1",
+    "1, 8, 0",
+    "1, 8, -1",
+    "8, 1, 1",
+    "1, 8, nan",
+    "inf",
+    "1e30",
+    "1e-300",
+    "-0",
+    "2147483648",
+    "*ELSET, ELSET=A, GENERATE",
+    "*ELSET, ELSET=\u{1b}[2J",
+    "*SURFACE, NAME=S, TYPE=ELEMENT",
     "*ELSET, ELSET=BOTH\nBOTH",
     "*ELEMENT, TYPE=C3D8",
     "*ELEMENT, TYPE=C3D20R, ELSET=BOTH",
@@ -73,6 +85,10 @@ enum Change {
     Twice(Index),
     /// A byte changes.
     Byte(Index, u8),
+    /// The sign of a number turns, or it is multiplied by a power of ten.
+    Scale(Index, i8),
+    /// Two fields of a line change places, as the bounds of a range would.
+    Exchange(Index),
     /// The file ends here.
     Cut(Index),
 }
@@ -85,6 +101,8 @@ fn change() -> impl Strategy<Value = Change> {
         (index(), index()).prop_map(|(a, b)| Change::Moved(a, b)),
         index().prop_map(Change::Twice),
         (index(), any::<u8>()).prop_map(|(a, b)| Change::Byte(a, b)),
+        (index(), -30_i8..30).prop_map(|(a, p)| Change::Scale(a, p)),
+        index().prop_map(Change::Exchange),
         index().prop_map(Change::Cut),
     ]
 }
@@ -122,6 +140,34 @@ fn changed(bytes: &[u8], change: &Change) -> Vec<u8> {
             let at = at.index(bytes.len());
             bytes[at] = *with;
             return bytes;
+        }
+        Change::Scale(at, power) => {
+            let line = &mut lines[at.index(count)];
+            let digit = line.iter().position(u8::is_ascii_digit);
+            if let Some(digit) = digit {
+                let length = line[digit..]
+                    .iter()
+                    .take_while(|b| b.is_ascii_digit() || **b == b'.')
+                    .count();
+                let end = digit + length;
+                if *power == 0 {
+                    line.insert(digit, b'-');
+                } else {
+                    line.splice(end..end, format!("e{power}").into_bytes());
+                }
+            }
+        }
+        Change::Exchange(at) => {
+            let line = &mut lines[at.index(count)];
+            let separator = if line.contains(&b',') { b',' } else { b' ' };
+            let mut fields: Vec<Vec<u8>> = line
+                .split(|b| *b == separator)
+                .map(<[u8]>::to_vec)
+                .collect();
+            if let [first, .., last] = &mut fields[..] {
+                std::mem::swap(first, last);
+            }
+            *line = fields.join(&separator);
         }
         Change::Cut(at) => return bytes[..at.index(bytes.len())].to_vec(),
     }
@@ -184,6 +230,23 @@ fn the_seeds_are_sound() {
     for (name, bytes) in SEEDS.iter() {
         assert!(read(name, bytes), "{name}");
     }
+}
+
+#[test]
+fn ranges_without_a_step_and_names_that_terminals_obey_are_refused() {
+    let (_, flat) = &SEEDS[1];
+    let with = |lines: &str| {
+        let mut bytes = flat.clone();
+        bytes.extend_from_slice(lines.as_bytes());
+        read("flat.inp", &bytes)
+    };
+    assert!(with("\n*ELSET, ELSET=MORE, GENERATE\n1, 2, 1\n"));
+    assert!(with("\n*ELSET, ELSET=MORE, GENERATE\n1, 2\n"));
+    for range in ["1, 2, 0", "1, 2, -1", "1, 2, nan", "2, 1, 1", "1, x, 1", ""] {
+        let generated = format!("\n*ELSET, ELSET=MORE, GENERATE\n{range},\n");
+        assert!(!with(&generated), "{range}");
+    }
+    assert!(!with("\n*ELSET, ELSET=\u{1b}[31m\n1\n"));
 }
 
 #[test]

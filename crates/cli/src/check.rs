@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wythe_core::error::IoError;
-use wythe_core::model::Model;
+use wythe_core::input;
+use wythe_core::model::{MOST_BYTES, Model};
 use wythe_core::results::plotting::{png, scene};
 use wythe_core::results::summary::write_whole;
 
@@ -32,8 +33,12 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let mut report = wythe_core::model::check(&deck, &model);
     // These are drawn with their places.
     report.warnings.clear();
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    let drawn: String = warnings.iter().map(|w| findings::drawn(w, &text)).collect();
+    let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
+    let lines: Vec<&str> = text.lines().collect();
+    let drawn: String = warnings
+        .iter()
+        .map(|w| findings::drawn(w, &lines))
+        .collect();
     print(&format!("{drawn}{report}"))
 }
 

@@ -7,7 +7,8 @@ use std::path::Path;
 use miette::Report;
 use serde_json::{Value, json};
 use wythe_core::error::{DeckError, ModelError, Warning};
-use wythe_core::model::{Deck, Model};
+use wythe_core::input;
+use wythe_core::model::{Deck, MOST_BYTES, Model};
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
@@ -68,9 +69,10 @@ impl Unsound {
             Self::Unread(failure) => return failure,
             Self::Wrong(layer, error) => (layer, error),
         };
-        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
+        let lines: Vec<&str> = text.lines().collect();
         for warning in error.warnings() {
-            eprint!("{}", drawn(warning, &text));
+            eprint!("{}", drawn(warning, &lines));
         }
         for error in error.all() {
             eprintln!("{:?}", Report::new(error.alone()));
@@ -86,12 +88,12 @@ impl Unsound {
 }
 
 /// A warning, with the line of the deck and a caret below the place.
-pub fn drawn(warning: &Warning, text: &str) -> String {
+pub fn drawn(warning: &Warning, lines: &[&str]) -> String {
     let mut out = format!("warning: {warning}\n");
     let (Some(line), Some(column)) = (warning.line, warning.column) else {
         return out;
     };
-    if let Some(written) = text.lines().nth(line - 1) {
+    if let Some(written) = lines.get(line - 1) {
         let gutter = line.to_string().len();
         let before = written.chars().take(column - 1);
         let indent: String = before.map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
@@ -136,7 +138,7 @@ mod tests {
             message: "high".to_owned(),
         };
         assert_eq!(
-            drawn(&warning, "[materials.brick]\nnu = 0.49\n"),
+            drawn(&warning, &["[materials.brick]", "nu = 0.49"]),
             "warning: materials.brick.nu (line 2): high\n  2 | nu = 0.49\n    |      ^\n"
         );
         let nowhere = Warning {
@@ -144,6 +146,6 @@ mod tests {
             column: None,
             ..warning
         };
-        assert_eq!(drawn(&nowhere, ""), "warning: materials.brick.nu: high\n");
+        assert_eq!(drawn(&nowhere, &[]), "warning: materials.brick.nu: high\n");
     }
 }

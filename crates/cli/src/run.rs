@@ -49,10 +49,30 @@ pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
     let Some(threads) = threads else {
         return Ok(());
     };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let (taken, warning) = few_threads(threads.get(), cores);
+    if let Some(warning) = warning {
+        eprintln!("warning: {warning}");
+    }
     // Only a second call could fail, and this is the only one.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(taken);
     pool.build_global()
         .map_err(|error| Failure::Model(miette::Report::msg(error)))
+}
+
+/// More threads than so many a core only wait for each other.
+const MOST_OF_A_CORE: usize = 4;
+
+/// How many of the threads asked for are taken on a machine of so many cores, and what to say of it.
+fn few_threads(threads: usize, cores: usize) -> (usize, Option<String>) {
+    let taken = threads.min(MOST_OF_A_CORE * cores);
+    let warning = (threads > cores).then(|| {
+        format!(
+            "--threads {threads}: there are {cores} cores for this process, and more threads than cores only slow it \
+             down; {taken} are taken"
+        )
+    });
+    (taken, warning)
 }
 
 /// Runs `solve` into the folder of a run, and says how it ended.

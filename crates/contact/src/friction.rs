@@ -75,7 +75,7 @@ impl InterfaceLaw {
         let mut dg = {
             let damage = self.damage(opening_max, old.slip_max, old, wholes).value;
             let limit = self.limit(normal_at(damage).traction, damage);
-            ((size - limit.value) / k_s).clamp(low, high)
+            ((size - limit.value) / k_s).max(low).min(high)
         };
         for _ in 0..100 {
             let new = plastic + dg * n;

@@ -126,6 +126,11 @@ impl InterfaceLaw {
         }
     }
 
+    /// Opening from which on a point counts as open, f_t/k_n [mm].
+    pub fn opens_at(&self) -> f64 {
+        self.elastic_opening()
+    }
+
     /// Q(w) over the opening after onset.
     pub fn opening_curve(&self) -> Softening {
         Softening {

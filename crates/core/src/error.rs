@@ -1,9 +1,11 @@
 //! What is wrong with a model, said so that it can be mended: where, why, and how.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
+use std::collections::HashSet;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Wrong input: a deck that cannot be read, or says something impossible.
 ///
@@ -17,29 +19,71 @@ struct Details {
     message: String,
     key: String,
     help: String,
-    source: NamedSource<String>,
+    /// One text for all errors of a deck.
+    source: NamedSource<Arc<str>>,
     span: Option<Range<usize>>,
     place: Place,
     others: Vec<ModelError>,
     warnings: Vec<Warning>,
 }
 
+/// Whether a character would do something else on a terminal than be seen: control characters but line breaks and
+/// tabulators, and those that turn the direction of writing.
+pub(crate) fn is_hidden(c: char) -> bool {
+    (c.is_control() && !matches!(c, '\n' | '\t'))
+        || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text that can be printed on a terminal: hidden characters are written as escapes, such as `\u{1b}`.
+pub(crate) fn printable(text: String) -> String {
+    if !text.contains(is_hidden) {
+        return text;
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if is_hidden(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// The same with as many bytes, so that places in it stay: hidden characters become question marks.
+pub(crate) fn printable_in_place(text: &str) -> String {
+    let shown = |c: char| (c, if is_hidden(c) { c.len_utf8() } else { 0 });
+    let mut out = String::with_capacity(text.len());
+    for (c, marks) in text.chars().map(shown) {
+        match marks {
+            0 => out.push(c),
+            n => out.extend(std::iter::repeat_n('?', n)),
+        }
+    }
+    out
+}
+
+/// Most errors of one deck that are told one by one.
+pub const MOST_ERRORS: usize = 200;
+
 impl ModelError {
     /// An error at `span` (bytes) of the text of the file `file`.
     pub fn new(
         file: &str,
-        text: &str,
+        text: impl Into<Arc<str>>,
         span: Option<Range<usize>>,
         key: impl Into<String>,
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
+        let text = text.into();
+        let length = text.len();
         Self(Box::new(Details {
-            message: message.into(),
-            key: key.into(),
-            help: help.into(),
-            source: NamedSource::new(file, text.to_owned()),
-            span: span.map(|s| s.start.min(text.len())..s.end.min(text.len())),
+            message: printable(message.into()),
+            key: printable(key.into()),
+            help: printable(help.into()),
+            source: NamedSource::new(printable(file.to_owned()), text),
+            span: span.map(|s| s.start.min(length)..s.end.min(length)),
             place: Place::default(),
             others: Vec::new(),
             warnings: Vec::new(),
@@ -53,9 +97,10 @@ impl ModelError {
         self
     }
 
-    /// Several errors as one: the first leads, the others follow, each once. `None` if there is none.
+    /// Several errors as one: the first leads, the others follow, each once. Of more than [`MOST_ERRORS`] the rest
+    /// is counted in a last one. `None` if there is none.
     pub fn gather(errors: Vec<Self>) -> Option<Self> {
-        let mut seen = Vec::new();
+        let mut seen = HashSet::new();
         let mut warnings = Vec::new();
         let mut all = Vec::new();
         for mut error in errors {
@@ -64,11 +109,20 @@ impl ModelError {
             for error in std::iter::once(error).chain(others) {
                 let where_and_what = (error.0.span.clone(), error.key().to_owned());
                 let said = (where_and_what, error.message().to_owned());
-                if !seen.contains(&said) {
-                    seen.push(said);
+                if seen.insert(said) {
                     all.push(error);
                 }
             }
+        }
+        if all.len() > MOST_ERRORS {
+            let left = all.len() - MOST_ERRORS;
+            let message = format!("{left} more errors are not shown");
+            let mut rest = all[MOST_ERRORS].alone();
+            (rest.0.key, rest.0.span, rest.0.message) = (String::new(), None, message);
+            rest.0.help =
+                String::from("correct those above first: many errors often have one cause");
+            all.truncate(MOST_ERRORS);
+            all.push(rest);
         }
         let mut all = all.into_iter();
         let mut first = all.next()?;

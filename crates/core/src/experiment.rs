@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
 
+use crate::input;
+
 /// A point of a curve: displacement [mm], force [kN].
 pub type Point = (f64, f64);
 
@@ -88,10 +90,11 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`], with file and line.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
-        let text = std::fs::read_to_string(path).map_err(|why| ExperimentError::Read {
-            path: path.to_owned(),
-            why,
-        })?;
+        let text =
+            input::text(path, input::MOST_OF_TABLE).map_err(|why| ExperimentError::Read {
+                path: path.to_owned(),
+                why,
+            })?;
         Self::of_text(path, &text)
     }
 

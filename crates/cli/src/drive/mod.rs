@@ -3,11 +3,11 @@
 mod path;
 mod table;
 
-use std::fs;
 use std::path::Path as FilePath;
 
 use miette::Diagnostic;
 use wythe_core::error::IoError;
+use wythe_core::input;
 use wythe_core::model::Deck;
 use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Walk};
 use wythe_core::results::summary::write_whole;
@@ -74,7 +74,7 @@ fn walk<const N: usize, const M: usize, H>(
     state: impl Fn(&H) -> [f64; M],
 ) -> Result<(), Failure> {
     let file = arguments.path.display().to_string();
-    let text = fs::read_to_string(&arguments.path).map_err(|why| IoError {
+    let text = input::text(&arguments.path, input::MOST_OF_TABLE).map_err(|why| IoError {
         path: arguments.path.clone(),
         why,
     })?;

@@ -191,3 +191,12 @@ fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
     assert!(report.to_string().contains("results.vtkhdf"), "{report}");
     assert!(!out.join("summary.json").exists());
 }
+
+#[test]
+fn no_more_threads_are_taken_than_cores_have_use_for() {
+    assert_eq!(few_threads(2, 2), (2, None));
+    let (taken, warning) = few_threads(4, 2);
+    assert_eq!(taken, 4);
+    assert!(warning.is_some_and(|w| w.contains("2 cores")));
+    assert_eq!(few_threads(100_000, 2).0, 8);
+}

@@ -33,6 +33,10 @@ pub fn stderr(output: &Output) -> String {
         .join(" ")
 }
 
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
 /// A column of a CSV text.
 pub fn column(text: &str, name: &str) -> Vec<f64> {
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));

@@ -151,7 +151,7 @@ impl DamagePlasticity {
             let share = g3 / square.sqrt();
             let residual = q * (1.0 + share) - q_trial;
             let step = residual / (1.0 + share * a * a / square);
-            q = (q - step).clamp(0.0, q_trial);
+            q = (q - step).max(0.0).min(q_trial);
             // Newton doubles the digits: a step of 1e-9 leaves nothing to do.
             if step.abs() <= 1e-9 * q {
                 break;

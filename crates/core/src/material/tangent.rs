@@ -28,9 +28,12 @@ impl DamagePlasticity {
         let root = kelvin_isotropic(volume, shape);
         let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
         let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
+        if !relative.sum().is_finite() {
+            return *tangent; // whose forces are refused; the search for eigenvalues would not end
+        }
         let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
         for value in eigen.eigenvalues.iter_mut() {
-            *value = value.clamp(LEAST_STIFFNESS * intact, intact);
+            *value = value.max(LEAST_STIFFNESS * intact).min(intact);
         }
         let bounded = root * eigen.recompose() * root;
         bounded.component_div(&(kelvin * kelvin.transpose()))

@@ -1,5 +1,6 @@
 //! The bodies of a scene: names, mesh, supports, springs, velocities.
 
+use super::amount;
 use super::arch::{Stones, stones};
 use super::body::Body;
 use super::deck::{Deck, DeckBlock, Material, Names};
@@ -14,6 +15,7 @@ use super::scene::{HeldBy, Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 /// The bodies of a scene in the mesh, and how a deck calls them.
@@ -38,10 +40,15 @@ pub(super) struct Bodies<'a> {
     pub(super) velocity: Vec<[f64; 3]>,
     /// What stands for the other half where planes of symmetry cut joints.
     pub(super) mirrors: Vec<Mirror>,
+    /// Nodes that the deck has named so far, each as often as it is named.
+    named: Cell<usize>,
 }
 
-/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
-const MOST_ELEMENTS: f64 = 1e7;
+/// Nodes that a deck may name, each as often as it is named: they are kept for each support, probe and load.
+const MOST_NAMED: usize = 30_000_000;
+
+/// Most places that are searched for by a deck, times the nodes among which they are.
+const MOST_SEARCHED: usize = 1_000_000_000;
 
 impl<'a> Bodies<'a> {
     /// Lays all bodies of a deck.
@@ -61,10 +68,12 @@ impl<'a> Bodies<'a> {
             roll: Roll::default(),
             velocity: Vec::new(),
             mirrors: Vec::new(),
+            named: Cell::new(0),
         };
-        bodies.require_countable()?;
         let mut errors = Errors::default();
-        let walls = masonry::lay_all(deck).map_err(|(path, refusal)| refusal.at(deck, &path))?;
+        let refused = |(path, refusal): (String, masonry::Refusal)| refusal.at(deck, &path);
+        let walls = masonry::lay_all(deck).map_err(refused)?;
+        amount::require_countable(deck).map_err(refused)?;
         let mut imports = Vec::new();
         for i in 0..deck.imports.len() {
             imports.extend(errors.keep(Imported::read(deck, i)));
@@ -79,7 +88,7 @@ impl<'a> Bodies<'a> {
             }
         }
         for wall in walls {
-            bodies.lay_wall(wall);
+            bodies.lay_wall(wall)?;
         }
         bodies.velocity.resize(bodies.mesh.nodes.len(), [0.0; 3]);
         for (i, block) in deck.blocks.iter().enumerate() {
@@ -92,6 +101,21 @@ impl<'a> Bodies<'a> {
         }
         bodies.lay_arch();
         bodies.lay_mirrors();
+        let searched = deck.probes.len() + deck.loads().len();
+        if searched.saturating_mul(bodies.mesh.nodes.len()) > MOST_SEARCHED {
+            errors.push(deck.error(
+                if deck.probes.is_empty() {
+                    "steps"
+                } else {
+                    "probes"
+                },
+                format!(
+                    "{searched} probes and loads are too many for {} nodes",
+                    bodies.mesh.nodes.len()
+                ),
+                "at most 1e9 of both, multiplied",
+            ));
+        }
         if bodies.velocity.iter().all(|v| *v == [0.0; 3]) {
             bodies.velocity.clear();
         }
@@ -129,10 +153,24 @@ impl<'a> Bodies<'a> {
     }
 
     /// Lays the units of a wall.
-    fn lay_wall(&mut self, wall: Masonry<'a>) {
+    ///
+    /// # Errors
+    /// Rigid units between so many neighbours that they have too many elements.
+    fn lay_wall(&mut self, wall: Masonry<'a>) -> Result<(), ModelError> {
         let said = wall.wall;
         let rigid = said.rigid;
         let lines = rigid.then(|| masonry::lines(&wall.units));
+        let cells = |lines: &[Vec<f64>; 3]| -> f64 {
+            lines.iter().map(|at| at.len() as f64 - 1.0).product()
+        };
+        let elements: f64 = lines.iter().flatten().map(cells).sum();
+        if elements > amount::MOST_ELEMENTS {
+            return Err(self.deck.error(
+                &format!("{}.rigid", wall.path),
+                format!("rigid units with lines where their neighbours end have {elements} elements: too many"),
+                "at most 5e5: build a part of the wall",
+            ));
+        }
         let unit = self.solid(&said.unit_material, rigid);
         let mortar = said
             .mortar_material
@@ -150,30 +188,7 @@ impl<'a> Bodies<'a> {
             self.all.push(body);
         }
         self.walls.push(wall);
-    }
-
-    /// Refuses a mesh that is too large before it is made.
-    fn require_countable(&self) -> Result<(), ModelError> {
-        let product = |n: [u32; 3]| n.iter().map(|n| f64::from(*n)).product::<f64>();
-        let of_block = |b: &DeckBlock| {
-            let count = product(b.copies.unwrap_or([1; 3])) * f64::from(b.stack.unwrap_or(1));
-            product(b.mesh) * count
-        };
-        let arch = |a: &super::deck::DeckArch| product(a.mesh) * (f64::from(a.voussoirs) + 2.0);
-        let total = self.deck.blocks.iter().map(of_block).sum::<f64>()
-            + self.deck.arch.as_ref().map_or(0.0, arch);
-        if total <= MOST_ELEMENTS {
-            return Ok(());
-        }
-        let largest = (0..self.deck.blocks.len()).max_by(|a, b| {
-            of_block(&self.deck.blocks[*a]).total_cmp(&of_block(&self.deck.blocks[*b]))
-        });
-        let path = largest.map_or("arch.mesh".to_owned(), |i| format!("blocks.{i}.mesh"));
-        Err(self.deck.error(
-            &path,
-            format!("{total} elements are too many"),
-            "at most 1e7 elements: coarsen `mesh`, or lay fewer blocks",
-        ))
+        Ok(())
     }
 
     /// Lays a block and its copies.
@@ -310,7 +325,23 @@ impl<'a> Bodies<'a> {
         names: &Names,
         faces: bool,
     ) -> Result<Vec<Place>, ModelError> {
-        self.roll.places(self.deck, path, names, faces)
+        let places = self.roll.places(self.deck, path, names, faces)?;
+        let nodes = |place: &Place| {
+            let body = &self.all[place.body];
+            place
+                .face
+                .map_or(body.nodes.len(), |face| 4 * body.faces[face].facets.len())
+        };
+        let named = self.named.get() + places.iter().map(nodes).sum::<usize>();
+        self.named.set(named);
+        if named > MOST_NAMED {
+            return Err(self.deck.error(
+                path,
+                "supports, springs, contacts, steps, loads and probes name too many nodes together",
+                "name faces rather than bodies, and one list rather than many entries",
+            ));
+        }
+        Ok(places)
     }
 
     /// Nodes of these places, ascending and each once.

@@ -1,5 +1,6 @@
 //! Deck → [`Model`].
 
+use super::amount;
 use super::beams;
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
@@ -28,12 +29,7 @@ impl Model {
     /// of this mesh, bodies that nothing holds: all that can be found, with the warnings.
     pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
         if !deck.has_scene() {
-            return Err(deck.error(
-                "wall",
-                "the table [wall] is missing: there is nothing to load",
-                "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], \
-                 [[imports]] or [arch]",
-            ));
+            return Err(nothing_to_load(deck));
         }
         let deck = &*beams::written_out(deck)?;
         let mut errors = Errors::default();
@@ -74,6 +70,16 @@ impl Model {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
+        let mut parts = deck.contact.parts.map(f64::from);
+        parts.sort_by(f64::total_cmp);
+        let points = 4.0 * contact.slave_facets.len() as f64 * parts[1] * parts[2];
+        if points > amount::MOST_POINTS {
+            return Err(errors.and(deck.error(
+                "contact.parts",
+                format!("{points} points of contact are too many"),
+                "at most 1e7: cut facets into fewer parts",
+            )));
+        }
         contact.divide(deck.contact.parts, &bodies.mesh.nodes);
         // Planes of symmetry hold nothing in the plane.
         let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
@@ -122,6 +128,14 @@ impl Model {
         let laid = laid.chain(overlaps).chain(floats).collect();
         findings::judged(deck, model, laid, errors)
     }
+}
+
+fn nothing_to_load(deck: &Deck) -> ModelError {
+    deck.error(
+        "wall",
+        "the table [wall] is missing: there is nothing to load",
+        "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], [[imports]] or [arch]",
+    )
 }
 
 /// Nodes that supports, springs and faces that move as one hold.

@@ -198,9 +198,13 @@ const PROGRAM_MB: f64 = 23.0;
 
 fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
-    for (m, material) in model.materials.iter().enumerate() {
+    let mut elements: Vec<Vec<usize>> = vec![Vec::new(); model.materials.len()];
+    for (e, material) in model.mesh.material.iter().enumerate() {
+        elements[usize::from(*material)].push(e);
+    }
+    for (material, elements) in model.materials.iter().zip(&elements) {
         let name = &material.name;
-        let lengths = findings::equivalent_lengths(model, |of| of == m);
+        let lengths = findings::equivalent_lengths(model, elements);
         let (Some(low), Some(high)) = (lengths.first(), lengths.last()) else {
             continue;
         };
@@ -211,7 +215,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
                     snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)
                 });
                 let bands = if p.has_bands() {
-                    let [low, high] = findings::band_widths(model, |of| of == m);
+                    let [low, high] = findings::band_widths(model, elements);
                     format!("{low:.1} to {high:.1} mm across a crack, ")
                 } else {
                     String::new()

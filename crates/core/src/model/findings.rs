@@ -7,27 +7,39 @@ use super::tables;
 use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{Extent, MaterialParameters};
+use std::collections::{HashMap, HashSet};
 
-/// Equivalent lengths l_eq = V^(1/3) of the elements of a material that `of` accepts by its index
-/// [mm] (theory A.8, α_h = 1 for hex8), ascending and each once.
-pub(super) fn equivalent_lengths(model: &Model, of: impl Fn(usize) -> bool) -> Vec<f64> {
+/// Equivalent lengths l_eq = V^(1/3) of elements [mm] (α_h = 1 for hex8), ascending and each once.
+pub(super) fn equivalent_lengths(model: &Model, elements: &[usize]) -> Vec<f64> {
     let mesh = &model.mesh;
-    let mut lengths: Vec<f64> = (0..mesh.elements.len())
-        .filter(|&e| of(mesh.material[e] as usize))
-        .map(|e| mesh.volume(e).cbrt())
-        .collect();
+    let mut lengths: Vec<f64> = elements.iter().map(|e| mesh.volume(*e).cbrt()).collect();
     lengths.sort_by(f64::total_cmp);
     lengths.dedup_by(|b, a| *b <= *a * (1.0 + SAME_LENGTH));
     lengths
 }
 
-/// Least and largest width of the elements of a material that `of` accepts by its index, across any direction [mm]
-/// (theory A.8).
-pub(super) fn band_widths(model: &Model, of: impl Fn(usize) -> bool) -> [f64; 2] {
+/// Elements of each name of a material: several indices may have one.
+pub(super) fn elements_by_name(model: &Model) -> HashMap<&str, Vec<usize>> {
+    let mut of_index: Vec<Vec<usize>> = vec![Vec::new(); model.materials.len()];
+    for (e, material) in model.mesh.material.iter().enumerate() {
+        of_index[usize::from(*material)].push(e);
+    }
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (material, elements) in model.materials.iter().zip(of_index) {
+        by_name
+            .entry(material.name.as_str())
+            .or_default()
+            .extend(elements);
+    }
+    by_name
+}
+
+/// Least and largest width of elements across any direction [mm].
+pub(super) fn band_widths(model: &Model, elements: &[usize]) -> [f64; 2] {
     let mesh = &model.mesh;
-    let elements = (0..mesh.elements.len()).filter(|&e| of(mesh.material[e] as usize));
     let extents: Vec<Extent> = elements
-        .filter_map(|e| extent(&mesh.corners(e), mesh.volume(e)))
+        .iter()
+        .filter_map(|&e| extent(&mesh.corners(e), mesh.volume(e)))
         .collect();
     Extent::range(extents.iter())
 }
@@ -63,20 +75,21 @@ pub(super) fn judged(
 pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelError>) {
     let mut warnings = Vec::new();
     let mut errors = Vec::new();
-    let mut seen: Vec<&str> = Vec::new();
+    let by_name = elements_by_name(model);
+    let mut seen: HashSet<&str> = HashSet::new();
     for material in &model.materials {
         let name = material.name.as_str();
-        if seen.contains(&name) {
+        if !seen.insert(name) {
             continue; // units and mortar of one material
         }
-        seen.push(name);
+        let elements = &by_name[name];
         if let MaterialParameters::DamagePlasticity(p) = &material.parameters {
-            let lengths = equivalent_lengths(model, |m| model.materials[m].name == name);
+            let lengths = equivalent_lengths(model, elements);
             if p.reference_length.is_none() {
                 warnings.push(unscaled(deck, name));
             }
             let judged = if p.has_bands() {
-                let widths = band_widths(model, |m| model.materials[m].name == name);
+                let widths = band_widths(model, elements);
                 tables::judge_bands(deck, name, p, widths)
             } else {
                 tables::judge(deck, name, p, &lengths)

@@ -39,7 +39,7 @@ pub(super) fn require_held(
     let joints = touching.iter().filter(joins).map(|t| t.bodies);
     let boxes = overlap::boxes(bodies);
     let near = match deck.contact.general {
-        Some(_) => overlap::near(&boxes, -BESIDE),
+        Some(_) => overlap::near(&boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?,
         None => Vec::new(),
     };
     // Anything may rest on anything that it is beside.

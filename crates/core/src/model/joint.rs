@@ -1,6 +1,7 @@
 //! The law of a joint between two elements: its stiffnesses by what meets.
 
 use super::deck::Interface;
+use super::scatter::MOST_LAWS;
 use super::scene::ContactSurfaces;
 use crate::material::ElasticParameters;
 use wythe_contact::InterfaceLaw;
@@ -37,8 +38,18 @@ pub(super) fn law_between(
             && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
             && l.delta_k == law.delta_k // that of a joint cut at its middle is another law
     };
-    let mut known = contact.laws.iter().zip(&contact.law_names);
-    let found = known.position(|(l, n)| n == name && alike(l));
+    // More are refused when all are seen, and must not be searched until then.
+    if contact.laws.len() > MOST_LAWS {
+        return u16::MAX;
+    }
+    // Facets of a face mostly have one law.
+    let is = |at: &usize| alike(&contact.laws[*at]) && contact.law_names[*at] == name;
+    let last = contact
+        .slave_law
+        .last()
+        .map(|law| usize::from(*law))
+        .filter(is);
+    let found = last.or_else(|| (0..contact.laws.len()).find(is));
     let index = found.unwrap_or_else(|| {
         contact.laws.push(law);
         contact.law_names.push(name.to_owned());

@@ -382,13 +382,25 @@ pub(super) fn line_at(path: &str) -> Option<&'static str> {
 
 /// The known name nearest to a misspelt one, if it is near enough to be meant.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = ((name.chars().count() + 1) / 3).max(1);
+    let length = name.chars().count();
+    let allowed = ((length + 1) / 3).max(1);
+    if length > LONGEST_MEANT {
+        return None;
+    }
     known
+        .filter(|k| k.chars().count().abs_diff(length) <= allowed)
+        .take(MOST_MEANT)
         .map(|k| (edit_distance(&name.to_lowercase(), &k.to_lowercase()), k))
         .filter(|(distance, _)| *distance <= allowed)
         .min()
         .map(|(_, k)| k)
 }
+
+/// Names longer than this are not compared with others.
+const LONGEST_MEANT: usize = 100;
+
+/// With so many at most one is compared: advice must not take longer than the check.
+const MOST_MEANT: usize = 2000;
 
 /// Levenshtein's distance: insertions, deletions, substitutions.
 fn edit_distance(a: &str, b: &str) -> usize {

@@ -9,6 +9,7 @@ use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
+use std::collections::HashSet;
 
 /// Beams and steps of a scene.
 #[derive(Default)]
@@ -250,6 +251,16 @@ fn beam(
 /// Refuses a drive of a face that supports hold in that direction.
 fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<(), ModelError> {
     let mut errors = Errors::default();
+    let mut held: [HashSet<u32>; 3] = Default::default();
+    for support in supports {
+        for (held, _) in held
+            .iter_mut()
+            .zip(support.fixed)
+            .filter(|(_, fixed)| *fixed)
+        {
+            held.extend(&support.nodes);
+        }
+    }
     for (i, step) in deck.steps.iter().enumerate() {
         let (Some(faces), Some(direction)) = (&step.face, step.direction) else {
             continue;
@@ -259,12 +270,7 @@ fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<
             continue;
         };
         let axis = direction.axis().0;
-        let held = |n: &u32| {
-            supports
-                .iter()
-                .any(|s| s.fixed[axis] && s.nodes.contains(n))
-        };
-        if beam.nodes.iter().all(held) {
+        if beam.nodes.iter().all(|n| held[axis].contains(n)) {
             errors.push(deck.error(
                 &format!("steps.{i}.face"),
                 format!("supports hold {name} in the direction that is driven"),

@@ -9,6 +9,7 @@ use super::scene::Step;
 use crate::element::facet;
 use crate::error::{Errors, ModelError};
 use place::{Place, Site};
+use std::collections::HashMap;
 
 /// A load from outside with a name. Its value is of three numbers: of a pressure the first counts.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,23 +113,23 @@ fn named(deck: &Deck, site: &Site<'_>) -> Result<Named, ModelError> {
         ..Named::default()
     };
     let mut errors = Errors::default();
-    let mut names: Vec<&str> = Vec::new();
+    let mut places: HashMap<&str, usize> = HashMap::new();
     for (s, step) in deck.steps.iter().enumerate() {
         for (l, load) in step.loads.iter().enumerate() {
             let path = format!("steps.{s}.loads.{l}");
             let Some((_, value)) = load.value() else {
                 continue;
             };
-            let index = if let Some(index) = names.iter().position(|name| *name == load.name) {
-                index
+            let index = if let Some(index) = places.get(load.name.as_str()) {
+                *index
             } else {
                 let new = new_load(site, &path, load);
                 let Some(new) = errors.keep(new) else {
                     continue;
                 };
-                names.push(&load.name);
+                places.insert(&load.name, all.loads.len());
                 all.loads.push(new);
-                names.len() - 1
+                all.loads.len() - 1
             };
             let known = &mut all.loads[index];
             if known.direction == [0.0; 3] && matches!(known.acts, LoadOn::Shares(_)) {

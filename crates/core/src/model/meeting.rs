@@ -13,6 +13,7 @@ use super::touch;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
 use std::collections::HashSet;
+use wythe_contact::{Aabb, Bvh};
 
 /// Two bodies that touch at rest.
 pub(super) struct Touching {
@@ -63,6 +64,7 @@ pub(super) fn meeting(
             },
         }
     };
+    let mut stack = Vec::new();
     for pairing in &pairings {
         let Some(interface) = deck.interfaces.get(&pairing.interface) else {
             continue; // refused when the deck was read
@@ -75,12 +77,20 @@ pub(super) fn meeting(
             .flat_map(facets)
             .map(|(element, facet)| describe(*element, facet))
             .collect();
+        let centres: Vec<Aabb> = masters.iter().map(|m| Aabb::of([&m.centre])).collect();
+        let tree = Bvh::build(&centres);
         for (element, facet) in facets(&pairing.slave) {
             let here = describe(*element, facet);
-            let opposed = masters.iter().filter(|m| dot(m.normal, here.normal) < 0.0);
-            let distance = |m: &Facing<'_>| norm(difference(m.centre, here.centre));
-            let nearest = opposed.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let Some(facing) = nearest else {
+            let nearest = tree.nearest(&here.centre, &mut stack, |m| {
+                let m = &masters[m as usize];
+                if dot(m.normal, here.normal) < 0.0 {
+                    norm(difference(m.centre, here.centre)).powi(2)
+                } else {
+                    f64::INFINITY
+                }
+            });
+            let nearest = nearest.filter(|(_, square)| square.is_finite());
+            let Some(facing) = nearest.map(|(m, _)| &masters[m as usize]) else {
                 errors.push(deck.error(
                     &pairing.path,
                     format!(
@@ -165,10 +175,20 @@ fn overhang(
         .flat_map(|(block, face)| &bodies.all[*block].faces[*face].outlines)
         .collect();
     let facets = &block.faces[pairing.slave.1].facets;
-    let over = |facet: &[u32; 4]| {
+    let around: Vec<Aabb> = outlines
+        .iter()
+        .map(|o| touch::surroundings(o).fattened(reach))
+        .collect();
+    let tree = Bvh::build(&around);
+    let (mut stack, mut near) = (Vec::new(), Vec::new());
+    let mut over = |facet: &[u32; 4]| {
         let x = facet.map(|n| bodies.mesh.nodes[n as usize]);
+        near.clear();
+        tree.query(&around, &touch::surroundings(&x), &mut stack, |i| {
+            near.push(i as usize);
+        });
         let below = |o: &&[[f64; 3]; 4]| touch::distance(&x, o).is_some_and(|d| d.abs() <= reach);
-        let below: Vec<_> = outlines.iter().copied().filter(below).collect();
+        let below: Vec<_> = near.iter().map(|i| outlines[*i]).filter(below).collect();
         let covered = |corner: &[f64; 3]| below.iter().any(|o| touch::covers(o, *corner));
         !below.is_empty() && !x.iter().all(covered)
     };
@@ -214,7 +234,7 @@ fn alone(
     if pairing
         .masters
         .iter()
-        .any(|(b, _)| !overlap::near(&[own, boxed(*b)], -reach).is_empty())
+        .any(|(b, _)| overlap::beside(&own, &boxed(*b), -reach))
     {
         return None; // an edge or a corner may touch
     }
@@ -265,10 +285,26 @@ fn mean_facet(bodies: &Bodies<'_>, (block, face): Patch) -> f64 {
     bodies.all[block].faces[face].mean_facet()
 }
 
+/// Of faces with more pairs of parts than this only parts beside each other are looked at.
+const MOST_PARTS: usize = 1_000_000;
+
 /// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
 fn gap(bodies: &Bodies<'_>, a: Patch, b: Patch) -> Option<f64> {
     let outlines = |(body, face): Patch| &bodies.all[body].faces[face].outlines;
     let (a, b) = (outlines(a), outlines(b));
+    if a.len().saturating_mul(b.len()) > MOST_PARTS {
+        let around: Vec<Aabb> = b.iter().map(touch::surroundings).collect();
+        let tree = Bvh::build(&around);
+        let (mut stack, mut least) = (Vec::new(), None);
+        for part in a {
+            tree.query(&around, &touch::surroundings(part), &mut stack, |i| {
+                let gap = touch::distance(part, &b[i as usize]);
+                let nearer = |g: &f64| least.is_none_or(|l: f64| g.abs() < l.abs());
+                least = gap.filter(nearer).or(least);
+            });
+        }
+        return least;
+    }
     let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
     let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
     gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))

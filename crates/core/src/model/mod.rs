@@ -1,6 +1,7 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
 mod across;
+mod amount;
 pub mod amplitude;
 mod arch;
 mod beams;
@@ -45,6 +46,6 @@ mod touch;
 mod unit;
 
 pub use check::{CheckReport, check};
-pub use deck::Deck;
+pub use deck::{Deck, MOST_BYTES};
 pub use mesh::Mesh;
 pub use scene::Model;

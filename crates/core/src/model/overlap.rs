@@ -9,6 +9,7 @@ use super::bodies::Bodies;
 use super::deck::Deck;
 use super::hexahedron::{Corners, EDGES, Face, area_vector, cross, difference, dot, norm, range};
 use crate::error::{Errors, ModelError, Warning};
+use wythe_contact::{Aabb, Bvh};
 
 /// Depth over the shortest edge above which bodies do not touch but overlap.
 const OVERLAPS: f64 = 1e-3;
@@ -17,7 +18,7 @@ const OVERLAPS: f64 = 1e-3;
 const TOO_DEEP: f64 = 0.05;
 
 /// Boxes of bodies that touch may have so much in common by rounding [mm].
-const TOUCHING: f64 = 1e-6;
+pub(super) const TOUCHING: f64 = 1e-6;
 
 /// More pairs than these, of warnings and of errors, are not told one by one.
 const MOST_TOLD: usize = 5;
@@ -45,26 +46,66 @@ pub(super) fn boxes(bodies: &Bodies<'_>) -> Vec<Box3> {
         .collect()
 }
 
-/// Pairs of boxes that have a common part longer than `least` along every axis; below 0, that are no farther apart.
-/// In ascending order.
-pub(super) fn near(boxes: &[Box3], least: f64) -> Vec<(usize, usize)> {
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|a, b| boxes[*a][0][0].total_cmp(&boxes[*b][0][0]));
-    let common = |a: [f64; 2], b: [f64; 2]| a[1].min(b[1]) - a[0].max(b[0]);
-    let mut pairs = Vec::new();
-    for (i, &a) in order.iter().enumerate() {
-        let reach = boxes[a][0][1] - least;
-        for &b in order[i + 1..]
-            .iter()
-            .take_while(|b| boxes[**b][0][0] <= reach)
-        {
-            if (0..3).all(|d| common(boxes[a][d], boxes[b][d]) > least) {
-                pairs.push((a.min(b), a.max(b)));
+/// So many neighbours a body has at most, on the mean; more are in one place.
+const MOST_NEIGHBOURS: usize = 20;
+
+/// Far too many boxes are in one place to look at each pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Crowded {
+    /// One of those that lie in many others.
+    pub(super) body: usize,
+}
+
+impl Crowded {
+    /// As an error of the deck.
+    pub(super) fn error(self, deck: &Deck, bodies: &Bodies<'_>) -> ModelError {
+        let message = format!(
+            "{} and very many other bodies are in one place",
+            bodies.called(self.body)
+        );
+        let help = "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
+        deck.error(&path_of(deck, bodies, self.body), message, help)
+    }
+}
+
+/// Whether two boxes have a common part longer than `least` along every axis; below 0, are no farther apart.
+pub(super) fn beside(a: &Box3, b: &Box3, least: f64) -> bool {
+    (0..3).all(|d| a[d][1].min(b[d][1]) - a[d][0].max(b[d][0]) > least)
+}
+
+/// A box, larger by `margin` on all sides, as a hierarchy wants it.
+pub(super) fn fat(own: &Box3, margin: f64) -> Aabb {
+    let [low, high] = corners_of(own);
+    Aabb {
+        min: low,
+        max: high,
+    }
+    .fattened(margin)
+}
+
+/// Pairs of boxes that are [`beside`] each other, in ascending order.
+///
+/// # Errors
+/// Far more pairs than boxes.
+pub(super) fn near(boxes: &[Box3], least: f64) -> Result<Vec<(usize, usize)>, Crowded> {
+    let tight: Vec<Aabb> = boxes.iter().map(|own| fat(own, 0.0)).collect();
+    let tree = Bvh::build(&tight);
+    let most = MOST_NEIGHBOURS * boxes.len() + 1000;
+    let (mut pairs, mut stack) = (Vec::new(), Vec::new());
+    for (a, own) in boxes.iter().enumerate() {
+        let query = fat(own, (-least).max(0.0));
+        tree.query(&tight, &query, &mut stack, |b| {
+            let b = b as usize;
+            if b > a && beside(own, &boxes[b], least) {
+                pairs.push((a, b));
             }
+        });
+        if pairs.len() > most {
+            return Err(Crowded { body: a });
         }
     }
     pairs.sort_unstable();
-    pairs
+    Ok(pairs)
 }
 
 /// Bodies that are in the same place: an error where they are deep in each other, else a warning.
@@ -79,7 +120,8 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
     }
     let (mut warnings, mut errors) = (Vec::new(), Errors::default());
     let mut told = [0; 2];
-    for (a, b) in near(&boxes(bodies), TOUCHING) {
+    let pairs = near(&boxes(bodies), TOUCHING).map_err(|crowded| crowded.error(deck, bodies))?;
+    for (a, b) in pairs {
         let Some((depth, edge, at)) = deepest(mesh, &elements[a], &elements[b]) else {
             continue;
         };
@@ -90,6 +132,9 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         let too_deep = depth > TOO_DEEP * edge;
         let told = &mut told[usize::from(too_deep)];
         if *told == MOST_TOLD {
+            if too_deep {
+                break; // enough is wrong
+            }
             continue;
         }
         *told += 1;
@@ -157,32 +202,40 @@ fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])
     let of_all = |of: &[(usize, Box3)]| around(of.iter().flat_map(|(_, own)| corners_of(own)));
     let (of_a, of_b) = (of_all(&a), of_all(&b));
     let reaches = |own: &Box3, other: &Box3| common(own, other).is_some();
-    let inner: Vec<&(usize, Box3)> = a
-        .iter()
-        .filter(|(_, own)| reaches(own, &of_b))
-        .chain(b.iter().filter(|(_, own)| reaches(own, &of_a)))
-        .collect();
-    let of_first = a.iter().filter(|(_, own)| reaches(own, &of_b)).count();
-    let boxes: Vec<Box3> = inner.iter().map(|(_, own)| *own).collect();
+    let inner: Vec<&(usize, Box3)> = b.iter().filter(|(_, own)| reaches(own, &of_a)).collect();
+    let boxes: Vec<Aabb> = inner.iter().map(|(_, own)| fat(own, 0.0)).collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut met, mut tried) = (Vec::new(), Vec::new(), 0);
     let mut deepest: Option<(f64, f64, [f64; 3])> = None;
-    for (i, j) in near(&boxes, TOUCHING) {
-        if i >= of_first || j < of_first {
-            continue; // of one body
+    for (e, own) in a.iter().filter(|(_, own)| reaches(own, &of_b)) {
+        met.clear();
+        tree.query(&boxes, &fat(own, 0.0), &mut stack, |i| met.push(i as usize));
+        met.sort_unstable();
+        let one = mesh.corners(*e);
+        for &i in &met {
+            let Some(common) = common(own, &inner[i].1) else {
+                continue;
+            };
+            let other = mesh.corners(inner[i].0);
+            tried += 1;
+            let Some(depth) = depth(&one, &other) else {
+                continue;
+            };
+            if deepest.is_none_or(|(most, ..)| depth > most) {
+                let edge = shortest_edge(&one).min(shortest_edge(&other));
+                deepest = Some((depth, edge, common.map(|[low, high]| 0.5 * (low + high))));
+            }
         }
-        let Some(common) = common(&boxes[i], &boxes[j]) else {
-            continue;
-        };
-        let (one, other) = (mesh.corners(inner[i].0), mesh.corners(inner[j].0));
-        let Some(depth) = depth(&one, &other) else {
-            continue;
-        };
-        if deepest.is_none_or(|(most, ..)| depth > most) {
-            let edge = shortest_edge(&one).min(shortest_edge(&other));
-            deepest = Some((depth, edge, common.map(|[low, high]| 0.5 * (low + high))));
+        let too_deep = deepest.is_some_and(|(depth, edge, _)| depth > TOO_DEEP * edge);
+        if too_deep && tried > ENOUGH_TRIED {
+            break;
         }
     }
     deepest
 }
+
+/// Pairs of elements after which a depth that is an error is deep enough.
+const ENOUGH_TRIED: usize = 10_000;
 
 /// What two boxes have in common, if that is more than bodies have that touch.
 fn common(a: &Box3, b: &Box3) -> Option<Box3> {
@@ -271,7 +324,14 @@ mod tests {
     #[test]
     fn boxes_near_each_other_are_found_once() {
         let boxes = [[0.0, 1.0], [1.5, 2.0], [0.5, 1.6]].map(|x| [x, [0.0, 1.0], [0.0, 1.0]]);
-        assert_eq!(near(&boxes, 0.0), [(0, 2), (1, 2)]);
-        assert_eq!(near(&boxes, -0.6), [(0, 1), (0, 2), (1, 2)]);
+        assert_eq!(near(&boxes, 0.0).unwrap(), [(0, 2), (1, 2)]);
+        assert_eq!(near(&boxes, -0.6).unwrap(), [(0, 1), (0, 2), (1, 2)]);
+    }
+
+    #[test]
+    fn very_many_boxes_in_one_place_are_told_without_looking_at_each_pair() {
+        // 5e9 pairs: one by one they would take minutes.
+        let boxes = vec![[[0.0, 1.0]; 3]; 100_000];
+        assert!(near(&boxes, 0.0).is_err());
     }
 }

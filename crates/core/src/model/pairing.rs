@@ -3,10 +3,12 @@
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckContact, Names};
 use super::hexahedron::{Face, area_vector, norm};
+use super::overlap;
 use super::roll::Place;
 use super::touch;
 use crate::error::{Errors, ModelError};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
+use wythe_contact::{Aabb, Bvh};
 
 /// A face of a body. `(body, face)`
 pub(super) type Patch = (usize, usize);
@@ -27,14 +29,18 @@ pub(super) const TOUCHES: f64 = 1e-3;
 /// # Errors
 /// Names of nothing, a slave face of two interfaces, a face that is slave and master of another.
 pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>, ModelError> {
-    let mut pairings = arch_pairings(deck, bodies);
+    let mut pairings = Pairings::default();
+    for joint in arch_pairings(deck, bodies) {
+        pairings.push(joint);
+    }
     let mut errors = Errors::default();
     for i in 0..deck.blocks.len() {
-        pairings.extend(
-            errors
-                .keep(column_pairings(deck, bodies, i))
-                .unwrap_or_default(),
-        );
+        for joint in errors
+            .keep(column_pairings(deck, bodies, i))
+            .unwrap_or_default()
+        {
+            pairings.push(joint);
+        }
     }
     for (i, contact) in deck.contacts.iter().enumerate() {
         errors.keep(add_declared(deck, bodies, &mut pairings, contact, i));
@@ -45,15 +51,62 @@ pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>,
             errors.keep(add_touching(deck, bodies, &mut pairings, contact, &path));
         }
     }
-    errors.keep(require_apart(deck, bodies, &pairings));
-    errors.end(pairings)
+    let mut all = pairings.all;
+    for pairing in &mut all {
+        pairing.masters.sort_unstable();
+        pairing.masters.dedup();
+    }
+    errors.keep(require_apart(deck, bodies, &all));
+    errors.end(all)
+}
+
+/// Most pairs of a slave face and a master face: each is looked at.
+const MOST_PAIRS: usize = 1_000_000;
+
+/// Faces that touch one face at rest, on the mean: more are in one place.
+const MOST_TOUCHING: usize = 200;
+
+/// Pairings, found by their slave face.
+#[derive(Default)]
+struct Pairings {
+    all: Vec<Pairing>,
+    of_slave: HashMap<Patch, usize>,
+    /// Slave face and master face.
+    pairs: HashSet<(Patch, Patch)>,
+}
+
+impl Pairings {
+    fn push(&mut self, new: Pairing) {
+        let place = *self.of_slave.entry(new.slave).or_insert(self.all.len());
+        self.pairs
+            .extend(new.masters.iter().map(|m| (new.slave, *m)));
+        match self.all.get_mut(place) {
+            Some(old) => old.masters.extend(new.masters),
+            None => self.all.push(new),
+        }
+    }
+
+    /// Whether two faces are paired, either way.
+    fn paired(&self, bodies: &Bodies<'_>, a: Patch, b: Patch) -> bool {
+        if self.pairs.contains(&(a, b)) || self.pairs.contains(&(b, a)) {
+            return true;
+        }
+        let has_sets = |(body, _): Patch| bodies.all[body].skin < bodies.all[body].faces.len();
+        if !has_sets(a) && !has_sets(b) {
+            return false;
+        }
+        let is = |p: &Pairing, a, b| {
+            same(bodies, p.slave, a) && p.masters.iter().any(|m| same(bodies, *m, b))
+        };
+        self.all.iter().any(|p| is(p, a, b) || is(p, b, a))
+    }
 }
 
 /// Adds the pairings that contact `i` names, if it names any.
 fn add_declared(
     deck: &Deck,
     bodies: &Bodies<'_>,
-    pairings: &mut Vec<Pairing>,
+    pairings: &mut Pairings,
     contact: &DeckContact,
     i: usize,
 ) -> Result<(), ModelError> {
@@ -63,6 +116,15 @@ fn add_declared(
     };
     let slaves = patches(&bodies.places(&format!("{path}.slave"), slave, true)?);
     let masters = patches(&bodies.places(&format!("{path}.master"), master, true)?);
+    if slaves.len().saturating_mul(masters.len())
+        > MOST_PAIRS - pairings.pairs.len().min(MOST_PAIRS)
+    {
+        return Err(deck.error(
+            &path,
+            format!("{} slave faces and {} master faces are too many to be paired each with each", slaves.len(), masters.len()),
+            "leave out slave and master: then faces that touch at rest meet; or pair them by several [[contacts]]",
+        ));
+    }
     for slave in slaves {
         let others = masters.iter().filter(|m| m.0 != slave.0);
         let masters: Vec<Patch> = others.copied().collect();
@@ -135,32 +197,27 @@ fn column_pairings(deck: &Deck, bodies: &Bodies<'_>, i: usize) -> Result<Vec<Pai
 fn add(
     deck: &Deck,
     bodies: &Bodies<'_>,
-    pairings: &mut Vec<Pairing>,
+    pairings: &mut Pairings,
     new: Pairing,
 ) -> Result<(), ModelError> {
     let face = |(body, face): Patch| {
         let body = &bodies.all[body];
         format!("{}.{}", body.name, body.faces[face].name)
     };
-    let reversed = pairings
-        .iter()
-        .find(|p| new.masters.contains(&p.slave) && p.masters.contains(&new.slave));
-    if let Some(other) = reversed {
+    let reversed = |m: &&Patch| pairings.pairs.contains(&(**m, new.slave));
+    if let Some(other) = new.masters.iter().find(reversed) {
         return Err(deck.error(
             &new.path,
             format!(
                 "{} is slave and master of {}",
                 face(new.slave),
-                face(other.slave)
+                face(*other)
             ),
             "one side is the slave, the finer one; the other is the master",
         ));
     }
-    let Some(old) = pairings.iter_mut().find(|p| p.slave == new.slave) else {
-        pairings.push(new);
-        return Ok(());
-    };
-    if old.interface != new.interface {
+    let old = pairings.of_slave.get(&new.slave).map(|i| &pairings.all[*i]);
+    if let Some(old) = old.filter(|old| old.interface != new.interface) {
         return Err(deck.error(
             &new.path,
             format!(
@@ -172,9 +229,7 @@ fn add(
             "a slave face has one interface; make it the master here, or cut the block in two",
         ));
     }
-    old.masters.extend(new.masters);
-    old.masters.sort_unstable();
-    old.masters.dedup();
+    pairings.push(new);
     Ok(())
 }
 
@@ -219,46 +274,61 @@ fn require_apart(deck: &Deck, bodies: &Bodies<'_>, pairings: &[Pairing]) -> Resu
 fn add_touching(
     deck: &Deck,
     bodies: &Bodies<'_>,
-    pairings: &mut Vec<Pairing>,
+    pairings: &mut Pairings,
     contact: &DeckContact,
     path: &str,
 ) -> Result<(), ModelError> {
     struct Side {
         patch: Patch,
         outline: [[f64; 3]; 4],
-        from: f64,
-        to: f64,
         facet_area: f64,
         area: f64,
     }
+    // Before each of six faces is looked at.
+    overlap::near(&overlap::boxes(bodies), overlap::TOUCHING)
+        .map_err(|crowded| crowded.error(deck, bodies))?;
     let mut sides = Vec::new();
     for (b, block) in bodies.all.iter().enumerate() {
         for (f, face) in block.faces[..block.skin].iter().enumerate() {
             let facet_area = face.mean_facet();
             for outline in &face.outlines {
-                let x = outline.map(|x| x[0]);
                 sides.push(Side {
                     patch: (b, f),
                     outline: *outline,
-                    from: x.iter().copied().fold(f64::INFINITY, f64::min),
-                    to: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                     facet_area,
                     area: norm(area_vector(outline)),
                 });
             }
         }
     }
-    // Sorted along x, a face can touch only those that begin before it ends.
-    sides.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let boxes: Vec<Aabb> = sides
+        .iter()
+        .map(|side| touch::surroundings(&side.outline))
+        .collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near, mut tried) = (Vec::new(), Vec::new(), 0);
     let mut found = Vec::new();
     for (i, a) in sides.iter().enumerate() {
-        let reach = TOUCHES * a.area.sqrt();
-        for b in sides[i + 1..].iter().take_while(|b| b.from <= a.to + reach) {
+        near.clear();
+        tree.query(&boxes, &boxes[i], &mut stack, |j| near.push(j as usize));
+        let others = |j: &usize| {
+            sides[*j].patch.0 != a.patch.0 && !bodies.in_one_wall(a.patch.0, sides[*j].patch.0)
+        };
+        near.retain(others);
+        tried += near.len();
+        if tried > MOST_TOUCHING * sides.len() + 10_000 {
+            let message = format!(
+                "{} and very many others are in one place",
+                bodies.called(a.patch.0)
+            );
+            let help =
+                "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
+            return Err(deck.error(path, message, help));
+        }
+        for b in near.iter().filter(|j| **j > i).map(|j| &sides[*j]) {
             let reach = TOUCHES * a.area.min(b.area).sqrt();
-            let near = a.patch.0 != b.patch.0
-                && !bodies.in_one_wall(a.patch.0, b.patch.0)
-                && touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach);
-            if !near {
+            let touches = touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach);
+            if !touches {
                 continue;
             }
             let finer = b.facet_area < a.facet_area * (1.0 - 1e-6);
@@ -273,14 +343,8 @@ fn add_touching(
     }
     found.sort_unstable();
     found.dedup();
-    let paired = |a: Patch, b: Patch, pairings: &[Pairing]| {
-        let is = |p: &Pairing, a, b| {
-            same(bodies, p.slave, a) && p.masters.iter().any(|m| same(bodies, *m, b))
-        };
-        pairings.iter().any(|p| is(p, a, b) || is(p, b, a))
-    };
     let count = found.len();
-    found.retain(|(a, b)| !paired(*a, *b, pairings));
+    found.retain(|(a, b)| !pairings.paired(bodies, *a, *b));
     if count == 0 {
         return Err(deck.error(
             path,

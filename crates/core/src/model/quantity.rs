@@ -42,6 +42,17 @@ pub type Acceleration = Quantity<1, 0, -2, 0>;
 /// Angle [deg].
 pub type Angle = Quantity<0, 0, 0, 1>;
 
+/// No quantity is larger [base units]: products of several still are far from the largest number of the computer.
+pub const LARGEST: f64 = 1e15;
+
+/// None is smaller but 0 [base units].
+pub const SMALLEST: f64 = 1e-30;
+
+/// Whether a number is 0 or of a size that can be computed with.
+pub(in crate::model) fn is_sound(value: f64) -> bool {
+    value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
+}
+
 /// g, as a deck takes it where it says no other [mm/s²].
 pub const GRAVITY: f64 = 9810.0;
 
@@ -78,10 +89,14 @@ impl<const L: i8, const M: i8, const T: i8, const A: i8> Visitor<'_>
     }
 
     fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
-        if value.is_finite() {
+        let dimension = Quantity::<L, M, T, A>::DIMENSION;
+        if is_sound(value) {
             Ok(Quantity(value))
+        } else if value.is_finite() {
+            Err(E::custom(format_args!(
+                "expected {dimension}, found {value:e}: sizes are 0, or from {SMALLEST:e} to {LARGEST:e}"
+            )))
         } else {
-            let dimension = Quantity::<L, M, T, A>::DIMENSION;
             Err(E::custom(format_args!(
                 "expected {dimension}, found {value}, which is not finite"
             )))

@@ -6,7 +6,7 @@ use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::Masonry;
 use crate::error::ModelError;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// A body, or one face of it.
@@ -254,8 +254,14 @@ impl Roll {
         faces: bool,
     ) -> Result<Vec<Place>, ModelError> {
         let mut places = Vec::new();
-        for name in &names.0 {
-            places.extend(self.place(deck, path, name, faces)?);
+        // A name that is said twice means no more than once.
+        let (mut said, mut known) = (HashSet::new(), HashSet::new());
+        for name in names.0.iter().filter(|name| said.insert(name.as_str())) {
+            let new = self.place(deck, path, name, faces)?;
+            places.extend(
+                new.into_iter()
+                    .filter(|at| known.insert((at.body, at.face))),
+            );
         }
         Ok(places)
     }

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// Laws that a facet's `u16` can tell apart.
-const MOST_LAWS: usize = 1 << 16;
+pub(super) const MOST_LAWS: usize = 1 << 16;
 
 /// Factor of the bond strength of the unit (body) number `unit`: lognormal, of mean 1 and coefficient of
 /// variation `cv`.

@@ -5,6 +5,7 @@ use crate::error::{self as errors, ModelError, Warning};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -20,6 +21,10 @@ pub struct Source {
     pub(super) text: String,
     /// Length of the file's own text [bytes].
     pub(super) file_length: usize,
+    /// The file's own text, which all errors share.
+    file_text: Arc<str>,
+    /// Bytes at which its lines begin.
+    lines: Vec<usize>,
     /// Lines of the overrides: bytes of the line, and of its key. `[override]`
     pub(super) overrides: Vec<(Range<usize>, String)>,
     /// Bytes of the key and of its value, by dotted path.
@@ -52,8 +57,12 @@ impl Source {
         let (file, text, file_length) = (file.to_owned(), text.to_owned(), text.len());
         Self {
             file,
-            text,
             file_length,
+            file_text: errors::printable_in_place(&text).into(),
+            lines: std::iter::once(0)
+                .chain(text.match_indices('\n').map(|(i, _)| i + 1))
+                .collect(),
+            text,
             overrides: Vec::new(),
             places: BTreeMap::new(),
             folder: None,
@@ -163,10 +172,15 @@ impl Source {
     /// Line and column of the file, from 1, at which `path` itself is written.
     fn position(&self, path: &str) -> Option<(usize, usize)> {
         let start = self.places.get(path)?.value.start;
-        let before = self.text[..self.file_length].get(..start)?;
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        let line = before.matches('\n').count() + 1;
-        Some((line, before[line_start..].chars().count() + 1))
+        let line = self.line_of(start);
+        let begin = *self.lines.get(line - 1)?;
+        let before = self.text[..self.file_length].get(begin..start)?;
+        Some((line, before.chars().count() + 1))
+    }
+
+    /// Line of the file, from 1, in which a byte lies.
+    pub(super) fn line_of(&self, byte: usize) -> usize {
+        self.lines.partition_point(|begin| *begin <= byte).max(1)
     }
 
     /// Dotted path of the key or value at these bytes: the narrowest that contains them.
@@ -202,15 +216,26 @@ impl Source {
         self.error_at(Some(span), path, message.into(), help)
     }
 
+    /// An error about what is written at these bytes, before any key is located.
+    pub(super) fn error_of_bytes(
+        &self,
+        bytes: Range<usize>,
+        path: &str,
+        message: String,
+        help: &str,
+    ) -> ModelError {
+        self.error_in(Some(bytes), path, message, help)
+    }
+
     /// A warning about the key `path`.
     pub fn warning(&self, path: &str, message: impl Into<String>) -> Warning {
         let path = self.said(path);
         let (line, column) = self.position(path).unzip();
         Warning {
-            key: path.to_owned(),
+            key: errors::printable(path.to_owned()),
             line,
             column,
-            message: message.into(),
+            message: errors::printable(message.into()),
         }
     }
 
@@ -248,7 +273,7 @@ impl Source {
             })
         {
             let within = span.start - line.start..span.end - line.start;
-            let text = &self.text[line.clone()];
+            let text = errors::printable_in_place(&self.text[line.clone()]);
             return ModelError::new(
                 &format!("--set {key}"),
                 text,
@@ -260,7 +285,7 @@ impl Source {
         }
         ModelError::new(
             &self.file,
-            &self.text[..self.file_length],
+            Arc::clone(&self.file_text),
             span,
             path,
             message,

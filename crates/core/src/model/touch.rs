@@ -1,12 +1,22 @@
 //! Do two faces of blocks meet at rest? Faces are quadrilaterals, flat or nearly so.
 
 use super::hexahedron::{area_vector, cross, difference, dot, mean, norm, range};
+use wythe_contact::Aabb;
 
 /// Two faces oppose each other if their unit normals have a product below this.
 const OPPOSED: f64 = -0.999;
 
 /// Part of the faces' size that counts as contact: less is a touch of edges.
 const OVERLAP: f64 = 1e-6;
+
+/// Faces that oppose each other may be inclined by so much of their diagonal, see [`OPPOSED`].
+const INCLINED: f64 = 0.05;
+
+/// The box around all that may touch a face: those of two faces that do touch each other.
+pub(super) fn surroundings(face: &[[f64; 3]; 4]) -> Aabb {
+    let own = Aabb::of(face);
+    own.fattened(INCLINED * norm(difference(own.max, own.min)))
+}
 
 /// Distance between two faces that oppose each other and overlap seen along their normal [mm],
 /// negative where they interpenetrate; none if they do not.

@@ -113,7 +113,7 @@ impl Branch {
 /// The largest force of any passage, at even distances.
 fn envelope(points: &[Point]) -> Vec<Point> {
     let end = points.iter().map(|p| p.0).fold(0.0, f64::max);
-    let start = points.first().map_or(0.0, |p| p.0).clamp(0.0, end);
+    let start = points.first().map_or(0.0, |p| p.0).max(0.0).min(end);
     let width = (end - start) / INTERVALS as f64;
     if width <= 0.0 {
         return Vec::new();

@@ -50,6 +50,6 @@ pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use report::Report;
 pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use snapshot::{FrameChoice, Snapshot};
-pub use summary::SummaryFile;
+pub use summary::{EnergyBalance, SummaryFile};
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

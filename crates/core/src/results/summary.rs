@@ -145,7 +145,7 @@ impl From<[f64; 6]> for SecondsByPhase {
 ///
 /// with W the work of reactions and loads, E the elastic and T the kinetic energy, and D the plastic
 /// and damage, interface, viscous, damping and numerical dissipations.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyBalance {
     /// maxᵢ |W − (E + T + ΣD)|ᵢ [J].
     gap: f64,
@@ -158,16 +158,19 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// Adds an increment.
     pub fn push(&mut self, row: &HistoryRow) {
-        let inside = row.elastic_energy_J
-            + row.plastic_damage_dissipation_J
-            + row.interface_dissipation_J
-            + row.viscous_dissipation_J
-            + row.kinetic_energy_J
-            + row.damping_dissipation_J
-            + row.numerical_dissipation_J;
-        self.dissipated = inside - row.elastic_energy_J - row.kinetic_energy_J;
-        self.gap = larger(self.gap, (row.external_work_J - inside).abs());
+        self.dissipated = inside(row) - row.elastic_energy_J - row.kinetic_energy_J;
+        self.gap = larger(self.gap, Self::open(row).abs());
         self.work = larger(self.work, row.external_work_J.abs());
+    }
+
+    /// W − (E + T + ΣD) after an increment [J].
+    pub fn open(row: &HistoryRow) -> f64 {
+        row.external_work_J - inside(row)
+    }
+
+    /// maxᵢ |W|ᵢ [J].
+    pub fn work(&self) -> f64 {
+        self.work
     }
 
     /// All that was dissipated [J].
@@ -183,6 +186,17 @@ impl EnergyBalance {
             self.gap / self.work
         }
     }
+}
+
+/// E + T + ΣD after an increment [J].
+fn inside(row: &HistoryRow) -> f64 {
+    row.elastic_energy_J
+        + row.plastic_damage_dissipation_J
+        + row.interface_dissipation_J
+        + row.viscous_dissipation_J
+        + row.kinetic_energy_J
+        + row.damping_dissipation_J
+        + row.numerical_dissipation_J
 }
 
 /// The larger of two; a NaN wins, since a balance that cannot be computed does not close.

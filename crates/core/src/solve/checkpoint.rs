@@ -10,7 +10,7 @@
 //! | what a step counts its loads and drives from | `Starts` |
 //! | what increments leave open for the next ones | `Carried`, [`State`]'s energies |
 //! | where beyond a snap equilibrium was found, what ends the step early, whether a peak is near | `beyond`, `Watch`, `stopped`, `Crest` |
-//! | what is told at the end | summary, clock, snaps, swings |
+//! | what is told at the end | summary, clock, snaps, swings, energies |
 //!
 //! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the
 //! count of solves and cut-backs anew, and no blow outlives the increment that met it.
@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use super::course::Course;
 use super::crest::Crest;
 use super::drive::{Run, RunError, regularise, steered};
+use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::kept::{Carried, Starts};
@@ -51,6 +52,7 @@ pub struct Checkpoint {
     output_seconds: f64,
     snaps: Snaps,
     swings: Swings,
+    energy_watch: EnergyWatch,
     /// How far elastic solids have gone, in place of others.
     pub(super) reached: Reached,
 }
@@ -234,6 +236,7 @@ impl<'m> Run<'m> {
             output_seconds: self.output_seconds,
             snaps: self.snaps,
             swings: self.swings,
+            energy_watch: self.energy_watch,
             reached: Reached::default(),
         }
     }
@@ -312,6 +315,7 @@ impl<'m> Run<'m> {
         run.clock = checkpoint.clock;
         run.output_seconds = checkpoint.output_seconds;
         (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
+        run.energy_watch = checkpoint.energy_watch;
         run.trial = Trial::default();
         run.fingerprint = OnceCell::from(checkpoint.model);
         Ok((run, course))

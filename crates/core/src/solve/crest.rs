@@ -106,7 +106,7 @@ impl Crest {
         let is_first = earlier.is_none() && first.abs() <= AT_REST * largest;
         let corner = then >= 0.0 && !is_first;
         let least = if corner { CORNER * part } else { part };
-        let resolves = resolves.clamp(LEAST * size, 0.5 * size);
+        let resolves = resolves.max(LEAST * size).min(0.5 * size);
         (unseen > least * largest).then_some(resolves)
     }
 }

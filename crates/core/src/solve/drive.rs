@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use super::checkpoint::CheckpointError;
 use super::course::{Course, Leg};
+use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{GROW, growth, resolving};
@@ -82,6 +83,7 @@ pub(super) struct Run<'m> {
     pub(super) output_seconds: f64,
     pub(super) snaps: Snaps,
     pub(super) swings: Swings,
+    pub(super) energy_watch: EnergyWatch,
     /// Of the model, when the first checkpoint wants it.
     pub(super) fingerprint: OnceCell<Fingerprint>,
 }
@@ -115,6 +117,7 @@ impl<'m> Run<'m> {
             output_seconds: 0.0,
             snaps: Snaps::default(),
             swings: Swings::default(),
+            energy_watch: EnergyWatch::default(),
             fingerprint: OnceCell::new(),
         })
     }
@@ -137,6 +140,7 @@ impl<'m> Run<'m> {
         }
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
+        self.summary.warnings.extend(self.energy_watch.warning());
         Ok(self.summary)
     }
 
@@ -312,6 +316,7 @@ impl<'m> Run<'m> {
         course.load = report.load_factor;
         let (index, cuts) = (course.index, course.cutbacks);
         let row = self.row(index, leg.method, report, leg.increment.end(), solves, cuts);
+        self.energy_watch.add(&row);
         match leg.method {
             // What the ladder leaves to inertia moves; what is to be quasi-static should not.
             Method::QuasiStatic if course.step.procedure == Procedure::QuasiStatic => {

@@ -161,7 +161,8 @@ impl LineSearch {
         };
         Probe::Try(
             secant
-                .clamp(self.low.0 + 0.05 * width, high.0 - 0.05 * width)
+                .max(self.low.0 + 0.05 * width)
+                .min(high.0 - 0.05 * width)
                 .max(self.smallest),
         )
     }

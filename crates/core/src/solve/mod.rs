@@ -10,6 +10,7 @@ mod direction;
 pub mod drive;
 mod dynamics;
 mod elimination;
+mod energy_watch;
 mod explain;
 mod fidelity;
 mod fields;

@@ -545,7 +545,8 @@ impl<'m> Newton<'m> {
     pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
         state.energies.external += self.loads.work(&self.loads_start, dq);
         state.loads.clone_from(&self.loads.values);
-        state.energies.numerical += system.crossing_work(self.model, state, trial);
+        state.energies.numerical += system.crossing_work(self.model, state, trial)
+            + system.turning_work(self.model, state, trial);
         for slot in system.dofs.beam_start..system.dofs.slots {
             let applied = self.applied(system, trial, slot);
             state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];

@@ -95,7 +95,7 @@ impl Schedule {
         } else {
             increment.size
         };
-        self.size = (base * factor).clamp(self.limits.min, self.limits.max);
+        self.size = (base * factor).max(self.limits.min).min(self.limits.max);
     }
 
     /// How large the next increment is, if as much is left of the step.
@@ -115,7 +115,7 @@ impl Schedule {
 
     /// Next increment of about this size.
     pub fn resume(&mut self, size: f64) {
-        self.size = size.clamp(self.limits.min, self.limits.max);
+        self.size = size.max(self.limits.min).min(self.limits.max);
     }
 
     /// What it has come to, within the limits of its step.

@@ -184,7 +184,7 @@ impl CaseFile {
 
 /// The text of a case at `path`, the name by which errors call it and the folder that it stands in.
 pub(super) fn text(path: &Path) -> Result<(String, String, &Path), IoError> {
-    let text = std::fs::read_to_string(path).map_err(|why| IoError {
+    let text = crate::input::text(path, crate::input::MOST_OF_TABLE).map_err(|why| IoError {
         path: path.to_owned(),
         why,
     })?;

@@ -503,6 +503,12 @@ impl System {
         planned + self.general.crossing_work(trial)
     }
 
+    /// What the nodal forces of open points do beside the work of their tractions in the increment that `trial` ends
+    /// [N mm], see [`Contact::turning_work`].
+    pub fn turning_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
+        self.contact.turning_work(model, state, trial)
+    }
+
     fn steered_cells(&self) -> &[[u32; 8]] {
         self.steered.as_ref().map_or(&[], Steered::cells)
     }

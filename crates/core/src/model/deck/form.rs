@@ -17,6 +17,12 @@ use toml::de::{DeTable, DeValue};
 /// More readings than these help nobody.
 const MOST_READINGS: usize = 200;
 
+/// Readings that even the longest deck gets.
+const LEAST_READINGS: usize = 3;
+
+/// Bytes that are read in all: a long deck is read less often, so that its errors come within seconds.
+const MOST_BYTES_READ: usize = 10_000_000;
+
 /// Paths whose values are not known, because what is written there could not be read.
 #[derive(Debug, Default)]
 pub(super) struct Broken(BTreeSet<String>);
@@ -69,7 +75,8 @@ pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: b
         broken: Broken::default(),
     };
     sections(source, root.get_mut(), &mut form);
-    for _ in 0..MOST_READINGS {
+    let most = MOST_BYTES_READ / source.file_length.max(1);
+    for _ in 0..most.clamp(LEAST_READINGS, MOST_READINGS) {
         let error = match Deck::deserialize(toml::Deserializer::from(root.clone())) {
             Ok(deck) => {
                 form.deck = Some(deck);

@@ -6,6 +6,7 @@
 use super::Deck;
 use super::rows::{Row, rows};
 use crate::error::ModelError;
+use crate::input;
 use crate::model::hexahedron::{PLACES, is_upright};
 
 impl Deck {
@@ -21,7 +22,7 @@ impl Deck {
         };
         let key = format!("blocks.{index}.nodes");
         let path = self.folder().join(file);
-        let text = std::fs::read_to_string(&path).map_err(|why| {
+        let text = input::text(&path, input::MOST_OF_MESH).map_err(|why| {
             let message = format!("{}: {why}", path.display());
             let help = "name a CSV file, relative to the deck's folder";
             self.error(&key, message, help)

@@ -7,6 +7,7 @@
 use super::Deck;
 use super::rows::rows;
 use crate::error::ModelError;
+use crate::input;
 use crate::model::quantity::{Acceleration, Number, Time};
 use crate::model::scene::GroundMotion;
 
@@ -29,7 +30,7 @@ impl Deck {
             let Some(file) = file else { continue };
             let key = format!("steps.{step}.ground.{}", ["x", "y", "z"][i]);
             let path = self.folder().join(file);
-            let text = std::fs::read_to_string(&path).map_err(|why| {
+            let text = input::text(&path, input::MOST_OF_TABLE).map_err(|why| {
                 let message = format!("{}: {why}", path.display());
                 self.error(
                     &key,

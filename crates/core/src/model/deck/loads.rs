@@ -5,6 +5,7 @@ use super::Names;
 use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
 use crate::error::ModelError;
+use crate::input;
 use crate::model::amplitude::Amplitude;
 use crate::model::quantity::{Force, Length, LineForce, Number, Pressure};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -12,6 +13,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::fmt;
 
 /// A load with a name: where it acts, said when it is named first, and its value at the end of the step.
@@ -127,9 +129,10 @@ impl Deck {
     /// The loads in order, each where it is named first, with its path.
     pub(in crate::model) fn loads(&self) -> Vec<(String, &DeckLoad)> {
         let mut loads: Vec<(String, &DeckLoad)> = Vec::new();
+        let mut known = HashSet::new();
         for (s, step) in self.steps.iter().enumerate() {
             for (l, load) in step.loads.iter().enumerate() {
-                if !loads.iter().any(|(_, known)| known.name == load.name) {
+                if known.insert(load.name.as_str()) {
                     loads.push((format!("steps.{s}.loads.{l}"), load));
                 }
             }
@@ -184,7 +187,7 @@ impl Deck {
 
     fn amplitude_of_file(&self, key: &str, file: &str) -> Result<Amplitude, ModelError> {
         let path = self.folder().join(file);
-        let text = std::fs::read_to_string(&path).map_err(|why| {
+        let text = input::text(&path, input::MOST_OF_TABLE).map_err(|why| {
             let message = format!("{}: {why}", path.display());
             let help = "name a CSV file, relative to the deck's folder";
             self.error(key, message, help)

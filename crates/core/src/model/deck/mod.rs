@@ -5,6 +5,7 @@
 mod arch;
 mod beams;
 mod blocks;
+mod bounds;
 mod form;
 mod grid;
 mod ground;
@@ -26,6 +27,7 @@ mod wall;
 pub use arch::DeckArch;
 pub use beams::{DeckBeam, Turning};
 pub use blocks::{Axis, DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
+pub use bounds::MOST_BYTES;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
@@ -47,7 +49,8 @@ use super::overrides;
 use super::quantity::Length;
 use super::scene::{ContactPoints, Fidelity, Formulation, Output};
 use super::source::Source;
-use crate::error::{DeckError, Errors, IoError, ModelError};
+use crate::error::{DeckError, Errors, IoError, MOST_ERRORS, ModelError, printable};
+use crate::input;
 use crate::material::MaterialParameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -209,6 +212,7 @@ impl Deck {
         file: &str,
         overrides: &[(String, String)],
     ) -> Result<Self, ModelError> {
+        bounds::judge_text(file, text)?;
         let mut source = Source::new(file, text);
         let padded: Vec<(usize, String)> = overrides
             .iter()
@@ -218,21 +222,27 @@ impl Deck {
             })
             .collect();
         let (mut root, syntax) = DeTable::parse_recoverable(text);
+        // What follows on a line that is no TOML is noise, and a whole file of such lines soon is.
+        let mut syntax = syntax;
+        syntax.dedup_by_key(|error| error.span().map(|span| source.line_of(span.start)));
+        syntax.truncate(MOST_ERRORS);
         let mut errors: Vec<ModelError> = syntax.iter().map(|e| source.syntax_error(e)).collect();
-        // What follows on a line that is no TOML is noise.
-        errors.dedup_by_key(|error| error.line());
         let no_toml: Vec<_> = errors.iter().map(ModelError::line).collect();
         for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
-            let value = overrides::parse(padded, *start);
-            let set = overrides::set(root.get_mut(), key, source.override_key(i).start, value);
+            let set = bounds::judge_path(key).and_then(|()| {
+                let value = overrides::parse(padded, *start);
+                overrides::set(root.get_mut(), key, source.override_key(i).start, value)
+            });
             errors.extend(set.err().map(|why| source.override_error(i, why)));
         }
+        bounds::judge_keys(&source, root.get_ref())?;
         source.locate(root.get_ref());
         let form = form::read(&mut source, root, no_toml.is_empty());
         let misread = form.errors.into_iter();
         errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
         if let Some(mut deck) = form.deck {
             deck.source = source;
+            deck.title = printable(deck.title);
             if deck.title.is_empty() {
                 deck.title = Path::new(file)
                     .file_stem()
@@ -262,7 +272,7 @@ impl Deck {
     /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
     pub fn load(path: impl AsRef<Path>, overrides: &[(String, String)]) -> Result<Self, DeckError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|why| IoError {
+        let text = input::text(path, MOST_BYTES as u64).map_err(|why| IoError {
             path: path.to_owned(),
             why,
         })?;

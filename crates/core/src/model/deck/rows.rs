@@ -1,5 +1,7 @@
 //! Files of numbers beside a deck: so many a line, with comments and a line of names.
 
+use crate::model::quantity::is_sound;
+
 /// A row and its line (from 1).
 pub(super) type Row<const N: usize> = (usize, [f64; N]);
 
@@ -13,7 +15,7 @@ pub(super) fn rows<const N: usize>(text: &str, what: &str) -> Result<Vec<Row<N>>
             continue;
         }
         let fields = line.split(',').map(|f| f.trim().parse::<f64>().ok());
-        let numbers: Vec<f64> = fields.clone().flatten().filter(|v| v.is_finite()).collect();
+        let numbers: Vec<f64> = fields.clone().flatten().filter(|v| is_sound(*v)).collect();
         let count = fields.count();
         match <[f64; N]>::try_from(numbers) {
             Ok(row) if count == N => rows.push((n + 1, row)),

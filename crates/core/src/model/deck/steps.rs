@@ -276,6 +276,12 @@ impl DeckStep {
         };
         let initial = first.unwrap_or(initial.min(max));
         let min = self.increments.min.map_or(min.min(initial), Number::get);
+        // Records and amplitudes may make the first one shorter than what the deck says of the smallest.
+        let min = if steepest > 1.0 || finest < 1.0 {
+            min.min(initial)
+        } else {
+            min
+        };
         let peak = self.increments.peak.map_or(PEAK, Number::get);
         Increments {
             initial,

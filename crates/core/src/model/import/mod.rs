@@ -19,6 +19,8 @@ pub use material::{ImportedMaterial, Lengths, Measure, Softening};
 pub use names::find;
 pub use units::Units;
 
+use crate::error::printable;
+use crate::input;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
@@ -114,7 +116,7 @@ struct Wrong {
 
 impl Wrong {
     fn new(place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let (message, help) = (message.into(), help.into());
+        let (message, help) = (printable(message.into()), printable(help.into()));
         Self {
             place,
             message,
@@ -151,15 +153,19 @@ impl ImportedMesh {
     /// A file that cannot be read, is neither, or says what cannot be meant: line, element, place and fix.
     pub fn load(path: &Path, units: &Units) -> Result<Self, ImportError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let bytes = std::fs::read(path).map_err(|why| ImportError {
+        let bytes = input::bytes(path, input::MOST_OF_MESH).map_err(|why| ImportError {
             file: path.display().to_string(),
             line: None,
             message: why.to_string(),
             help: "name a mesh: a file of Abaqus (.inp) or Gmsh (.msh)".to_owned(),
         })?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // What it includes, all together.
+        let mut left = input::MOST_OF_MESH - bytes.len() as u64;
         Self::read(&name, &bytes, units, &mut |name| {
-            std::fs::read(folder.join(name))
+            let bytes = input::bytes(&folder.join(name), left)?;
+            left -= bytes.len() as u64;
+            Ok(bytes)
         })
     }
 

@@ -126,7 +126,7 @@ impl<'a> Site<'a> {
         for n in nodes {
             let from = difference(self.mesh.nodes[n as usize], ends[0]);
             let at = dot(from, along) / length;
-            let off = [0, 1, 2].map(|i| from[i] - at.clamp(0.0, length) * along[i] / length);
+            let off = [0, 1, 2].map(|i| from[i] - at.max(0.0).min(length) * along[i] / length);
             if norm(off) <= within {
                 found.push((at, n));
             }

@@ -36,7 +36,7 @@ pub struct Slot {
 pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// More units than this in a course are a slip of the unit of length.
-const MOST_UNITS: f64 = 1e4;
+pub(super) const MOST_UNITS: f64 = 1e4;
 
 /// Sizes from which a bond is made [mm].
 #[derive(Clone, Copy)]
@@ -125,6 +125,7 @@ pub fn courses(wall: &Wall) -> Result<Vec<Vec<Row>>, Refusal> {
         Bond::Flemish => flemish(&sizes),
         Bond::Pattern => {
             let courses = wall.pattern.iter().enumerate();
+            let courses = courses.take((wall.courses as usize).max(1));
             courses
                 .map(|(k, course)| written(wall, &sizes, k, course))
                 .collect()
@@ -242,7 +243,9 @@ fn with_headers(
     patterns: &[Vec<Slot>],
 ) -> Result<Vec<Vec<Row>>, Refusal> {
     let every = wall.header_courses.map_or(0, |n| n as usize);
-    let period = patterns.len() * every.max(1);
+    let period = patterns.len().saturating_mul(every.max(1));
+    // What would come after the last course is not there.
+    let period = period.min((wall.courses as usize).max(1));
     let course = |k: usize| {
         if every > 0 && k % every + 1 == every {
             let thickness = 2.0 * sizes.width + sizes.collar;
@@ -387,6 +390,12 @@ fn written(wall: &Wall, sizes: &Sizes, k: usize, course: &DeckCourse) -> Result<
             material: leaf.material.clone(),
         };
         front += thickness + sizes.collar;
+        let mut is_header = vec![false; leaf.units.len()];
+        for header in &leaf.headers {
+            if let Some(is_header) = is_header.get_mut(*header as usize) {
+                *is_header = true;
+            }
+        }
         let mut start = leaf.offset.get();
         for (i, length) in leaf.units.iter().enumerate().cycle() {
             if start >= sizes.length - sizes.tolerance() {
@@ -395,7 +404,7 @@ fn written(wall: &Wall, sizes: &Sizes, k: usize, course: &DeckCourse) -> Result<
             row.slots.push(Slot {
                 start,
                 length: length.get(),
-                header: leaf.headers.contains(&(i as u32)),
+                header: is_header[i],
             });
             start += length.get() + sizes.head;
         }

@@ -16,6 +16,7 @@ use crate::model::meeting::Touching;
 use crate::model::scene::ContactSurfaces;
 use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
+use wythe_contact::{Aabb, Bvh};
 
 /// Order in which the slave faces of a body come.
 const SLAVES: [Face; 6] = [
@@ -48,6 +49,18 @@ struct Rectangle {
     /// Along the two other axes [mm]. `[axis][low, high]`
     range: [[f64; 2]; 2],
     has_mortar: bool,
+}
+
+impl Rectangle {
+    /// The box around all that may touch it.
+    fn around(&self) -> Aabb {
+        let [[a, b], [c, d]] = self.range;
+        let flat = Aabb {
+            min: [a, c, self.plane],
+            max: [b, d, self.plane],
+        };
+        flat.fattened(TOUCH)
+    }
 }
 
 /// Adds the joints of all walls to the surfaces; tells which bodies touch.
@@ -184,23 +197,19 @@ fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
     let mut pairs = Vec::new();
     for axis in 0..3 {
         let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);
-        let mut sides = faces.map(|face| sides(walls, face));
-        for side in &mut sides {
-            side.sort_by(|a, b| {
-                let by_plane = a.plane.total_cmp(&b.plane);
-                by_plane.then(a.range[0][0].total_cmp(&b.range[0][0]))
+        let [lows, highs] = faces.map(|face| sides(walls, face));
+        let boxes: Vec<Aabb> = lows.iter().map(Rectangle::around).collect();
+        let tree = Bvh::build(&boxes);
+        let (mut stack, mut near) = (Vec::new(), Vec::new());
+        for high in &highs {
+            near.clear();
+            tree.query(&boxes, &high.around(), &mut stack, |i| {
+                near.push(i as usize);
             });
-        }
-        let [lows, highs] = &sides;
-        let mut first = 0;
-        for high in highs {
-            while first < lows.len() && lows[first].plane < high.plane - TOUCH {
-                first += 1;
-            }
-            let level = lows[first..]
-                .iter()
-                .take_while(|low| low.plane <= high.plane + TOUCH);
-            for low in level {
+            for low in near.iter().map(|i| &lows[*i]) {
+                if (low.plane - high.plane).abs() > TOUCH {
+                    continue;
+                }
                 let overlap = |d: usize| {
                     let (a, b) = (high.range[d], low.range[d]);
                     a[1].min(b[1]) - a[0].max(b[0])
@@ -270,6 +279,9 @@ fn slaves(
         .iter()
         .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
         .collect();
+    let boxes: Vec<Aabb> = others.iter().map(Facet::around).collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near) = (Vec::new(), Vec::new());
     let mut facets_here = facets(mesh, body, face, axis);
     if axis == 2 {
         // Along the wall first, so that points of a joint lie one after the other.
@@ -282,7 +294,12 @@ fn slaves(
     }
     let nominal = joint_thickness(wall, unit, face);
     for facet in &facets_here {
-        let Some(facing) = most_covering(facet, &others) else {
+        near.clear();
+        tree.query(&boxes, &facet.around(), &mut stack, |i| {
+            near.push(i as usize);
+        });
+        near.sort_unstable();
+        let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
             continue; // over an opening
         };
         let size = nominal.unwrap_or(facet.size);
@@ -345,6 +362,18 @@ struct Facet {
     size: f64,
 }
 
+impl Facet {
+    /// The box around all that may touch it.
+    fn around(&self) -> Aabb {
+        let [[a, b], [c, d]] = self.range;
+        let flat = Aabb {
+            min: [a, c, self.plane],
+            max: [b, d, self.plane],
+        };
+        flat.fattened(TOUCH)
+    }
+}
+
 fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
     let others: [usize; 2] = match axis {
         0 => [1, 2],
@@ -371,7 +400,7 @@ fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
 
 /// The facet that stands for what covers most of `facet`: elements of one body and material count
 /// together. None if nothing does.
-fn most_covering<'a>(facet: &Facet, others: &'a [Facet]) -> Option<&'a Facet> {
+fn most_covering<'a>(facet: &Facet, others: impl Iterator<Item = &'a Facet>) -> Option<&'a Facet> {
     let mut parts: Vec<(&'a Facet, f64)> = Vec::new();
     for other in others {
         let overlap = |d: usize| {

@@ -139,15 +139,16 @@ pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
         .flat_map(|(k, pieces)| pieces.iter().map(move |piece| (k, piece)))
         .filter(|(_, piece)| piece.courses > 1)
         .collect();
+    let orders: Vec<Ordered<'_>> = laid.iter().map(|course| Ordered::of(course)).collect();
     let mut units = Vec::with_capacity(laid.iter().map(Vec::len).sum());
     for (k, course) in laid.iter().enumerate() {
-        let beside = Neighbours {
-            sizes: &sizes,
-            course,
-        };
+        let beside = Neighbours::of(&sizes, course);
         for piece in course {
             let next = k + piece.courses as usize;
-            let above = laid.get(next).into_iter().flatten();
+            let above = orders
+                .get(next)
+                .into_iter()
+                .flat_map(|order| order.along(piece.along));
             let standing = higher
                 .iter()
                 .filter(|(j, p)| *j < next && next < *j + p.courses as usize);
@@ -353,13 +354,47 @@ fn sliver_of(interval: &Interval<'_>, along: [f64; 2], k: u32, leaf: usize) -> R
     }
 }
 
+/// The pieces of a course by where they begin.
+struct Ordered<'a> {
+    pieces: Vec<&'a Piece>,
+    /// Length of the longest [mm].
+    longest: f64,
+}
+
+impl<'a> Ordered<'a> {
+    fn of(course: &'a [Piece]) -> Self {
+        let mut pieces: Vec<&Piece> = course.iter().collect();
+        pieces.sort_by(|a, b| a.along[0].total_cmp(&b.along[0]));
+        let lengths = course.iter().map(|p| p.along[1] - p.along[0]);
+        let longest = lengths.fold(0.0, f64::max);
+        Self { pieces, longest }
+    }
+
+    /// Pieces that begin between these [mm].
+    fn from(&self, begin: f64, end: f64) -> impl Iterator<Item = &'a Piece> {
+        let first = self.pieces.partition_point(|p| p.along[0] < begin);
+        let rest = self.pieces[first..].iter().copied();
+        rest.take_while(move |p| p.along[0] <= end)
+    }
+
+    /// All that have a part in common with this range [mm], and perhaps more.
+    fn along(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = &'a Piece> {
+        self.from(from - self.longest, to)
+    }
+}
+
 /// What lies beside the pieces of a course.
 struct Neighbours<'a> {
     sizes: &'a Sizes,
-    course: &'a [Piece],
+    course: Ordered<'a>,
 }
 
-impl Neighbours<'_> {
+impl<'a> Neighbours<'a> {
+    fn of(sizes: &'a Sizes, course: &'a [Piece]) -> Self {
+        let course = Ordered::of(course);
+        Self { sizes, course }
+    }
+
     fn overlaps(&self, a: [f64; 2], b: [f64; 2]) -> bool {
         a[1].min(b[1]) - a[0].max(b[0]) > self.sizes.tolerance()
     }
@@ -369,7 +404,10 @@ impl Neighbours<'_> {
         let end = piece.along[1];
         // Joints to a lintel or a header may be wider, where the bond does not meet them.
         let most = 2.0 * self.sizes.head + self.sizes.tolerance();
-        let starts = self.course.iter().filter(|p| {
+        let near = self
+            .course
+            .from(end - 2.0 * self.sizes.tolerance(), end + 2.0 * most);
+        let starts = near.filter(|p| {
             let gap = p.along[0] - end;
             self.overlaps(p.through, piece.through) && gap > -self.sizes.tolerance() && gap <= most
         });
@@ -379,7 +417,7 @@ impl Neighbours<'_> {
     /// Where the leaf behind begins, if anything of it is behind.
     fn behind(&self, piece: &Piece) -> Option<f64> {
         let back = piece.through[1];
-        let behind = self.course.iter().filter(|p| {
+        let behind = self.course.along(piece.along).filter(|p| {
             p.through[0] > back - self.sizes.tolerance() && self.overlaps(p.along, piece.along)
         });
         behind.map(|p| p.through[0]).min_by(f64::total_cmp)

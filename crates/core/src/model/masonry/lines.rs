@@ -7,19 +7,22 @@
 //! ```
 
 use super::layout::Unit;
+use wythe_contact::{Aabb, Bvh};
 
 /// Planes of the grid of each unit along x, y, z, its ends included [mm]. `[unit][xyz]`
 pub(in crate::model) fn lines(units: &[Unit]) -> Vec<[Vec<f64>; 3]> {
     let mut lines: Vec<[Vec<f64>; 3]> = units.iter().map(|u| u.own.map(Vec::from)).collect();
-    // What touches lies in courses next to each other, but for what is several courses high.
-    let mut by_height: Vec<usize> = (0..units.len()).collect();
-    by_height.sort_by(|a, b| units[*a].own[2][0].total_cmp(&units[*b].own[2][0]));
-    for (i, &a) in by_height.iter().enumerate() {
-        let top = units[a].own[2][1];
-        let near = by_height[i + 1..]
-            .iter()
-            .take_while(|b| units[**b].own[2][0] <= top + NEAR);
-        for &b in near {
+    let around = |u: &Unit| Aabb {
+        min: u.own.map(|range| range[0] - NEAR),
+        max: u.own.map(|range| range[1] + NEAR),
+    };
+    let boxes: Vec<Aabb> = units.iter().map(around).collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near) = (Vec::new(), Vec::new());
+    for a in 0..units.len() {
+        near.clear();
+        tree.query(&boxes, &boxes[a], &mut stack, |b| near.push(b as usize));
+        for b in near.iter().copied().filter(|b| *b > a) {
             let Some(axis) = touching(&units[a], &units[b]) else {
                 continue;
             };

@@ -18,7 +18,8 @@ pub(super) use joints::joints;
 pub(super) use lines::lines;
 pub(super) use representative::append;
 
-use super::deck::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Subdivision, Wall};
+use super::amount;
+use super::deck::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::hexahedron::Face;
 use super::quantity::Quantity;
 use super::symmetry::Plane;
@@ -51,15 +52,23 @@ pub(super) struct Masonry<'a> {
 /// # Errors
 /// Walls that cannot be laid.
 pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)> {
+    for (path, _, wall) in deck.walls() {
+        require_sound(wall).map_err(|refusal| (path, refusal))?;
+    }
+    amount::require_countable(deck)?;
     let plan = plan::plan(deck)?;
     let planes = Plane::all(deck);
     let mut first = 0;
+    let mut elements = 0.0;
     let mut walls = Vec::new();
     for (i, (path, name, wall)) in deck.walls().enumerate() {
         let mut cuts = openings::cuts(wall).map_err(|refusal| (path.clone(), refusal))?;
         cuts.extend(plan.cuts[i].iter().cloned());
-        require_few(wall).map_err(|refusal| (path.clone(), refusal))?;
         let units = layout::lay(wall, &cuts).map_err(|refusal| (path.clone(), refusal))?;
+        if !wall.rigid {
+            elements += require_countable(wall, &units, elements)
+                .map_err(|refusal| (path.clone(), refusal))?;
+        }
         let clamped = deck.clamped().filter(|_| i == 0 && deck.wall.is_some());
         let (units, cut) = symmetry::cut(&planes, wall, name, clamped.is_some(), units)?;
         let bodies = first..first + units.len();
@@ -96,29 +105,117 @@ pub(super) fn thickness(wall: &Wall) -> f64 {
     }
 }
 
-/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
-const MOST_ELEMENTS: f64 = 1e7;
-
-/// Refuses a wall that is too large before it is laid.
-fn require_few(wall: &Wall) -> Result<(), Refusal> {
-    let sizes = course::Sizes::of(wall);
-    sizes.require_few()?;
-    let units =
-        f64::from(wall.leaves) * ((sizes.length + sizes.head) / (sizes.unit + sizes.head)).ceil();
-    let m: Subdivision = wall.mesh;
-    let per_unit = f64::from(m.length) * f64::from(m.height) * f64::from(m.thickness);
-    let elements = units * f64::from(wall.courses) * per_unit;
-    if elements <= MOST_ELEMENTS && u16::try_from(wall.courses).is_ok() {
-        return Ok(());
+/// Elements of the units that are laid: long ones have more than the wall's `unit`.
+///
+/// # Errors
+/// With those `before` they are too many.
+fn require_countable(wall: &Wall, units: &[Unit], before: f64) -> Result<f64, Refusal> {
+    let of = |unit: &Unit| -> f64 {
+        let own = representative::elements(wall, unit);
+        let joints = |d: usize| [false, true].map(|high| usize::from(unit.joint(d, high) > 0.0));
+        (0..3)
+            .map(|d| own[d] as f64 + joints(d).iter().sum::<usize>() as f64)
+            .product()
+    };
+    let elements: f64 = units.iter().map(of).sum();
+    if before + elements <= amount::MOST_ELEMENTS {
+        return Ok(elements);
     }
-    let courses = wall.courses;
-    let key = if per_unit > 1e5 { "mesh" } else { "courses" };
+    let most = amount::MOST_ELEMENTS;
     Err(Refusal {
-        key: key.to_owned(),
-        message: format!("{courses} courses of {units} units of {per_unit} elements are too many"),
-        help: "at most 1e7 elements and 65535 courses: coarsen `mesh` or build a part of the wall"
-            .to_owned(),
+        key: "mesh".to_owned(),
+        message: format!(
+            "{} units, up to {:.0} elements each, are too many",
+            units.len(),
+            units.iter().map(of).fold(0.0, f64::max)
+        ),
+        help: format!(
+            "at most {most:e} elements in all: `mesh` is that of a unit as large as `unit`, and longer ones have more"
+        ),
     })
+}
+
+/// Refuses sizes and counts of which no wall can be laid, before anything is.
+fn require_sound(wall: &Wall) -> Result<(), Refusal> {
+    let refuse = |key: &str, message: String, help: &str| {
+        Err(Refusal {
+            key: key.to_owned(),
+            message,
+            help: help.to_owned(),
+        })
+    };
+    let positive = [
+        ("unit", wall.unit[0]),
+        ("unit", wall.unit[1]),
+        ("unit", wall.unit[2]),
+        ("length", wall.length),
+    ];
+    for (key, size) in positive {
+        if size.get() <= 0.0 {
+            return refuse(
+                key,
+                format!("{} mm is not positive", size.get()),
+                "give a length above 0",
+            );
+        }
+    }
+    let joints = [
+        ("bed_joint", Some(wall.bed_joint)),
+        ("head_joint", Some(wall.head_joint)),
+        ("collar_joint", wall.collar_joint),
+    ];
+    for (key, size) in joints {
+        if let Some(size) = size.filter(|size| size.get() < 0.0) {
+            return refuse(
+                key,
+                format!("{} mm is negative", size.get()),
+                "give 0 (units that touch) or more",
+            );
+        }
+    }
+    if u16::try_from(wall.courses).is_err() {
+        return refuse(
+            "courses",
+            format!("{} courses are too many", wall.courses),
+            "at most 65535",
+        );
+    }
+    let reach = course::MOST_UNITS * wall.unit[0].get();
+    for (k, course) in wall.pattern.iter().enumerate() {
+        let sizes = course
+            .leaves
+            .iter()
+            .flat_map(|l| l.units.iter().chain(&l.thickness));
+        if sizes.chain(&course.height).any(|size| size.get() <= 0.0) {
+            let key = format!("pattern.{k}");
+            return refuse(
+                &key,
+                "a size is not positive".to_owned(),
+                "heights, thicknesses and units are above 0",
+            );
+        }
+        for (l, leaf) in course.leaves.iter().enumerate() {
+            let offset = leaf.offset.get();
+            if offset.abs() > reach {
+                let key = format!("pattern.{k}.leaves.{l}.offset");
+                return refuse(
+                    &key,
+                    format!("the leaf would begin at {offset} mm"),
+                    "where its first unit begins; below 0 it is cut",
+                );
+            }
+            let units = amount::units_of(wall, leaf);
+            if units > course::MOST_UNITS + leaf.units.len() as f64 {
+                let key = format!("pattern.{k}.leaves.{l}.units");
+                return refuse(
+                    &key,
+                    format!("{units} units are too many for a course"),
+                    "at most 1e4: is the unit of length the one meant?",
+                );
+            }
+        }
+    }
+    course::Sizes::of(wall).require_few()
 }
 
 impl Masonry<'_> {

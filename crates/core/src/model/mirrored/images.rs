@@ -1,7 +1,7 @@
 //! Mirror images: which node, element and facet of a model lies where another one would be seen in a plane.
 
 use std::collections::HashMap;
-use std::hash::Hash;
+use std::hash::{BuildHasherDefault, Hash, Hasher};
 
 use crate::model::Model;
 use crate::model::scene::ContactSurfaces;
@@ -179,9 +179,42 @@ impl Images {
     }
 }
 
+/// Mixes whole numbers: places and nodes of a mesh are many, and nobody chooses them to collide.
+#[derive(Default)]
+struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        for part in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..part.len()].copy_from_slice(part);
+            self.write_u64(u64::from_le_bytes(word));
+        }
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.write_u64(u64::from(word));
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(26) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+}
+
+type Map<K> = HashMap<K, u32, BuildHasherDefault<Mixer>>;
+
 /// By key; nothing if two have the same.
-fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<HashMap<K, u32>> {
-    let mut map = HashMap::new();
+fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<Map<K>> {
+    let mut map =
+        Map::with_capacity_and_hasher(entries.size_hint().0, BuildHasherDefault::default());
     for (key, value) in entries {
         if map.insert(key, value).is_some() {
             return None;

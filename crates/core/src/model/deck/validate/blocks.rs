@@ -11,7 +11,7 @@ use crate::model::rigid;
 const ROUNDED: f64 = 1e-9;
 
 /// More copies of one block than this are a slip.
-const MOST_COPIES: f64 = 1e5;
+const MOST_COPIES: f64 = 5e4;
 
 impl Checks<'_> {
     /// A scene of blocks, or what stands where none is.
@@ -196,7 +196,7 @@ impl Checks<'_> {
             (1.0..=MOST_COPIES).contains(&count),
             &key("copies"),
             || format!("{count} copies of a block"),
-            "at least 1 along each axis, at most 1e5 in all",
+            "at least 1 along each axis, at most 5e4 in all",
         );
         self.require(
             block.copies.is_some() || block.pitch.is_none(),
@@ -232,7 +232,7 @@ impl Checks<'_> {
             (1.0..=MOST_COPIES).contains(&f64::from(count)),
             &key("stack"),
             || format!("{count} blocks are no column"),
-            "at least 1, at most 1e5",
+            "at least 1, at most 5e4",
         );
         self.require(
             block.size.is_some() && block.copies.is_none(),
@@ -356,14 +356,14 @@ impl Checks<'_> {
     }
 
     pub(super) fn known_material(&mut self, path: &str, name: &str) {
-        if !self.deck.materials.contains_key(name) {
+        if !self.deck.materials.contains_key(name) && !self.is_full() {
             let error = self.deck.unknown(path, "material", name, "materials");
             self.refer("materials", path, error);
         }
     }
 
     pub(super) fn known_interface(&mut self, path: &str, name: &str) {
-        if !self.deck.interfaces.contains_key(name) {
+        if !self.deck.interfaces.contains_key(name) && !self.is_full() {
             let error = self.deck.unknown(path, "interface", name, "interfaces");
             self.refer("interfaces", path, error);
         }

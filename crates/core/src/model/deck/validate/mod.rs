@@ -12,7 +12,8 @@ mod wall;
 
 use super::form::Broken;
 use super::{Deck, Material};
-use crate::error::ModelError;
+use crate::error::{MOST_ERRORS, ModelError};
+use crate::model::amount;
 use crate::model::quantity::{Number, Quantity};
 pub(in crate::model) use loads::misfit;
 
@@ -40,6 +41,10 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
         || format!("format {} is not known", deck.format),
         "this version reads format = 1",
     );
+    if let Err(too_many) = amount::require_few(deck) {
+        checks.errors.push(too_many);
+        return checks.errors;
+    }
     for (name, material) in &deck.materials {
         checks.material(&format!("materials.{name}"), material);
     }
@@ -110,9 +115,14 @@ impl Checks<'_> {
         }
     }
 
+    /// Whether so many errors are known that no more are looked for.
+    fn is_full(&self) -> bool {
+        self.errors.len() > 5 * MOST_ERRORS
+    }
+
     /// What the value at `path` must be by itself.
     fn demand(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
-        if !ok && !self.broken.holds(path) {
+        if !ok && !self.is_full() && !self.broken.holds(path) {
             self.errors.push(self.deck.error(path, message(), help));
         }
     }

@@ -74,6 +74,9 @@ impl Checks<'_> {
             return;
         };
         for name in &names.0 {
+            if self.is_full() {
+                return;
+            }
             if let Err(error) = roll.place(self.deck, path, name, faces) {
                 self.errors.push(error);
             }
@@ -100,7 +103,9 @@ impl Checks<'_> {
         for (i, step) in deck.steps.iter().enumerate() {
             let path = format!("steps.{i}.spring");
             let absent = |name: &&String| !known().any(|s| s == name.as_str());
-            if let Some(name) = step.spring.as_ref().filter(absent) {
+            if let Some(name) = step.spring.as_ref().filter(absent)
+                && !self.is_full()
+            {
                 let help = meant(name, known()).unwrap_or_else(|| keys::example("springs"));
                 let message = format!("there is no spring named `{name}`");
                 self.refer("springs", &path, deck.error(&path, message, &help));
@@ -137,7 +142,9 @@ impl Checks<'_> {
         for (i, step) in deck.steps.iter().enumerate() {
             let path = format!("steps.{i}.beam");
             let absent = |name: &&String| !known().any(|b| b == name.as_str());
-            if let Some(name) = step.beam.as_ref().filter(absent) {
+            if let Some(name) = step.beam.as_ref().filter(absent)
+                && !self.is_full()
+            {
                 let help = meant(name, known()).unwrap_or_else(|| keys::example("beams"));
                 let message = format!("there is no beam named `{name}`");
                 self.refer("beams", &path, deck.error(&path, message, &help));

@@ -6,6 +6,12 @@ use crate::model::keys;
 use crate::model::quantity::Quantity;
 use crate::model::scene::Tangent;
 
+/// More iterations of an increment than this find nothing.
+const MOST_ITERATIONS: usize = 10_000;
+
+/// Most cycles of a step: with ten increments each a run of days.
+const MOST_CYCLES: f64 = 1e4;
+
 /// Who may say a key of a step, and who must.
 struct Rule<'a> {
     name: &'a str,
@@ -68,6 +74,15 @@ impl Checks<'_> {
                 &keys::example("angle"),
             );
         }
+        if let Some(cycles) = &step.cycles {
+            let count = cycles.amplitudes.len() as f64 * f64::from(cycles.repeat);
+            self.demand(
+                count <= MOST_CYCLES,
+                &key("cycles.repeat"),
+                || format!("{count} cycles are too many for one step"),
+                "at most 1e4 in one step: amplitudes times repeat",
+            );
+        }
         self.require(
             step.cycles.is_none() || step.displacement.is_none(),
             &key("displacement"),
@@ -114,6 +129,13 @@ impl Checks<'_> {
             &key("tolerance.max_iterations"),
             || "no iteration is allowed".to_owned(),
             "max_iterations = 25",
+        );
+        let iterations = step.tolerance.max_iterations;
+        self.demand(
+            iterations <= MOST_ITERATIONS,
+            &key("tolerance.max_iterations"),
+            || format!("{iterations} iterations are too many for one increment"),
+            "max_iterations = 25; shorter increments find what many iterations do not",
         );
     }
 

@@ -276,6 +276,15 @@ impl Checks<'_> {
             let sizes = [wall.length, wall.unit[0], wall.unit[1], wall.unit[2]];
             let joints = [wall.bed_joint, wall.head_joint];
             sound &= sizes.iter().all(|s| s.get() > 0.0) && joints.iter().all(|s| s.get() >= 0.0);
+            let written = wall.pattern.iter().flat_map(|course| {
+                let of_leaves = course
+                    .leaves
+                    .iter()
+                    .flat_map(|l| l.units.iter().chain(&l.thickness));
+                of_leaves.chain(&course.height)
+            });
+            sound &= wall.collar_joint.is_none_or(|joint| joint.get() >= 0.0);
+            sound &= written.into_iter().all(|size| size.get() > 0.0);
             sound = sound && self.proportions(&path, wall) && !self.broken.section(&path);
         }
         let known = self.errors.is_empty() || !deck.walls().any(|(path, _, _)| self.blamed(&path));
@@ -308,6 +317,24 @@ impl Checks<'_> {
             (key("bed_joint"), wall.bed_joint.get()),
             (key("head_joint"), wall.head_joint.get()),
         ];
+        sizes.extend(
+            wall.collar_joint
+                .map(|joint| (key("collar_joint"), joint.get())),
+        );
+        for (k, course) in wall.pattern.iter().enumerate() {
+            let key = |name: &str| key(&format!("pattern.{k}.{name}"));
+            sizes.extend(course.height.map(|height| (key("height"), height.get())));
+            for (l, leaf) in course.leaves.iter().enumerate() {
+                let thickness = leaf
+                    .thickness
+                    .map(|t| (key(&format!("leaves.{l}.thickness")), t.get()));
+                sizes.extend(thickness);
+                let units = leaf.units.iter().enumerate();
+                sizes.extend(
+                    units.map(|(u, size)| (key(&format!("leaves.{l}.units.{u}")), size.get())),
+                );
+            }
+        }
         sizes.retain(|(_, size)| *size > 0.0); // dry joints have none
         sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
         let middle = sizes[sizes.len() / 2].1;

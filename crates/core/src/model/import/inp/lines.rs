@@ -1,6 +1,7 @@
 //! The lines of an `.inp` and of the files that it includes: keywords with their parameters, and data.
 
 use super::super::{Loader, Place, Wrong};
+use crate::error::is_hidden;
 
 /// A keyword line: `*ELSET, ELSET=BRICKS, GENERATE`.
 #[derive(Clone, Debug)]
@@ -172,6 +173,20 @@ impl<'a> Lines<'a> {
     /// A whole keyword: an *INCLUDE is read in its place, the INPUT= of another is its data.
     fn keyword(&mut self, text: &str, place: Place, sink: &mut impl Sink) -> Result<(), Wrong> {
         let keyword = Keyword::parse(text, place);
+        if let Some((parameter, _)) = keyword
+            .parameters
+            .iter()
+            .find(|(_, value)| value.contains(is_hidden))
+        {
+            return Err(Wrong::new(
+                place,
+                format!(
+                    "*{}: a control character stands in {parameter}=",
+                    keyword.name
+                ),
+                "names are of characters that can be seen",
+            ));
+        }
         if keyword.name == "INCLUDE" {
             let name = keyword.required("INPUT")?;
             return self.include(&name, place, sink);

@@ -54,20 +54,23 @@ pub(super) fn members(
         set.members.extend(filled.map(|f| member(f)));
         return Ok(());
     }
-    let numbers: Vec<u64> = fields.iter().map_while(|f| label(f)).collect();
+    let end = fields
+        .iter()
+        .rposition(|f| !f.is_empty())
+        .map_or(0, |i| i + 1);
+    let numbers: Vec<Option<u64>> = fields[..end].iter().map(|f| label(f)).collect();
     let range = match numbers[..] {
-        [one] => [one, one, 1],
-        [from, to] => [from, to, 1],
-        [from, to, step, ..] => [from, to, step],
-        [] => [1, 0, 1],
+        [Some(one)] => [one, one, 1],
+        [Some(from), Some(to)] if from <= to => [from, to, 1],
+        [Some(from), Some(to), Some(step)] if from <= to => [from, to, step],
+        _ => {
+            return Err(Wrong::new(
+                place,
+                format!("`{}` generates nothing", fields.join(", ")),
+                "first label, last label, step: whole numbers from 1, the last not below the first",
+            ));
+        }
     };
-    if range[0] > range[1] {
-        return Err(Wrong::new(
-            place,
-            format!("`{}` generates nothing", fields.join(", ")),
-            "first label, last label, step",
-        ));
-    }
     set.members.push(Member::Range(range));
     Ok(())
 }

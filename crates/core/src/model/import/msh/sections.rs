@@ -4,6 +4,7 @@ use super::super::numbers::real;
 use super::super::{MOST_ELEMENTS, MOST_NODES, Wrong};
 use super::cursor::{Cursor, Endian};
 use super::gather::Gathered;
+use crate::error::is_hidden;
 
 /// `$MeshFormat`: the version, 2 or 4; and whether numbers are bytes from now on.
 pub(super) fn format(cursor: &mut Cursor<'_>) -> Result<u32, Wrong> {
@@ -65,6 +66,12 @@ pub(super) fn physical_names(
         let (dimension, tag) = (written(cursor)?, written(cursor)?);
         let line = cursor.line().unwrap_or_default();
         let name = line.trim().trim_matches('"').to_owned();
+        if name.contains(is_hidden) {
+            return Err(cursor.wrong(
+                format!("a control character stands in the name of the physical group {tag}"),
+                "names are of characters that can be seen",
+            ));
+        }
         gathered.names.insert((dimension, tag), name);
     }
     Ok(())

@@ -1,0 +1,94 @@
+//! Inputs that are no files, never end, or try to reach the terminal.
+
+mod common;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use common::*;
+
+/// Far more than a refusal takes, on a busy machine.
+const LIMIT: Duration = Duration::from_secs(20);
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let zero = folder.path().join("zero.toml");
+    std::os::unix::fs::symlink("/dev/zero", &zero).unwrap();
+    let pipe = folder.path().join("pipe.toml");
+    let made = std::process::Command::new("mkfifo")
+        .arg(&pipe)
+        .status()
+        .unwrap();
+    assert!(made.success());
+    for path in [&zero, &pipe] {
+        let begun = Instant::now();
+        let told = wythe(&["check", &path.display().to_string()]);
+        assert_eq!(code(&told), 4, "{}", stderr(&told));
+        assert!(
+            stderr(&told).contains("no regular file"),
+            "{}",
+            stderr(&told)
+        );
+        assert!(begun.elapsed() < LIMIT);
+    }
+    // What a deck names is read alike.
+    for (key, name) in [
+        ("output.experiment", "zero.toml"),
+        ("steps.1.amplitude", "pipe.toml"),
+    ] {
+        let told = check_beside(folder.path(), &[&format!("{key}={name}")]);
+        assert_eq!(code(&told), 2, "{}", stderr(&told));
+        assert!(
+            stderr(&told).contains("no regular file"),
+            "{}",
+            stderr(&told)
+        );
+    }
+}
+
+fn check_beside(folder: &Path, set: &[&str]) -> std::process::Output {
+    let deck = folder.join("wall.toml");
+    std::fs::copy(couplet(), &deck).unwrap();
+    let deck = deck.display().to_string();
+    let mut arguments = vec!["check", deck.as_str()];
+    for set in set {
+        arguments.extend(["--set", set]);
+    }
+    wythe(&arguments)
+}
+
+#[test]
+fn what_a_deck_says_does_not_reach_the_terminal_as_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let escape = "\u{1b}]0;owned\u{7}\u{1b}[2J";
+    // A title is shown with its escapes written out.
+    let told = check_beside(folder.path(), &["title=\"wall \\u001b[31m\\u0007\""]);
+    assert_eq!(code(&told), 0, "{}", stderr(&told));
+    let shown = stdout(&told);
+    assert!(
+        !shown.contains('\u{1b}') && shown.contains("\\u{1b}[31m"),
+        "{shown}"
+    );
+    // Names of anything else are refused, and the message shows what stands there.
+    for set in [
+        "steps.0.name=\"\\u001b[31m\"".to_owned(),
+        "wall.unit_material=\"\\u001b[31m\"".to_owned(),
+        format!("wall.bond={escape}"),
+        format!("{escape}=1"),
+    ] {
+        let told = check_beside(folder.path(), &[&set]);
+        assert_eq!(code(&told), 2, "{set:?}");
+        assert!(
+            !stderr(&told).contains("\u{1b}]") && !stderr(&told).contains("\u{1b}[2J"),
+            "{}",
+            stderr(&told)
+        );
+    }
+    let broken = folder.path().join("broken.toml");
+    std::fs::write(&broken, format!("format = 1\ntitle = \"{escape}\"\n")).unwrap();
+    let told = wythe(&["check", &broken.display().to_string()]);
+    assert_eq!(code(&told), 2);
+    assert!(!stderr(&told).contains('\u{7}'), "{}", stderr(&told));
+}

@@ -1,0 +1,84 @@
+//! Files that a user names are read in bounded memory: regular files up to a size, nothing that never ends.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Most bytes of a table: a curve, a record, an amplitude, the path of a point.
+pub const MOST_OF_TABLE: u64 = 1 << 26;
+
+/// Most bytes of a mesh, of the files that it includes together, and of a grid of nodes.
+pub const MOST_OF_MESH: u64 = 1 << 30;
+
+/// The bytes of a file of at most `most` bytes.
+///
+/// # Errors
+/// The file cannot be read, is larger, or is none (a folder, a device, a pipe, or a link to one of them).
+pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    // Before it is opened: to open a pipe waits for somebody who writes.
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    if !kind.is_file() {
+        let why = "this is no regular file but a device, a pipe or the like: copy what it gives into a file";
+        return Err(io::Error::new(ErrorKind::InvalidInput, why));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let why = format!(
+            "larger than the {} that are read of such a file",
+            size(most)
+        );
+        return Err(io::Error::new(ErrorKind::FileTooLarge, why));
+    }
+    Ok(bytes)
+}
+
+/// The text of a file of at most `most` bytes.
+///
+/// # Errors
+/// As [`bytes`], and what is no UTF-8.
+pub fn text(path: &Path, most: u64) -> io::Result<String> {
+    String::from_utf8(bytes(path, most)?)
+        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+}
+
+fn size(bytes: u64) -> String {
+    match bytes >> 20 {
+        0 => format!("{bytes} bytes"),
+        megabytes => format!("{megabytes} MB"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_file_or_too_large_is_refused() {
+        let folder = std::env::temp_dir().join(format!("wythe-input-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("table.csv");
+        std::fs::write(&file, "0,1\n").unwrap();
+        assert_eq!(text(&file, 4).unwrap(), "0,1\n");
+        let large = text(&file, 3).unwrap_err();
+        assert_eq!(large.kind(), ErrorKind::FileTooLarge);
+        assert!(large.to_string().contains("3 bytes"), "{large}");
+        std::fs::write(&file, [0xff, 0xfe]).unwrap();
+        assert_eq!(text(&file, 4).unwrap_err().kind(), ErrorKind::InvalidData);
+        assert_eq!(
+            bytes(&folder, 4).unwrap_err().kind(),
+            ErrorKind::IsADirectory
+        );
+        #[cfg(unix)]
+        {
+            let link = folder.join("link");
+            std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+            let endless = bytes(&link, 4).unwrap_err();
+            assert!(endless.to_string().contains("no regular file"), "{endless}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
