@@ -45,7 +45,7 @@ The folder then holds:
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
-a second Ctrl-C stops at once.
+a second Ctrl-C stops at once. SIGTERM and SIGHUP do as the first Ctrl-C.
 
 Progress goes to standard error: a bar with the force so far and the time left on a terminal, a line an \
 increment elsewhere. With --progress json it goes to standard output, an object a line, its \

@@ -1,6 +1,5 @@
 //! `wythe check`: is this model what its author means?
 
-use std::io::Write;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -13,6 +12,7 @@ use crate::arguments::Check;
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
 use crate::plot::undrawn;
+use crate::say::print;
 
 /// Reads and builds the model, and prints what is wrong with it, or what follows from it.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
@@ -106,20 +106,4 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
     };
     print(&format!("{object}\n"))?;
     outcome
-}
-
-/// Writes to standard output; a reader that has had enough is no error.
-pub fn print(text: &str) -> Result<(), Failure> {
-    print_bytes(text.as_bytes())
-}
-
-/// The same for bytes.
-pub fn print_bytes(text: &[u8]) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::InputOutput(
-            miette::Report::msg(format!("standard output cannot be written: {error}")),
-        )),
-        _ => Ok(()),
-    }
 }

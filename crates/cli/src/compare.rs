@@ -6,8 +6,8 @@ use wythe_core::results::directory::DECK;
 use wythe_core::results::{self, Experiment, RunFolder};
 
 use crate::arguments::Compare;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Compares and prints.
 pub fn compare(arguments: &Compare) -> Result<(), Failure> {

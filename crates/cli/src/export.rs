@@ -9,9 +9,9 @@ use wythe_core::results::snapshot::Snapshots;
 use wythe_core::results::{FrameChoice, RunFolder, Snapshot};
 
 use crate::arguments::{Export, Format, Frames};
-use crate::check::print;
 use crate::failure::Failure;
 use crate::plot::write;
+use crate::say::print;
 
 /// Name of the series of all frames.
 const SERIES: &str = "series.pvd";

@@ -11,6 +11,7 @@ use wythe_core::model::{Deck, Model};
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
+use crate::say::{self, tell};
 
 /// A deck that could be read, and the model that was built of it.
 pub struct Sound {
@@ -70,17 +71,17 @@ impl Unsound {
         };
         let text = std::fs::read_to_string(path).unwrap_or_default();
         for warning in error.warnings() {
-            eprint!("{}", drawn(warning, &text));
+            say::text(&drawn(warning, &text));
         }
         for error in error.all() {
-            eprintln!("{:?}", Report::new(error.alone()));
+            tell!("{:?}", Report::new(error.alone()));
         }
         let count = crate::terminal::count(error.all().count(), "error");
         let rest = match layer {
             Layer::Form => "; the physics is judged when the form is right",
             Layer::Physics => "",
         };
-        eprintln!("{count} of {} in {}{rest}", layer.name(), path.display());
+        tell!("{count} of {} in {}{rest}", layer.name(), path.display());
         Failure::ToldModel
     }
 }

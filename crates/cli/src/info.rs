@@ -13,8 +13,8 @@ use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
 
 use crate::arguments::Info;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 use crate::terminal::{count, seconds};
 
 /// Tells of a folder, of fields or of a model.

@@ -11,8 +11,8 @@ use wythe_core::model::schema;
 use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
 use crate::arguments::New;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Lists the templates, or writes one of them.
 pub fn new(arguments: &New) -> Result<(), Failure> {

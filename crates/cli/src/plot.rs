@@ -12,8 +12,8 @@ use wythe_core::results::summary::write_whole;
 use wythe_core::results::{Experiment, ReadError, RunFolder, Snapshot};
 
 use crate::arguments::Plot;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Pixels of a PNG to one of the SVG.
 const ZOOM: f32 = 2.0;

@@ -5,8 +5,9 @@ use wythe_core::results::directory::REPORT;
 use wythe_core::results::{Experiment, Report, RunFolder};
 
 use crate::arguments::ReportPage;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
+use crate::say::tell;
 
 /// Writes the page and says how large it is and what it lacks.
 pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
@@ -15,7 +16,7 @@ pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
     let experiment = experiment.map(Experiment::read).transpose()?;
     let report = Report::of(&folder, experiment.as_ref())?;
     for note in &report.notes {
-        eprintln!("note: {note}");
+        tell!("note: {note}");
     }
     let out = arguments
         .out

@@ -5,10 +5,10 @@ use wythe_core::results::{Resumed, StoppedRun};
 use wythe_core::solve;
 
 use crate::arguments::{Progress, Resume};
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::run::{record, take_threads};
+use crate::say::print;
 use crate::terminal::Terminal;
 
 /// Takes a run up from its last checkpoint.

@@ -13,10 +13,10 @@ use wythe_core::results::{
 use wythe_core::solve::{self, Checkpoint, RunError};
 
 use crate::arguments::Run;
-use crate::check::print;
 use crate::failure::Failure;
 use crate::findings::{self, Sound};
 use crate::interrupt::Interrupt;
+use crate::say::print;
 use crate::terminal::{Terminal, count};
 
 /// Runs the model and writes its folder.
@@ -74,12 +74,13 @@ pub fn record(
     let summary = watched.directory.finish(model, &ended?, warnings)?;
     // Those of the model were told at the start.
     let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
-    print(&watched.terminal.conclude(
+    let printed = print(&watched.terminal.conclude(
         || conclusion(&summary, new_warnings, &out),
         || end(&summary, new_warnings, &out),
-    ))?;
+    ));
+    // How the run ended counts for more than whether standard output could take it.
     match summary.status {
-        Status::Completed => Ok(()),
+        Status::Completed => printed,
         Status::Interrupted => Err(Failure::Interrupted),
         Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
             help = "everything up to there is in the folder of results",
@@ -89,7 +90,7 @@ pub fn record(
     }
 }
 
-/// Writes, shows, and listens to Ctrl-C.
+/// Writes, shows, and listens to signals.
 struct Watched<'a> {
     directory: RunDirectory,
     terminal: Terminal,

@@ -6,8 +6,8 @@ use clap::CommandFactory;
 use wythe_core::error::IoError;
 
 use crate::arguments::{Arguments, Completions, Man};
-use crate::check::print_bytes;
 use crate::failure::Failure;
+use crate::say::print_bytes;
 
 /// Prints the completions for a shell.
 pub fn completions(arguments: &Completions) -> Result<(), Failure> {

@@ -13,8 +13,9 @@ use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Wa
 use wythe_core::results::summary::write_whole;
 
 use crate::arguments::{Drive, DrivePoint, Point};
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
+use crate::say::tell;
 use path::Path;
 
 /// Drives the point and writes what it answers.
@@ -30,7 +31,7 @@ fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     // A point has no size: tables as given.
     let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     let follow = |rows: &[Row<6>]| point::material_path(&law, rows, arguments.substeps);
     walk(arguments, &MATERIAL, follow, point::material_state)
