@@ -1,17 +1,15 @@
 //! `wythe check`: is this model what its author means?
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wythe_core::error::IoError;
 use wythe_core::model::Model;
 use wythe_core::results::plotting::{png, scene};
-use wythe_core::results::summary::write_whole;
 
 use crate::arguments::Check;
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
-use crate::plot::undrawn;
+use crate::plot::{undrawn, write_answer};
 use crate::say::print;
 
 /// Reads and builds the model, and prints what is wrong with it, or what follows from it.
@@ -19,7 +17,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
     if let (Some(picture), Ok(sound)) = (&arguments.picture, &found) {
-        draw(&sound.model, picture)?;
+        draw(&sound.model, picture, &sound.deck.inputs())?;
     }
     if arguments.json {
         return print_json(path, found);
@@ -38,7 +36,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
 }
 
 /// Draws what will be built.
-fn draw(model: &Model, picture: &Path) -> Result<(), Failure> {
+fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let svg = scene(model);
     let extension = picture
         .extension()
@@ -55,12 +53,7 @@ fn draw(model: &Model, picture: &Path) -> Result<(), Failure> {
             )));
         }
     };
-    write_whole(picture, &bytes).map_err(|why| {
-        Failure::from(IoError {
-            path: picture.to_owned(),
-            why,
-        })
-    })
+    write_answer(picture, &bytes, inputs)
 }
 
 /// One object, whatever was found.

@@ -39,9 +39,18 @@ pub fn resume(arguments: &Resume) -> Result<(), Failure> {
     all.extend(of_files);
     let mut terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &all, out);
-    terminal.go_on(&checkpoint);
+    if let Some(checkpoint) = &checkpoint {
+        terminal.go_on(checkpoint);
+    }
     let sinks = (directory, terminal);
-    record(&model, &all, sinks, &interrupt, |recorder| {
-        solve::resume(&model, checkpoint, recorder)
-    })
+    record(
+        &model,
+        &all,
+        sinks,
+        &interrupt,
+        |recorder| match checkpoint {
+            Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
+            None => solve::run(&model, recorder),
+        },
+    )
 }

@@ -36,8 +36,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &warnings, &out);
     let interrupt = Interrupt::listen();
-    let mut directory = RunDirectory::create(&out, &model)?;
-    directory.keep_deck(&deck)?;
+    let directory = RunDirectory::of_deck(&out, &model, &deck)?;
     let sinks = (directory, terminal);
     record(&model, &warnings, sinks, &interrupt, |recorder| {
         solve::run(&model, recorder)

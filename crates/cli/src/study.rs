@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use wythe_core::error::IoError;
-use wythe_core::results::summary::write_whole;
+use wythe_core::files::write_whole;
 use wythe_core::study::{self, Case, Cell, Options, StudyError};
 
 use crate::arguments::{Stability, Study};
