@@ -232,6 +232,14 @@ def write_bytes(name: str, content: bytes) -> str:
     return name
 
 
+def say(stream: Any, text: str) -> None:
+    """Shows progress; a stream that is gone, closed or full is no reason to stop."""
+    if stream is not None:
+        with contextlib.suppress(OSError, ValueError):
+            stream.write(text)
+            stream.flush()
+
+
 def _no_frame(message: str, fix: str) -> IndexError:
     return IndexError(f"{message}; {fix}" if fix else message)
 
