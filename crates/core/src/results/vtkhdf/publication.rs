@@ -226,7 +226,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let mut publication = Publication::new(&path);
-        fs::write(publication.work(), [7; 200]).unwrap();
+        fs::write(publication.work(), [7_u8; 200]).unwrap();
         publication.publish().unwrap();
         check(&path).unwrap();
         let whole = fs::read(&path).unwrap();
