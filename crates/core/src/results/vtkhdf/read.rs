@@ -144,7 +144,7 @@ impl FieldsFile {
     pub fn materials(&self) -> io::Result<Vec<String>> {
         let read = || -> hdf5::Result<Vec<String>> {
             let names = self.file.group(MODEL)?.attr("materials")?;
-            self.room.holds(names.name(), names.size(), Some(8))?;
+            self.room.holds(&names.name(), names.size(), Some(8))?;
             let names = names.read_raw::<VarLenUnicode>()?;
             Ok(names.iter().map(ToString::to_string).collect())
         };
@@ -280,9 +280,9 @@ impl FieldsFile {
         let chunk = chunk.iter().try_fold(1, |n: usize, m| n.checked_mul(*m));
         let bytes = field.dtype()?.size();
         let size = chunk.and_then(|n| n.checked_mul(bytes));
-        self.room.holds(field.name(), 1, size)?;
+        self.room.holds(&field.name(), 1, size)?;
         self.room
-            .holds(field.name(), tuples, width.checked_mul(bytes))?;
+            .holds(&field.name(), tuples, width.checked_mul(bytes))?;
         Ok(rows.start.min(all)..rows.end.min(all))
     }
 
@@ -357,7 +357,7 @@ impl Room {
     ///
     /// # Errors
     /// It cannot.
-    fn holds(self, name: String, count: usize, bytes: Option<usize>) -> hdf5::Result<()> {
+    fn holds(self, name: &str, count: usize, bytes: Option<usize>) -> hdf5::Result<()> {
         let bytes = bytes.and_then(|bytes| bytes.checked_mul(count));
         let most = Self::LEAST + Self::UNPACKED.saturating_mul(self.length);
         if bytes.is_some_and(|bytes| bytes as u64 <= most) {
@@ -377,10 +377,10 @@ impl Room {
             .iter()
             .try_fold(1, |n: usize, m| n.checked_mul(*m));
         let bytes = of.dtype()?.size().max(size_of::<T>());
-        self.holds(of.name(), count.unwrap_or(usize::MAX), Some(bytes))?;
+        self.holds(&of.name(), count.unwrap_or(usize::MAX), Some(bytes))?;
         if let Some(chunk) = of.chunk() {
             let each = chunk.iter().try_fold(bytes, |n, m| n.checked_mul(*m));
-            self.holds(of.name(), 1, each)?;
+            self.holds(&of.name(), 1, each)?;
             let chunks = count.unwrap_or(0) as u64 * bytes as u64 / each.unwrap_or(1).max(1) as u64;
             if chunks > 16 + self.length / Self::CHUNK {
                 return Err(format!("{} has {chunks} chunks, more than can be", of.name()).into());
