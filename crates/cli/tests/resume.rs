@@ -288,15 +288,12 @@ fn a_history_that_is_lost_is_made_anew_or_the_run_begins_anew() {
     for lost in ["results.vtkhdf", ""] {
         std::fs::write(at("history.csv"), &short).unwrap();
         std::fs::remove_file(at("summary.json")).unwrap();
-        let said = match lost {
-            "" => {
-                "history.csv cannot be read (it ends before the checkpoint): it is kept as \
-                   history.damaged.csv, and it is made anew from results.vtkhdf"
-            }
-            _ => {
-                std::fs::write(at(lost), "no fields").unwrap();
-                "the run begins anew"
-            }
+        let said = if lost.is_empty() {
+            "history.csv cannot be read (it ends before the checkpoint): it is kept as \
+             history.damaged.csv, and it is made anew from results.vtkhdf"
+        } else {
+            std::fs::write(at(lost), "no fields").unwrap();
+            "the run begins anew"
         };
         let resumed = wythe(&["resume", &out]);
         assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
