@@ -53,6 +53,8 @@ fn through_a_file(checkpoint: &Checkpoint) -> Checkpoint {
         version: String::new(),
         deck: None,
         deck_folder: None,
+        way_to_deck_folder: None,
+        history: wythe::files::Extent::default(),
         frames: 0,
         messages: None,
         wall_s: 0.0,

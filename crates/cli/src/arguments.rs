@@ -46,7 +46,7 @@ The folder then holds:
   load_displacement.svg, crack_pattern.svg
   summary.json           written last: a folder without it is not whole
 Results of an earlier run in it are replaced. Ctrl-C finishes the increment and writes everything; \
-a second Ctrl-C stops at once.
+a second Ctrl-C stops at once. SIGTERM and SIGHUP do as the first Ctrl-C.
 
 Progress goes to standard error: a bar with the force so far and the time left on a terminal, a line an \
 increment elsewhere. With --progress json it goes to standard output, an object a line, its \
@@ -61,7 +61,7 @@ Examples:
 const RESUME_HELP: &str = "\
 A run writes checkpoint.bin as it goes. Whatever stopped it (Ctrl-C, a kill, the power), it goes on from \
 there, and history.csv becomes what it would have been, to the last bit. Rows and frames after the \
-checkpoint are computed again. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
+checkpoint are computed again; files that are not as they were then are told, and made anew. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
 that the run began with. Only the last step may become longer (its displacement, angle or duration; it \
 keeps its speed and its increments in mm, deg or s) or end elsewhere (its `stop`).
 

@@ -1,26 +1,24 @@
 //! `wythe check`: is this model what its author means?
 
-use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wythe_core::error::IoError;
 use wythe_core::input;
 use wythe_core::model::{MOST_BYTES, Model};
 use wythe_core::results::plotting::{png, scene};
-use wythe_core::results::summary::write_whole;
 
 use crate::arguments::Check;
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
-use crate::plot::undrawn;
+use crate::plot::{undrawn, write_answer};
+use crate::say::print;
 
 /// Reads and builds the model, and prints what is wrong with it, or what follows from it.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
     if let (Some(picture), Ok(sound)) = (&arguments.picture, &found) {
-        draw(&sound.model, picture)?;
+        draw(&sound.model, picture, &sound.deck.inputs())?;
     }
     if arguments.json {
         return print_json(path, found);
@@ -43,7 +41,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
 }
 
 /// Draws what will be built.
-fn draw(model: &Model, picture: &Path) -> Result<(), Failure> {
+fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let svg = scene(model);
     let extension = picture
         .extension()
@@ -60,12 +58,7 @@ fn draw(model: &Model, picture: &Path) -> Result<(), Failure> {
             )));
         }
     };
-    write_whole(picture, &bytes).map_err(|why| {
-        Failure::from(IoError {
-            path: picture.to_owned(),
-            why,
-        })
-    })
+    write_answer(picture, &bytes, inputs)
 }
 
 /// One object, whatever was found.
@@ -111,20 +104,4 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
     };
     print(&format!("{object}\n"))?;
     outcome
-}
-
-/// Writes to standard output; a reader that has had enough is no error.
-pub fn print(text: &str) -> Result<(), Failure> {
-    print_bytes(text.as_bytes())
-}
-
-/// The same for bytes.
-pub fn print_bytes(text: &[u8]) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::InputOutput(
-            miette::Report::msg(format!("standard output cannot be written: {error}")),
-        )),
-        _ => Ok(()),
-    }
 }

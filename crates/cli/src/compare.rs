@@ -6,8 +6,8 @@ use wythe_core::results::directory::DECK;
 use wythe_core::results::{self, Experiment, RunFolder};
 
 use crate::arguments::Compare;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Compares and prints.
 pub fn compare(arguments: &Compare) -> Result<(), Failure> {
@@ -27,7 +27,7 @@ pub fn compare(arguments: &Compare) -> Result<(), Failure> {
 /// From the copy of the deck, where there is one that can be built.
 fn height_of(folder: &RunFolder) -> Option<f64> {
     let deck = Deck::load(folder.path().join(DECK), &[]).ok()?;
-    let deck = deck.in_folder(folder.deck_folder());
+    let deck = folder.place(deck);
     let (model, _) = Model::from_deck(&deck).ok()?;
     clear_height(&model)
 }

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use wythe_core::model::{Deck, Model};
-use wythe_core::results::directory::DECK;
+use wythe_core::results::directory::{DECK, spare_inputs};
 use wythe_core::results::export::{frame_name, inp, table, vtu};
 use wythe_core::results::snapshot::Snapshots;
 use wythe_core::results::{FrameChoice, RunFolder, Snapshot};
 
 use crate::arguments::{Export, Format, Frames};
-use crate::check::print;
 use crate::failure::Failure;
 use crate::plot::write;
+use crate::say::print;
 
 /// Name of the series of all frames.
 const SERIES: &str = "series.pvd";
@@ -35,11 +35,10 @@ pub fn export(arguments: &Export) -> Result<(), Failure> {
     };
     let mut written: Vec<PathBuf> = Vec::new();
     if arguments.to == Format::Inp {
-        written.push(write(
-            &out,
-            "model.inp",
-            model(&folder, arguments)?.as_bytes(),
-        )?);
+        let name = "model.inp";
+        let (text, inputs) = model(&folder, arguments)?;
+        spare_inputs(&out, [name], &inputs)?;
+        written.push(write(&out, name, text.as_bytes())?);
     } else {
         let snapshots = Snapshots::open(&folder)?;
         let frames = match arguments.frame.unwrap_or(Frames::One(FrameChoice::Last)) {
@@ -91,6 +90,8 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
         ],
         _ => vec![("model.inp", inp::inp(&model))],
     };
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    spare_inputs(&out, names, &deck.inputs())?;
     let mut written = Vec::new();
     for (name, text) in files {
         written.push(write(&out, name, text.as_bytes())?);
@@ -117,8 +118,8 @@ fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     files
 }
 
-/// The model of the folder's deck, for Abaqus.
-fn model(folder: &RunFolder, arguments: &Export) -> Result<String, Failure> {
+/// The model of the folder's deck, for Abaqus, and the files that it is made of.
+fn model(folder: &RunFolder, arguments: &Export) -> Result<(String, Vec<PathBuf>), Failure> {
     if arguments.frame.is_some() {
         return Err(Failure::Model(miette::miette!(
             help = "leave --frame out; deformed shapes are in --to vtu and --to csv",
@@ -132,7 +133,7 @@ fn model(folder: &RunFolder, arguments: &Export) -> Result<String, Failure> {
             folder.path().display()
         )));
     }
-    let deck = Deck::load(folder.path().join(DECK), &[])?.in_folder(folder.deck_folder());
+    let deck = folder.place(Deck::load(folder.path().join(DECK), &[])?);
     let (model, _) = Model::from_deck(&deck)?;
-    Ok(inp::inp(&model))
+    Ok((inp::inp(&model), deck.inputs()))
 }

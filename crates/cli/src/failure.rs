@@ -6,6 +6,7 @@ use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
 use wythe_core::study::StudyError;
 
+use crate::say::tell;
 use crate::unicode;
 
 /// Exit code of our own mistakes.
@@ -13,7 +14,8 @@ pub const BUG: u8 = 1;
 /// Exit code of a wrong model or usage.
 pub const MODEL: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
-const INPUT_OUTPUT: u8 = 4;
+/// Exit code of a file that cannot be read or written.
+pub const INPUT_OUTPUT: u8 = 4;
 /// 128 + SIGINT, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
@@ -57,7 +59,7 @@ impl Failure {
     pub fn report(&self) {
         match self {
             Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
-                eprintln!("{report:?}");
+                tell!("{report:?}");
             }
             Self::ToldModel | Self::Interrupted => {}
         }

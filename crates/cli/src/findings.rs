@@ -12,6 +12,7 @@ use wythe_core::model::{Deck, MOST_BYTES, Model};
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
+use crate::say::{self, tell};
 
 /// A deck that could be read, and the model that was built of it.
 pub struct Sound {
@@ -72,17 +73,17 @@ impl Unsound {
         let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
         for warning in error.warnings() {
-            eprint!("{}", drawn(warning, &lines));
+            say::text(&drawn(warning, &lines));
         }
         for error in error.all() {
-            eprintln!("{:?}", Report::new(error.alone()));
+            tell!("{:?}", Report::new(error.alone()));
         }
         let count = crate::terminal::count(error.all().count(), "error");
         let rest = match layer {
             Layer::Form => "; the physics is judged when the form is right",
             Layer::Physics => "",
         };
-        eprintln!("{count} of {} in {}{rest}", layer.name(), path.display());
+        tell!("{count} of {} in {}{rest}", layer.name(), path.display());
         Failure::ToldModel
     }
 }

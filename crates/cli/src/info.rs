@@ -13,8 +13,8 @@ use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
 
 use crate::arguments::Info;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 use crate::terminal::{count, seconds};
 
 /// Tells of a folder, of fields or of a model.
@@ -145,22 +145,20 @@ fn sizes(text: &mut String, s: &SummaryFile) -> Told {
 }
 
 fn steps(text: &mut String, history: &ReadHistory) -> Told {
-    let Some(last) = history.rows.last() else {
+    if history.rows.is_empty() {
         return writeln!(text, "  steps       no increment is done");
-    };
-    for step in 0..=last.step {
-        let of_step = || history.rows.iter().filter(|r| r.step == step);
-        let Some(end) = of_step().next_back() else {
-            continue;
-        };
-        let head = if step == 0 { "steps" } else { "" };
-        let (d, f) = (end.displacement_mm, end.force_kN);
+    }
+    let mut head = "steps";
+    for rows in history.rows.chunk_by(|a, b| a.step == b.step) {
+        let Some(end) = rows.last() else { continue };
+        let (step, d, f) = (end.step, end.displacement_mm, end.force_kN);
         writeln!(
             text,
             "  {head:10}  {step}: {}, {:.1} % of its loads, ends at {d:.4} mm, {f:.3} kN",
-            count(of_step().count(), "increment"),
+            count(rows.len(), "increment"),
             100.0 * end.load_factor
         )?;
+        head = "";
     }
     Ok(())
 }

@@ -1,38 +1,58 @@
-//! Ctrl-C: the first one asks, the second one insists.
+//! Requests to stop: Ctrl-C (the first one asks, the second one insists), SIGTERM and SIGHUP.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use crate::failure;
+use crate::say::tell;
 
 /// Whether the user has asked to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
-/// The one that Ctrl-C sets: a process has one handler.
-static OF_CTRL_C: OnceLock<Interrupt> = OnceLock::new();
+/// The one that signals set: a process has one handler of each.
+static OF_SIGNALS: OnceLock<Interrupt> = OnceLock::new();
 
 impl Interrupt {
-    /// Listens to Ctrl-C from now on: the first one sets the flag, the second one ends the process
-    /// at once with exit code 130. Where no handler can be set, Ctrl-C ends the process as usual.
+    /// Listens from now on. The first Ctrl-C sets the flag, the second one ends the process at once with exit code
+    /// 130. SIGTERM (`kill`, batch systems, `timeout`) and SIGHUP (the terminal was closed) set the flag, too, but
+    /// never end the process: both often come twice, once from the shell or `timeout` and once to its whole group.
+    /// A SIGHUP that is ignored from the start, as below `nohup`, stays ignored. Where no handler can be set, the
+    /// signal ends the process as usual.
     pub fn listen() -> Self {
-        let interrupt = OF_CTRL_C.get_or_init(|| {
+        let interrupt = OF_SIGNALS.get_or_init(|| {
             let interrupt = Self::default();
             let flag = interrupt.clone();
             let set = ctrlc::set_handler(move || {
                 if flag.0.swap(true, Ordering::SeqCst) {
                     std::process::exit(i32::from(failure::INTERRUPTED));
                 }
-                eprintln!("\nstopping after this increment; Ctrl-C again stops at once");
+                tell!("\nstopping after this increment; Ctrl-C again stops at once");
             });
             if let Err(error) = set {
-                eprintln!("Ctrl-C will not be waited for: {error}");
+                tell!("Ctrl-C will not be waited for: {error}");
             }
+            #[cfg(unix)]
+            interrupt.listen_to_termination();
             interrupt
         });
         // What stopped an earlier run of this process is not meant for this one.
         interrupt.0.store(false, Ordering::SeqCst);
         interrupt.clone()
+    }
+
+    #[cfg(unix)]
+    fn listen_to_termination(&self) {
+        use signal_hook::consts::{SIGHUP, SIGTERM};
+        let wanted = [
+            (SIGTERM, "SIGTERM", true),
+            (SIGHUP, "SIGHUP", hang_up_counts()),
+        ];
+        for (signal, name, _) in wanted.into_iter().filter(|(.., wanted)| *wanted) {
+            if let Err(error) = signal_hook::flag::register(signal, Arc::clone(&self.0)) {
+                tell!("{name} will not be waited for: {error}");
+            }
+        }
     }
 
     /// True once the user has asked.
@@ -44,5 +64,36 @@ impl Interrupt {
     #[cfg(test)]
     pub fn request(&self) {
         self.0.store(true, Ordering::SeqCst);
+    }
+}
+
+/// Whether SIGHUP is not ignored. Where the system does not tell: whether there is a terminal that may be closed
+/// (`nohup` leads standard error elsewhere).
+#[cfg(unix)]
+fn hang_up_counts() -> bool {
+    use std::io::IsTerminal as _;
+    let status = std::fs::read_to_string("/proc/self/status").ok();
+    let ignored = status.and_then(|status| ignores_hang_up(&status));
+    ignored.map_or_else(|| std::io::stderr().is_terminal(), |ignored| !ignored)
+}
+
+/// The mask of ignored signals in `/proc/self/status` is hexadecimal; SIGHUP, signal 1, is its lowest bit.
+#[cfg(unix)]
+fn ignores_hang_up(status: &str) -> Option<bool> {
+    let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"))?;
+    let mask = u64::from_str_radix(mask.trim(), 16).ok()?;
+    Some(mask & 1 == 1)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ignored_hang_up_is_the_lowest_bit_of_its_mask() {
+        let status = |mask: &str| format!("SigBlk:\t0000000000000001\nSigIgn:\t{mask}\n");
+        assert_eq!(ignores_hang_up(&status("0000000000001001")), Some(true));
+        assert_eq!(ignores_hang_up(&status("0000000000001000")), Some(false));
+        assert_eq!(ignores_hang_up("Name:\twythe\n"), None);
     }
 }

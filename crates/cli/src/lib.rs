@@ -17,6 +17,7 @@ mod report;
 mod resume;
 mod run;
 mod salvage;
+mod say;
 mod schema;
 mod shell;
 mod study;
@@ -24,19 +25,22 @@ mod terminal;
 mod unicode;
 
 use std::ffi::OsString;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use clap::Parser;
 
 use arguments::{Arguments, Command};
 use failure::Failure;
+use say::tell;
 
 /// The command as its user typed it, the program's name first; its exit code: 0 completed, 2 bad model or
 /// usage, 3 not converged (results kept), 4 input or output, 130 interrupted, 1 a bug of ours.
 ///
 /// It speaks on standard output and standard error, `--help` and errors of usage included. It may be called
-/// again, but Ctrl-C and the number of threads (`--threads`) belong to the process: the first Ctrl-C of a run
-/// asks it to stop, the second ends the process; and rayon takes a number of threads once only.
+/// again, but signals and the number of threads (`--threads`) belong to the process: the first Ctrl-C of a run
+/// asks it to stop, as SIGTERM and SIGHUP do, the second ends the process; and rayon takes a number of threads
+/// once only.
 pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     command_of(&[this_program()], arguments)
 }
@@ -48,9 +52,16 @@ pub fn command_of(program: &[OsString], arguments: impl IntoIterator<Item = OsSt
         Ok(arguments) => arguments,
         // What is asked for (`--help`, `--version`) comes as an error with exit code 0.
         Err(told) => {
-            // A reader that has had enough is no error.
-            let _ = told.print();
-            return u8::try_from(told.exit_code()).unwrap_or(failure::MODEL);
+            let printed = told.print();
+            let code = u8::try_from(told.exit_code()).unwrap_or(failure::MODEL);
+            return match printed {
+                // What was asked for and does not fit on a full disk; a reader that has had enough is no error.
+                Err(why) if code == 0 && why.kind() != ErrorKind::BrokenPipe => {
+                    tell!("standard output cannot be written: {why}");
+                    failure::INPUT_OUTPUT
+                }
+                _ => code,
+            };
         }
     };
     failure::draw_as_the_terminal_can();
@@ -62,7 +73,7 @@ pub fn command_of(program: &[OsString], arguments: impl IntoIterator<Item = OsSt
             failure.exit_code()
         }
         Err(_) => {
-            eprintln!(
+            tell!(
                 "This is a bug in wythe, not in your model. Please report it with the lines above \
                  and the model."
             );

@@ -1,18 +1,17 @@
 //! `wythe new`: a commented deck that runs as it is.
 
-use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use wythe_core::command::argument;
 use wythe_core::error::IoError;
+use wythe_core::files::{write_out, write_whole};
 use wythe_core::model::import::{ImportedMesh, Units};
 use wythe_core::model::schema;
 use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
 use crate::arguments::New;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Lists the templates, or writes one of them.
 pub fn new(arguments: &New) -> Result<(), Failure> {
@@ -33,11 +32,10 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     if !folder.as_os_str().is_empty() {
         std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
     }
-    let mut file = open(&path, arguments.force)?;
-    file.write_all(text.as_bytes()).map_err(unwritable(&path))?;
+    write(&path, &text, arguments.force)?;
     // Another version of wythe may have written the one that is there.
     let beside = folder.join(SCHEMA);
-    std::fs::write(&beside, schema::text()).map_err(unwritable(&beside))?;
+    write_whole(&beside, schema::text().as_bytes()).map_err(unwritable(&beside))?;
     let typed = argument(&path);
     print(&format!(
         "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",
@@ -91,23 +89,17 @@ fn unwritable(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + '_ {
     }
 }
 
-/// A new file; an old one only by force.
-fn open(path: &Path, force: bool) -> Result<File, Failure> {
-    let mut options = OpenOptions::new();
-    options.write(true);
-    let opened = if force {
-        options.create(true).truncate(true).open(path)
-    } else {
-        options.create_new(true).open(path)
-    };
-    opened.map_err(|why| match why.kind() {
-        ErrorKind::AlreadyExists => Failure::InputOutput(miette::miette!(
+/// Writes a new file; over an old one only by force.
+fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+    // A link that leads nowhere is there, too.
+    if !force && path.symlink_metadata().is_ok() {
+        return Err(Failure::InputOutput(miette::miette!(
             help = "take another name, or say --force to overwrite it",
             "{} is there already",
             path.display()
-        )),
-        _ => unwritable(path)(why),
-    })
+        )));
+    }
+    write_out(path, text.as_bytes()).map_err(unwritable(path))
 }
 
 #[cfg(test)]

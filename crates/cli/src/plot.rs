@@ -3,17 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use wythe_core::error::IoError;
+use wythe_core::files::{write_out, write_whole};
 use wythe_core::results::comparison::points_of;
+use wythe_core::results::directory::spare_inputs;
 use wythe_core::results::elevation::crack_pattern_of;
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{Line, load_displacements, png};
 use wythe_core::results::snapshot::Snapshots;
-use wythe_core::results::summary::write_whole;
 use wythe_core::results::{Experiment, ReadError, RunFolder, Snapshot};
 
 use crate::arguments::Plot;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Pixels of a PNG to one of the SVG.
 const ZOOM: f32 = 2.0;
@@ -118,6 +119,17 @@ fn name_of(path: &Path) -> String {
         .unwrap_or(whole.as_os_str())
         .to_string_lossy();
     name.strip_suffix(".out").unwrap_or(&name).to_owned()
+}
+
+/// Writes to a name that the user has given, a device or a pipe perhaps, but over none of the inputs.
+pub fn write_answer(path: &Path, bytes: &[u8], inputs: &[PathBuf]) -> Result<(), Failure> {
+    if let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|n| n.to_str())) {
+        spare_inputs(folder, [name], inputs)?;
+    }
+    write_out(path, bytes).map_err(|why| {
+        let path = path.to_owned();
+        IoError { path, why }.into()
+    })
 }
 
 /// Writes a file into a folder, which is made if need be.

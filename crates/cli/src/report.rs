@@ -1,12 +1,13 @@
 //! `wythe report`: a run's folder on one page.
 
-use wythe_core::error::IoError;
-use wythe_core::results::directory::REPORT;
+use wythe_core::results::directory::{OF_A_RUN, REPORT};
 use wythe_core::results::{Experiment, Report, RunFolder};
 
 use crate::arguments::ReportPage;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::plot::write_answer;
+use crate::say::print;
+use crate::say::tell;
 
 /// Writes the page and says how large it is and what it lacks.
 pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
@@ -15,18 +16,17 @@ pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
     let experiment = experiment.map(Experiment::read).transpose()?;
     let report = Report::of(&folder, experiment.as_ref())?;
     for note in &report.notes {
-        eprintln!("note: {note}");
+        tell!("note: {note}");
     }
     let out = arguments
         .out
         .clone()
         .unwrap_or_else(|| arguments.folder.join(REPORT));
-    report.write(&out).map_err(|why| {
-        Failure::input_output(IoError {
-            path: out.clone(),
-            why,
-        })
-    })?;
+    // The page may lie anywhere but in the place of another file of the run.
+    let others = OF_A_RUN.iter().filter(|name| **name != REPORT);
+    let mut inputs: Vec<_> = others.map(|name| arguments.folder.join(name)).collect();
+    inputs.extend(arguments.experiment.clone());
+    write_answer(&out, report.html.as_bytes(), &inputs)?;
     print(&format!(
         "{}: {:.2} MB, {} of {} frames\n",
         out.display(),

@@ -5,10 +5,10 @@ use wythe_core::results::{Resumed, StoppedRun};
 use wythe_core::solve;
 
 use crate::arguments::{Progress, Resume};
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::run::{record, take_threads};
+use crate::say::print;
 use crate::terminal::Terminal;
 
 /// Takes a run up from its last checkpoint.
@@ -39,9 +39,18 @@ pub fn resume(arguments: &Resume) -> Result<(), Failure> {
     all.extend(of_files);
     let mut terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &all, out);
-    terminal.go_on(&checkpoint);
+    if let Some(checkpoint) = &checkpoint {
+        terminal.go_on(checkpoint);
+    }
     let sinks = (directory, terminal);
-    record(&model, &all, sinks, &interrupt, |recorder| {
-        solve::resume(&model, checkpoint, recorder)
-    })
+    record(
+        &model,
+        &all,
+        sinks,
+        &interrupt,
+        |recorder| match checkpoint {
+            Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
+            None => solve::run(&model, recorder),
+        },
+    )
 }

@@ -13,10 +13,10 @@ use wythe_core::results::{
 use wythe_core::solve::{self, Checkpoint, RunError};
 
 use crate::arguments::Run;
-use crate::check::print;
 use crate::failure::Failure;
 use crate::findings::{self, Sound};
 use crate::interrupt::Interrupt;
+use crate::say::print;
 use crate::terminal::{Terminal, count};
 
 /// Runs the model and writes its folder.
@@ -36,8 +36,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &warnings, &out);
     let interrupt = Interrupt::listen();
-    let mut directory = RunDirectory::create(&out, &model)?;
-    directory.keep_deck(&deck)?;
+    let directory = RunDirectory::of_deck(&out, &model, &deck)?;
     let sinks = (directory, terminal);
     record(&model, &warnings, sinks, &interrupt, |recorder| {
         solve::run(&model, recorder)
@@ -52,7 +51,7 @@ pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let (taken, warning) = few_threads(threads.get(), cores);
     if let Some(warning) = warning {
-        eprintln!("warning: {warning}");
+        crate::say::tell!("warning: {warning}");
     }
     // Only a second call could fail, and this is the only one.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(taken);
@@ -94,12 +93,13 @@ pub fn record(
     let summary = watched.directory.finish(model, &ended?, warnings)?;
     // Those of the model were told at the start.
     let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
-    print(&watched.terminal.conclude(
+    let printed = print(&watched.terminal.conclude(
         || conclusion(&summary, new_warnings, &out),
         || end(&summary, new_warnings, &out),
-    ))?;
+    ));
+    // How the run ended counts for more than whether standard output could take it.
     match summary.status {
-        Status::Completed => Ok(()),
+        Status::Completed => printed,
         Status::Interrupted => Err(Failure::Interrupted),
         Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
             help = "everything up to there is in the folder of results",
@@ -109,7 +109,7 @@ pub fn record(
     }
 }
 
-/// Writes, shows, and listens to Ctrl-C.
+/// Writes, shows, and listens to signals.
 struct Watched<'a> {
     directory: RunDirectory,
     terminal: Terminal,

@@ -3,8 +3,8 @@
 use wythe_core::results::mcap::salvage::{SalvageError, salvage as rescue};
 
 use crate::arguments::Salvage;
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 use crate::terminal::count;
 
 /// Rewrites the file, and says what there is in it.

@@ -1,7 +1,7 @@
 //! `wythe schema`: what editors need to complete and check a deck.
 
-use crate::check::print;
 use crate::failure::Failure;
+use crate::say::print;
 
 /// Prints the JSON schema of decks.
 pub fn schema() -> Result<(), Failure> {

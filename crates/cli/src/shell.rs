@@ -4,10 +4,11 @@ use std::path::Path;
 
 use clap::CommandFactory;
 use wythe_core::error::IoError;
+use wythe_core::files::write_whole;
 
 use crate::arguments::{Arguments, Completions, Man};
-use crate::check::print_bytes;
 use crate::failure::Failure;
+use crate::say::print_bytes;
 
 /// Prints the completions for a shell.
 pub fn completions(arguments: &Completions) -> Result<(), Failure> {
@@ -31,7 +32,22 @@ pub fn man(arguments: &Man) -> Result<(), Failure> {
         return print_bytes(&page);
     };
     std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
-    clap_mangen::generate_to(command, folder).map_err(|why| unwritable(folder)(why).into())
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    pages(&command, folder).map_err(Failure::from)
+}
+
+/// Writes the page of a command and those of its sub-commands.
+fn pages(command: &clap::Command, folder: &Path) -> Result<(), IoError> {
+    for part in command.get_subcommands().filter(|it| !it.is_hide_set()) {
+        pages(part, folder)?;
+    }
+    let man = clap_mangen::Man::new(command.clone());
+    let (path, mut page) = (folder.join(man.get_filename()), Vec::new());
+    let rendered = man.render(&mut page);
+    rendered
+        .and_then(|()| write_whole(&path, &page))
+        .map_err(unwritable(&path))
 }
 
 fn unwritable(path: &Path) -> impl FnOnce(std::io::Error) -> IoError + '_ {

@@ -12,13 +12,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use wythe_core::error::IoError;
-use wythe_core::results::summary::write_whole;
+use wythe_core::files::write_whole;
 use wythe_core::study::{self, Case, Cell, Options, StudyError};
 
 use crate::arguments::{Stability, Study};
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::say::print;
+use crate::say::tell;
 
 /// The page and its picture.
 const PAGE: &str = "stability.md";
@@ -63,7 +64,7 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
         // One line at a time.
         let _line = lines.lock();
         let number = count.fetch_add(1, Ordering::Relaxed) + 1;
-        eprintln!("{number:4}  {}", line(case, cell, arguments.verbose));
+        tell!("{number:4}  {}", line(case, cell, arguments.verbose));
     };
     let atlas = study::stability(&cases, &options, &progress, &|| interrupt.requested())?;
     if atlas.interrupted {

@@ -14,6 +14,7 @@ use wythe_core::results::HistoryRow;
 use wythe_core::solve::{Checkpoint, Method};
 
 use crate::arguments::Progress;
+use crate::say::tell;
 use crate::unicode;
 use pace::Pace;
 pub use pace::seconds;
@@ -113,7 +114,7 @@ impl Terminal {
         match &self.voice {
             Voice::Bar(_) | Voice::Lines => {
                 for warning in warnings {
-                    eprintln!("warning: {warning}");
+                    tell!("warning: {warning}");
                 }
             }
             Voice::Json => emit(&json!({
@@ -135,7 +136,7 @@ impl Terminal {
         let (step, increment) = (from.step(), self.increment);
         match &self.voice {
             Voice::Bar(_) | Voice::Lines => {
-                eprintln!("going on after increment {increment} (step {step})");
+                tell!("going on after increment {increment} (step {step})");
             }
             Voice::Json => emit(&json!({
                 "event": "resume",
@@ -163,7 +164,7 @@ impl Terminal {
                 bar.set_position((TICKS * done) as u64);
                 bar.set_message(self.message(""));
             }
-            Voice::Lines => eprintln!("{}", self.last),
+            Voice::Lines => tell!("{}", self.last),
             Voice::Json => emit(&json!({
                 "event": "increment",
                 "step": row.step,
@@ -216,7 +217,7 @@ impl Terminal {
     pub fn note(&self, text: &str) {
         match &self.voice {
             Voice::Bar(bar) => bar.println(text),
-            Voice::Lines => eprintln!("{text}"),
+            Voice::Lines => tell!("{text}"),
             Voice::Json => emit(&json!({ "event": "note", "text": text })),
             Voice::None => {}
         }

@@ -90,7 +90,7 @@ fn results_that_cannot_be_written_exit_with_4() {
     );
 }
 
-/// One folder would lie below a file; in the other a full disk stands for the history.
+/// One folder would lie below a file; in the other no file may have a single byte, as where a quota is used up.
 #[test]
 #[cfg(target_os = "linux")]
 fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole() {
@@ -99,13 +99,18 @@ fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole(
     std::fs::write(&file, "mine").unwrap();
     let below = file.join("wall.out");
     let full = folder.path().join("full.out");
-    std::fs::create_dir(&full).unwrap();
-    std::os::unix::fs::symlink("/dev/full", full.join("history.csv")).unwrap();
-    for (out, said) in [
-        (&below, "cannot be created"),
-        (&full, "No space left on device"),
+    for (limit, out, said) in [
+        ("true", &below, "cannot be created"),
+        // Without the signal that would kill.
+        ("trap '' XFSZ && ulimit -f 0", &full, "File too large"),
     ] {
-        let output = wythe(&["run", &couplet(), "--out", &out.display().to_string()]);
+        let output = Command::new("sh")
+            .args(["-c", &format!("{limit} && exec \"$@\""), "sh"])
+            .args([env!("CARGO_BIN_EXE_wythe"), "run", &couplet(), "--out"])
+            .arg(out)
+            .env("LC_ALL", "C.UTF-8")
+            .output()
+            .unwrap();
         assert_eq!(code(&output), 4, "{}", stderr(&output));
         assert!(stderr(&output).contains(said), "{}", stderr(&output));
         assert!(!out.join("summary.json").exists());

@@ -272,17 +272,37 @@ fn what_cannot_go_on_says_why() {
         stderr(&missing)
     );
 
-    // Nothing of this has touched the results; a history that is too short is refused before anything is.
+    // Nothing of this has touched the results.
     std::fs::write(&checkpoint, &whole).unwrap();
     assert_eq!(code(&wythe(&["resume", &out])), 0);
-    let history = Path::new(&out).join("history.csv");
-    let rows = text(&history);
-    let short: Vec<&str> = rows.split_inclusive('\n').take(3).collect();
-    std::fs::write(&history, short.concat()).unwrap();
-    std::fs::remove_file(Path::new(&out).join("summary.json")).unwrap();
-    let lost = wythe(&["resume", &out]);
-    assert_eq!(code(&lost), 4);
-    assert!(stderr(&lost).contains("fewer rows"), "{}", stderr(&lost));
+}
+
+/// The fields have the rows, too; where they are lost, the run begins anew.
+#[test]
+fn a_history_that_is_lost_is_made_anew_or_the_run_begins_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = done(folder.path());
+    let at = |name: &str| Path::new(&out).join(name);
+    let whole = text(&at("history.csv"));
+    let short: String = whole.split_inclusive('\n').take(3).collect();
+    for lost in ["results.vtkhdf", ""] {
+        std::fs::write(at("history.csv"), &short).unwrap();
+        std::fs::remove_file(at("summary.json")).unwrap();
+        let said = if lost.is_empty() {
+            "history.csv cannot be read (it ends before the checkpoint): it is kept as \
+             history.damaged.csv, and it is made anew from results.vtkhdf"
+        } else {
+            std::fs::write(at(lost), "no fields").unwrap();
+            "the run begins anew"
+        };
+        let resumed = wythe(&["resume", &out]);
+        assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+        assert!(stderr(&resumed).contains(said), "{}", stderr(&resumed));
+        assert_eq!(text(&at("history.csv")), whole);
+        assert_eq!(text(&at("history.damaged.csv")), short);
+        let fields = RunFolder::open(Path::new(&out)).unwrap().fields().unwrap();
+        assert!(fields.times().len() > 1, "{lost}");
+    }
 }
 
 /// The checkpoint has all that the solver needs: other files that are lost are no reason to stop.
@@ -298,8 +318,12 @@ fn fields_and_messages_that_cannot_be_read_begin_anew() {
     std::fs::remove_file(at("summary.json")).unwrap();
     let resumed = wythe(&["resume", &out]);
     assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
-    for name in ["run.mcap cannot be read", "results.vtkhdf cannot be read"] {
-        assert!(stderr(&resumed).contains(name), "{}", stderr(&resumed));
+    for name in ["run.mcap", "results.vtkhdf"] {
+        let said = format!("{name} cannot be read");
+        assert!(stderr(&resumed).contains(&said), "{}", stderr(&resumed));
+        let (stem, ending) = name.split_once('.').unwrap();
+        let kept = at(&format!("{stem}.damaged.{ending}"));
+        assert_eq!(text(&kept), "no such file");
     }
     assert_eq!(text(&at("history.csv")), history);
     assert!(RunFolder::open(Path::new(&out)).unwrap().fields().is_ok());
@@ -366,6 +390,48 @@ fn a_second_run_into_the_same_folder_is_refused() {
     }
     // The lock goes with the process that held it.
     assert!(killed_after(&["resume", &name], Duration::from_secs(600)));
+}
+
+/// Deck, record and results are moved together; the place where the run began is gone.
+#[test]
+fn a_project_that_is_moved_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let [here, there] = ["here", "there/deeper"].map(|name| folder.path().join(name));
+    std::fs::create_dir_all(here.join("data")).unwrap();
+    std::fs::create_dir_all(there.parent().unwrap()).unwrap();
+    let pulse = text(&repository("tests/data/ground/pulse.csv"));
+    std::fs::write(here.join("data/ground.csv"), &pulse).unwrap();
+    let deck = text(&repository(
+        "tests/stability/cases/06-braking-block/deck.toml",
+    ));
+    let deck = deck.replacen(
+        "procedure = \"dynamic\"",
+        "procedure = \"dynamic\"\nground = { x = \"data/ground.csv\" }",
+        1,
+    );
+    std::fs::write(here.join("block.toml"), deck).unwrap();
+    let run = wythe(&["run", &here.join("block.toml").display().to_string()]);
+    assert_eq!(code(&run), 0, "{}", stderr(&run));
+    let wanted = text(&here.join("block.out/history.csv"));
+    std::fs::rename(&here, &there).unwrap();
+    let out = there.join("block.out");
+    std::fs::remove_file(out.join("summary.json")).unwrap();
+    let resumed = wythe(&["resume", &out.display().to_string()]);
+    assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+    assert_eq!(text(&out.join("history.csv")), wanted);
+    // Exports find the record, too.
+    let export = wythe(&["export", &out.display().to_string(), "--to", "inp"]);
+    assert_eq!(code(&export), 0, "{}", stderr(&export));
+    // Without its record it says where it looked.
+    std::fs::remove_dir_all(there.join("data")).unwrap();
+    std::fs::remove_file(out.join("summary.json")).unwrap();
+    let lost = wythe(&["resume", &out.display().to_string()]);
+    assert_eq!(code(&lost), 2);
+    assert!(
+        stderr(&lost).replace(' ', "").contains("data/ground.csv"),
+        "{}",
+        stderr(&lost)
+    );
 }
 
 /// A record that the deck names is found from the folder of results, and missed if it has changed.

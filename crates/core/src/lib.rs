@@ -7,6 +7,7 @@ pub mod command;
 pub mod element;
 pub mod error;
 pub mod experiment;
+pub mod files;
 pub mod input;
 pub mod material;
 pub mod model;

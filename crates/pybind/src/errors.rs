@@ -166,6 +166,7 @@ pub fn of_output(py: Python<'_>, error: &OutputError) -> PyErr {
 pub fn of_salvage(py: Python<'_>, error: &SalvageError) -> PyErr {
     match error {
         SalvageError::Io(error) => of_io(py, error),
+        SalvageError::Locked(error) => of_output(py, error),
         error @ SalvageError::NotMcap(_) => output(py, error, None),
     }
 }

@@ -6,6 +6,7 @@ use numpy::Element;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use wythe_core::files::write_whole;
 use wythe_core::model::{Deck, Model};
 use wythe_core::results::comparison::{clear_height, points_of};
 use wythe_core::results::directory::DECK;
@@ -15,7 +16,6 @@ use wythe_core::results::mcap::salvage::salvage as rescue;
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{self, Line, load_displacements};
 use wythe_core::results::snapshot::Snapshots;
-use wythe_core::results::summary::write_whole;
 use wythe_core::results::{
     self, Experiment, FrameChoice, HistoryRow, ReadError, Report, RunFolder, Snapshot,
 };

@@ -97,11 +97,7 @@ pub fn run<'py>(
         return Err(errors::bug("a sound model is not"));
     };
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    let created = py.detach(|| {
-        let mut directory = RunDirectory::create(&out, model)?;
-        directory.keep_deck(deck.deck())?;
-        Ok(directory)
-    });
+    let created = py.detach(|| RunDirectory::of_deck(&out, model, deck.deck()));
     let directory = created.map_err(|error| errors::of_output(py, &error))?;
     let listener = Listener { on_row, on_note };
     record(
@@ -158,7 +154,10 @@ pub fn resume<'py>(
         directory,
         threads,
         &listener,
-        |recorder| solve::resume(&model, checkpoint, recorder),
+        |recorder| match checkpoint {
+            Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
+            None => solve::run(&model, recorder),
+        },
     )?;
     Ok(true)
 }

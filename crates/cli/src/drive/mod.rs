@@ -3,18 +3,19 @@
 mod path;
 mod table;
 
-use std::path::Path as FilePath;
+use std::path::PathBuf;
 
 use miette::Diagnostic;
 use wythe_core::error::IoError;
 use wythe_core::input;
 use wythe_core::model::Deck;
 use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Walk};
-use wythe_core::results::summary::write_whole;
 
 use crate::arguments::{Drive, DrivePoint, Point};
-use crate::check::print;
 use crate::failure::Failure;
+use crate::plot::write_answer;
+use crate::say::print;
+use crate::say::tell;
 use path::Path;
 
 /// Drives the point and writes what it answers.
@@ -30,17 +31,29 @@ fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     // A point has no size: tables as given.
     let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     let follow = |rows: &[Row<6>]| point::material_path(&law, rows, arguments.substeps);
-    walk(arguments, &MATERIAL, follow, point::material_state)
+    walk(
+        arguments,
+        &MATERIAL,
+        follow,
+        point::material_state,
+        deck.inputs(),
+    )
 }
 
 fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
     let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
     let law = deck.interface(&arguments.name)?;
     let follow = |rows: &[Row<3>]| point::interface_path(&law, rows, arguments.substeps);
-    walk(arguments, &INTERFACE, follow, point::interface_state)
+    walk(
+        arguments,
+        &INTERFACE,
+        follow,
+        point::interface_state,
+        deck.inputs(),
+    )
 }
 
 /// A point that found no answer, and where.
@@ -72,7 +85,9 @@ fn walk<const N: usize, const M: usize, H>(
     layout: &Layout<N>,
     follow: impl FnOnce(&[Row<N>]) -> Walk<N, H>,
     state: impl Fn(&H) -> [f64; M],
+    mut inputs: Vec<PathBuf>,
 ) -> Result<(), Failure> {
+    inputs.push(arguments.path.clone());
     let file = arguments.path.display().to_string();
     let text = input::text(&arguments.path, input::MOST_OF_TABLE).map_err(|why| IoError {
         path: arguments.path.clone(),
@@ -87,7 +102,7 @@ fn walk<const N: usize, const M: usize, H>(
     }
     let text = table.finish();
     match &arguments.out {
-        Some(out) => write(out, &text)?,
+        Some(out) => write_answer(out, text.as_bytes(), &inputs)?,
         None => print(&text)?,
     }
     let Some(failure) = failure else {
@@ -100,14 +115,4 @@ fn walk<const N: usize, const M: usize, H>(
         why: failure.why.explain(&path.rows[failure.row], layout),
         help: help(&failure.why),
     })))
-}
-
-fn write(out: &FilePath, text: &str) -> Result<(), Failure> {
-    write_whole(out, text.as_bytes()).map_err(|why| {
-        IoError {
-            path: out.to_owned(),
-            why,
-        }
-        .into()
-    })
 }

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use miette::miette;
+use wythe_core::files::write_whole;
 use wythe_core::model::Deck;
-use wythe_core::results::summary::write_whole;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
     CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,
@@ -16,10 +16,11 @@ use wythe_core::study::accuracy::{
 
 use super::{chosen, failed, other};
 use crate::arguments::AccuracySpeed;
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::plot::write;
+use crate::say::print;
+use crate::say::tell;
 
 /// The page, beside the folder of the scenes.
 const PAGE: &str = "accuracy-speed.md";
@@ -70,7 +71,7 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     let progress = |scene: &Scene, outcome: &Outcome, repeat: usize| {
         // One at a time.
         let _lines = lines.lock();
-        eprintln!("{}", told(scene, outcome, repeat));
+        tell!("{}", told(scene, outcome, repeat));
     };
     let all = study(&scenes, &options, &progress, &|| interrupt.requested());
     if interrupt.requested() {
@@ -111,7 +112,7 @@ fn drafted(
         )));
     }
     if scene.exists() {
-        eprintln!("{} is taken as it stands", scene.display());
+        tell!("{} is taken as it stands", scene.display());
     } else {
         let deck = Deck::load(&file, &arguments.overrides)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -119,7 +120,7 @@ fn drafted(
         let text = draft(&deck, &file, &at, &arguments.overrides, threads);
         let text = text.map_err(Failure::model)?;
         write(&folder, SCENE, text.as_bytes())?;
-        eprintln!("written to {}", scene.display());
+        tell!("written to {}", scene.display());
     }
     let scene = Scene::load(&scene)?;
     if !scene.reference.there() {

@@ -12,10 +12,11 @@ use wythe_core::study::validation::{
 
 use super::{chosen, failed, other};
 use crate::arguments::Validation;
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::plot::write;
+use crate::say;
+use crate::say::print;
 
 /// The page of a case, which forges show with its folder.
 const PAGE: &str = "README.md";
@@ -39,7 +40,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     let progress = |case: &Case, outcome: &Outcome| {
         // One at a time.
         let _lines = lines.lock();
-        eprint!("{}", told(case, outcome));
+        say::text(&told(case, outcome));
     };
     let all = validate(&cases, &options, &progress, &|| interrupt.requested());
     if interrupt.requested() {

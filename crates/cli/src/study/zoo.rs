@@ -11,10 +11,10 @@ use wythe_core::study::zoo::{Folder, Options, Row, Wall, histogram, page, zoo as
 
 use super::{failed, other};
 use crate::arguments::Zoo;
-use crate::check::print;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::plot::write;
+use crate::say::print;
 
 /// The page and its picture.
 const PAGE: &str = "zoo.md";
@@ -46,7 +46,7 @@ pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
     let progress = |row: &Row| {
         // One at a time.
         let _lines = lines.lock();
-        eprintln!("{}", told(row));
+        crate::say::tell!("{}", told(row));
     };
     let rows = run(&seeds, &folder, &options, &progress, &|| {
         interrupt.requested()

@@ -14,7 +14,8 @@ use miette::Diagnostic;
 use serde::{Deserialize, Serialize};
 
 use super::mcap::Mark;
-use super::summary::write_whole;
+use crate::files::{self, Extent, write_whole};
+use crate::model::Deck;
 use crate::solve::Checkpoint;
 
 /// Name of the file in the folder.
@@ -36,6 +37,10 @@ pub struct CheckpointFile {
     pub deck: Option<String>,
     /// The folder that files named by the deck are relative to; none if no text can name it.
     pub deck_folder: Option<String>,
+    /// The way there from the folder of the run, for a project that is moved as a whole.
+    pub way_to_deck_folder: Option<String>,
+    /// How far the history goes.
+    pub history: Extent,
     /// Frames in the file of fields.
     pub frames: usize,
     /// How far the messages go; none where none are wanted.
@@ -105,7 +110,7 @@ impl CheckpointFile {
     /// # Errors
     /// [`CheckpointFileError`].
     pub fn read(path: &Path) -> Result<Self, CheckpointFileError> {
-        let bytes = std::fs::read(path).map_err(|why| match why.kind() {
+        let bytes = files::read(path, u64::MAX - 1).map_err(|why| match why.kind() {
             io::ErrorKind::NotFound => {
                 CheckpointFileError::Missing(path.parent().unwrap_or(path).to_owned())
             }
@@ -124,6 +129,23 @@ impl CheckpointFile {
                 found,
             },
         })
+    }
+
+    /// Where the files that the deck names lie, seen from the folder of the run: where all of them are, the way from
+    /// it first, then the place where the run began, then the folder itself; else where the run began.
+    pub fn place(&self, run: &Path, deck: Deck) -> Deck {
+        let run_itself = run.canonicalize().unwrap_or_else(|_| run.to_owned());
+        let way = self.way_to_deck_folder.as_ref();
+        let way = way.map(|way| run_itself.join(way));
+        let began = self.deck_folder.as_ref().map(PathBuf::from);
+        let places = [way, began.clone(), Some(run.to_owned())];
+        for place in places.into_iter().flatten() {
+            let placed = deck.clone().in_folder(place);
+            if placed.named_files().iter().all(|file| file.is_file()) {
+                return placed;
+            }
+        }
+        deck.in_folder(began.unwrap_or_else(|| run.to_owned()))
     }
 
     fn encode(&self) -> io::Result<Vec<u8>> {

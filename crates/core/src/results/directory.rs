@@ -10,11 +10,12 @@ use miette::Diagnostic;
 
 use super::beside::FieldsBeside;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
-use super::summary::{EnergyBalance, Measured, ProbeRange, write_whole};
+use super::summary::{EnergyBalance, Measured, ProbeRange};
 use super::{
     Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, Summary, SummaryFile,
     VtkHdfWriter, elevation, plot, usage,
 };
+use crate::files::{self, write_whole};
 use crate::model::scene::{BeamMotion, Step};
 use crate::model::{Deck, Model};
 use crate::solve::Checkpoint;
@@ -39,6 +40,42 @@ pub const CRACK_PATTERN: &str = "crack_pattern.svg";
 pub const REPORT: &str = "report.html";
 /// Name of the empty file that a run in progress has locked. It stays: whoever comes next locks it.
 pub const LOCK: &str = ".lock";
+
+/// Every file that a run writes into its folder, or removes from it.
+pub const OF_A_RUN: [&str; 11] = [
+    HISTORY,
+    DECK,
+    FIELDS,
+    INTERFACES,
+    MESSAGES,
+    SUMMARY,
+    LOAD_DISPLACEMENT,
+    CRACK_PATTERN,
+    REPORT,
+    CHECKPOINT,
+    LOCK,
+];
+
+/// Refuses to write files over what a deck is made of; each of `names` in `folder` also with what stands after it while
+/// it is written.
+///
+/// # Errors
+/// [`OutputError::OverInput`], which names the file.
+pub fn spare_inputs<'a>(
+    folder: &Path,
+    names: impl IntoIterator<Item = &'a str>,
+    inputs: &[PathBuf],
+) -> Result<(), OutputError> {
+    for name in names {
+        for ending in ["", ".tmp", ".part"] {
+            let target = folder.join(format!("{name}{ending}"));
+            if files::replaced(&target, inputs).is_some() {
+                return Err(OutputError::OverInput(target));
+            }
+        }
+    }
+    Ok(())
+}
 
 /// A checkpoint waits until the run has gone on for this many times what the last one took: writing them
 /// takes no more than a fiftieth of it.
@@ -66,6 +103,10 @@ pub enum OutputError {
     #[error("{}: another run is writing its results into this folder", .0.display())]
     #[diagnostic(help("wait until it has ended, or name another folder with --out"))]
     Busy(PathBuf),
+    /// The deck, or a file that it names, would be replaced by a result.
+    #[error("{}: a result of this name would replace an input: the deck, a file that it names, or data that were read", .0.display())]
+    #[diagnostic(help("name another place for the results, with --out; the file is as it was"))]
+    OverInput(PathBuf),
     /// A file could not be written.
     #[error("{}: cannot be written: {why}", path.display())]
     #[diagnostic(help(
@@ -107,6 +148,7 @@ pub struct RunDirectory {
     /// The deck as TOML and the folder of its files, for the checkpoints.
     deck: Option<String>,
     deck_folder: Option<String>,
+    way_to_deck_folder: Option<String>,
     started: Instant,
     cpu_at_start: Option<f64>,
     /// Wall and CPU time before this start [s].
@@ -165,6 +207,11 @@ impl RunDirectory {
             why,
         })?;
         let lock = lock(path)?;
+        Self::begin(path, lock, model)
+    }
+
+    /// [`RunDirectory::create`] in a folder that is locked.
+    pub(super) fn begin(path: &Path, lock: File, model: &Model) -> Result<Self, OutputError> {
         // The summary goes first: it says that the rest is whole.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
         let half = format!("{MESSAGES}.tmp");
@@ -189,6 +236,17 @@ impl RunDirectory {
         Ok(Self::begun(path, lock, model, files))
     }
 
+    /// [`RunDirectory::create`] for the model of a deck, which is kept.
+    ///
+    /// # Errors
+    /// As there, and [`OutputError::OverInput`]: nothing has changed then.
+    pub fn of_deck(path: &Path, model: &Model, deck: &Deck) -> Result<Self, OutputError> {
+        spare_inputs(path, OF_A_RUN, &deck.inputs())?;
+        let mut run = Self::create(path, model)?;
+        run.keep_deck(deck)?;
+        Ok(run)
+    }
+
     /// Of files that are open.
     fn begun(path: &Path, lock: File, model: &Model, files: Files) -> Self {
         let Files {
@@ -208,6 +266,7 @@ impl RunDirectory {
             last_frame: None,
             deck: None,
             deck_folder: None,
+            way_to_deck_folder: None,
             started: Instant::now(),
             cpu_at_start: usage::cpu_seconds(),
             wall_before: 0.0,
@@ -232,7 +291,9 @@ impl RunDirectory {
         }
         run.last_frame = last_frame.map(Arc::new);
         (run.wall_before, run.cpu_before) = (file.wall_s, file.cpu_s);
-        (run.deck, run.deck_folder) = (file.deck.clone(), file.deck_folder.clone());
+        run.deck.clone_from(&file.deck);
+        run.deck_folder.clone_from(&file.deck_folder);
+        run.way_to_deck_folder.clone_from(&file.way_to_deck_folder);
         run
     }
 
@@ -248,8 +309,17 @@ impl RunDirectory {
         writing(&self.path, FIELDS, |_| {
             self.fields.settled()?.keep_deck(&text)
         })?;
-        let folder = std::path::absolute(Path::new(".").join(deck.folder())).ok();
-        self.deck_folder = folder.and_then(|folder| folder.to_str().map(str::to_owned));
+        let text_of =
+            |path: Option<PathBuf>| path.and_then(|path| path.to_str().map(str::to_owned));
+        let folder = Path::new(".").join(deck.folder());
+        // Links would lead elsewhere when both are moved.
+        let ends = folder
+            .canonicalize()
+            .ok()
+            .zip(self.path.canonicalize().ok());
+        let way = ends.and_then(|(folder, run)| pathdiff::diff_paths(folder, run));
+        self.way_to_deck_folder = text_of(way);
+        self.deck_folder = text_of(std::path::absolute(folder).ok());
         // A run that goes on with the same deck has attached it.
         let new = self.deck.as_ref() != Some(&text);
         if let (Some(messages), true) = (&mut self.messages, new) {
@@ -369,7 +439,7 @@ pub(super) fn begin_messages(
 /// # Errors
 /// [`OutputError::Busy`], or the file cannot be made.
 pub(super) fn lock(folder: &Path) -> Result<File, OutputError> {
-    let file = writing(folder, LOCK, |path| File::create(path))?;
+    let file = writing(folder, LOCK, open_lock)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(OutputError::Busy(folder.to_owned())),
         // A file system that knows no locks keeps nobody out.
@@ -377,16 +447,28 @@ pub(super) fn lock(folder: &Path) -> Result<File, OutputError> {
     }
 }
 
+/// Opens the file that is locked, or creates it. Nothing is written to it.
+fn open_lock(path: &Path) -> io::Result<File> {
+    match std::fs::symlink_metadata(path) {
+        Ok(there) if there.is_file() => File::options().write(true).open(path),
+        // A link would be followed; nobody who runs holds it.
+        Ok(there) if there.is_symlink() => files::create(path),
+        Ok(_) => Err(io::Error::other("there is something else of this name")),
+        Err(_) => match File::options().write(true).create_new(true).open(path) {
+            // Somebody was quicker.
+            Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {
+                File::options().write(true).open(path)
+            }
+            opened => opened,
+        },
+    }
+}
+
 /// Removes files of the folder, and what a kill has left of them half-written.
 pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
     for name in names {
         for old in [folder.join(name), folder.join(format!("{name}.tmp"))] {
-            match std::fs::remove_file(&old) {
-                Err(why) if why.kind() != io::ErrorKind::NotFound => {
-                    return Err(OutputError::Write { path: old, why });
-                }
-                _ => {}
-            }
+            files::remove(&old).map_err(|why| OutputError::Write { path: old, why })?;
         }
     }
     Ok(())
@@ -473,6 +555,8 @@ impl Recorder for RunDirectory {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             deck: self.deck.clone(),
             deck_folder: self.deck_folder.clone(),
+            way_to_deck_folder: self.way_to_deck_folder.clone(),
+            history: self.history.extent(),
             frames,
             messages,
             wall_s,

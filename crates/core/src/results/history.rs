@@ -1,10 +1,11 @@
 //! `history.csv`: a row an increment, on disk before the next increment starts.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::HistoryRow;
+use crate::files::{Extent, NewFile};
 use crate::model::Model;
 
 /// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
@@ -17,56 +18,56 @@ use crate::model::Model;
 #[derive(Debug)]
 pub struct HistoryWriter {
     file: File,
-    /// Bytes of whole rows, the header included.
+    /// Bytes of whole rows, the header included, and their check sum.
     whole: u64,
+    sum: crc32fast::Hasher,
     /// Number of the model's own columns, see [`Model::columns`].
     probes: usize,
 }
 
 impl HistoryWriter {
-    /// Creates (or empties) the file at `path` and writes the header.
+    /// Creates the file at `path`, in place of one that is there, with the header.
     ///
     /// # Errors
     /// The file cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
+        Self::begin(path, model, header(model).as_bytes())
+    }
+
+    /// A new file that begins with these whole lines.
+    fn begin(path: &Path, model: &Model, lines: &[u8]) -> io::Result<Self> {
+        let new = NewFile::create(path)?;
         let mut history = Self {
-            file: File::create(path)?,
+            file: new.file()?,
             whole: 0,
+            sum: crc32fast::Hasher::new(),
             probes: model.columns().len(),
         };
-        history.write(header(model).as_bytes())?;
+        history.write(lines)?;
+        history.sync()?;
+        history.file = new.keep()?;
         Ok(history)
     }
 
-    /// Opens the file at `path` and cuts off what comes after its first `rows` rows.
+    /// Goes on after these whole lines, the header and rows of a run of this model. They are written to a new file, so
+    /// that a link to the old one keeps what it had.
     ///
     /// # Errors
-    /// The file cannot be read or cut, has other columns than the model, or fewer rows.
-    pub fn resume(path: &Path, model: &Model, rows: usize) -> io::Result<Self> {
-        let wrong = |message: String| io::Error::new(io::ErrorKind::InvalidData, message);
-        let mut file = File::options().read(true).write(true).open(path)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes)?;
-        let header = header(model);
-        if !bytes.starts_with(header.as_bytes()) {
-            return Err(wrong("its columns are not those of the model".to_owned()));
+    /// They have other columns than the model, or cannot be written.
+    pub fn resume(path: &Path, model: &Model, lines: &[u8]) -> io::Result<Self> {
+        if !lines.starts_with(header(model).as_bytes()) {
+            let why = "its columns are not those of the model";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, why));
         }
-        let ends = (header.len()..bytes.len()).filter(|&i| bytes[i] == b'\n');
-        let whole = std::iter::once(header.len())
-            .chain(ends.map(|i| i + 1))
-            .nth(rows);
-        let Some(whole) = whole.map(|whole| whole as u64) else {
-            return Err(wrong(format!(
-                "it has fewer rows than the {rows} of the checkpoint"
-            )));
-        };
-        file.set_len(whole)?;
-        file.seek(SeekFrom::Start(whole))?;
-        Ok(Self {
-            file,
-            whole,
-            probes: model.columns().len(),
-        })
+        Self::begin(path, model, lines)
+    }
+
+    /// How far the file goes: whole rows.
+    pub fn extent(&self) -> Extent {
+        Extent {
+            bytes: self.whole,
+            sum: self.sum.clone().finalize(),
+        }
     }
 
     /// Waits until the rows are on the disk.
@@ -88,16 +89,7 @@ impl HistoryWriter {
             let message = format!("{found} probes where {wanted} belong");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let mut writer = csv::WriterBuilder::new()
-            .has_headers(false)
-            .from_writer(Vec::new());
-        writer
-            .serialize((row, &row.probes))
-            .map_err(io::Error::other)?;
-        let line = writer
-            .into_inner()
-            .map_err(|error| io::Error::other(error.to_string()))?;
-        self.write(&line)
+        self.write(&line(row)?)
     }
 
     /// Writes whole lines or nothing.
@@ -108,8 +100,34 @@ impl HistoryWriter {
             return Err(error);
         }
         self.whole += lines.len() as u64;
+        self.sum.update(lines);
         Ok(())
     }
+}
+
+/// The line of a row.
+fn line(row: &HistoryRow) -> io::Result<Vec<u8>> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(Vec::new());
+    writer
+        .serialize((row, &row.probes))
+        .map_err(io::Error::other)?;
+    writer
+        .into_inner()
+        .map_err(|error| io::Error::other(error.to_string()))
+}
+
+/// The file of a model with these rows.
+///
+/// # Errors
+/// None that rows which were read can cause.
+pub fn written(model: &Model, rows: &[HistoryRow]) -> io::Result<Vec<u8>> {
+    let mut bytes = header(model).into_bytes();
+    for row in rows {
+        bytes.extend(line(row)?);
+    }
+    Ok(bytes)
 }
 
 /// The first line of the history of a model.
@@ -189,20 +207,29 @@ mod tests {
         }
         drop(history);
         let whole = std::fs::read(&path).unwrap();
-        // A kill in the middle of a row, two rows after the last that counts.
-        std::fs::write(&path, &whole[..whole.len() - 3]).unwrap();
-        let mut history = HistoryWriter::resume(&path, &model, 2).unwrap();
+        let second = whole.iter().enumerate().filter(|(_, b)| **b == b'\n');
+        let second = second.map(|(i, _)| i + 1).nth(2).unwrap();
+        let mut history = HistoryWriter::resume(&path, &model, &whole[..second]).unwrap();
+        assert_eq!(history.extent(), Extent::of(&whole[..second]));
         for i in 3..=4 {
             history.append(&fake::row(i, 1, 0.1, 1.0)).unwrap();
         }
         assert_eq!(std::fs::read(&path).unwrap(), whole);
-        let refused = |rows| HistoryWriter::resume(&path, &model, rows).unwrap_err();
-        assert!(refused(5).to_string().contains("fewer rows than the 5"));
-        HistoryWriter::resume(&path, &model, 0).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), header(&model));
-        std::fs::write(&path, "increment,step\n1,0\n").unwrap();
-        assert!(refused(1).to_string().contains("columns"));
-        assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 2);
+        assert_eq!(history.extent(), Extent::of(&whole));
+        assert_eq!(history.extent().read(&path).unwrap(), whole);
+        let error = HistoryWriter::resume(&path, &model, b"increment,step\n1,0\n").unwrap_err();
+        assert!(error.to_string().contains("columns"), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        // Whatever changes in the rows is seen, and what comes after them is not.
+        let extent = Extent::of(&whole[..second]);
+        for at in 0..whole.len() {
+            let mut changed = whole.clone();
+            changed[at] ^= 4;
+            std::fs::write(&path, &changed).unwrap();
+            assert_eq!(extent.read(&path).is_err(), at < second, "byte {at}");
+        }
+        std::fs::write(&path, &whole[..second - 1]).unwrap();
+        assert!(extent.read(&path).is_err());
     }
 
     #[test]
@@ -237,9 +264,26 @@ mod tests {
     }
 
     #[test]
-    #[cfg(target_os = "linux")]
-    fn a_full_disk_is_an_error() {
-        let error = HistoryWriter::create(Path::new("/dev/full"), &fake::model()).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+    #[cfg(unix)]
+    fn links_to_a_history_keep_what_they_had() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let model = fake::model();
+        std::fs::write(at("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink(at("mine"), at("history.csv")).unwrap();
+        let mut history = HistoryWriter::create(&at("history.csv"), &model).unwrap();
+        for i in 1..=3 {
+            history.append(&fake::row(i, 1, 0.1, 1.0)).unwrap();
+        }
+        drop(history);
+        std::fs::hard_link(at("history.csv"), at("copy")).unwrap();
+        let text = |name: &str| std::fs::read_to_string(at(name)).unwrap();
+        let whole = text("history.csv");
+        let first = header(&model);
+        let mut history =
+            HistoryWriter::resume(&at("history.csv"), &model, first.as_bytes()).unwrap();
+        history.append(&fake::row(9, 1, 0.1, 1.0)).unwrap();
+        assert_eq!([text("mine"), text("copy")], ["mine", &whole]);
+        assert_eq!(text("history.csv").lines().count(), 2);
     }
 }

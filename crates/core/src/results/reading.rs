@@ -10,6 +10,11 @@ use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::history::fixed_columns;
 use super::vtkhdf::read::FieldsFile;
 use super::{Curve, HistoryRow, SummaryFile};
+use crate::files;
+use crate::model::Deck;
+
+/// Longest text that is read: ten million rows of a history have less.
+const MOST_TEXT: u64 = 1 << 32;
 
 /// Results that cannot be read.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -134,54 +139,11 @@ impl RunFolder {
     /// The file cannot be read or holds something else.
     pub fn history(&self) -> Result<ReadHistory, ReadError> {
         let path = self.path.join(HISTORY);
-        let content = |line: Option<u64>, why: String| ReadError::Content {
-            path: path.clone(),
-            line,
-            why,
-        };
-        let text = std::fs::read_to_string(&path).map_err(|why| ReadError::Read {
+        let text = files::read(&path, MOST_TEXT).map_err(|why| ReadError::Read {
             path: path.clone(),
             why,
         })?;
-        // A row that a full disk or a kill cut short has no end.
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        let mut reader = csv::Reader::from_reader(&text.as_bytes()[..whole]);
-        let header = reader
-            .headers()
-            .map_err(|e| content(Some(1), e.to_string()))?;
-        let fixed = fixed_columns();
-        if header.len() < fixed.len() || !header.iter().zip(&fixed).all(|(a, b)| a == b) {
-            return Err(content(
-                Some(1),
-                "the columns are not those of a history".to_owned(),
-            ));
-        }
-        let probes = header.iter().skip(fixed.len()).map(str::to_owned).collect();
-        let header = header
-            .iter()
-            .take(fixed.len())
-            .collect::<csv::StringRecord>();
-        let mut history = ReadHistory {
-            rows: Vec::new(),
-            probes,
-        };
-        for record in reader.records() {
-            let record = record
-                .map_err(|e| content(e.position().map(csv::Position::line), e.to_string()))?;
-            let line = record.position().map(csv::Position::line);
-            let first: csv::StringRecord = record.iter().take(fixed.len()).collect();
-            let mut row: HistoryRow = first
-                .deserialize(Some(&header))
-                .map_err(|e| content(line, e.to_string()))?;
-            for value in record.iter().skip(fixed.len()) {
-                let value = value
-                    .parse()
-                    .map_err(|_| content(line, format!("{value} is no number")))?;
-                row.probes.push(value);
-            }
-            history.rows.push(row);
-        }
-        Ok(history)
+        read_history(&path, &text)
     }
 
     /// The summary; none if the run goes on, was killed or could not write.
@@ -210,11 +172,13 @@ impl RunFolder {
         read_if_there(&self.path.join(DECK))
     }
 
-    /// Where the files that the deck names lie: where the run found them, as its checkpoint tells, or this folder.
-    pub fn deck_folder(&self) -> PathBuf {
-        let file = CheckpointFile::read(&self.path.join(CHECKPOINT)).ok();
-        let told = file.and_then(|file| file.deck_folder).map(PathBuf::from);
-        told.unwrap_or_else(|| self.path.clone())
+    /// A deck of this folder with the place of the files that it names: where the run found them, or where they are now
+    /// if the project was moved, as its checkpoint tells; or this folder.
+    pub fn place(&self, deck: Deck) -> Deck {
+        match CheckpointFile::read(&self.path.join(CHECKPOINT)) {
+            Ok(file) => file.place(&self.path, deck),
+            Err(_) => deck.in_folder(self.path.clone()),
+        }
     }
 
     /// The fields, read when they are asked for.
@@ -227,8 +191,62 @@ impl RunFolder {
     }
 }
 
+/// Every whole row of the text of a history; `path` is that of its file.
+///
+/// # Errors
+/// It holds something else.
+pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, ReadError> {
+    let content = |line: Option<u64>, why: String| ReadError::Content {
+        path: path.to_owned(),
+        line,
+        why,
+    };
+    // A row that a full disk or a kill cut short has no end.
+    let whole = text
+        .iter()
+        .rposition(|b| *b == b'\n')
+        .map_or(0, |end| end + 1);
+    let mut reader = csv::Reader::from_reader(&text[..whole]);
+    let header = reader
+        .headers()
+        .map_err(|e| content(Some(1), e.to_string()))?;
+    let fixed = fixed_columns();
+    if header.len() < fixed.len() || !header.iter().zip(&fixed).all(|(a, b)| a == b) {
+        return Err(content(
+            Some(1),
+            "the columns are not those of a history".to_owned(),
+        ));
+    }
+    let probes = header.iter().skip(fixed.len()).map(str::to_owned).collect();
+    let header = header
+        .iter()
+        .take(fixed.len())
+        .collect::<csv::StringRecord>();
+    let mut history = ReadHistory {
+        rows: Vec::new(),
+        probes,
+    };
+    for record in reader.records() {
+        let record =
+            record.map_err(|e| content(e.position().map(csv::Position::line), e.to_string()))?;
+        let line = record.position().map(csv::Position::line);
+        let first: csv::StringRecord = record.iter().take(fixed.len()).collect();
+        let mut row: HistoryRow = first
+            .deserialize(Some(&header))
+            .map_err(|e| content(line, e.to_string()))?;
+        for value in record.iter().skip(fixed.len()) {
+            let value = value
+                .parse()
+                .map_err(|_| content(line, format!("{value} is no number")))?;
+            row.probes.push(value);
+        }
+        history.rows.push(row);
+    }
+    Ok(history)
+}
+
 fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {
-    match std::fs::read_to_string(path) {
+    match files::read_text(path, MOST_TEXT) {
         Ok(text) => Ok(Some(text)),
         Err(why) if why.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(why) => Err(ReadError::Read {

@@ -8,16 +8,19 @@ use miette::Diagnostic;
 
 use super::checkpoint::{CHECKPOINT, CheckpointFile, CheckpointFileError};
 use super::directory::{
-    CRACK_PATTERN, DECK, FIELDS, Files, HISTORY, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
-    begin_messages, lock, remove, writing,
+    CRACK_PATTERN, DECK, FIELDS, Files, HISTORY, LOAD_DISPLACEMENT, MESSAGES, OF_A_RUN, REPORT,
+    SUMMARY, begin_messages, lock, remove, spare_inputs, writing,
 };
+use super::history::written;
 use super::mcap::Mark;
+use super::reading::read_history;
 use super::vtkhdf::read::FieldsFile;
 use super::{
-    Frame, HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder, Status,
-    VtkHdfWriter,
+    Frame, HistoryRow, HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder,
+    Status, VtkHdfWriter,
 };
 use crate::error::{DeckError, ModelError};
+use crate::files::{Extent, NewFile};
 use crate::model::deck::DeckChange;
 use crate::model::{Deck, Model};
 use crate::solve::{Checkpoint, CheckpointError};
@@ -67,17 +70,6 @@ pub enum ResumeError {
         /// What differs.
         why: CheckpointError,
     },
-    /// The history ends before the checkpoint, or is another's.
-    #[error("{}: does not go with {CHECKPOINT}: {why}", path.display())]
-    #[diagnostic(help(
-        "the file was changed or lost with the disk: restore it, or begin anew with `wythe run`"
-    ))]
-    History {
-        /// The history.
-        path: PathBuf,
-        /// What is wrong.
-        why: io::Error,
-    },
 }
 
 fn advice(change: &DeckChange) -> String {
@@ -102,13 +94,13 @@ pub struct StoppedRun {
     part: f64,
 }
 
-/// A run that can go on: `solve::resume(model, checkpoint, &mut directory)`.
+/// A run that can go on: `solve::resume(model, checkpoint, &mut directory)`, or `solve::run` without a checkpoint.
 #[derive(Debug)]
 pub struct Resumed {
     /// The folder, its files cut back to the checkpoint.
     pub directory: RunDirectory,
-    /// Where the solver was.
-    pub checkpoint: Checkpoint,
+    /// Where the solver was; none where the run must begin anew, by `solve::run`.
+    pub checkpoint: Option<Checkpoint>,
     /// What is not as it should be, and no reason to stop.
     pub warnings: Vec<String>,
 }
@@ -148,9 +140,10 @@ impl StoppedRun {
         };
         let before = Deck::from_str(text, CHECKPOINT)?;
         let mut deck = Deck::load(&path, overrides)?;
-        if let Some(folder) = &self.file.deck_folder {
-            deck = deck.in_folder(folder.into());
+        if self.file.deck_folder.is_some() {
+            deck = self.file.place(&self.path, deck);
         }
+        spare_inputs(&self.path, OF_A_RUN, &deck.named_files())?;
         let (deck, part) = deck
             .resumed_from(&before)
             .map_err(|change| ResumeError::Changed { path, change })?;
@@ -161,24 +154,27 @@ impl StoppedRun {
     /// Whether everything of `model` is done and written.
     ///
     /// # Errors
-    /// The summary cannot be read.
+    /// There is no run any more.
     pub fn is_complete(&self, model: &Model) -> Result<bool, ResumeError> {
         let done = self.part == 1.0 && self.file.solver.is_the_end_of(model);
-        let summary = RunFolder::open(&self.path)?.summary()?;
+        // One that cannot be read says nothing, and is written again.
+        let summary = RunFolder::open(&self.path)?.summary().unwrap_or(None);
         Ok(done && summary.is_some_and(|summary| summary.status == Status::Completed))
     }
 
-    /// Cuts the files of the folder back to the checkpoint and goes on with them.
+    /// Goes on with the files of the folder up to the checkpoint. All of them are judged by its check sums before any is
+    /// changed. A history that is damaged is made anew from the fields; fields and messages that are damaged begin
+    /// anew; where the history is lost, the run does. What is damaged is kept under another name.
     ///
     /// # Errors
-    /// The model is not that of the checkpoint, the history ends before it, or a file cannot be read or
-    /// written. Nothing is changed if the model or the history is to blame.
+    /// The model is not that of the checkpoint, or a file cannot be written. Nothing is changed if the model is to blame.
     pub fn resume(mut self, model: &Model) -> Result<Resumed, ResumeError> {
         if self.part < 1.0 {
             self.file.solver.lengthen(model, self.part);
         }
-        let (path, file) = (&self.path, &self.file);
-        file.solver
+        let path = self.path.clone();
+        self.file
+            .solver
             .check(model)
             .map_err(|why| ResumeError::OtherModel {
                 path: path.join(CHECKPOINT),
@@ -186,97 +182,167 @@ impl StoppedRun {
             })?;
         let mut warnings = Vec::new();
         let version = env!("CARGO_PKG_VERSION");
-        if file.version != version {
+        if self.file.version != version {
             warnings.push(format!(
                 "the run began with wythe {}, this is {version}: last digits may differ",
-                file.version
+                self.file.version
             ));
         }
-        let rows = file.solver.increments();
-        let history = HistoryWriter::resume(&path.join(HISTORY), model, rows).map_err(|why| {
-            let path = path.join(HISTORY);
-            ResumeError::History { path, why }
+        let lines = self.history(model);
+        let rows = match &lines {
+            Ok(lines) => read_history(&path.join(HISTORY), &lines.bytes)?.rows,
+            Err(_) => Vec::new(),
+        };
+        let fields = self.fields(model, &rows);
+        let messages = self.messages(model);
+        // All is judged. What says "whole" goes before anything else changes.
+        remove(&path, &[SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, REPORT])?;
+        let lines = match lines {
+            Ok(lines) => lines,
+            Err(why) => {
+                let kept = set_aside(&path, HISTORY);
+                warnings.push(format!(
+                    "{HISTORY} cannot be read ({why}), nor made anew from {FIELDS}: {kept}the run begins anew"
+                ));
+                // What is half-written goes, too.
+                drop((fields, messages));
+                return Ok(Resumed {
+                    directory: RunDirectory::begin(&path, self.lock, model)?,
+                    checkpoint: None,
+                    warnings,
+                });
+            }
+        };
+        if let Some(why) = &lines.made_anew {
+            let kept = set_aside(&path, HISTORY);
+            warnings.push(format!(
+                "{HISTORY} cannot be read ({why}): {kept}it is made anew from {FIELDS}"
+            ));
+        }
+        let history = writing(&path, HISTORY, |file| {
+            HistoryWriter::resume(file, model, &lines.bytes)
         })?;
-        // What says "whole" goes before anything else changes.
-        remove(path, &[SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, REPORT])?;
-        let kept = RunFolder::open(path)?.history()?.rows;
-        let (fields, last_frame) = self.fields(model, &mut warnings)?;
-        let messages = self.messages(model, &mut warnings)?;
+        let (fields, last_frame) = match fields {
+            Ok(both) => both,
+            Err(why) => {
+                let (kept, frames) = (set_aside(&path, FIELDS), self.file.frames);
+                warnings.push(format!(
+                    "{FIELDS} cannot be read ({why}): {kept}it begins anew, without the {frames} frames before"
+                ));
+                let create = |file: &Path| VtkHdfWriter::create(file, model);
+                (writing(&path, FIELDS, create)?, None)
+            }
+        };
+        let messages = match messages {
+            Some(Ok((messages, new))) => {
+                writing(&path, MESSAGES, |_| new.keep())?;
+                Some(messages)
+            }
+            Some(Err(why)) => self.new_messages(model, &why, &mut warnings)?,
+            None => {
+                if self.file.messages.is_some() {
+                    warnings.push(format!(
+                        "{MESSAGES} ends here: the deck wants none any more"
+                    ));
+                }
+                None
+            }
+        };
         let files = Files {
             history,
             fields,
             messages,
         };
-        let directory =
-            RunDirectory::resumed(path, self.lock, model, files, (&kept, last_frame), file);
+        let rows = (&rows[..], last_frame);
+        let directory = RunDirectory::resumed(&path, self.lock, model, files, rows, &self.file);
         Ok(Resumed {
             directory,
-            checkpoint: self.file.solver,
+            checkpoint: Some(self.file.solver),
             warnings,
         })
     }
 
-    /// The fields and the last frame that counts. Where they are damaged, new ones begin here: the
-    /// checkpoint has all that the solver needs.
-    fn fields(
-        &self,
-        model: &Model,
-        warnings: &mut Vec<String>,
-    ) -> Result<(VtkHdfWriter, Option<Frame>), OutputError> {
-        let (path, frames) = (self.path.join(FIELDS), self.file.frames);
-        let increments = self.file.solver.increments();
-        let last = || -> io::Result<Option<Frame>> {
-            let Some(last) = frames.checked_sub(1) else {
-                return Ok(None);
-            };
-            FieldsFile::open(&path)?.frame(last).map(Some)
-        };
-        let read =
-            last().and_then(|last| Ok((VtkHdfWriter::reopen(&path, model, increments)?, last)));
-        match read {
-            Ok(both) => Ok(both),
-            Err(why) => {
-                let why = first_line(&why);
-                warnings.push(format!(
-                    "{FIELDS} cannot be read ({why}): it begins anew, without the {frames} frames before"
-                ));
-                let fields = writing(&self.path, FIELDS, |file| VtkHdfWriter::create(file, model))?;
-                Ok((fields, None))
+    /// The lines of the history up to the checkpoint, from the fields where they are not what they were; else why not.
+    fn history(&self, model: &Model) -> Result<Lines, String> {
+        let extent = self.file.history;
+        let why = match extent.read(&self.path.join(HISTORY)) {
+            Ok(bytes) => {
+                return Ok(Lines {
+                    bytes,
+                    made_anew: None,
+                });
             }
+            Err(why) => first_line(&why),
+        };
+        let made_anew = || -> io::Result<Vec<u8>> {
+            let fields = FieldsFile::open(&self.path.join(FIELDS))?;
+            written(model, &fields.rows(model, self.file.solver.increments())?)
+        };
+        match made_anew() {
+            Ok(bytes) if Extent::of(&bytes) == extent => Ok(Lines {
+                bytes,
+                made_anew: Some(why),
+            }),
+            _ => Err(why),
         }
     }
 
-    /// The messages up to the checkpoint, or new ones from here on.
-    fn messages(
+    /// The fields and the last frame that counts; else why they cannot go on. Readers see no change.
+    fn fields(
         &self,
         model: &Model,
+        rows: &[HistoryRow],
+    ) -> Result<(VtkHdfWriter, Option<Frame>), String> {
+        let (path, frames) = (self.path.join(FIELDS), self.file.frames);
+        let read = || -> io::Result<_> {
+            let file = FieldsFile::open(&path)?;
+            let all = file.times().iter().zip(file.increments()).take(frames);
+            let same = |(time, increment): (&f64, &usize)| {
+                let row = increment.checked_sub(1).and_then(|row| rows.get(row));
+                row.is_some_and(|row| row.time == *time)
+            };
+            if all.clone().count() < frames || !all.clone().all(same) {
+                let why = format!("its frames are not those of {HISTORY}");
+                return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+            }
+            let last = frames.checked_sub(1).map(|last| file.frame(last));
+            let last = last.transpose()?;
+            drop(file);
+            let writer = VtkHdfWriter::reopen(&path, model, self.file.solver.increments())?;
+            Ok((writer, last))
+        };
+        read().map_err(|why| first_line(&why))
+    }
+
+    /// The messages up to the checkpoint and the file that is to take the place of the old one, or why there are none;
+    /// nothing if none are wanted.
+    fn messages(&self, model: &Model) -> Option<Result<(McapWriter, NewFile), String>> {
+        if !model.output.mcap {
+            return None;
+        }
+        Some(match &self.file.messages {
+            Some(mark) => McapWriter::resume(&self.path.join(MESSAGES), model, mark)
+                .map_err(|why| format!("cannot be read ({})", first_line(&why))),
+            None => Err("was not wanted before".to_owned()),
+        })
+    }
+
+    /// Messages that begin at the checkpoint.
+    fn new_messages(
+        &self,
+        model: &Model,
+        why: &str,
         warnings: &mut Vec<String>,
     ) -> Result<Option<McapWriter>, OutputError> {
-        let path = self.path.join(MESSAGES);
-        let late = Mark::late(self.file.solver.increments(), self.file.frames);
-        let mark = self.file.messages.as_ref();
-        if !model.output.mcap {
-            if mark.is_some() {
-                warnings.push(format!(
-                    "{MESSAGES} ends here: the deck wants none any more"
-                ));
-            }
-            return Ok(None);
-        }
-        let why = match mark {
-            Some(mark) => match McapWriter::resume(&path, model, mark) {
-                Ok(messages) => return Ok(Some(messages)),
-                Err(why) => format!("cannot be read ({})", first_line(&why)),
-            },
-            None => "was not wanted before".to_owned(),
-        };
         let increments = self.file.solver.increments();
+        let kept = set_aside(&self.path, MESSAGES);
         warnings.push(format!(
-            "{MESSAGES} {why}: it begins anew, without the {increments} increments before"
+            "{MESSAGES} {why}: {kept}it begins anew, without the {increments} increments before"
         ));
         let mut begun = begin_messages(&self.path, model)?;
         if let Some(messages) = &mut begun {
-            messages.begin_at(mark.unwrap_or(&late));
+            let late = Mark::late(increments, self.file.frames);
+            messages.begin_at(self.file.messages.as_ref().unwrap_or(&late));
             if let Some(deck) = &self.file.deck {
                 writing(&self.path, MESSAGES, |_| {
                     messages.attach(DECK, "application/toml", deck)
@@ -284,6 +350,24 @@ impl StoppedRun {
             }
         }
         Ok(begun)
+    }
+}
+
+/// The history up to the checkpoint.
+struct Lines {
+    bytes: Vec<u8>,
+    /// Why the file was not what it should be, if they come from elsewhere.
+    made_anew: Option<String>,
+}
+
+/// Gives a damaged file another name, `history.damaged.csv`, and says so; nothing of what is not there.
+fn set_aside(folder: &Path, name: &str) -> String {
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+    let aside = format!("{stem}.damaged.{ending}");
+    match std::fs::rename(folder.join(name), folder.join(&aside)) {
+        Ok(()) => format!("it is kept as {aside}, and "),
+        // Somebody may have taken it away; it is replaced then, or never was.
+        Err(_) => String::new(),
     }
 }
 

@@ -1,10 +1,10 @@
 //! `summary.json`: one run in one page.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
+use crate::files::write_whole;
 use crate::model::mirrored::part;
 
 use super::{Curve, HistoryRow, Status, Summary};
@@ -290,29 +290,6 @@ impl SummaryFile {
     }
 }
 
-/// Writes a file by way of a temporary neighbour and a rename, so that under its own name it is
-/// either whole or not there. A device or a pipe (`/dev/stdout`) is written to as it is.
-///
-/// # Errors
-/// The temporary file cannot be written or renamed; it is removed again.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-        let mut device = File::options().write(true).open(path)?;
-        return device.write_all(bytes);
-    }
-    let mut temporary = path.as_os_str().to_owned();
-    temporary.push(".tmp");
-    let temporary = Path::new(&temporary);
-    let written = File::create(temporary)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| std::fs::rename(temporary, path));
-    if written.is_err() {
-        // Best effort: the error that matters is the first.
-        let _ = std::fs::remove_file(temporary);
-    }
-    written
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -412,17 +389,5 @@ mod tests {
             value["warnings"],
             serde_json::json!(["of the model", "of the run"])
         );
-    }
-
-    #[test]
-    fn a_file_is_whole_or_absent() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("summary.json");
-        write_whole(&path, b"whole").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
-        // A folder in the way of the temporary file: the old content must stay.
-        std::fs::create_dir(folder.path().join("summary.json.tmp")).unwrap();
-        assert!(write_whole(&path, b"half").is_err());
-        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
     }
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 from collections.abc import Sequence
@@ -202,12 +203,41 @@ def unwritten(name: str, error: OSError) -> OutputError:
 
 def write_text(name: str, text: str) -> str:
     """Writes a file and returns its name."""
+    return write_bytes(name, text.encode())
+
+
+def write_bytes(name: str, content: bytes) -> str:
+    """Writes a file, whole or not at all, and returns its name. A link of that name is replaced, not followed;
+    a device or a pipe is written to as it is."""
+    part = f"{name}.tmp"
     try:
-        with open(name, "w", encoding="utf-8") as file:
-            file.write(text)
+        # /dev/stdout is a link of the system.
+        followed = os.path.abspath(name).startswith(("/dev/", "/proc/")) or not os.path.islink(name)
+        if followed and os.path.exists(name) and (not os.path.isfile(name) or os.path.islink(name)):
+            with open(name, "wb") as file:
+                file.write(content)
+            return name
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(part)
+        try:
+            with open(part, "xb") as file:
+                file.write(content)
+            os.replace(part, name)
+        except OSError:
+            with contextlib.suppress(OSError):
+                os.remove(part)
+            raise
     except OSError as error:
         raise unwritten(name, error) from error
     return name
+
+
+def say(stream: Any, text: str) -> None:
+    """Shows progress; a stream that is gone, closed or full is no reason to stop."""
+    if stream is not None:
+        with contextlib.suppress(OSError, ValueError):
+            stream.write(text)
+            stream.flush()
 
 
 def _no_frame(message: str, fix: str) -> IndexError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import os
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wythe import _wythe
-from wythe._errors import as_path, need, unwritten
+from wythe._errors import as_path, need, write_text
 
 if TYPE_CHECKING:
     import pandas
@@ -108,14 +109,11 @@ class History(Mapping[str, npt.NDArray[Any]]):
     def to_csv(self, path: str | os.PathLike[str]) -> str:
         """Writes the columns as a CSV file with full precision, and returns its path."""
         name = as_path("path", path)
-        try:
-            with open(name, "w", newline="", encoding="utf-8") as file:
-                rows = csv.writer(file)
-                rows.writerow(self._columns)
-                rows.writerows(zip(*(column.tolist() for column in self._columns.values())))
-        except OSError as error:
-            raise unwritten(name, error) from error
-        return name
+        text = io.StringIO(newline="")
+        rows = csv.writer(text)
+        rows.writerow(self._columns)
+        rows.writerows(zip(*(column.tolist() for column in self._columns.values())))
+        return write_text(name, text.getvalue())
 
     def __repr__(self) -> str:
         return f"<wythe.History: {self.increments} increments of {', '.join(self._columns)}>"

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 
 from wythe import _wythe
-from wythe._errors import as_path, unwritten
+from wythe._errors import as_path, write_bytes
 
 __all__ = ["Picture"]
 
@@ -51,9 +51,4 @@ class Picture:
             content = self.png(zoom)
         else:
             raise ValueError(f"path: expected a name that ends in .svg or .png, got {name!r}")
-        try:
-            with open(name, "wb") as file:
-                file.write(content)
-        except OSError as error:
-            raise unwritten(name, error) from error
-        return name
+        return write_bytes(name, content)

@@ -12,7 +12,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from wythe import _wythe
-from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected
+from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected, say
 from wythe._results import Results, Temporary
 
 __all__ = ["Increment"]
@@ -101,8 +101,7 @@ class Follower:
         start = "\r" if self._in_place else ""
         padding = " " * max(0, self._width - len(text)) if self._in_place else ""
         self._width = len(text) if end == "" else 0
-        self._out.write(start + text + padding + end)
-        self._out.flush()
+        say(self._out, start + text + padding + end)
 
 
 def _threads(threads: object) -> int | None:

@@ -10,6 +10,7 @@ mod form;
 mod grid;
 mod ground;
 mod imports;
+mod inputs;
 mod interfaces;
 mod loads;
 mod materials;

@@ -7,6 +7,7 @@
 mod as_deck;
 mod check;
 mod facets;
+mod included;
 mod inp;
 mod material;
 mod msh;
@@ -15,6 +16,7 @@ mod numbers;
 mod units;
 
 pub use facets::{Bodies, SIDES};
+pub use included::included;
 pub use material::{ImportedMaterial, Lengths, Measure, Softening};
 pub use names::find;
 pub use units::Units;

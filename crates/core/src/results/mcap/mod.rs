@@ -21,6 +21,7 @@ mod resuming;
 pub mod salvage;
 mod scene;
 mod schemas;
+mod sum;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -33,11 +34,13 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{Frame, HistoryRow, Status, Summary};
+use crate::files::NewFile;
 use crate::model::Model;
 pub use resuming::Mark;
 use resuming::Topics;
 use scene::Scene;
 use schemas::{MESSAGE_ENCODING, SCHEMA_ENCODING, Schema};
+use sum::Sum;
 
 /// Log time from one increment to the next [ns].
 pub const TICK: u64 = 100_000_000;
@@ -66,6 +69,8 @@ pub struct McapWriter {
     /// Whether the last frame is in the file.
     shown: bool,
     attachments: u64,
+    /// Check sum of what they and the messages say.
+    sum: Sum,
     /// What could not be written between increments, where nobody can be told.
     pending: Option<io::Error>,
 }
@@ -106,7 +111,8 @@ impl McapWriter {
     /// The file cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         let library = format!("wythe {}", env!("CARGO_PKG_VERSION"));
-        let created = File::create(path)?;
+        let new = NewFile::create(path)?;
+        let created = new.file()?;
         let file = created.try_clone()?;
         let mut writer = options("", &library)
             .create(BufWriter::new(created))
@@ -122,6 +128,7 @@ impl McapWriter {
             frames: 0,
             shown: true,
             attachments: 0,
+            sum: Sum::new("", &library),
             pending: None,
         };
         let (elements, nodes) = (model.mesh.elements.len(), model.mesh.nodes.len());
@@ -129,6 +136,7 @@ impl McapWriter {
         run.log(Level::Info, &begin, 0)?;
         run.show(model, &scene::rest(model))?;
         run.flush()?;
+        new.keep()?;
         Ok(run)
     }
 
@@ -145,6 +153,9 @@ impl McapWriter {
             data: text.as_bytes().into(),
         };
         self.writer.attach(&attachment).map_err(into_io)?;
+        let times = (attachment.log_time, attachment.create_time);
+        self.sum
+            .attachment(name, media_type, times, &attachment.data);
         self.attachments += 1;
         self.flush()
     }
@@ -263,8 +274,8 @@ impl McapWriter {
         self.send("/log", stamp, &text.to_string())
     }
 
-    fn send(&mut self, topic: &'static str, log_time: u64, text: &str) -> io::Result<()> {
-        let topic = self.topics.entry(topic).or_default();
+    fn send(&mut self, name: &'static str, log_time: u64, text: &str) -> io::Result<()> {
+        let topic = self.topics.entry(name).or_default();
         let header = MessageHeader {
             channel_id: topic.channel,
             sequence: topic.sequence,
@@ -272,6 +283,7 @@ impl McapWriter {
             publish_time: log_time,
         };
         topic.sequence += 1;
+        self.sum.message(name, &header, text.as_bytes());
         self.writer
             .write_to_known_channel(&header, text.as_bytes())
             .map_err(into_io)

@@ -7,13 +7,15 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use ::mcap::records::Record;
+use ::mcap::records::{Header, Record};
 use serde::{Deserialize, Serialize};
 
 use super::salvage::{self, Out};
+use super::sum::Sum;
 use super::{McapWriter, Scene, Topic, into_io, open_topics};
+use crate::files::NewFile;
 use crate::model::Model;
 
 /// How far the file goes at a checkpoint.
@@ -26,6 +28,8 @@ pub struct Mark {
     attachments: u64,
     /// Messages by topic.
     messages: BTreeMap<String, u32>,
+    /// Check sum of all of them and of the attachments.
+    sum: u32,
 }
 
 impl Mark {
@@ -44,27 +48,46 @@ impl Mark {
 #[derive(Debug)]
 pub(super) struct Until<'m> {
     mark: &'m Mark,
-    /// Numbers of the messages of each channel that are kept.
-    kept: BTreeMap<u16, u32>,
+    /// Topic of each channel, and how many of its messages are kept.
+    kept: BTreeMap<u16, (String, u32)>,
     attachments: u64,
+    /// Of what has passed; none before the header.
+    sum: Option<Sum>,
 }
 
 impl Until<'_> {
+    /// Begins with the header of the file.
+    pub fn begin(&mut self, header: &Header) {
+        self.sum = Some(Sum::new(&header.profile, &header.library));
+    }
+
     /// Whether the record is kept.
     pub fn keeps(&mut self, record: &Record) -> bool {
         match record {
             Record::Channel(channel) => {
                 let kept = self.mark.messages.get(&channel.topic).copied();
-                self.kept.insert(channel.id, kept.unwrap_or(0));
+                let kept = (channel.topic.clone(), kept.unwrap_or(0));
+                self.kept.insert(channel.id, kept);
                 true
             }
-            Record::Message { header, .. } => {
-                let kept = self.kept.get(&header.channel_id);
-                kept.is_some_and(|kept| header.sequence < *kept)
+            Record::Message { header, data } => {
+                let Some((topic, kept)) = self.kept.get(&header.channel_id) else {
+                    return false;
+                };
+                let keeps = header.sequence < *kept;
+                if let (true, Some(sum)) = (keeps, &mut self.sum) {
+                    sum.message(topic, header, data);
+                }
+                keeps
             }
-            Record::Attachment { .. } => {
+            Record::Attachment { header, data, .. } => {
                 self.attachments += 1;
-                self.attachments <= self.mark.attachments
+                let keeps = self.attachments <= self.mark.attachments;
+                if let (true, Some(sum)) = (keeps, &mut self.sum) {
+                    let times = (header.log_time, header.create_time);
+                    sum.attachment(&header.name, &header.media_type, times, data);
+                }
+                keeps
             }
             _ => true,
         }
@@ -89,6 +112,7 @@ impl McapWriter {
             frames: self.frames,
             shown: self.shown,
             attachments: self.attachments,
+            sum: self.sum.value(),
             messages: messages
                 .map(|(topic, of)| ((*topic).to_owned(), of.sequence))
                 .collect(),
@@ -96,25 +120,15 @@ impl McapWriter {
     }
 
     /// Opens the file of a run of this model, whole or cut short, to go on where `mark` was taken; what
-    /// comes after it is dropped.
+    /// comes after it is dropped. The file is as it was until the new one is kept.
     ///
     /// # Errors
-    /// The file cannot be read or written, or something before the mark is missing; it is as it was then.
-    pub fn resume(path: &Path, model: &Model, mark: &Mark) -> io::Result<Self> {
-        let mut temporary = path.as_os_str().to_owned();
-        temporary.push(".tmp");
-        let temporary = PathBuf::from(temporary);
-        let opened = File::create(&temporary).and_then(|new| {
-            let run = reopen(path, new, model, mark)?;
-            run.file.sync_data()?;
-            std::fs::rename(&temporary, path)?;
-            Ok(run)
-        });
-        if opened.is_err() {
-            // Best effort: the error that matters is the first.
-            let _ = std::fs::remove_file(&temporary);
-        }
-        opened
+    /// The file cannot be read or written, or something before the mark is missing or another than it was.
+    pub fn resume(path: &Path, model: &Model, mark: &Mark) -> io::Result<(Self, NewFile)> {
+        let new = NewFile::create(path)?;
+        let run = reopen(path, new.file()?, model, mark)?;
+        run.file.sync_data()?;
+        Ok((run, new))
     }
 
     /// Takes the place in the run of a mark, in a file that has nothing of what came before.
@@ -131,6 +145,7 @@ fn reopen(path: &Path, new: File, model: &Model, mark: &Mark) -> io::Result<Mcap
         mark,
         kept: BTreeMap::new(),
         attachments: 0,
+        sum: None,
     };
     let copied = salvage::copy_until(path, BufWriter::new(new), &mut until)?;
     let Some((mut writer, found)) = copied else {
@@ -140,6 +155,10 @@ fn reopen(path: &Path, new: File, model: &Model, mark: &Mark) -> io::Result<Mcap
     if found.messages < messages || found.attachments < mark.attachments {
         return Err(wrong("it ends before the checkpoint, or is damaged there"));
     }
+    let sum = until.sum.filter(|sum| sum.value() == mark.sum);
+    let Some(sum) = sum else {
+        return Err(wrong("its check sum is another than at the checkpoint"));
+    };
     let mut topics = open_topics(&mut writer, model)?;
     for (topic, of) in &mut topics {
         of.sequence = mark.messages.get(*topic).copied().unwrap_or(0);
@@ -155,6 +174,7 @@ fn reopen(path: &Path, new: File, model: &Model, mark: &Mark) -> io::Result<Mcap
         frames: mark.frames,
         shown: mark.shown,
         attachments: mark.attachments,
+        sum,
         pending: None,
     })
 }

@@ -12,9 +12,11 @@ use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReader
 use ::mcap::{Attachment, MAGIC, McapError, McapResult, Writer, parse_record};
 use miette::Diagnostic;
 
+use super::super::directory::{LOCK, OutputError, lock};
 use super::resuming::Until;
 use super::{into_io, options};
 use crate::error::IoError;
+use crate::files::{self, NewFile};
 
 /// A file that cannot be salvaged.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -30,6 +32,10 @@ pub enum SalvageError {
          and holds nothing"
     ))]
     NotMcap(PathBuf),
+    /// The run that writes the file goes on, or another works in its folder.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Locked(#[from] OutputError),
 }
 
 /// What was found.
@@ -46,43 +52,44 @@ pub struct Salvaged {
 }
 
 /// Reads `file` up to its last whole record and writes a whole file in its place, or to `out`. A file
-/// that is whole is left alone, unless there is an `out`.
+/// that is whole is left alone, unless there is an `out`. That of a run which goes on is not replaced: the run would
+/// write on into the old one.
 ///
 /// # Errors
-/// `file` cannot be read or is no MCAP file, or the new one cannot be written; `file` is as it was
+/// `file` cannot be read or is no MCAP file, a run has locked its folder and `file` would be replaced, or the new one cannot be written; `file` is as it was
 /// then.
 pub fn salvage(file: &Path, out: Option<&Path>) -> Result<Salvaged, SalvageError> {
     let at = |path: &Path| {
         let path = path.to_owned();
         move |why| IoError { path, why }
     };
+    let target = out.unwrap_or(file);
+    let replaces = files::replaced(target, &[file.to_owned()]).is_some();
+    let _lock = if replaces { lock_of_run(file)? } else { None };
     let mut source = Source::open(file).map_err(at(file))?;
     let Some(header) = source.begin().map_err(at(file))? else {
         return Err(SalvageError::NotMcap(file.to_owned()));
     };
-    let target = out.unwrap_or(file);
-    let mut temporary = target.as_os_str().to_owned();
-    temporary.push(".tmp");
-    let temporary = PathBuf::from(temporary);
-    let new = File::create(&temporary).map_err(at(&temporary))?;
-    let outcome = rewrite(source, &header, new).and_then(|found| {
-        if found.was_whole && out.is_none() {
-            std::fs::remove_file(&temporary)?;
-        } else {
-            std::fs::rename(&temporary, target)?;
+    let new = NewFile::create(target).map_err(at(target))?;
+    let outcome = rewrite(source, &header, &new).and_then(|found| {
+        if !found.was_whole || out.is_some() {
+            new.keep()?;
         }
         Ok(found)
     });
-    if outcome.is_err() {
-        // Best effort: the error that matters is the first.
-        let _ = std::fs::remove_file(&temporary);
-    }
     Ok(outcome.map_err(at(target))?)
 }
 
-fn rewrite(mut source: Source, header: &Header, new: File) -> io::Result<Salvaged> {
+/// Holds the lock of the run in whose folder a file lies, if there is one.
+fn lock_of_run(file: &Path) -> Result<Option<File>, OutputError> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let is_run = folder.join(LOCK).symlink_metadata().is_ok();
+    is_run.then(|| lock(folder)).transpose()
+}
+
+fn rewrite(mut source: Source, header: &Header, new: &NewFile) -> io::Result<Salvaged> {
     let mut writer = options(&header.profile, &header.library)
-        .create(BufWriter::new(new))
+        .create(BufWriter::new(new.file()?))
         .map_err(into_io)?;
     let found = copy(&mut source, &mut writer, None)?;
     writer.finish().map_err(into_io)?;
@@ -104,6 +111,7 @@ pub(super) fn copy_until(
     let Some(header) = source.begin()? else {
         return Ok(None);
     };
+    until.begin(&header);
     let mut writer = options(&header.profile, &header.library)
         .create(new)
         .map_err(into_io)?;
@@ -118,6 +126,7 @@ fn copy(
     mut until: Option<&mut Until>,
 ) -> io::Result<Salvaged> {
     let mut found = Salvaged::default();
+    let mut room = LEAST_BYTES.saturating_add(source.length.saturating_mul(MOST_PACKED));
     loop {
         let kept = source.read;
         let record = source.record()?;
@@ -126,7 +135,7 @@ fn copy(
                 found.was_whole = source.ends_well()?;
                 return Ok(found);
             }
-            Some((op::CHUNK, body)) => match records_of_chunk(body) {
+            Some((op::CHUNK, body)) => match records_of_chunk(body, &mut room) {
                 Ok(records) => {
                     let taken = take_all(&records, writer, until.as_deref_mut(), &mut found)?;
                     // A chunk each, as it was.
@@ -229,20 +238,30 @@ const FOOTER_SUMMED: usize = 16;
 /// Two times, two lengths of texts, the length of the data, the checksum.
 const LEAST_ATTACHMENT: usize = 8 + 8 + 4 + 4 + 8 + 4;
 
-/// Most bytes of a chunk for one packed, and for all: a damaged length must not fill the memory.
-const MOST_PACKED: usize = 4096;
-const MOST_BYTES: usize = 1 << 30;
+/// A damaged or hostile length must not fill the memory or the time: most bytes of a chunk, and what all chunks of a
+/// file may have for each of its bytes (JSON packs to a tenth), and in any case.
+const MOST_BYTES: u64 = 1 << 28;
+const MOST_PACKED: u64 = 256;
+const LEAST_BYTES: u64 = 1 << 26;
 
-/// The records of a chunk whose checksum is right.
-fn records_of_chunk(body: &[u8]) -> McapResult<Vec<(u8, Vec<u8>)>> {
+/// The records of a chunk whose checksum is right. `room`: bytes that they may have, which becomes less by them.
+fn records_of_chunk(body: &[u8], room: &mut u64) -> McapResult<Vec<(u8, Vec<u8>)>> {
+    let Record::Chunk { header, data } = parse_record(op::CHUNK, body)? else {
+        return Err(McapError::UnexpectedEoc);
+    };
     // Of a chunk that is not packed nothing may follow the records.
-    if let Record::Chunk { header, data } = parse_record(op::CHUNK, body)?
-        && header.compression.is_empty()
+    if header.compression.is_empty()
         && (data.len() as u64 != header.uncompressed_size || !body.ends_with(&data))
     {
         return Err(McapError::UnexpectedEoc);
     }
-    let limit = MOST_PACKED.saturating_mul(body.len()).min(MOST_BYTES);
+    let size = header.uncompressed_size;
+    if size > MOST_BYTES || size > *room {
+        return Err(McapError::ChunkTooLarge(size));
+    }
+    *room -= size;
+    drop(data);
+    let limit = (size as usize).max(body.len());
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -280,14 +299,10 @@ struct Source {
 
 impl Source {
     fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let about = file.metadata()?;
-        if about.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
+        let file = files::open(path)?;
         Ok(Self {
+            length: file.metadata()?.len(),
             file: BufReader::new(file),
-            length: about.len(),
             read: 0,
         })
     }

@@ -251,10 +251,11 @@ fn what_is_no_file_is_said_and_left() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_met_before_the_run() {
+fn a_device_is_no_file_of_messages() {
     let full = Path::new("/dev/full");
     let error = McapWriter::create(full, &model()).unwrap_err();
-    assert_eq!(error.kind(), ErrorKind::StorageFull);
+    assert!(error.to_string().contains("must be a file"), "{error}");
+    assert!(salvage(Path::new("/dev/zero"), None).is_err());
 }
 
 /// Increment `i` of the small run, and what is told after it.
@@ -311,7 +312,8 @@ fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
                 let cut = usize::midpoint(least as usize, bytes.len());
                 std::fs::write(&path, &bytes[..cut]).unwrap();
             }
-            let mut run = McapWriter::resume(&path, &model, &mark).unwrap();
+            let (mut run, new) = McapWriter::resume(&path, &model, &mark).unwrap();
+            new.keep().unwrap();
             assert_eq!(run.mark().unwrap(), mark);
             (at + 1..=INCREMENTS).for_each(|i| go_on(&mut run, &model, i));
             end(run, &model);
@@ -341,4 +343,73 @@ fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
     std::fs::remove_file(&path).unwrap();
     let error = McapWriter::resume(&path, &model, &mark).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::NotFound);
+}
+
+/// What is not seen is not taken over: indices, and times of chunks, which are made anew.
+#[test]
+fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, again] = ["run.mcap", "again.mcap"].map(|name| folder.path().join(name));
+    let model = model();
+    let mut run = McapWriter::create(&path, &model).unwrap();
+    run.attach("model.toml", "application/toml", "format = 1\n")
+        .unwrap();
+    go_on(&mut run, &model, 1);
+    let mark = run.mark().unwrap();
+    drop(run);
+    let whole = std::fs::read(&path).unwrap();
+    let mut seen = 0;
+    // Every bit of the beginning, and one of seven thereafter.
+    let bits = (0..8 * 100).chain((8 * 100..8 * whole.len()).step_by(7));
+    let count = bits.clone().count();
+    for bit in bits {
+        let mut changed = whole.clone();
+        changed[bit / 8] ^= 1 << (bit % 8);
+        std::fs::write(&again, &changed).unwrap();
+        match McapWriter::resume(&again, &model, &mark) {
+            Err(error) => {
+                assert_eq!(error.kind(), ErrorKind::InvalidData, "bit {bit}: {error}");
+                seen += 1;
+            }
+            Ok((run, new)) => {
+                drop((run, new.keep().unwrap()));
+                assert!(std::fs::read(&again).unwrap() == whole, "bit {bit}");
+            }
+        }
+    }
+    assert!(seen > count / 2, "{seen} of {count}");
+}
+
+/// Ten chunks of 16 MB of zeros in a file of some kilobytes: read up to what such a file may hold.
+#[test]
+fn a_file_that_would_unpack_without_end_is_read_to_a_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let file = std::io::BufWriter::new(std::fs::File::create(&path).unwrap());
+    let mut writer = options("", "bomb").create(file).unwrap();
+    let channel = writer
+        .add_channel(0, "/step", "json", &BTreeMap::new())
+        .unwrap();
+    for sequence in 0..10 {
+        let header = MessageHeader {
+            channel_id: channel,
+            sequence,
+            log_time: 0,
+            publish_time: 0,
+        };
+        let zeros = vec![0; 1 << 24];
+        writer.write_to_known_channel(&header, &zeros).unwrap();
+        writer.flush().unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let length = std::fs::metadata(&path).unwrap().len();
+    assert!(length < 100_000, "{length}");
+    let out = folder.path().join("salvaged.mcap");
+    let found = salvage(&path, Some(&out)).unwrap();
+    // 64 MB and 256 bytes for each of the file.
+    assert!(
+        (3..6).contains(&found.messages) && !found.was_whole,
+        "{found:?}"
+    );
 }

@@ -23,8 +23,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::summary::write_whole;
 use super::{Experiment, HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use crate::files::write_whole;
 use page::{escape, escape_json, fill};
 use series::Series;
 use view::{Scene, View};

@@ -251,6 +251,54 @@ impl History {
     }
 }
 
+/// The first `count` rows, reactions left out.
+///
+/// # Errors
+/// There are not as many, a value is none, or the file cannot be read.
+pub fn read(file: &hdf5::File, model: &Model, count: usize) -> hdf5::Result<Vec<HistoryRow>> {
+    let group = file.group(HISTORY)?;
+    let mut maps = vec![Map::new(); count];
+    for (name, kind) in columns() {
+        let series = group.dataset(&name)?;
+        if series.shape() != [series.size()] || series.size() < count {
+            return Err(format!("{} has not {count} values", series.name()).into());
+        }
+        let values: Vec<Value> = match kind {
+            Kind::Whole => {
+                let whole = series.read_slice_1d::<i64, _>(0..count)?;
+                whole.iter().map(|n| Value::from(*n)).collect()
+            }
+            Kind::Real => {
+                let real = series.read_slice_1d::<f64, _>(0..count)?;
+                real.iter().map(|x| Value::from(*x)).collect()
+            }
+            Kind::Word => {
+                let words = series.read_slice_1d::<Word, _>(0..count)?;
+                words
+                    .iter()
+                    .map(|word| Value::from(word.as_str()))
+                    .collect()
+            }
+        };
+        for (map, value) in maps.iter_mut().zip(values) {
+            map.insert(name.clone(), value);
+        }
+    }
+    let of_map = |map| serde_json::from_value(Value::Object(map)).map_err(|e| e.to_string().into());
+    let mut rows: Vec<HistoryRow> = maps.into_iter().map(of_map).collect::<hdf5::Result<_>>()?;
+    for column in model.columns() {
+        let series = group.dataset(&column)?;
+        if series.size() < count {
+            return Err(format!("{} has not {count} values", series.name()).into());
+        }
+        let values = series.read_slice_1d::<f64, _>(0..count)?;
+        for (row, value) in rows.iter_mut().zip(&values) {
+            row.probes.push(*value);
+        }
+    }
+    Ok(rows)
+}
+
 /// How many frames there are up to an increment.
 ///
 /// # Errors

@@ -69,6 +69,8 @@ impl VtkHdfWriter {
     /// The files cannot be created or written.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         let publication = Publication::new(path);
+        // HDF5 would write through a link.
+        crate::files::remove(&publication.work())?;
         let begun = WorkFile::create(&publication.work(), model);
         let mut writer = Self::begin(publication, begun)?;
         writer.publish()?;
@@ -80,10 +82,13 @@ impl VtkHdfWriter {
     /// written.
     ///
     /// # Errors
-    /// There is no such file, it is damaged or of another model, or it cannot be written.
+    /// There is no such file, it is not as it was written or of another model, or it cannot be written.
     pub fn reopen(path: &Path, model: &Model, keep_increments: usize) -> io::Result<Self> {
         let publication = Publication::new(path);
-        std::fs::copy(path, publication.work())?;
+        if let Err(why) = publication.take_back() {
+            publication.abandon();
+            return Err(why);
+        }
         let begun = WorkFile::open(&publication.work(), model, keep_increments);
         Self::begin(publication, begun)
     }

@@ -8,9 +8,10 @@ use hdf5_metno::types::VarLenUnicode;
 
 use super::about::{self, MODEL};
 use super::field::Values;
-use super::history::{FRAME_INCREMENT, HISTORY};
-use super::{INTERFACES, into_io};
-use crate::results::{Frame, InterfaceFrame, InterfaceState};
+use super::history::{self, FRAME_INCREMENT, HISTORY};
+use super::{INTERFACES, into_io, publication};
+use crate::model::Model;
+use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 
 /// The solids at rest, and what each element is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +42,7 @@ pub struct RestSurface {
 pub struct FieldsFile {
     path: PathBuf,
     file: hdf5::File,
+    room: Room,
     times: Vec<f64>,
     /// Increment of each frame. `[frame]`
     increments: Vec<usize>,
@@ -51,20 +53,23 @@ impl FieldsFile {
     /// had shown by then.
     ///
     /// # Errors
-    /// There is no such file, or it holds no fields of wythe.
+    /// There is no such file, it was changed since a run wrote it, or it holds no fields of wythe.
     pub fn open(path: &Path) -> io::Result<Self> {
-        // HDF5 says it in many lines.
-        std::fs::metadata(path)?;
+        // HDF5 trusts what it reads, and says what it does not find in many lines.
+        publication::check(path)?;
+        let length = std::fs::metadata(path)?.len();
         let open = || -> hdf5::Result<Self> {
             let file = hdf5::File::open(path)?;
+            let room = Room { length };
             let steps = file.group("VTKHDF/Steps")?;
             let count: i64 = steps.attr("NSteps")?.read_scalar()?;
-            let mut times: Vec<f64> = steps.dataset("Values")?.read_raw()?;
+            let mut times: Vec<f64> = room.all(&steps.dataset("Values")?)?;
             times.truncate(usize::try_from(count).unwrap_or(0));
             let increments = file.group(HISTORY)?.dataset(FRAME_INCREMENT)?;
             Ok(Self {
                 path: path.to_owned(),
-                increments: whole(&increments.read_raw::<i64>()?)?,
+                increments: whole(&room.all::<i64>(&increments)?)?,
+                room,
                 file,
                 times,
             })
@@ -85,6 +90,18 @@ impl FieldsFile {
     /// Increment of each frame.
     pub fn increments(&self) -> &[usize] {
         &self.increments
+    }
+
+    /// The first `count` rows of the history with the columns of `model`; without reactions.
+    ///
+    /// # Errors
+    /// They are not there, or cannot be read.
+    pub(in crate::results) fn rows(
+        &self,
+        model: &Model,
+        count: usize,
+    ) -> io::Result<Vec<HistoryRow>> {
+        history::read(&self.file, model, count).map_err(|error| into_io(&error))
     }
 
     /// Title of the model and version of the program.
@@ -127,6 +144,7 @@ impl FieldsFile {
     pub fn materials(&self) -> io::Result<Vec<String>> {
         let read = || -> hdf5::Result<Vec<String>> {
             let names = self.file.group(MODEL)?.attr("materials")?;
+            self.room.holds(&names.name(), names.size(), Some(8))?;
             let names = names.read_raw::<VarLenUnicode>()?;
             Ok(names.iter().map(ToString::to_string).collect())
         };
@@ -140,10 +158,11 @@ impl FieldsFile {
     pub fn mesh(&self) -> io::Result<RestMesh> {
         let read = || -> hdf5::Result<RestMesh> {
             let root = self.file.group("VTKHDF")?;
-            let label = |name: &str| root.dataset(&format!("CellData/{name}"))?.read_raw::<i64>();
+            let all = |name: &str| self.room.all::<i64>(&root.dataset(name)?);
+            let label = |name: &str| all(&format!("CellData/{name}"));
             Ok(RestMesh {
-                nodes: rows(&root.dataset("Points")?.read_raw()?)?,
-                elements: rows(&whole(&root.dataset("Connectivity")?.read_raw()?)?)?,
+                nodes: rows(&self.room.all(&root.dataset("Points")?)?)?,
+                elements: rows(&whole(&all("Connectivity")?)?)?,
                 material: whole(&label("material")?)?,
                 unit: whole(&label("unit")?)?,
                 course: whole(&label("course")?)?,
@@ -163,8 +182,8 @@ impl FieldsFile {
             }
             let root = self.file.group(INTERFACES)?;
             Ok(RestSurface {
-                points: rows(&root.dataset("Points")?.read_raw()?)?,
-                quads: rows(&whole(&root.dataset("Connectivity")?.read_raw()?)?)?,
+                points: rows(&self.room.all(&root.dataset("Points")?)?)?,
+                quads: rows(&whole(&self.room.all(&root.dataset("Connectivity")?)?)?)?,
             })
         };
         read().map_err(|error| into_io(&error))
@@ -238,18 +257,32 @@ impl FieldsFile {
         })
     }
 
-    /// Rows of one frame of a field with one chunk a frame.
-    fn rows_of(field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
-        let all = field.shape().first().copied().unwrap_or(0);
+    /// Rows of one frame of a field with one chunk a frame, all of it in one chunk.
+    fn rows_of(&self, field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
+        let shape = field.shape();
+        let (all, width) = (
+            shape.first().copied().unwrap_or(0),
+            shape.get(1).copied().unwrap_or(1),
+        );
+        let damaged = || format!("{} is damaged: its sizes cannot be", field.name());
+        let chunk = field.chunk().unwrap_or_default();
         // Frames that are written but not yet counted are there too.
-        let tuples = field
-            .chunk()
-            .and_then(|chunk| chunk.first().copied())
-            .unwrap_or(0);
-        let rows = frame * tuples..(frame + 1) * tuples;
-        if all < rows.end && all > 0 {
+        let tuples = chunk.first().copied().unwrap_or(0);
+        if shape.len() > 2 || (all > 0 && chunk.get(1).copied().unwrap_or(1) < width) {
+            return Err(damaged().into());
+        }
+        let end = frame.checked_add(1).and_then(|n| n.checked_mul(tuples));
+        let end = end.ok_or_else(damaged)?;
+        if all < end && all > 0 {
             return Err(format!("{} ends within frame {frame}", field.name()).into());
         }
+        let rows = frame * tuples..end;
+        let chunk = chunk.iter().try_fold(1, |n: usize, m| n.checked_mul(*m));
+        let bytes = field.dtype()?.size();
+        let size = chunk.and_then(|n| n.checked_mul(bytes));
+        self.room.holds(&field.name(), 1, size)?;
+        self.room
+            .holds(&field.name(), tuples, width.checked_mul(bytes))?;
         Ok(rows.start.min(all)..rows.end.min(all))
     }
 
@@ -281,7 +314,7 @@ impl FieldsFile {
                 width: 1,
             });
         }
-        let rows = Self::rows_of(&field, frame)?;
+        let rows = self.rows_of(&field, frame)?;
         let values = field.read_slice_2d::<f64, _>((rows, ..))?;
         let width = values.ncols();
         Ok(Values::Real {
@@ -292,15 +325,68 @@ impl FieldsFile {
 
     fn scalars<T: hdf5::H5Type + Clone>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<T>> {
         let field = self.file.dataset(name)?;
-        let rows = Self::rows_of(&field, frame)?;
+        let rows = self.rows_of(&field, frame)?;
         Ok(field.read_slice_1d::<T, _>(rows)?.to_vec())
     }
 
     fn step<const N: usize>(&self, frame: usize, name: &str) -> hdf5::Result<Vec<[f64; N]>> {
         let field = self.file.dataset(name)?;
-        let rows_of = Self::rows_of(&field, frame)?;
+        let rows_of = self.rows_of(&field, frame)?;
         let values = field.read_slice_2d::<f64, _>((rows_of, ..))?;
         rows(&values.iter().copied().collect::<Vec<f64>>())
+    }
+}
+
+/// How much a file of this length can hold, whatever it claims.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    /// Bytes of the file.
+    length: u64,
+}
+
+impl Room {
+    /// Bytes that an array may have for one of the file. Each cell of a grid stands in `Offsets` and `Types`, which are
+    /// not packed, with 9 bytes, and has at most 8 nodes of 24 bytes: 21.3 for one, of the mesh or a frame.
+    const UNPACKED: u64 = 24;
+    /// What any file may hold: short series have chunks of a fixed size.
+    const LEAST: u64 = 1 << 20;
+    /// Least bytes of a chunk of a series in the file.
+    const CHUNK: u64 = 256;
+
+    /// Whether the file can hold so many values of so many bytes.
+    ///
+    /// # Errors
+    /// It cannot.
+    fn holds(self, name: &str, count: usize, bytes: Option<usize>) -> hdf5::Result<()> {
+        let bytes = bytes.and_then(|bytes| bytes.checked_mul(count));
+        let most = Self::LEAST + Self::UNPACKED.saturating_mul(self.length);
+        if bytes.is_some_and(|bytes| bytes as u64 <= most) {
+            return Ok(());
+        }
+        let length = self.length;
+        Err(format!("{name} claims more values than a file of {length} bytes can hold").into())
+    }
+
+    /// All values of a dataset, in their order.
+    ///
+    /// # Errors
+    /// The file cannot hold them, or they cannot be read.
+    fn all<T: hdf5::H5Type>(self, of: &hdf5::Dataset) -> hdf5::Result<Vec<T>> {
+        let count = of
+            .shape()
+            .iter()
+            .try_fold(1, |n: usize, m| n.checked_mul(*m));
+        let bytes = of.dtype()?.size().max(size_of::<T>());
+        self.holds(&of.name(), count.unwrap_or(usize::MAX), Some(bytes))?;
+        if let Some(chunk) = of.chunk() {
+            let each = chunk.iter().try_fold(bytes, |n, m| n.checked_mul(*m));
+            self.holds(&of.name(), 1, each)?;
+            let chunks = count.unwrap_or(0) as u64 * bytes as u64 / each.unwrap_or(1).max(1) as u64;
+            if chunks > 16 + self.length / Self::CHUNK {
+                return Err(format!("{} has {chunks} chunks, more than can be", of.name()).into());
+            }
+        }
+        of.read_raw()
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use hdf5_metno as hdf5;
 
 use super::{INTERFACES, into_io};
+use crate::files::{self, NewFile};
 
 /// The sidecar of a file of fields.
 pub fn path_of(fields: &Path) -> PathBuf {
@@ -19,24 +20,17 @@ pub fn path_of(fields: &Path) -> PathBuf {
 pub fn write(fields: &Path, there_are_interfaces: bool) -> io::Result<()> {
     let path = path_of(fields);
     if !there_are_interfaces {
-        return match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        };
+        return files::remove(&path);
     }
-    let temporary = fields.with_extension("interfaces.vtkhdf.tmp");
+    let new = NewFile::create(&path)?;
     let name = fields.file_name().unwrap_or_default().to_string_lossy();
     let link = || -> hdf5::Result<()> {
-        let file = hdf5::File::create(&temporary)?;
+        // Its own file anew: HDF5 takes no open one.
+        files::remove(new.temporary()).map_err(|error| error.to_string())?;
+        let file = hdf5::File::create_excl(new.temporary())?;
         file.link_external(&name, &format!("/{INTERFACES}"), "VTKHDF")?;
         file.close()
     };
-    let written = link()
-        .map_err(|error| into_io(&error))
-        .and_then(|()| std::fs::rename(&temporary, &path));
-    if written.is_err() {
-        // Best effort: the error that matters is the first.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
+    link().map_err(|error| into_io(&error))?;
+    new.keep().map(drop)
 }

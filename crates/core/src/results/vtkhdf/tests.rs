@@ -305,25 +305,91 @@ fn the_error_of_the_system_comes_through() {
     assert_eq!(error.kind(), io::ErrorKind::NotFound, "{error}");
     let path = folder.path().join("results.vtkhdf");
     let work = folder.path().join("results.vtkhdf.part");
-    std::os::unix::fs::symlink("/dev/full", &work).unwrap();
+    std::fs::create_dir(&work).unwrap();
     let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
-    assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{error}");
-    assert!(!work.exists() && !path.exists());
+    assert_eq!(error.kind(), io::ErrorKind::IsADirectory, "{error}");
+    std::fs::remove_dir(&work).unwrap();
+    // A link is no way to somebody else's file.
+    let mine = folder.path().join("mine");
+    std::fs::write(&mine, "mine").unwrap();
+    for name in [
+        "results.vtkhdf",
+        "results.vtkhdf.part",
+        "results.vtkhdf.tmp",
+    ] {
+        std::os::unix::fs::symlink(&mine, folder.path().join(name)).unwrap();
+    }
+    drop(VtkHdfWriter::create(&path, &fake::model()).unwrap());
+    assert_eq!(std::fs::read_to_string(&mine).unwrap(), "mine");
+    assert!(path.symlink_metadata().unwrap().is_file() && seen(&path).0.is_empty());
 }
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_disk_without_room_for_a_copy_is_an_error_and_loses_no_frame() {
+fn a_copy_that_cannot_be_written_is_an_error_and_loses_no_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();
     let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
     record(&mut writer, &model, 1..=4);
     let copy = folder.path().join("results.vtkhdf.tmp");
-    std::os::unix::fs::symlink("/dev/full", copy).unwrap();
+    std::fs::create_dir(copy).unwrap();
     let error = writer.publish().unwrap_err();
-    assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{error}");
+    assert_eq!(error.kind(), io::ErrorKind::IsADirectory, "{error}");
     assert_eq!(seen(&path).0[0], 2, "what was seen before");
     drop(writer);
     assert_eq!(seen(&path).0, [2, 4], "the work file is whole");
+}
+
+/// Sizes in the file are claims of whoever wrote it.
+#[test]
+fn claims_that_no_file_can_hold_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results.vtkhdf");
+    let model = whole_model();
+    let begin = || {
+        let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
+        record(&mut writer, &model, 1..=2);
+        writer.finish().unwrap();
+    };
+    let huge = 1_000_000_000_000_usize;
+    // Datasets that claim a trillion rows, in chunks of one row and of a million.
+    for (name, wide) in [
+        ("VTKHDF/Points", 3),
+        ("VTKHDF/Connectivity", 1),
+        ("VTKHDF/CellData/unit", 1),
+        ("VTKHDF/CellData/stress", 6),
+        ("VTKHDF/PointData/displacement", 3),
+        ("VTKHDF/CellData/tensile_damage", 1),
+        ("VTKHDF/Steps/Values", 1),
+        ("history/frame_increment", 1),
+        ("interfaces/Points", 3),
+        ("interfaces/CellData/opening", 1),
+        ("interfaces/CellData/traction", 3),
+    ] {
+        for rows in [1, 10_000_000] {
+            begin();
+            let file = hdf5::File::open_rw(&path).unwrap();
+            file.unlink(name).unwrap();
+            let builder = file.new_dataset::<f64>();
+            if wide == 1 {
+                builder.chunk(rows).shape(huge).create(name).unwrap();
+            } else {
+                let builder = builder.chunk((rows, wide)).shape((huge, wide));
+                builder.create(name).unwrap();
+            }
+            file.close().unwrap();
+            let all = || -> io::Result<()> {
+                let file = FieldsFile::open(&path)?;
+                file.mesh()?;
+                file.surface()?;
+                file.frame(0)?;
+                for name in file.field_names()? {
+                    file.field(&name, 0)?;
+                }
+                Ok(())
+            };
+            assert!(all().is_err() || rows == 1, "{name} in chunks of {rows}");
+        }
+    }
 }

@@ -74,9 +74,9 @@ impl WorkFile {
     /// Begins a file with the model's meshes and no steps, on disk on return.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// It cannot be written, or there is one.
     pub fn create(path: &Path, model: &Model) -> hdf5::Result<Self> {
-        let file = hdf5::File::create(path)?;
+        let file = hdf5::File::create_excl(path)?;
         about::write(&file, model)?;
         let history = History::create(&file, model)?;
         Self::with(file, history, model, |file, name, of| {

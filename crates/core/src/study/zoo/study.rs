@@ -11,9 +11,9 @@ use super::reference::{Difference, careful};
 use super::row::{OUT_OF_TIME, Row, read, table};
 use super::wall::Wall;
 use crate::error::IoError;
+use crate::files::write_whole;
 use crate::model::{Deck, Model};
 use crate::results::directory::{HISTORY, SUMMARY};
-use crate::results::summary::write_whole;
 use crate::results::{Curve, RunFolder};
 use crate::study::parallel::side_by_side;
 

@@ -7,9 +7,11 @@ at work.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
+import stat
 import sys
 from pathlib import Path
 from typing import Any, TypedDict
@@ -87,12 +89,14 @@ class Journal:
         else:
             found, lines = _parsed(self.path, kept)
             _compare(self.folder, found, header)
-        self._file = open(self.path, "ab")  # noqa: SIM115 - open as long as the study goes
-        self._file.truncate(len(kept))
-        if not kept:
-            self._file.write(begin)
+        # A new file: links to the old one keep what it had.
+        part = self.path.with_name(f"{NAME}.tmp")
+        part.unlink(missing_ok=True)
+        self._file = open(part, "xb")  # noqa: SIM115 - open as long as the study goes
+        self._file.write(kept or begin)
         self._file.flush()
         os.fsync(self._file.fileno())
+        os.replace(part, self.path)
         _sync_folder(self.folder)
         return lines
 
@@ -175,6 +179,11 @@ class _Lock:
         if self._folder in _Lock.held:
             raise _busy(folder, "this process")
         path = self._folder / LOCK
+        # A link would be written through.
+        with contextlib.suppress(FileNotFoundError):
+            about = path.lstat()
+            if stat.S_ISLNK(about.st_mode) or about.st_nlink > 1:
+                path.unlink()
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
             _take(self._handle)

@@ -8,6 +8,7 @@ import sys
 import time
 from typing import Any, Protocol
 
+from wythe._errors import say
 from wythe._run import in_notebook
 
 # A terminal's line is renewed so often at most [s].
@@ -75,8 +76,7 @@ class Terminal:
         now = time.monotonic()
         if last or now - self._shown >= RENEWED_EVERY:
             self._shown = now
-            self._stream.write(f"\r\x1b[K{line}" + ("\n" if last else ""))
-            self._stream.flush()
+            say(self._stream, f"\r\x1b[K{line}" + ("\n" if last else ""))
 
 
 class Lines:
@@ -94,8 +94,7 @@ class Lines:
         more = done // self._step > self._told // self._step
         if since >= TOLD_EVERY or (more and since >= NOT_SOONER) or (last and done != self._told):
             self._told, self._at = done, time.monotonic()
-            self._stream.write(f"{line}\n")
-            self._stream.flush()
+            say(self._stream, f"{line}\n")
 
 
 class Notebook:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import io
 import json
 import os
 from collections import Counter
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._errors import as_path, need, unwritten
+from wythe._errors import as_path, need, write_text
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
@@ -126,18 +127,12 @@ class Study:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the table; empty where there is no number, lists as JSON."""
-        final = Path(as_path("path", path))
-        part = final.with_name(f"{final.name}.part")
-        try:
-            with part.open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file)
-                writer.writerow(self.columns)
-                for row in self:
-                    writer.writerow([_csv(row[name]) for name in self.columns])
-            # As a whole or not at all.
-            os.replace(part, final)
-        except OSError as error:
-            raise unwritten(str(final), error) from error
+        text = io.StringIO(newline="")
+        writer = csv.writer(text)
+        writer.writerow(self.columns)
+        for row in self:
+            writer.writerow([_csv(row[name]) for name in self.columns])
+        write_text(as_path("path", path), text.getvalue())
 
     def run_folder(self, sample: int) -> Path:
         """The folder of a sample's run, of a study that kept them (``keep="results"``)."""
