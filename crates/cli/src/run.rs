@@ -79,7 +79,7 @@ pub fn record(
         || end(&summary, new_warnings, &out),
     ))?;
     match summary.status {
-        Status::Completed => Ok(()),
+        Status::Completed | Status::Collapsed => Ok(()),
         Status::Interrupted => Err(Failure::Interrupted),
         Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
             help = "everything up to there is in the folder of results",
@@ -123,6 +123,8 @@ fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
     json!({
         "event": "end",
         "status": summary.status,
+        "verdict": summary.verdict,
+        "verdict_kind": summary.verdict_kind,
         "message": summary.message,
         "peak_force_kN": summary.peak_force_kN,
         "displacement_at_peak_mm": summary.displacement_at_peak_mm,
@@ -142,9 +144,6 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         .iter()
         .map(|w| format!("warning: {w}"))
         .collect();
-    if let (Some(force), Some(at)) = (summary.peak_force_kN, summary.displacement_at_peak_mm) {
-        lines.push(format!("peak {force:.3} kN at {at:.4} mm"));
-    }
     if let Some(stiffness) = summary.initial_stiffness_kN_per_mm {
         lines.push(format!("initial stiffness {stiffness:.2} kN/mm"));
     }
@@ -163,6 +162,7 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
     if summary.status == Status::Interrupted {
         lines.push(format!("to go on: wythe resume {}", argument(out)));
     }
+    lines.push(summary.verdict.clone());
     lines.join("\n") + "\n"
 }
 

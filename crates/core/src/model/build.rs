@@ -99,6 +99,7 @@ impl Model {
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
+        bodies.mesh.names = bodies.names();
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),

@@ -165,7 +165,10 @@ impl StoppedRun {
     pub fn is_complete(&self, model: &Model) -> Result<bool, ResumeError> {
         let done = self.part == 1.0 && self.file.solver.is_the_end_of(model);
         let summary = RunFolder::open(&self.path)?.summary()?;
-        Ok(done && summary.is_some_and(|summary| summary.status == Status::Completed))
+        let status = summary.map(|summary| summary.status);
+        // Of what has collapsed nothing is left to do.
+        let collapsed = self.part == 1.0 && status == Some(Status::Collapsed);
+        Ok(collapsed || (done && status == Some(Status::Completed)))
     }
 
     /// Cuts the files of the folder back to the checkpoint and goes on with them.

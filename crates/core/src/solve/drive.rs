@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::checkpoint::CheckpointError;
+use super::collapse::Departure;
 use super::course::{Course, Leg};
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
@@ -54,7 +55,7 @@ pub(super) const CUT: f64 = 0.4;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
-    run_part(model, &Part::default(), recorder)
+    run_part(model, &Part::default(), recorder).map(Summary::in_words)
 }
 
 /// Runs a model that is this part of what is shown.
@@ -82,6 +83,8 @@ pub(super) struct Run<'m> {
     pub(super) output_seconds: f64,
     pub(super) snaps: Snaps,
     pub(super) swings: Swings,
+    /// Where inertia took over from statics, while it acts.
+    pub(super) departure: Option<Departure>,
     /// Of the model, when the first checkpoint wants it.
     pub(super) fingerprint: OnceCell<Fingerprint>,
 }
@@ -115,6 +118,7 @@ impl<'m> Run<'m> {
             output_seconds: 0.0,
             snaps: Snaps::default(),
             swings: Swings::default(),
+            departure: None,
             fingerprint: OnceCell::new(),
         })
     }
@@ -125,8 +129,9 @@ impl<'m> Run<'m> {
         course: Option<Course<'m>>,
         recorder: &mut dyn Recorder,
     ) -> Result<Summary, RunError> {
-        let (mut next, mut go_on) = (0, true);
-        if let Some(course) = course {
+        // A run that was killed between its collapse and its summary.
+        let (mut next, mut go_on) = (0, self.summary.status != Status::Collapsed);
+        if let (Some(course), true) = (course, go_on) {
             next = course.index + 1;
             go_on = self.walk(course, recorder)?;
         }
@@ -135,6 +140,7 @@ impl<'m> Run<'m> {
             next += 1;
             go_on = self.walk(course, recorder)?;
         }
+        self.tell_what_moves();
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         Ok(self.summary)
@@ -215,11 +221,14 @@ impl<'m> Run<'m> {
         if self.state.energies.moving() > QUIET {
             // What the ladder has set in motion falls on.
             ladder.go_on_moving();
+            if self.departure.is_none() {
+                self.depart(index, 0.0);
+            }
         }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
         let [displacement, force] = self.watched(index);
-        course.watch = Watch::new(step, displacement);
+        course.watch = Watch::new(&model.steps, step, displacement, self.part.wholes());
         course.see(force);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
@@ -269,6 +278,7 @@ impl<'m> Run<'m> {
             Method::QuasiStatic => self.mark_what_fell(),
             _ => {}
         }
+        let collapsed = self.collapses(course, leg.method, before.kinetic);
         let growth = growth(leg, report, course.ladder.floor());
         if leg.method.follows_path() {
             course.schedule.reach(course.branch.time(course.load));
@@ -297,7 +307,7 @@ impl<'m> Run<'m> {
         course.see(seen[1]);
         course.resolve_peak();
         let whole = course.is_whole();
-        let end = whole || why.is_some();
+        let end = whole || why.is_some() || collapsed;
         if let (Some(why), false) = (&why, whole) {
             self.stop(course, why, recorder);
         }
@@ -329,19 +339,22 @@ impl<'m> Run<'m> {
             self.note(course, &why, recorder);
         }
         let mut keeps_symmetry = true;
+        if collapsed {
+            self.tell_collapse(course, recorder);
+        }
         if !end && course.is_at_row() {
             keeps_symmetry = self.keeps_symmetry(course, recorder);
             self.turn(course);
         }
         self.tally(&course.newton);
-        let all_done = end && course.index + 1 == self.model.steps.len();
+        let all_done = collapsed || (end && course.index + 1 == self.model.steps.len());
         self.offer(course, all_done || !keep || !keeps_symmetry, recorder)?;
         self.tally(&course.newton);
-        if !keep {
+        if !keep && !collapsed {
             self.summary.status = Status::Interrupted;
             "stopped by the user".clone_into(&mut self.summary.message);
         }
-        Ok(keep && keeps_symmetry)
+        Ok(keep && keeps_symmetry && !collapsed)
     }
 
     /// Goes on along the next branch of the amplitude.
