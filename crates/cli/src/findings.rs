@@ -120,6 +120,7 @@ pub fn warning_json(warning: &Warning) -> Value {
         "line": warning.line,
         "column": warning.column,
         "message": warning.message,
+        "others": warning.others,
     })
 }
 
@@ -134,6 +135,7 @@ mod tests {
             line: Some(2),
             column: Some(6),
             message: "high".to_owned(),
+            others: 0,
         };
         assert_eq!(
             drawn(&warning, "[materials.brick]\nnu = 0.49\n"),

@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::deck::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
+use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, Unit};
 use super::tables;
 use crate::element::extent;
@@ -48,6 +49,7 @@ pub(super) fn judged(
 ) -> Result<(Model, Vec<Warning>), ModelError> {
     let (mut warnings, wrong) = findings(deck, &model);
     warnings.extend(laid);
+    let warnings = Warning::counted(warnings);
     for error in wrong {
         errors.push(error);
     }
@@ -91,6 +93,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
         warnings.extend(check_interface(deck, name, interface, model));
     }
     warnings.extend(peaks_not_seen(deck));
+    warnings.extend(magnitudes(deck));
     (warnings, errors)
 }
 

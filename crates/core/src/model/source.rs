@@ -211,6 +211,7 @@ impl Source {
             line,
             column,
             message: message.into(),
+            others: 0,
         }
     }
 

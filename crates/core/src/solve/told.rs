@@ -17,13 +17,12 @@ pub(super) fn drives(step: &Step) -> bool {
 /// Sense of the drive of a beam in a direction: that in which the first step that drives it there does. Displacements and
 /// forces are counted along it.
 pub(super) fn sense_of_beam(steps: &[Step], beam: usize, direction: usize) -> f64 {
-    let by = steps.iter().filter_map(|step| step.motion.get(beam));
-    by.filter_map(|motion| match motion[direction] {
+    let mut by = steps.iter().filter_map(|step| step.motion.get(beam));
+    let sense = by.find_map(|motion| match motion[direction] {
         BeamMotion::Driven(by) if by != 0.0 => Some(by.signum()),
         _ => None,
-    })
-    .next()
-    .unwrap_or(1.0)
+    });
+    sense.unwrap_or(1.0)
 }
 
 /// The same of the driven end of a spring.
