@@ -31,6 +31,13 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "out of `free`",
     ),
     (
+        "stiff_block",
+        "materials.stone.E",
+        "E = 5e12",
+        "E = 5e12 MPa of stone is too stiff for step 0 (free)",
+        "rigid = true",
+    ),
+    (
         "triplet_without_supports",
         "steps.0",
         "[[steps]]",

@@ -298,3 +298,37 @@ fn what_carries_its_loads_stands() {
     );
     assert!(verdict.ends_with("(bar)"), "{verdict}");
 }
+
+/// A block falls by g t²/2 = 12.2625 mm in 0.05 s, however stiff it is; or the run refuses it, naming the material and its E.
+#[test]
+fn stiff_blocks_fall_or_are_refused() {
+    let deck = repository("tests/data/bad/stiff_block.toml");
+    for (stiffness, falls) in [
+        ("5e3", true),
+        ("5e8", true),
+        ("5e9", true),
+        ("3e10", false),
+        ("5e12", false),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let set = format!("materials.stone.E={stiffness}");
+        let (output, out) = run(folder.path(), &deck, &["--set", &set]);
+        if falls {
+            assert_eq!(code(&output), 0, "{stiffness}: {}", stderr(&output));
+            let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+            let fallen = -column(&history, "z_mm").last().unwrap();
+            // A hundred increments, the first of backward Euler: half an increment more.
+            assert!(
+                (fallen - 12.2625).abs() < 0.01 * 12.2625,
+                "{stiffness}: {fallen}"
+            );
+        } else {
+            assert_eq!(code(&output), 2, "{stiffness}");
+            let told = stderr(&output);
+            assert!(
+                told.contains("materials.stone.E") && told.contains("of stone"),
+                "{told}"
+            );
+        }
+    }
+}

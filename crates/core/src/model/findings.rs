@@ -4,7 +4,7 @@ use super::Model;
 use super::deck::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
 use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, Unit};
-use super::tables;
+use super::{rounding, tables};
 use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{Extent, MaterialParameters};
@@ -92,6 +92,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     for (name, interface) in interfaces(deck, model) {
         warnings.extend(check_interface(deck, name, interface, model));
     }
+    errors.extend(rounding::judge(deck, model));
     warnings.extend(peaks_not_seen(deck));
     warnings.extend(magnitudes(deck));
     (warnings, errors)

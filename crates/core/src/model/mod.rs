@@ -34,6 +34,7 @@ pub mod probes;
 pub mod quantity;
 mod rigid;
 mod roll;
+pub(crate) mod rounding;
 pub mod scatter;
 pub mod scene;
 pub mod schema;

@@ -110,12 +110,8 @@ impl Verdict {
             }
             Status::Completed => {
                 let told = Self::on_curve(model, curve)
-                    .unwrap_or_else(|| at_end(model, farthest, motion, run.fall.is_some()));
+                    .unwrap_or_else(|| at_end(farthest, motion, run.fall.is_some()));
                 match &run.fall {
-                    Some(fall) if told.kind == VerdictKind::Moves => is(
-                        VerdictKind::Moves,
-                        format!("{}; {}", told.text, fall.moved()),
-                    ),
                     Some(fall) => is(told.kind, format!("{}; {}", told.text, fall.moved())),
                     None => told,
                 }
@@ -126,6 +122,14 @@ impl Verdict {
     /// On a curve; none if nothing is driven and loads only grow.
     fn on_curve(model: &Model, curve: &Curve) -> Option<Self> {
         let is = |kind, text| Some(Self { kind, text });
+        // A load that is prescribed rises and falls for no other reason.
+        let finds = |step: &Step| {
+            let follows = matches!(step.procedure, Procedure::ArcLength | Procedure::Dissipation);
+            follows || step.control.is_some() || step_drives(step)
+        };
+        if !model.steps.iter().any(finds) {
+            return None;
+        }
         let peak = curve.peak()?;
         let &(displacement, force) = curve.points().last()?;
         let at = |p: Peak| format!("{:.3} kN at {:.4} mm", p.force, p.displacement);
@@ -151,11 +155,6 @@ impl Verdict {
             let text = format!("peak of {} passed; {end} at the end", at(peak));
             return is(VerdictKind::PeakPassed, text);
         }
-        // What is prescribed rises for no other reason.
-        let steered = |step: &Step| step.control.is_some() || step_drives(step);
-        if !model.steps.iter().any(steered) {
-            return None;
-        }
         if curve.rises_over(LAST) > RISES * peak.force.abs() {
             let text = format!("still rising at the end: {end}, no peak yet");
             return is(VerdictKind::StillRising, text);
@@ -169,14 +168,11 @@ impl Verdict {
 }
 
 /// On a run whose loads are all there.
-fn at_end(model: &Model, farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
+fn at_end(farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
     let far = farthest.map_or_else(String::new, |far| {
         format!("moved by at most {:.4} mm ({})", far.moved, far.body)
     });
-    let wanted = model.steps.last().is_some_and(|step| {
-        matches!(step.procedure, Procedure::Auto) || step.procedure.has_inertia()
-    });
-    if falls || (wanted && motion.part > MOVING) {
+    if falls || motion.part > MOVING {
         let text = format!(
             "not at rest at the end: kinetic energy {:.3} J, {far}",
             motion.kinetic
