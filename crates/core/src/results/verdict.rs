@@ -124,7 +124,10 @@ impl Verdict {
         let is = |kind, text| Some(Self { kind, text });
         // A load that is prescribed rises and falls for no other reason.
         let finds = |step: &Step| {
-            let follows = matches!(step.procedure, Procedure::ArcLength | Procedure::Dissipation);
+            let follows = matches!(
+                step.procedure,
+                Procedure::ArcLength | Procedure::Dissipation
+            );
             follows || step.control.is_some() || step_drives(step)
         };
         if !model.steps.iter().any(finds) {

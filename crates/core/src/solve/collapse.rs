@@ -3,7 +3,7 @@
 //! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then is larger than its
 //! smallest edge (of the box around it at rest) and larger by that than the way which anything was driven meanwhile, and if the
 //! kinetic energy is still above [`QUIET`] times the energy that solids and joints have taken. A step that only loads ends there:
-//! it asks for an equilibrium, and there is none. A step that drives goes on until such bodies have half of the mass: stones may
+//! it asks for an equilibrium, and there is none. A step that drives goes on until such bodies have half of the mass of all that nothing holds: stones may
 //! fall off a wall that still carries. Procedures with inertia that the deck names are never ended: their motion is wanted.
 
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,8 @@ use super::told::drives;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure};
 use crate::results::{Fall, FallenBody, Recorder, Status};
+use crate::system::System;
+use crate::system::dofs::HELD;
 
 /// Part of the mass that falls when a step that drives ends.
 const MOST: f64 = 0.5;
@@ -56,6 +58,8 @@ struct Moved {
     count: f64,
     /// [tonne]
     mass: f64,
+    /// Whether something holds one of its nodes in all directions.
+    held: bool,
 }
 
 impl Moved {
@@ -101,7 +105,7 @@ impl Run<'_> {
         };
         let fallen = mass(&falls);
         let collapsed = if drives(course.step) {
-            fallen > MOST * mass(&|_| true)
+            fallen > MOST * mass(&|body| !body.held)
         } else {
             fallen > 0.0
         };
@@ -169,7 +173,7 @@ impl Run<'_> {
         for (now, then) in state.spring_ends.iter().zip(&departure.spring_ends) {
             driven = driven.max(length([0, 1, 2].map(|i| now[i] - then[i])));
         }
-        Some((moved(self.model, &self.system.mass.node, &u), driven))
+        Some((moved(self.model, &self.system, &u), driven))
     }
 
     /// The bodies that moved most, those that moved farther than half as far.
@@ -206,7 +210,7 @@ impl Run<'_> {
 }
 
 /// Mean displacement, size and mass of each body. `[unit]`
-fn moved(model: &Model, mass: &[f64], u: &[[f64; 3]]) -> Vec<Moved> {
+fn moved(model: &Model, system: &System, u: &[[f64; 3]]) -> Vec<Moved> {
     let mesh = &model.mesh;
     let units = mesh.unit.iter().max().map_or(0, |unit| *unit as usize + 1);
     let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; units];
@@ -216,6 +220,7 @@ fn moved(model: &Model, mass: &[f64], u: &[[f64; 3]]) -> Vec<Moved> {
             edge: 0.0,
             count: 0.0,
             mass: 0.0,
+            held: false,
         })
         .collect();
     // Bodies share no nodes.
@@ -227,7 +232,8 @@ fn moved(model: &Model, mass: &[f64], u: &[[f64; 3]]) -> Vec<Moved> {
                 continue;
             }
             body.count += 1.0;
-            body.mass += mass[n];
+            body.mass += system.mass.node[n];
+            body.held |= system.dofs.slot[n] == [HELD; 3];
             for i in 0..3 {
                 body.by[i] += u[n][i];
                 own[0][i] = own[0][i].min(mesh.nodes[n][i]);
