@@ -285,7 +285,7 @@ const BAD: &[Bad] = &[
         "kind = \"gravity\"",
         "kind = \"drive\"\nface = \"base.top\"\ndirection = \"x\"\ndisplacement = 1",
         "steps.0.face",
-        "supports hold base.top",
+        "holds all of base.top in x, in which step 0 (drive) drives it",
         "another face",
     ),
     (

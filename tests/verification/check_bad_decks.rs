@@ -17,6 +17,34 @@ fn error_of(name: &str) -> ModelError {
 /// (file, key, text of the line, part of the message, part of the advice)
 const CASES: &[(&str, &str, &str, &str, &str)] = &[
     (
+        "pressed_face_held",
+        "steps.0.face",
+        "face = \"b.top\"",
+        "the support on b.top holds all of b.top in z, in which step 0 (preload) presses it",
+        "`fixed` of the support",
+    ),
+    (
+        "free_direction_held",
+        "steps.0.free",
+        "free = [\"x\"]",
+        "the support on b.top holds all of b.top in x, in which step 0 (preload) leaves it free",
+        "out of `free`",
+    ),
+    (
+        "stiff_block",
+        "materials.stone.E",
+        "E = 5e12",
+        "E = 5e12 MPa of stone is too stiff for step 0 (free)",
+        "rigid = true",
+    ),
+    (
+        "triplet_without_supports",
+        "steps.0",
+        "[[steps]]",
+        "nothing holds left and 2 other bodies in x in step 0 (preload)",
+        "[[supports]]",
+    ),
+    (
         "wrong_key",
         "materials.brick.poisson",
         "poisson = 0.15",

@@ -17,12 +17,15 @@ use crate::say::print;
 pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
-    if let (Some(picture), Ok(sound)) = (&arguments.picture, &found) {
-        draw(&sound.model, picture, &sound.deck.inputs())?;
-    }
+    let drawn = match (&arguments.picture, &found) {
+        (Some(picture), Ok(sound)) => draw(&sound.model, picture, &sound.deck.inputs()),
+        _ => Ok(()),
+    };
     if arguments.json {
-        return print_json(path, found);
+        // Whatever happens to the picture.
+        return print_json(path, found).and(drawn);
     }
+    drawn?;
     let Sound {
         deck,
         model,
@@ -65,7 +68,25 @@ fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure
 fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(), Failure> {
     let file = path.display().to_string();
     let (object, outcome): (Value, _) = match found {
-        Err(Unsound::Unread(failure)) => return Err(failure),
+        Err(Unsound::Unread(failure)) => {
+            let (message, help) = failure.in_words();
+            let error = json!({
+                "file": file,
+                "key": "",
+                "line": null,
+                "column": null,
+                "message": message,
+                "help": help,
+            });
+            let object = json!({
+                "file": file,
+                "ok": false,
+                "layer": "file",
+                "errors": [error],
+                "warnings": [],
+            });
+            (object, Err(failure))
+        }
         Err(Unsound::Wrong(layer, error)) => {
             let errors: Vec<Value> = error.all().map(findings::error_json).collect();
             let warnings: Vec<Value> = error

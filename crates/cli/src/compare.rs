@@ -36,10 +36,8 @@ fn height_of(folder: &RunFolder) -> Option<f64> {
 type Row = (&'static str, usize, fn(&Measures) -> Option<f64>);
 
 const ROWS: [Row; 7] = [
-    ("peak force [kN]", 2, |m| m.peak_force_kN),
-    ("displacement at peak [mm]", 3, |m| {
-        m.displacement_at_peak_mm
-    }),
+    ("largest force [kN]", 2, |m| m.peak_force_kN),
+    ("displacement there [mm]", 3, |m| m.displacement_at_peak_mm),
     ("initial stiffness [kN/mm]", 2, |m| {
         m.initial_stiffness_kN_per_mm
     }),

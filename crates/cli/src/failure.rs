@@ -55,6 +55,20 @@ impl Failure {
         }
     }
 
+    /// What is wrong and how to mend it, as words without a frame.
+    pub fn in_words(&self) -> (String, String) {
+        match self {
+            Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
+                let help = report
+                    .help()
+                    .map_or_else(String::new, |help| help.to_string());
+                (report.to_string(), help)
+            }
+            Self::ToldModel => ("the model is wrong".to_owned(), String::new()),
+            Self::Interrupted => ("interrupted".to_owned(), String::new()),
+        }
+    }
+
     /// Says on standard error what there is to say.
     pub fn report(&self) {
         match self {

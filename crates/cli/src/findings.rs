@@ -123,6 +123,7 @@ pub fn warning_json(warning: &Warning) -> Value {
         "line": warning.line,
         "column": warning.column,
         "message": warning.message,
+        "others": warning.others,
     })
 }
 
@@ -137,6 +138,7 @@ mod tests {
             line: Some(2),
             column: Some(6),
             message: "high".to_owned(),
+            others: 0,
         };
         assert_eq!(
             drawn(&warning, &["[materials.brick]", "nu = 0.49"]),

@@ -101,16 +101,22 @@ fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
 fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> Told {
     let status = match summary.map(|s| s.status) {
         Some(Status::Completed) => "completed; the folder is whole",
+        Some(Status::Collapsed) => "collapsed; the folder is whole",
         Some(Status::NotConverged) => "not converged; all up to there is whole",
         Some(Status::Interrupted) => "interrupted; all up to there is whole",
         None => "no summary: the run goes on, was killed, or could not write",
     };
     writeln!(text, "  status      {status}")?;
-    if let Some(message) = summary.map(|s| &s.message).filter(|m| !m.is_empty()) {
+    let verdict = summary.map_or("", |s| s.verdict.as_str());
+    if !verdict.is_empty() {
+        writeln!(text, "  verdict     {verdict}")?;
+    }
+    let message = summary.map_or("", |s| s.message.as_str());
+    if !message.is_empty() && message != verdict {
         writeln!(text, "              {message}")?;
     }
     let resumable = path.join(CHECKPOINT).is_file();
-    let done = summary.is_some_and(|s| s.status == Status::Completed);
+    let done = summary.is_some_and(|s| matches!(s.status, Status::Completed | Status::Collapsed));
     if resumable && !done {
         writeln!(
             text,
@@ -154,9 +160,9 @@ fn steps(text: &mut String, history: &ReadHistory) -> Told {
         let (step, d, f) = (end.step, end.displacement_mm, end.force_kN);
         writeln!(
             text,
-            "  {head:10}  {step}: {}, {:.1} % of its loads, ends at {d:.4} mm, {f:.3} kN",
+            "  {head:10}  {step}: {}, load factor {:.4}, ends at {d:.4} mm, {f:.3} kN",
             count(rows.len(), "increment"),
-            100.0 * end.load_factor
+            end.load_factor
         )?;
         head = "";
     }
@@ -170,7 +176,8 @@ fn curve(text: &mut String, history: &ReadHistory) -> Told {
     };
     writeln!(
         text,
-        "  peak        {:.3} kN at {:.4} mm{}",
+        "  {:10}  {:.3} kN at {:.4} mm{}",
+        curve.word_of_largest(),
         peak.force,
         peak.displacement,
         curve

@@ -99,7 +99,7 @@ pub fn record(
     ));
     // How the run ended counts for more than whether standard output could take it.
     match summary.status {
-        Status::Completed => printed,
+        Status::Completed | Status::Collapsed => printed,
         Status::Interrupted => Err(Failure::Interrupted),
         Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
             help = "everything up to there is in the folder of results",
@@ -143,6 +143,8 @@ fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
     json!({
         "event": "end",
         "status": summary.status,
+        "verdict": summary.verdict,
+        "verdict_kind": summary.verdict_kind,
         "message": summary.message,
         "peak_force_kN": summary.peak_force_kN,
         "displacement_at_peak_mm": summary.displacement_at_peak_mm,
@@ -162,9 +164,6 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         .iter()
         .map(|w| format!("warning: {w}"))
         .collect();
-    if let (Some(force), Some(at)) = (summary.peak_force_kN, summary.displacement_at_peak_mm) {
-        lines.push(format!("peak {force:.3} kN at {at:.4} mm"));
-    }
     if let Some(stiffness) = summary.initial_stiffness_kN_per_mm {
         lines.push(format!("initial stiffness {stiffness:.2} kN/mm"));
     }
@@ -183,6 +182,7 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
     if summary.status == Status::Interrupted {
         lines.push(format!("to go on: wythe resume {}", argument(out)));
     }
+    lines.push(summary.verdict.clone());
     lines.join("\n") + "\n"
 }
 

@@ -216,3 +216,156 @@ fn errors_are_ascii_in_a_plain_locale() {
     );
     assert!(!output.stderr.contains(&0x1b));
 }
+
+fn json_of(arguments: &[&str]) -> (i32, Value) {
+    let output = wythe(&[&["check", "--json"], arguments].concat());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let value = serde_json::from_str(&text).unwrap_or_else(|why| panic!("{why}: {text}"));
+    (code(&output), value)
+}
+
+/// Whatever the file is, there is one object that says what is wrong.
+#[test]
+fn check_as_json_is_json_whatever_the_file_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.display().to_string()
+    };
+    let here = folder.path().display().to_string();
+    let missing = folder.path().join("none.toml").display().to_string();
+    let no_file = [missing, here, file("binary.toml", &[0, 159, 146, 150, 255])];
+    for path in &no_file {
+        let (code, value) = json_of(&[path]);
+        assert_eq!((code, &value["ok"]), (4, &Value::from(false)), "{path}");
+        assert_eq!(value["layer"], "file", "{path}");
+        let error = &value["errors"][0];
+        assert_eq!(error["file"].as_str(), Some(path.as_str()));
+        assert!(!error["message"].as_str().unwrap().is_empty());
+        assert!(!error["help"].as_str().unwrap().is_empty());
+    }
+    let no_deck = [
+        file("empty.toml", b""),
+        file("text.toml", b"this is no TOML"),
+        file("other.toml", b"[package]\nname = \"x\"\n"),
+        file("zero.toml", b"format = 1\n\0"),
+        file("deck.json", b"{\"format\": 1}"),
+    ];
+    for path in &no_deck {
+        let (code, value) = json_of(&[path]);
+        assert_eq!((code, &value["ok"]), (2, &Value::from(false)), "{path}");
+        assert!(!value["errors"].as_array().unwrap().is_empty(), "{path}");
+    }
+    // A picture that cannot be drawn does not take the place of the object.
+    let wall = wall();
+    let (code, value) = json_of(&[&wall, "--picture", "scene.txt"]);
+    assert_eq!((code, &value["ok"]), (2, &Value::from(true)));
+}
+
+/// Nine blocks of two rows lie 1 mm deep in each other: one line tells of them all.
+#[test]
+fn warnings_of_one_kind_are_one_line_with_a_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("model.toml");
+    let mut text = String::from(
+        "format = 1\n[materials.stone]\nE = 1000\nnu = 0.2\n[interfaces.dry]\nf_t = 0\nc = 0\ntan_phi = 0.5\nmu = 0.5\n\
+         normal_stiffness = 100\nshear_stiffness = 100\n[contact]\ngeneral = \"dry\"\n[[supports]]\non = \"b0\"\n\
+         [[steps]]\nkind = \"preload\"\nface = \"b8.right\"\n",
+    );
+    for i in 0..9 {
+        let at = 100.0 * f64::from(i);
+        text += &format!(
+            "[[blocks]]\nname = \"b{i}\"\nsize = [100, 100, 100]\nat = [{at}, 0, 0]\nmaterial = \"stone\"\n"
+        );
+    }
+    // A thousand times what a brick bears, in nine loads that have names of their own.
+    text = text.replace(
+        "face = \"b8.right\"\n",
+        "face = \"b8.right\"\npressure = 1\n[[steps]]\nkind = \"load\"\n",
+    );
+    let loads: String = (0..9)
+        .map(|i| {
+            format!(
+                "[[steps.loads]]\nname = \"n{i}\"\non = \"b{i}.front\"\npressure = {}\n",
+                300_000 + i
+            )
+        })
+        .collect();
+    let at = text.find("[[blocks]]").unwrap();
+    text.insert_str(at, &loads);
+    std::fs::write(&deck, &text).unwrap();
+    let path = deck.display().to_string();
+    let output = wythe(&["check", &path]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines: Vec<&str> = said
+        .lines()
+        .filter(|l| l.contains("strongest brick"))
+        .collect();
+    assert_eq!(lines.len(), 1, "{said}");
+    assert!(
+        lines[0].contains("if it is in Pa: \"300000 Pa\"")
+            && lines[0].contains("(and 8 more of this kind)"),
+        "{said}"
+    );
+    let (_, value) = json_of(&[&path]);
+    let warnings = value["warnings"].as_array().unwrap();
+    let loads = warnings
+        .iter()
+        .find(|w| w["key"] == "steps.1.loads.0.pressure")
+        .unwrap();
+    assert_eq!(loads["others"], 8);
+}
+
+/// Slips of units and of order, each with what was meant.
+#[test]
+fn magnitudes_that_no_wall_has_are_told_with_what_was_meant() {
+    let wall = wall();
+    let warned = |set: &[&str]| {
+        let sets: Vec<&str> = set.iter().flat_map(|set| ["--set", *set]).collect();
+        let (code, value) = json_of(&[&[wall.as_str()], &sets[..]].concat());
+        assert_eq!(code, 0, "{set:?}: {value}");
+        let warnings = value["warnings"].as_array().unwrap().clone();
+        let told = warnings
+            .iter()
+            .map(|w| format!("{}: {}", w["key"], w["message"]));
+        told.collect::<Vec<_>>().join("\n")
+    };
+    let plain = warned(&[]);
+    for (set, part) in [
+        (
+            &["materials.brick.density=1900"][..],
+            "density = \\\"1900 kg/m^3\\\"",
+        ),
+        (
+            &["materials.brick.density=1.9e-6"],
+            "density = \\\"1.9e-6 kg/mm^3\\\"",
+        ),
+        (
+            &["materials.brick.density=1.9"],
+            "density = \\\"1.9 tonne/m^3\\\"",
+        ),
+        (&["steps.0.top_pressure=300"], "\\\"300 kPa\\\""),
+        (&["steps.0.top_pressure=300000"], "\\\"300000 Pa\\\""),
+    ] {
+        let told = warned(set);
+        assert!(told.contains(part), "{set:?}: {told}");
+        assert!(!plain.contains(part));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("model.toml");
+    std::fs::write(
+        &deck,
+        "format = 1\n[materials.stone]\nE = 20e9\nnu = 0.2\ndensity = 2e-9\n[[blocks]]\nname = \"b\"\n\
+         size = [100, 100, 100]\nmaterial = \"stone\"\n[[supports]]\non = \"b.bottom\"\n[[steps]]\nkind = \"gravity\"\ngravity = 9.81\n",
+    )
+    .unwrap();
+    let (_, value) = json_of(&[&deck.display().to_string()]);
+    let told = value["warnings"].to_string();
+    assert!(told.contains("E = \\\"20000 MPa\\\""), "{told}");
+    assert!(told.contains("gravity = \\\"9.81 m/s^2\\\""), "{told}");
+    // J7D's bricks are 204 x 98 x 50 mm.
+    let turned = warned(&["wall.unit=[204, 50, 98]", "wall.length=\"990 mm\""]);
+    assert!(turned.contains("[204, 98, 50]"), "{turned}");
+}

@@ -172,7 +172,7 @@ fn a_run_is_its_own_equal_in_text_and_json() {
     assert!(found["height_mm"].is_null());
     let output = wythe(&["compare", &text(run()), &history, "--height", "50"]);
     for part in [
-        "peak force [kN]",
+        "largest force [kN]",
         "1.000",
         "drift over 50.0 mm",
         "rms difference 0.00 kN",

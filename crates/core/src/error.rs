@@ -331,13 +331,50 @@ pub struct Warning {
     pub column: Option<usize>,
     /// What, and what it means.
     pub message: String,
+    /// How many more of this kind there are, in other places.
+    pub others: usize,
+}
+
+impl Warning {
+    /// Of several warnings of one kind the first, with the number of the others. Those of one kind are told of keys that
+    /// differ in their numbers and names only, in words that do.
+    pub(crate) fn counted(all: Vec<Self>) -> Vec<Self> {
+        let mut kinds: Vec<(String, Self)> = Vec::new();
+        for warning in all {
+            let key: String = kind_of(&warning.key.replace('.', " "));
+            let kind = format!("{key}: {}", kind_of(&warning.message));
+            match kinds.iter_mut().find(|(known, _)| *known == kind) {
+                Some((_, first)) => first.others += 1 + warning.others,
+                None => kinds.push((kind, warning)),
+            }
+        }
+        kinds.into_iter().map(|(_, warning)| warning).collect()
+    }
+}
+
+/// A text without the words that hold numbers or are quoted.
+fn kind_of(text: &str) -> String {
+    let mut quoted = false;
+    let mut words = Vec::new();
+    for word in text.split_whitespace() {
+        let quotes = word.matches('`').count();
+        let names = quoted || quotes > 0 || word.contains(|c: char| c.is_ascii_digit());
+        quoted ^= quotes % 2 == 1;
+        words.push(if names { "#" } else { word });
+    }
+    words.dedup();
+    words.join(" ")
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
-            Some(line) => write!(f, "{} (line {line}): {}", self.key, self.message),
-            None => write!(f, "{}: {}", self.key, self.message),
+            Some(line) => write!(f, "{} (line {line}): {}", self.key, self.message)?,
+            None => write!(f, "{}: {}", self.key, self.message)?,
+        }
+        match self.others {
+            0 => Ok(()),
+            others => write!(f, " (and {others} more of this kind)"),
         }
     }
 }

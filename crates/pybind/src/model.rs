@@ -223,5 +223,6 @@ fn warning_json(warning: &Warning) -> Value {
         "line": warning.line,
         "column": warning.column,
         "message": warning.message,
+        "others": warning.others,
     })
 }

@@ -140,6 +140,16 @@ impl<'a> Bodies<'a> {
         a == b || self.walls[a].joined.contains(&b)
     }
 
+    /// Names of all bodies by their number in the mesh.
+    pub(super) fn names(&self) -> Vec<String> {
+        let count = self.all.iter().map(|body| body.number as usize + 1).max();
+        let mut names = vec![String::new(); count.unwrap_or(0)];
+        for body in &self.all {
+            names[body.number as usize].clone_from(&body.name);
+        }
+        names
+    }
+
     /// How a message calls a body.
     pub(super) fn called(&self, body: usize) -> String {
         let name = &self.all[body].name;

@@ -6,7 +6,7 @@ use super::bodies::Bodies;
 use super::deck::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::findings;
 use super::general;
-use super::held::require_held;
+use super::held::{Holding, require_held, require_held_each_way};
 use super::loading::{Loading, loading};
 use super::loads;
 use super::masonry;
@@ -85,9 +85,16 @@ impl Model {
         let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
         let mut floats = None;
         if moved && is_known {
-            floats = errors
-                .keep(require_held(deck, &bodies, &held, &touching))
-                .flatten();
+            let holding = Holding {
+                supports: &supports,
+                springs: &springs,
+                beams: &beams,
+                steps: &steps,
+            };
+            let is_held = require_held(deck, &bodies, &held, &touching).and_then(|floats| {
+                require_held_each_way(deck, &bodies, &touching, holding).map(|()| floats)
+            });
+            floats = errors.keep(is_held).flatten();
         }
         let overlaps = errors
             .keep(overlap::overlaps(deck, &bodies))
@@ -105,6 +112,7 @@ impl Model {
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
+        bodies.mesh.names = bodies.names();
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),

@@ -2,8 +2,9 @@
 
 use super::Model;
 use super::deck::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
+use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, Unit};
-use super::tables;
+use super::{rounding, tables};
 use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{Extent, MaterialParameters};
@@ -60,6 +61,7 @@ pub(super) fn judged(
 ) -> Result<(Model, Vec<Warning>), ModelError> {
     let (mut warnings, wrong) = findings(deck, &model);
     warnings.extend(laid);
+    let warnings = Warning::counted(warnings);
     for error in wrong {
         errors.push(error);
     }
@@ -103,7 +105,9 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     for (name, interface) in interfaces(deck, model) {
         warnings.extend(check_interface(deck, name, interface, model));
     }
+    errors.extend(rounding::judge(deck, model));
     warnings.extend(peaks_not_seen(deck));
+    warnings.extend(magnitudes(deck));
     (warnings, errors)
 }
 

@@ -4,6 +4,7 @@ use super::bodies::Bodies;
 use super::deck::{Deck, DeckProcedure, DeckStep, Direction, StepKind};
 use super::meeting::Touching;
 use super::overlap;
+use super::scene::{Beam, BeamMotion, Spring, Step, Support};
 use crate::error::{ModelError, Warning};
 
 /// Refuses a body that floats: one that no chain of contacts joins to the ground when a step seeks
@@ -65,6 +66,100 @@ pub(super) fn require_held(
     }
     let touches = |t: &&Touching| [t.bodies.0, t.bodies.1].contains(&(body as u32));
     Err(loose(deck, &path, &who, touching.iter().find(touches)))
+}
+
+/// What holds bodies in a scene.
+#[derive(Clone, Copy)]
+pub(super) struct Holding<'a> {
+    pub(super) supports: &'a [Support],
+    pub(super) springs: &'a [Spring],
+    pub(super) beams: &'a [Beam],
+    pub(super) steps: &'a [Step],
+}
+
+impl Holding<'_> {
+    /// Nodes that something holds in a direction during a step.
+    fn nodes(&self, step: usize, axis: usize) -> impl Iterator<Item = u32> {
+        let supports = self.supports.iter().filter(move |s| s.fixed[axis]);
+        let springs = self
+            .springs
+            .iter()
+            .filter(move |s| s.stiffness[axis] != 0.0);
+        let motion = &self.steps[step].motion;
+        let beams = self.beams.iter().zip(motion);
+        let beams = beams.filter(move |(_, by)| !matches!(by[axis], BeamMotion::Force(_)));
+        let of_supports = supports.flat_map(|s| &s.nodes);
+        let of_springs = springs.flat_map(|s| &s.nodes);
+        let of_beams = beams.flat_map(|(beam, _)| &beam.nodes);
+        of_supports.chain(of_springs).chain(of_beams).copied()
+    }
+}
+
+/// Refuses a step that presses, drives or loads what nothing holds in a direction: all that touches moves that way as one, and
+/// no equilibrium is the only one. Steps that are about motion, or whose load a displacement finds, are not asked.
+///
+/// # Errors
+/// The first such step, with the body and the direction.
+pub(super) fn require_held_each_way(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    touching: &[Touching],
+    holding: Holding<'_>,
+) -> Result<(), ModelError> {
+    let asked = |step: &DeckStep| {
+        let moves = [DeckProcedure::QuasiStatic, DeckProcedure::Dynamic];
+        matches!(
+            step.kind,
+            StepKind::Preload | StepKind::Drive | StepKind::Load
+        ) && !moves.contains(&step.procedure)
+            && step.control.is_none()
+    };
+    let mut body_of = vec![0; bodies.mesh.nodes.len()];
+    for (e, nodes) in bodies.mesh.elements.iter().enumerate() {
+        for n in nodes {
+            body_of[*n as usize] = bodies.mesh.unit[e] as usize;
+        }
+    }
+    let boxes = overlap::boxes(bodies);
+    let near = match deck.contact.general {
+        Some(_) => overlap::near(&boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?,
+        None => Vec::new(),
+    };
+    let count = deck.steps.len().min(holding.steps.len());
+    for (i, step) in deck.steps[..count].iter().enumerate() {
+        if !asked(step) {
+            continue;
+        }
+        for axis in 0..3 {
+            let mut held = vec![false; bodies.all.len()];
+            for n in holding.nodes(i, axis) {
+                held[body_of[n as usize]] = true;
+            }
+            let joints = touching.iter().map(|t| t.bodies);
+            let near = near.iter().map(|(a, b)| (*a as u32, *b as u32));
+            let unheld = unheld_bodies(&held, joints.chain(near));
+            let Some(&body) = unheld.first() else {
+                continue;
+            };
+            let others = match unheld.len() - 1 {
+                0 => String::new(),
+                1 => " and one other body".to_owned(),
+                n => format!(" and {n} other bodies"),
+            };
+            let direction = ["x", "y", "z"][axis];
+            return Err(deck.error(
+                &format!("steps.{i}"),
+                format!(
+                    "nothing holds {}{others} in {direction} in step {i} ({}): all of it moves that way as one",
+                    bodies.called(body),
+                    step.name()
+                ),
+                "hold it by [[supports]] on a face that the step does not move, or by [[springs]]; what shall fly has \
+                 procedure = \"dynamic\"",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// A body that lies on nothing, where anything may rest on anything.

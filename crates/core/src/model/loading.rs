@@ -2,6 +2,7 @@
 
 use super::amplitude::Amplitude;
 use super::bodies::Bodies;
+use super::contradictions;
 use super::deck::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
 use super::gravity::GravityNow;
 use super::keys;
@@ -9,7 +10,6 @@ use super::probes;
 use super::quantity::Quantity;
 use super::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
 use crate::error::{Errors, ModelError};
-use std::collections::HashSet;
 
 /// Beams and steps of a scene.
 #[derive(Default)]
@@ -35,7 +35,7 @@ pub(super) fn loading(
     springs: &[Spring],
 ) -> Result<Loading, ModelError> {
     let top = clamped.is_some();
-    let beams = beams(deck, bodies, clamped, supports)?;
+    let beams = beams(deck, bodies, clamped)?;
     let names: Vec<&str> = beams.iter().map(|b| b.name.as_str()).collect();
     let beam_of = |step: &DeckStep| match &step.face {
         Some(faces) => {
@@ -104,6 +104,12 @@ pub(super) fn loading(
             springs: far_ends,
             ..rules
         }));
+    }
+    // Numbers of steps are theirs only where none is missing.
+    if steps.len() == deck.steps.len() {
+        let beam_of = |i: usize| deck.steps.get(i).and_then(beam_of);
+        let judged = contradictions::judge(deck, &beams, &mut steps, supports, beam_of);
+        errors.keep(judged);
     }
     errors.end(Loading { beams, steps })
 }
@@ -190,12 +196,7 @@ fn beam_name(faces: &Names) -> String {
 }
 
 /// The top of the clamped wall, and the faces that steps name, each once.
-fn beams(
-    deck: &Deck,
-    bodies: &Bodies<'_>,
-    clamped: Option<Beam>,
-    supports: &[Support],
-) -> Result<Vec<Beam>, ModelError> {
+fn beams(deck: &Deck, bodies: &Bodies<'_>, clamped: Option<Beam>) -> Result<Vec<Beam>, ModelError> {
     let mut beams: Vec<Beam> = clamped.into_iter().collect();
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
@@ -205,7 +206,6 @@ fn beams(
             beams.extend(errors.keep(beam));
         }
     }
-    errors.keep(require_movable(deck, &beams, supports));
     errors.end(beams)
 }
 
@@ -246,39 +246,6 @@ fn beam(
             [0.0; 3]
         },
     })
-}
-
-/// Refuses a drive of a face that supports hold in that direction.
-fn require_movable(deck: &Deck, beams: &[Beam], supports: &[Support]) -> Result<(), ModelError> {
-    let mut errors = Errors::default();
-    let mut held: [HashSet<u32>; 3] = Default::default();
-    for support in supports {
-        for (held, _) in held
-            .iter_mut()
-            .zip(support.fixed)
-            .filter(|(_, fixed)| *fixed)
-        {
-            held.extend(&support.nodes);
-        }
-    }
-    for (i, step) in deck.steps.iter().enumerate() {
-        let (Some(faces), Some(direction)) = (&step.face, step.direction) else {
-            continue;
-        };
-        let name = beam_name(faces);
-        let Some(beam) = beams.iter().find(|b| b.name == name) else {
-            continue;
-        };
-        let axis = direction.axis().0;
-        if beam.nodes.iter().all(|n| held[axis].contains(n)) {
-            errors.push(deck.error(
-                &format!("steps.{i}.face"),
-                format!("supports hold {name} in the direction that is driven"),
-                "take the support away, or drive another face",
-            ));
-        }
-    }
-    errors.end(())
 }
 
 /// Force of a pressure on a face, against its normal [N].

@@ -32,6 +32,8 @@ pub struct Mesh {
     pub unit: Vec<u32>,
     /// Course of the unit, from 0 at the bottom. `[element]`
     pub course: Vec<u16>,
+    /// Names of the bodies in the deck. `[unit]`
+    pub names: Vec<String>,
     /// Nodes beyond planes of symmetry of elements that lie across one, by number.
     pub reflected: Vec<Reflected>,
 }
@@ -51,6 +53,18 @@ impl Mesh {
     /// Coordinates of the eight nodes of element `e` [mm].
     pub fn corners(&self, e: usize) -> [[f64; 3]; 8] {
         self.elements[e].map(|n| self.nodes[n as usize])
+    }
+
+    /// Name of a body; its number where the mesh has no names.
+    pub fn called(&self, unit: u32) -> String {
+        let name = self.names.get(unit as usize);
+        name.filter(|name| !name.is_empty())
+            .map_or_else(|| format!("unit {unit}"), Clone::clone)
+    }
+
+    /// Name of the body that an element belongs to.
+    pub fn body_of(&self, element: usize) -> String {
+        self.called(self.unit[element])
     }
 
     /// Whose image a node is, if it is one.

@@ -236,6 +236,7 @@ impl Source {
             line,
             column,
             message: errors::printable(message.into()),
+            others: 0,
         }
     }
 

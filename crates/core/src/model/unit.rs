@@ -109,6 +109,36 @@ const UNITS: [Unit; 28] = [
 /// # Errors
 /// A sentence saying what could not be read.
 pub fn parse(text: &str) -> Result<(f64, Dimension), String> {
+    read(text).map_err(|why| match with_powers(text) {
+        Some(better) => format!("powers are written with \"^\": \"{better}\""),
+        None => why,
+    })
+}
+
+/// The text as it should have been, if nothing but the signs of its powers is missing: `N/mm^2` for `N/mm2` and `N/mm**2`.
+fn with_powers(text: &str) -> Option<String> {
+    let (_, _, units) = number(text.trim());
+    let mut better = String::new();
+    let mut before = ' ';
+    let mut rest = units.replace("**", "^");
+    while let Some(c) = rest.chars().next() {
+        let signed = rest[c.len_utf8()..].starts_with(|c: char| c.is_ascii_digit());
+        let is_power = c.is_ascii_digit() || (c == '-' && signed);
+        if before.is_alphabetic() && is_power {
+            better.push('^');
+        }
+        better.push(c);
+        before = c;
+        rest.drain(..c.len_utf8());
+    }
+    let text = text.trim();
+    let number = &text[..text.len() - units.len()];
+    let better = format!("{number}{better}");
+    (better != text && read(&better).is_ok()).then_some(better)
+}
+
+/// As [`parse`], without a better proposal.
+fn read(text: &str) -> Result<(f64, Dimension), String> {
     let text = text.trim();
     let (mantissa, exponent, rest) = number(text);
     let mut rest = rest.trim_start();
@@ -168,9 +198,14 @@ fn unit_and_power(text: &str) -> Result<(&'static Unit, i32, &str), String> {
         if name.is_empty() {
             format!("a unit is missing before \"{text}\"")
         } else {
-            format!(
-                "\"{name}\" is not a known unit (such as N, kN, mm, m, MPa, GPa, kg, tonne, s, deg)"
-            )
+            let alike = UNITS.iter().filter(|u| u.name.eq_ignore_ascii_case(name));
+            let alike: Vec<String> = alike.map(|u| format!("\"{}\"", u.name)).collect();
+            match &alike[..] {
+                [] => format!(
+                    "\"{name}\" is not a known unit (such as N, kN, mm, m, MPa, GPa, kg, tonne, s, deg)"
+                ),
+                alike => format!("\"{name}\" is not a known unit: {} is", alike.join(" or ")),
+            }
         }
     })?;
     let rest = &text[end..];
@@ -226,6 +261,30 @@ mod tests {
         let (half_turn, _) = parse("3.141592653589793 rad").unwrap();
         // two roundings: 180/π and the product
         assert!((half_turn - 180.0).abs() <= 2.0 * 180.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn what_lacks_the_sign_of_a_power_is_offered_with_it() {
+        for (text, better) in [
+            ("2 N/mm2", "2 N/mm^2"),
+            ("20 kN/m2", "20 kN/m^2"),
+            ("1900 kg/m3", "1900 kg/m^3"),
+            ("2 N mm-2", "2 N mm^-2"),
+            ("2 N/mm**2", "2 N/mm^2"),
+            ("-9.81e0m/s2", "-9.81e0m/s^2"),
+        ] {
+            let why = parse(text).unwrap_err();
+            assert!(why.contains(&format!("\"{better}\"")), "{text}: {why}");
+            assert!(parse(better).is_ok());
+        }
+        for text in ["2 N/mx2", "2 mm2 7", "N2"] {
+            assert!(
+                !parse(text).unwrap_err().contains("powers are written"),
+                "{text}"
+            );
+        }
+        assert!(parse("2 Mpa").unwrap_err().contains("\"MPa\" is"));
+        assert!(parse("2 KN/m").unwrap_err().contains("\"kN\" is"));
     }
 
     #[test]

@@ -60,7 +60,9 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     let run = Branch::new(&points, side);
     let (test, mirrored) = Branch::towards(&experiment.points, side);
     let common = common_range(&run, &test);
-    let [of_run, of_test] = [&run, &test].map(|branch| measures(branch, common, height));
+    // The run as the run itself and every other command read it; of a test its envelope.
+    let of_run = measures(&curve.along(side), &run, common, height);
+    let of_test = measures(&Curve::of_points(test.points()), &test, common, height);
     let rms = common.and_then(|range| root_mean_square(&run, &test, range));
     Comparison {
         experiment_name: experiment.name.clone(),
@@ -103,8 +105,12 @@ fn common_range(a: &Branch, b: &Branch) -> Option<(f64, f64)> {
     (from < to).then_some((from, to))
 }
 
-fn measures(branch: &Branch, common: Option<(f64, f64)>, height: Option<f64>) -> Measures {
-    let curve = Curve::of_points(branch.points());
+fn measures(
+    curve: &Curve,
+    branch: &Branch,
+    common: Option<(f64, f64)>,
+    height: Option<f64>,
+) -> Measures {
     let peak = curve.peak();
     let at_80 = curve.displacement_at_80_percent();
     Measures {

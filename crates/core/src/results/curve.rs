@@ -26,6 +26,9 @@ pub struct Peak {
 /// Part of the peak's force up to which the initial stiffness is measured.
 const INITIAL: f64 = 0.1;
 
+/// Part of the peak below which a force as far out again is a loss.
+const LOST: f64 = 0.995;
+
 impl Curve {
     /// Adds an increment. Those that come before any driven one move the curve's start; those of
     /// undriven steps later on (a pause of the driving) are no part of it.
@@ -44,6 +47,16 @@ impl Curve {
         Self {
             start: *start,
             points: points.to_vec(),
+        }
+    }
+
+    /// The same counted along a side: 1, or −1, which turns the signs of both.
+    #[must_use]
+    pub fn along(&self, side: f64) -> Self {
+        let turned = |p: (f64, f64)| (side * p.0, side * p.1);
+        Self {
+            start: turned(self.start),
+            points: self.points.iter().copied().map(turned).collect(),
         }
     }
 
@@ -117,6 +130,56 @@ impl Curve {
         })
     }
 
+    /// By how much the force along the motion has risen over the last `part` of the travel, linear between increments [kN].
+    pub fn rises_over(&self, part: f64) -> f64 {
+        let Some(&(end, force)) = self.points.last() else {
+            return 0.0;
+        };
+        let travel = end - self.start.0;
+        let from = end - part * travel;
+        let sign = travel.signum();
+        let all: Vec<(f64, f64)> = std::iter::once(self.start)
+            .chain(self.points.iter().copied())
+            .collect();
+        let last = all.iter().rposition(|p| sign * (p.0 - from) <= 0.0);
+        let before = match last {
+            Some(i) if i + 1 < all.len() => at(all[i], all[i + 1], from),
+            _ => force,
+        };
+        sign * (force - before)
+    }
+
+    /// Whether the force has fallen from its largest: only then is that a peak.
+    pub fn passes_peak(&self) -> bool {
+        let (Some(peak), Some(last)) = (self.peak(), self.points.last()) else {
+            return false;
+        };
+        if self.turns_back() {
+            return self.loses(peak);
+        }
+        let side = (peak.displacement - self.start.0).signum();
+        side * last.1 < LOST * side * peak.force
+    }
+
+    /// How texts call the largest force.
+    pub fn word_of_largest(&self) -> &'static str {
+        if self.passes_peak() {
+            "peak"
+        } else {
+            "largest"
+        }
+    }
+
+    /// Whether a drive to and fro came as far out again as at its peak, or farther, with a lower force.
+    pub fn loses(&self, peak: Peak) -> bool {
+        let side = (peak.displacement - self.start.0).signum();
+        let out = |d: f64| side * (d - self.start.0);
+        let far = out(peak.displacement) * (1.0 - 1e-9); // sums of increments are rounded
+        let after = self.points.iter().skip(peak.index + 1);
+        let mut outer = after.filter(|p| out(p.0) >= far);
+        outer.any(|p| side * p.1 < LOST * side * peak.force)
+    }
+
     /// Displacement after the peak at which the force has first fallen to 0.8 of it, linear between
     /// increments [mm]; none if it never falls that far. Where the drive goes to and fro that is a displacement as
     /// far out as any before on the side of the peak: what falls on the way back is no loss.
@@ -170,6 +233,15 @@ impl Curve {
         let before = i.checked_sub(1).map_or(self.start, |k| self.points[k]);
         let travel = crossing(before, self.points[i], f0 + rise) - d0;
         (travel != 0.0).then_some(rise / travel)
+    }
+}
+
+/// Force of the line from a to b at this displacement.
+fn at(a: (f64, f64), b: (f64, f64), displacement: f64) -> f64 {
+    if b.0 == a.0 {
+        b.1
+    } else {
+        a.1 + (b.1 - a.1) * (displacement - a.0) / (b.0 - a.0)
     }
 }
 

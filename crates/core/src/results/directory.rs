@@ -11,6 +11,7 @@ use miette::Diagnostic;
 use super::beside::FieldsBeside;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::summary::{EnergyBalance, Measured, ProbeRange};
+use super::verdict::{Farthest, Motion, Verdict};
 use super::{
     Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, Summary, SummaryFile,
     VtkHdfWriter, elevation, plot, usage,
@@ -145,6 +146,7 @@ pub struct RunDirectory {
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
+    motion: Motion,
     /// The deck as TOML and the folder of its files, for the checkpoints.
     deck: Option<String>,
     deck_folder: Option<String>,
@@ -264,6 +266,7 @@ impl RunDirectory {
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
+            motion: Motion::default(),
             deck: None,
             deck_folder: None,
             way_to_deck_folder: None,
@@ -347,6 +350,7 @@ impl RunDirectory {
         self.curve
             .push(row, step.is_some_and(|step| is_driven(model, step)));
         self.energy.push(row);
+        self.motion = Motion::of(row);
         for (range, value) in self.probes.iter_mut().zip(&row.probes) {
             range.push(*value);
         }
@@ -379,10 +383,14 @@ impl RunDirectory {
             energy,
             probes,
             last_frame,
+            motion,
             // Until all is written.
             _lock,
             ..
         } = self;
+        let frame = last_frame.as_deref();
+        let farthest = frame.and_then(|frame| Farthest::of(model, frame));
+        let verdict = Verdict::on(model, run, &curve, farthest.as_ref(), motion);
         writing(&path, FIELDS, |_| fields.finish())?;
         writing(&path, LOAD_DISPLACEMENT, |file| {
             let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
@@ -404,6 +412,7 @@ impl RunDirectory {
             run,
             &Measured {
                 curve: &curve,
+                verdict: &verdict,
                 energy: &energy,
                 probes: &columns.zip(probes.iter().copied()).collect(),
                 wall_s,

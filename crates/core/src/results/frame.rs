@@ -215,10 +215,50 @@ pub struct Sizes {
 pub enum Status {
     /// All steps done.
     Completed,
+    /// Statics found no equilibrium, inertia took over, and bodies fell: there is none.
+    Collapsed,
     /// Convergence was lost; everything before is kept.
     NotConverged,
     /// Stopped by the user after a whole increment.
     Interrupted,
+}
+
+/// Bodies that move under inertia, to which `auto` went over because statics found no equilibrium.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[allow(non_snake_case)]
+pub struct Fall {
+    /// Step in which inertia took over, from 0.
+    pub step: usize,
+    /// Its name in the deck.
+    pub step_name: String,
+    /// Part of that step's loads and displacements at the last equilibrium [-].
+    pub load_factor: f64,
+    /// Kinetic energy at the end [J].
+    pub kinetic_energy_J: f64,
+    /// Bodies that moved most, those that moved farther than half as far; the farthest first.
+    pub bodies: Vec<FallenBody>,
+}
+
+/// A body that moved under inertia.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FallenBody {
+    /// Name in the deck.
+    pub name: String,
+    /// Its number, as `unit` of the fields.
+    pub unit: u32,
+    /// Mean displacement since the last equilibrium [mm].
+    pub moved_mm: f64,
+    /// Its part along gravity [mm].
+    pub fall_mm: f64,
+}
+
+/// Where convergence was lost, and why.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Lost {
+    /// Where, in words: load factor, step and its name.
+    pub place: String,
+    /// What was not found.
+    pub why: String,
 }
 
 /// What `solve` returns when it ends: everything of `summary.json` that the solver knows.
@@ -228,6 +268,10 @@ pub struct Summary {
     pub status: Status,
     /// Where, why and what to try, if it did not complete.
     pub message: String,
+    /// What moved under inertia when it ended, if that took over from statics.
+    pub fall: Option<Fall>,
+    /// Where convergence was lost, if it was.
+    pub lost: Option<Lost>,
     /// Sizes of the model.
     pub sizes: Sizes,
     /// Planes that the model is mirrored by, if one half of it was solved; two of a quarter.
@@ -263,6 +307,8 @@ impl Summary {
         Self {
             status: Status::Completed,
             message: String::new(),
+            fall: None,
+            lost: None,
             sizes,
             mirror_planes: Vec::new(),
             increments: 0,

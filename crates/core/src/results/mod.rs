@@ -32,6 +32,7 @@ pub mod resuming;
 pub mod snapshot;
 pub mod summary;
 pub mod usage;
+pub mod verdict;
 pub mod vtkhdf;
 
 #[cfg(test)]
@@ -42,7 +43,8 @@ pub use comparison::{Comparison, compare};
 pub use curve::Curve;
 pub use directory::{OutputError, RunDirectory};
 pub use frame::{
-    Frame, HistoryRow, InterfaceFrame, InterfaceState, Recorder, Sizes, Status, Summary,
+    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Sizes,
+    Status, Summary,
 };
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;
@@ -51,5 +53,6 @@ pub use report::Report;
 pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use snapshot::{FrameChoice, Snapshot};
 pub use summary::{EnergyBalance, SummaryFile};
+pub use verdict::{Verdict, VerdictKind};
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

@@ -58,7 +58,8 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
             &|at, size, style| Circle::new(at, size, style),
         ))?;
         let label = format!(
-            "peak {} kN at {} mm",
+            "{} {} kN at {} mm",
+            curve.word_of_largest(),
             brief(peak.force),
             brief(peak.displacement)
         );

@@ -73,12 +73,19 @@ pub struct ReadHistory {
     pub rows: Vec<HistoryRow>,
     /// Columns of the probes.
     pub probes: Vec<String>,
+    /// Which steps are part of the load-displacement curve, as the run counts them; nothing where the folder has no deck.
+    /// `[step]`
+    pub driven_steps: Option<Vec<bool>>,
 }
 
 impl ReadHistory {
-    /// Which rows are of driven steps. A step is taken as driven if the displacement changes in it.
-    /// `[row]`
+    /// Which rows are of driven steps. Where no deck tells which these are, a step is taken as driven if the displacement
+    /// changes in it. `[row]`
     pub fn driven(&self) -> Vec<bool> {
+        if let Some(steps) = &self.driven_steps {
+            let of = |row: &HistoryRow| steps.get(row.step).copied().unwrap_or(false);
+            return self.rows.iter().map(of).collect();
+        }
         let mut driven = Vec::with_capacity(self.rows.len());
         let mut before = 0.0;
         for step in self.rows.chunk_by(|a, b| a.step == b.step) {
@@ -143,7 +150,10 @@ impl RunFolder {
             path: path.clone(),
             why,
         })?;
-        read_history(&path, &text)
+        Ok(ReadHistory {
+            driven_steps: self.deck()?.and_then(|deck| driven_steps(&deck)),
+            ..read_history(&path, &text)?
+        })
     }
 
     /// The summary; none if the run goes on, was killed or could not write.
@@ -225,6 +235,7 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     let mut history = ReadHistory {
         rows: Vec::new(),
         probes,
+        driven_steps: None,
     };
     for record in reader.records() {
         let record =
@@ -243,6 +254,21 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
         history.rows.push(row);
     }
     Ok(history)
+}
+
+/// Which steps of a deck drive, or load where none drives: those of the load-displacement curve. `[step]`
+fn driven_steps(deck: &str) -> Option<Vec<bool>> {
+    let deck: toml::Table = deck.parse().ok()?;
+    let steps = deck.get("steps")?.as_array()?;
+    let drives =
+        |step: &toml::Value| step.get("kind").and_then(toml::Value::as_str) == Some("drive");
+    let loads = |step: &toml::Value| {
+        let loads = step.get("loads").and_then(toml::Value::as_array);
+        loads.is_some_and(|loads| !loads.is_empty())
+    };
+    let any = steps.iter().any(drives);
+    let is_driven = |step| if any { drives(step) } else { loads(step) };
+    Some(steps.iter().map(is_driven).collect())
 }
 
 fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {

@@ -159,7 +159,10 @@ impl StoppedRun {
         let done = self.part == 1.0 && self.file.solver.is_the_end_of(model);
         // One that cannot be read says nothing, and is written again.
         let summary = RunFolder::open(&self.path)?.summary().unwrap_or(None);
-        Ok(done && summary.is_some_and(|summary| summary.status == Status::Completed))
+        let status = summary.map(|summary| summary.status);
+        // Of what has collapsed nothing is left to do.
+        let collapsed = self.part == 1.0 && status == Some(Status::Collapsed);
+        Ok(collapsed || (done && status == Some(Status::Completed)))
     }
 
     /// Goes on with the files of the folder up to the checkpoint. All of them are judged by its check sums before any is

@@ -63,6 +63,7 @@ impl From<RestMesh> for Mesh {
             material: rest.material,
             unit: rest.unit,
             course: rest.course,
+            names: Vec::new(),
             reflected: Vec::new(),
         }
     }

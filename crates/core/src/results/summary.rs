@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::files::write_whole;
 use crate::model::mirrored::part;
 
-use super::{Curve, HistoryRow, Status, Summary};
+use super::{Curve, Fall, HistoryRow, Status, Summary, Verdict, VerdictKind};
 
 /// The content of `summary.json`. Field names are its keys.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -15,6 +15,12 @@ use super::{Curve, HistoryRow, Status, Summary};
 pub struct SummaryFile {
     /// How the run ended.
     pub status: Status,
+    /// What happened, in one sentence; empty in summaries of earlier versions.
+    #[serde(default)]
+    pub verdict: String,
+    /// The same in one word.
+    #[serde(default)]
+    pub verdict_kind: Option<VerdictKind>,
     /// Where, why and what to try, if it did not complete.
     pub message: String,
     /// Largest force along the motion [kN], see [`Curve::peak`].
@@ -83,6 +89,9 @@ pub struct SummaryFile {
     /// Displacement there [mm].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement_at_opposite_peak_mm: Option<f64>,
+    /// What moved under inertia when the run ended, where that took over from statics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fall: Option<Fall>,
     /// Probes and loads by their columns in the history; absent without any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
@@ -209,6 +218,8 @@ fn larger(a: f64, b: f64) -> f64 {
 pub struct Measured<'a> {
     /// The load-displacement curve.
     pub curve: &'a Curve,
+    /// What happened.
+    pub verdict: &'a Verdict,
     /// The energies.
     pub energy: &'a EnergyBalance,
     /// Probes by their columns.
@@ -237,6 +248,8 @@ impl SummaryFile {
             .collect();
         Self {
             status: run.status,
+            verdict: measured.verdict.text.clone(),
+            verdict_kind: Some(measured.verdict.kind),
             message: run.message.clone(),
             peak_force_kN: peak.map(|p| p.force),
             displacement_at_peak_mm: peak.map(|p| p.displacement),
@@ -268,6 +281,7 @@ impl SummaryFile {
             dissipated_energy_J: measured.energy.dissipated(),
             opposite_peak_force_kN: opposite.map(|p| p.force),
             displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
+            fall: run.fall.clone(),
             probes: measured.probes.clone(),
         }
     }
@@ -323,7 +337,12 @@ mod tests {
     #[test]
     fn the_keys_are_those_promised_in_their_order() {
         let (curve, energy) = (Curve::default(), EnergyBalance::default());
+        let verdict = Verdict {
+            kind: VerdictKind::NotConverged,
+            text: "not converged".to_owned(),
+        };
         let measured = Measured {
+            verdict: &verdict,
             curve: &curve,
             energy: &energy,
             probes: &BTreeMap::new(),
@@ -337,6 +356,8 @@ mod tests {
         let text = serde_json::to_string(&SummaryFile::new(&run, &measured)).unwrap();
         let keys = [
             "status",
+            "verdict",
+            "verdict_kind",
             "message",
             "peak_force_kN",
             "displacement_at_peak_mm",

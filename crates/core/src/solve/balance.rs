@@ -1,7 +1,9 @@
 //! Whether an iterate is equilibrium.
 
+use super::loads::Loads;
 use super::newton::Newton;
 use super::state::State;
+use crate::model::scene::Step;
 use crate::system::{System, Trial};
 
 /// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
@@ -64,7 +66,7 @@ impl Newton<'_> {
             .max(LEAST_SCALE * state.largest_mean_force)
             .max(self.loads.mean)
             .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
-            .max(ROUNDINGS * system.rounding_force)
+            .max(self.least_scale)
             .max(f64::MIN_POSITIVE)
     }
 
@@ -83,6 +85,21 @@ impl Newton<'_> {
         // What flies freely turns over its kinetic energy alone.
         let moving = state.energies.kinetic + loads.sum::<f64>();
         [lost.sum(), system.work_turned_over(trial, way) + moving]
+    }
+}
+
+/// Some roundings; in a step that loads no more than the mean of its loads over the nodes, which a tolerance measured in the
+/// roundings of stiff elements would take for none [N].
+pub(super) fn least_scale(step: &Step, system: &System, loads: &Loads) -> f64 {
+    let roundings = ROUNDINGS * system.rounding_force;
+    let mut full = loads.clone();
+    full.at(step, system, 1.0, 1.0);
+    let sum: f64 = full.total.iter().map(|force| force.abs()).sum();
+    let mean = sum / system.bulk.reference.len() as f64;
+    if mean > 0.0 {
+        roundings.min(mean)
+    } else {
+        roundings
     }
 }
 

@@ -10,6 +10,7 @@
 //! | what a step counts its loads and drives from | `Starts` |
 //! | what increments leave open for the next ones | `Carried`, [`State`]'s energies |
 //! | where beyond a snap equilibrium was found, what ends the step early, whether a peak is near | `beyond`, `Watch`, `stopped`, `Crest` |
+//! | the last equilibrium, while inertia acts in place of statics | `Departure` |
 //! | what is told at the end | summary, clock, snaps, swings, energies |
 //!
 //! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the
@@ -19,6 +20,7 @@ use std::cell::OnceCell;
 
 use serde::{Deserialize, Serialize};
 
+use super::collapse::Departure;
 use super::course::Course;
 use super::crest::Crest;
 use super::drive::{Run, RunError, regularise, steered};
@@ -53,6 +55,7 @@ pub struct Checkpoint {
     snaps: Snaps,
     swings: Swings,
     energy_watch: EnergyWatch,
+    departure: Option<Departure>,
     /// How far elastic solids have gone, in place of others.
     pub(super) reached: Reached,
 }
@@ -104,7 +107,7 @@ pub fn resume(
     checkpoint: Checkpoint,
     recorder: &mut dyn Recorder,
 ) -> Result<Summary, RunError> {
-    resume_part(model, &Part::default(), checkpoint, recorder)
+    resume_part(model, &Part::default(), checkpoint, recorder).map(Summary::in_words)
 }
 
 /// Goes on with a model that is this part of what is shown.
@@ -237,6 +240,7 @@ impl<'m> Run<'m> {
             snaps: self.snaps,
             swings: self.swings,
             energy_watch: self.energy_watch,
+            departure: self.departure.clone(),
             reached: Reached::default(),
         }
     }
@@ -300,7 +304,7 @@ impl<'m> Run<'m> {
         (course.row, course.branch) = (mark.row, branch);
         course.crest = mark.crest;
         course.relaxed = mark.relaxed;
-        course.watch = Watch::new(step, 0.0);
+        course.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),
             (None, None) => {}
@@ -316,6 +320,14 @@ impl<'m> Run<'m> {
         run.output_seconds = checkpoint.output_seconds;
         (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
         run.energy_watch = checkpoint.energy_watch;
+        run.departure = checkpoint.departure;
+        if run
+            .departure
+            .as_ref()
+            .is_some_and(|from| !from.fits(&run.state))
+        {
+            return unfit("the last equilibrium has other sizes");
+        }
         run.trial = Trial::default();
         run.fingerprint = OnceCell::from(checkpoint.model);
         Ok((run, course))

@@ -1,6 +1,7 @@
 //! The course of one step: which increment comes next, and by which method.
 
 use super::crest::Crest;
+use super::explain::progress;
 use super::ladder::Ladder;
 use super::method::Method;
 use super::newton::Newton;
@@ -199,11 +200,11 @@ impl<'m> Course<'m> {
 
     /// How far the step has come, in words.
     pub(super) fn progress(&self) -> String {
-        if self.step.amplitude.is_some() {
-            format!("{:.3} % of its time", 100.0 * self.schedule.done())
-        } else {
-            format!("{:.3} % of its loads", 100.0 * self.load)
-        }
+        let done = match self.step.amplitude {
+            None => self.load,
+            Some(_) => self.schedule.done(),
+        };
+        progress(self.step, done)
     }
 
     /// The increment to try now; none when the step is done.

@@ -163,6 +163,8 @@ impl Newton<'_> {
             _ => None,
         };
         let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+        // A face none of whose nodes is free has none.
+        let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
         Refusal::Linear { why, dof }
     }
 

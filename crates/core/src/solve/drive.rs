@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::checkpoint::CheckpointError;
+use super::collapse::Departure;
 use super::course::{Course, Leg};
 use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
@@ -55,7 +56,7 @@ pub(super) const CUT: f64 = 0.4;
 /// # Errors
 /// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
-    run_part(model, &Part::default(), recorder)
+    run_part(model, &Part::default(), recorder).map(Summary::in_words)
 }
 
 /// Runs a model that is this part of what is shown.
@@ -84,6 +85,8 @@ pub(super) struct Run<'m> {
     pub(super) snaps: Snaps,
     pub(super) swings: Swings,
     pub(super) energy_watch: EnergyWatch,
+    /// Where inertia took over from statics, while it acts.
+    pub(super) departure: Option<Departure>,
     /// Of the model, when the first checkpoint wants it.
     pub(super) fingerprint: OnceCell<Fingerprint>,
 }
@@ -118,6 +121,7 @@ impl<'m> Run<'m> {
             snaps: Snaps::default(),
             swings: Swings::default(),
             energy_watch: EnergyWatch::default(),
+            departure: None,
             fingerprint: OnceCell::new(),
         })
     }
@@ -128,8 +132,9 @@ impl<'m> Run<'m> {
         course: Option<Course<'m>>,
         recorder: &mut dyn Recorder,
     ) -> Result<Summary, RunError> {
-        let (mut next, mut go_on) = (0, true);
-        if let Some(course) = course {
+        // A run that was killed between its collapse and its summary.
+        let (mut next, mut go_on) = (0, self.summary.status != Status::Collapsed);
+        if let (Some(course), true) = (course, go_on) {
             next = course.index + 1;
             go_on = self.walk(course, recorder)?;
         }
@@ -138,6 +143,7 @@ impl<'m> Run<'m> {
             next += 1;
             go_on = self.walk(course, recorder)?;
         }
+        self.tell_what_moves();
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         self.summary.warnings.extend(self.energy_watch.warning());
@@ -271,11 +277,14 @@ impl<'m> Run<'m> {
         if self.state.energies.moving() > QUIET {
             // What the ladder has set in motion falls on.
             ladder.go_on_moving();
+            if self.departure.is_none() {
+                self.depart(index, 0.0);
+            }
         }
         let mut course = Course::new(newton, ladder, index, step);
         course.steer(model, &self.system);
         let [displacement, force] = self.watched(index);
-        course.watch = Watch::new(step, displacement);
+        course.watch = Watch::new(&model.steps, step, displacement, self.part.wholes());
         course.see(force);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
@@ -326,6 +335,7 @@ impl<'m> Run<'m> {
             Method::QuasiStatic => self.mark_what_fell(),
             _ => {}
         }
+        let collapsed = self.collapses(course, leg.method, before.kinetic);
         let growth = growth(leg, report, course.ladder.floor());
         if leg.method.follows_path() {
             course.schedule.reach(course.branch.time(course.load));
@@ -361,7 +371,7 @@ impl<'m> Run<'m> {
         course.see(seen[1]);
         course.resolve_peak();
         let whole = course.is_whole();
-        let end = whole || why.is_some();
+        let end = whole || why.is_some() || collapsed;
         if let (Some(why), false) = (&why, whole) {
             self.stop(course, why, recorder);
         }
@@ -394,19 +404,22 @@ impl<'m> Run<'m> {
             self.note(course, &why, recorder);
         }
         let mut keeps_symmetry = true;
+        if collapsed {
+            self.tell_collapse(course, recorder);
+        }
         if !end && course.is_at_row() {
             keeps_symmetry = self.keeps_symmetry(course, recorder);
             self.turn(course);
         }
         self.tally(&course.newton);
-        let all_done = end && course.index + 1 == self.model.steps.len();
+        let all_done = collapsed || (end && course.index + 1 == self.model.steps.len());
         self.offer(course, all_done || !keep || !keeps_symmetry, recorder)?;
         self.tally(&course.newton);
-        if !keep {
+        if !keep && !collapsed {
             self.summary.status = Status::Interrupted;
             "stopped by the user".clone_into(&mut self.summary.message);
         }
-        Ok(keep && keeps_symmetry)
+        Ok(keep && keeps_symmetry && !collapsed)
     }
 
     /// Goes on along the next branch of the amplitude.

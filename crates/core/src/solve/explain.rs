@@ -7,26 +7,39 @@ use super::outcome::Refusal;
 use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
+use crate::results::Lost;
 
-/// Why the run ends in `step`, whose increment was cut as far as the deck allows.
+/// Why the run ends in `step`, whose increment was cut as far as the deck allows: all of it with what to try, and place and
+/// reason by themselves.
 pub(super) fn explain(
     model: &Model,
     part: &Part,
     step: usize,
     leg: Leg,
-    load: f64,
+    done: f64,
     refusal: &Refusal,
-) -> String {
+) -> (String, Lost) {
     let of = &model.steps[step];
-    format!(
-        "step {step} ({}), {:.2} % of it done, an increment of {:.2e} of it, {}: {}; try {}",
-        of.name,
-        100.0 * load,
+    let name = &of.name;
+    let done = progress(of, done);
+    let why = why(model, part, of, refusal);
+    let told = format!(
+        "step {step} ({name}), at {done}, an increment of {:.2e} of the step, {}: {why}; try {}",
         leg.increment.size,
         leg.method.name(),
-        why(model, part, of, refusal),
         advice(model, step, refusal)
-    )
+    );
+    let place = format!("{done} of step {step} ({name})");
+    (told, Lost { place, why })
+}
+
+/// How far a step has come, in words: its load factor, or the part of its time where an amplitude turns the loads.
+pub(super) fn progress(step: &Step, done: f64) -> String {
+    if step.amplitude.is_some() {
+        format!("{:.2} % of the time", 100.0 * done)
+    } else {
+        format!("load factor {done:.4}")
+    }
 }
 
 /// What refused an increment, where, and how large it was.
@@ -46,12 +59,9 @@ pub(super) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) ->
             place(model, part, *node)
         ),
         Refusal::Local { element, why } => {
-            let [unit, course] = [
-                model.mesh.unit[*element],
-                model.mesh.course[*element].into(),
-            ];
+            let body = model.mesh.body_of(*element);
             let element = part.element(*element);
-            format!("element {element} of unit {unit} in course {course}: {why}")
+            format!("element {element} of {body}: {why}")
         }
         Refusal::Linear {
             why,
@@ -71,24 +81,27 @@ pub(super) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) ->
     }
 }
 
-/// A node by its number, body and place, and whether it lies on an interface.
-fn place(model: &Model, part: &Part, node: usize) -> String {
+/// A node by its body, its place at rest and its number, and whether it lies on an interface.
+pub(super) fn place(model: &Model, part: &Part, node: usize) -> String {
     let mesh = &model.mesh;
     let [x, y, z] = mesh.nodes[node];
     let has = |nodes: &[u32]| nodes.contains(&(node as u32));
     let element = mesh.elements.iter().position(|nodes| has(nodes));
-    let body = element.map_or_else(String::new, |e| {
-        format!(" of unit {} in course {}", mesh.unit[e], mesh.course[e])
-    });
     let surfaces = &model.contact;
     let mut facets = surfaces.slave_facets.iter().chain(&surfaces.master_facets);
     let on = if facets.any(|nodes| has(nodes)) {
-        ", on an interface"
+        "on an interface, "
     } else {
         ""
     };
-    let node = part.node(node);
-    format!("node {node}{body} at ({x:.1}, {y:.1}, {z:.1}) mm{on}")
+    let number = part.node(node);
+    match element {
+        Some(e) => format!(
+            "{} at ({x:.1}, {y:.1}, {z:.1}) mm ({on}node {number})",
+            mesh.body_of(e)
+        ),
+        None => format!("node {number} at ({x:.1}, {y:.1}, {z:.1}) mm"),
+    }
 }
 
 /// Keys of the deck that may help, the likeliest first; only such as are not yet there.

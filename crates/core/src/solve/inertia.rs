@@ -1,11 +1,13 @@
 //! Where a run begins to move, comes to rest, and has fallen.
 
 use super::drive::Run;
+use super::explain;
 use crate::model::scene::{BeamMotion, Step};
 
 impl Run<'_> {
     /// Statics brings to rest what moved.
     pub(super) fn bring_to_rest(&mut self) {
+        self.departure = None;
         let state = &mut self.state;
         state.energies.numerical += std::mem::take(&mut state.energies.kinetic);
         for rates in [
@@ -31,8 +33,7 @@ impl Run<'_> {
             let beam = (slot - system.dofs.beam_start) / 3;
             format!("the beam {}", model.beams[beam].name)
         } else {
-            let node = self.part.node(system.dofs.node_of(slot).0);
-            format!("node {node}")
+            explain::place(model, &self.part, system.dofs.node_of(slot).0)
         })
     }
 

@@ -3,6 +3,7 @@
 mod balance;
 pub mod checkpoint;
 mod closure;
+mod collapse;
 mod commit;
 mod course;
 mod crest;

@@ -9,7 +9,7 @@
 //! of their viscous strain and damage, and the out-of-balance force is that of the law.
 
 pub use super::balance::IMBALANCE;
-use super::balance::{Balance, NEGLIGIBLE, ROUNDINGS, WORK, largest, root_mean_square};
+use super::balance::{Balance, NEGLIGIBLE, WORK, largest, least_scale, root_mean_square};
 use super::closure::pursuit;
 use super::direction::Factors;
 use super::dynamics::Motion;
@@ -68,6 +68,8 @@ pub struct Newton<'m> {
     pub(super) loads: Loads,
     /// Loads at its start.
     pub(super) loads_start: Loads,
+    /// What forces are measured in where nothing else tells [N], see [`least_scale`].
+    pub(super) least_scale: f64,
     /// Inertia, if it acts.
     pub(super) motion: Option<Motion>,
     /// The dashpots of a relaxation, if one is in progress.
@@ -94,6 +96,7 @@ impl<'m> Newton<'m> {
         Self {
             model,
             step,
+            least_scale: least_scale(step, system, &loads),
             method: Method::Static,
             tangent: step.tangent,
             equations,
@@ -363,7 +366,7 @@ impl<'m> Newton<'m> {
             // their change as the nodes feel it. The start has taken over nothing yet.
             let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
             // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
-            let loaded = scale > ROUNDINGS * system.rounding_force;
+            let loaded = scale > self.least_scale;
             if balanced && loaded && attempt.advance == Advance::Load {
                 let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
                 let [lost, turned] = self.works(system, state, trial, &way);

@@ -74,6 +74,7 @@ impl Run<'_> {
                 self.adopt(course);
                 match course.ladder.method() {
                     Method::QuasiStatic => {
+                        self.depart(course.index, course.load);
                         self.state.last = None;
                         course.schedule.resume(size.min(course.ladder.floor()));
                     }
@@ -99,8 +100,9 @@ impl Run<'_> {
                     None => course.load,
                     Some(_) => course.schedule.done(),
                 };
-                self.summary.message =
+                let told =
                     explain::explain(self.model, &self.part, course.index, leg, done, refusal);
+                (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
                 false
             }
         }

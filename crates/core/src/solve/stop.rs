@@ -2,14 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::told::{sense_of_beam, sense_of_control, sense_of_spring};
 use crate::model::scene::{BeamMotion, Step, Stop};
 
 /// Watches what a step drives or loads for what ends it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Watch {
     stop: Stop,
-    /// Of the drive.
+    /// Of this step's drive along that of the history.
     sign: f64,
+    /// Force of the whole scene over that of the part which is solved.
+    #[serde(skip, default = "one")]
+    whole: f64,
     /// Whether the drive turns back.
     turns: bool,
     /// Where the step began [mm].
@@ -20,27 +24,40 @@ pub(super) struct Watch {
     farthest: [f64; 2],
 }
 
+fn one() -> f64 {
+    1.0
+}
+
 /// A displacement counts as reached within this part of it: sums of increments are rounded.
 const ROUNDING: f64 = 1e-9;
 
 impl Watch {
-    /// Of a step whose displacement begins at `start` [mm]; none if it drives and loads nothing. What
-    /// nothing stops is watched, too: who resumes may stop it.
-    pub(super) fn new(step: &Step, start: f64) -> Option<Self> {
+    /// Of a step of `steps` whose displacement begins at `start` [mm]; none if it drives and loads nothing. What
+    /// nothing stops is watched, too: who resumes may stop it. The scene has `whole` times the force of the part that is solved.
+    pub(super) fn new(steps: &[Step], step: &Step, start: f64, whole: f64) -> Option<Self> {
         let stop = step.stop.unwrap_or_default();
         let of_beam = step
             .driven
             .and_then(|(beam, i)| match step.motion[beam][i] {
-                BeamMotion::Driven(by) => Some(by),
+                BeamMotion::Driven(by) => Some(by * sense_of_beam(steps, beam, i)),
                 _ => None,
             });
-        let of_spring = || step.springs.iter().flatten().copied().find(|by| *by != 0.0);
+        let of_spring = || {
+            let ends = step.springs.iter().enumerate();
+            let mut driven = ends.flat_map(|(s, by)| (0..3).map(move |i| (s, i, by[i])));
+            let (s, i, by) = driven.find(|(_, _, by)| *by != 0.0)?;
+            Some(by * sense_of_spring(steps, s, i))
+        };
         let loads = step.loads.iter().any(Option::is_some);
-        let of_load = || loads.then(|| step.control.map_or(1.0, |control| control.displacement));
+        let of_load = || {
+            let by = step.control.map(|control| control.displacement);
+            loads.then(|| by.map_or(1.0, |by| by * sense_of_control(steps)))
+        };
         let by = of_beam.or_else(of_spring).or_else(of_load)?;
         Some(Self {
             stop,
             sign: by.signum(),
+            whole,
             turns: step.turns(),
             start,
             most: [0.0; 2],
@@ -85,6 +102,7 @@ impl Watch {
         let counts = outermost || !self.turns;
         (counts && most > 0.0 && force <= part * most).then(|| {
             let percent = 100.0 * force / most;
+            let most = self.whole * most;
             format!(
                 "the force is down to {percent:.1} % of its peak of {most:.3} kN, and stop.below_peak is {part}"
             )
@@ -106,7 +124,10 @@ mod tests {
             BeamMotion::Locked,
         ]];
         step.stop = Some(stop);
-        Watch::new(&step, start).unwrap()
+        // A step before drives along the axis, so that the history counts along it.
+        let mut first = step.clone();
+        first.motion[0][0] = BeamMotion::Driven(1.0);
+        Watch::new(&[first, step.clone()], &step, start, 1.0).unwrap()
     }
 
     #[test]
@@ -149,7 +170,7 @@ mod tests {
     fn what_drives_nothing_is_not_watched_and_what_stops_for_nothing_goes_on() {
         let mut steps = fake::model().steps;
         steps[0].stop = Some(Stop::default());
-        assert!(Watch::new(&steps[0], 0.0).is_none());
+        assert!(Watch::new(&steps, &steps[0], 0.0, 1.0).is_none());
         let mut watch = watch(Stop::default(), 3.0, 0.0);
         for force in [1.0, 9.0, 0.1] {
             assert_eq!(watch.take([5.0, force]), None);
@@ -170,7 +191,7 @@ mod tests {
             displacement: None,
         });
         step.amplitude = Some(Amplitude::cycles(&[1.0, 2.0], 2).unwrap());
-        let mut watch = Watch::new(&step, 0.0).unwrap();
+        let mut watch = Watch::new(std::slice::from_ref(&step), &step, 0.0, 1.0).unwrap();
         let loops = [
             (0.5, 5.0),
             (1.0, 10.0),

@@ -14,6 +14,38 @@ pub(super) fn drives(step: &Step) -> bool {
     step.motion.iter().flatten().any(driven) || springs.into_iter().any(|by| *by != 0.0)
 }
 
+/// Sense of the drive of a beam in a direction: that in which the first step that drives it there does. Displacements and
+/// forces are counted along it.
+pub(super) fn sense_of_beam(steps: &[Step], beam: usize, direction: usize) -> f64 {
+    let mut by = steps.iter().filter_map(|step| step.motion.get(beam));
+    let sense = by.find_map(|motion| match motion[direction] {
+        BeamMotion::Driven(by) if by != 0.0 => Some(by.signum()),
+        _ => None,
+    });
+    sense.unwrap_or(1.0)
+}
+
+/// The same of the driven end of a spring.
+pub(super) fn sense_of_spring(steps: &[Step], spring: usize, direction: usize) -> f64 {
+    let by = steps.iter().filter_map(|step| step.springs.get(spring));
+    by.map(|by| by[direction])
+        .find(|by| *by != 0.0)
+        .map_or(1.0, f64::signum)
+}
+
+/// The same of the displacement that steers a load.
+pub(super) fn sense_of_control(steps: &[Step]) -> f64 {
+    let by = steps.iter().filter_map(|step| step.control);
+    by.map(|control| control.displacement)
+        .find(|by| *by != 0.0)
+        .map_or(1.0, f64::signum)
+}
+
+/// A value along the drive; never a zero with a sign.
+fn along(sense: f64, value: f64) -> f64 {
+    if sense < 0.0 { 0.0 - value } else { value }
+}
+
 /// The load that the history tells of in a step of a model: the first that this step changes, or one
 /// after it, or before.
 fn told_load(model: &Model, step: usize) -> Option<usize> {
@@ -23,7 +55,7 @@ fn told_load(model: &Model, step: usize) -> Option<usize> {
 }
 
 impl Run<'_> {
-    /// Displacement of what is driven [mm], its force along the drive, and that normal to its face,
+    /// Displacement of what is driven [mm] and its force, both along the drive, and the force normal to its face,
     /// compression positive [N], at the last commit. In a model that drives nothing and has loads, those of
     /// a load.
     pub(super) fn driven(&self, step: usize) -> (f64, f64, f64) {
@@ -38,10 +70,15 @@ impl Run<'_> {
         };
         let slot = dofs.beam_slot(beam, direction);
         let normal = self.model.beams[beam].normal;
-        let along: f64 = (0..3)
+        let normal: f64 = (0..3)
             .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
             .sum();
-        (state.q[slot], state.applied[slot], -along)
+        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        (
+            along(sense, state.q[slot]),
+            along(sense, state.applied[slot]),
+            -normal,
+        )
     }
 
     /// Force of what a step drives, along its drive, in the increment that the trial ends [N].
@@ -50,11 +87,13 @@ impl Run<'_> {
         match self.driven_beam(course.index) {
             Some((beam, direction)) => {
                 let slot = system.dofs.beam_slot(beam, direction);
-                course.newton.applied(system, trial, slot)
+                let sense = sense_of_beam(&self.model.steps, beam, direction);
+                along(sense, course.newton.applied(system, trial, slot))
             }
-            None => self
-                .driven_end(course.index)
-                .map_or(0.0, |(s, i)| system.spring_forces(trial)[s][i]),
+            None => self.driven_end(course.index).map_or(0.0, |(s, i)| {
+                let sense = sense_of_spring(&self.model.steps, s, i);
+                along(sense, system.spring_forces(trial)[s][i])
+            }),
         }
     }
 
@@ -78,9 +117,10 @@ impl Run<'_> {
     /// drives one and no face.
     fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
         self.driven_end(step).map_or((0.0, 0.0, 0.0), |(s, i)| {
+            let sense = sense_of_spring(&self.model.steps, s, i);
             (
-                self.state.spring_ends[s][i],
-                self.state.spring_forces[s][i],
+                along(sense, self.state.spring_ends[s][i]),
+                along(sense, self.state.spring_forces[s][i]),
                 0.0,
             )
         })
@@ -150,7 +190,8 @@ impl Run<'_> {
             .chain(&model.steps)
             .find_map(|s| s.control);
         let displacement = if let Some(control) = steered {
-            probes(model, &self.system.dofs, state)[control.probe]
+            let value = probes(model, &self.system.dofs, state)[control.probe];
+            along(sense_of_control(&model.steps), value)
         } else {
             let slots = self.system.dofs.slot.iter();
             let work = |(weight, slots): (&[f64; 3], &[u32; 3])| -> f64 {

@@ -14,7 +14,6 @@ mod outside;
 pub mod pattern;
 mod patterns;
 mod quiet;
-mod rounding;
 mod solid;
 mod springs;
 mod steered;
@@ -121,7 +120,7 @@ impl System {
             springs: Springs::new(model),
             outside: Outside::new(model),
             steered: None,
-            rounding_force: rounding::force(model),
+            rounding_force: crate::model::rounding::force(model),
             gather: None,
             analysis: None,
             analysed_version: 0,

@@ -34,7 +34,18 @@ __all__ = ["Results"]
 #: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
 FrameNumber = Union[int, "np.integer[Any]", Literal["peak", "last"]]
 #: How a run ended; ``"unfinished"`` if nothing says so.
-Status = Literal["completed", "not_converged", "interrupted", "unfinished"]
+Status = Literal["completed", "collapsed", "not_converged", "interrupted", "unfinished"]
+#: What happened in a run, in one word.
+VerdictKind = Literal[
+    "peak_passed",
+    "still_rising",
+    "plateau",
+    "stands",
+    "moves",
+    "collapsed",
+    "not_converged",
+    "interrupted",
+]
 #: What :meth:`Results.picture` draws.
 Kind = Literal["curves", "cracks", "deflection_height", "deflection_length"]
 
@@ -101,8 +112,18 @@ class Results:
 
     @property
     def status(self) -> Status:
-        """``"completed"``, ``"not_converged"``, ``"interrupted"``, or ``"unfinished"`` where there is no summary."""
+        """``"completed"``, ``"collapsed"``, ``"not_converged"``, ``"interrupted"``; ``"unfinished"`` without a summary."""
         return cast(Status, self.summary.get("status", "unfinished"))
+
+    @property
+    def verdict(self) -> str:
+        """What happened, in one sentence; empty of a run that goes on or was killed."""
+        return str(self.summary.get("verdict", ""))
+
+    @property
+    def verdict_kind(self) -> VerdictKind | None:
+        """The same in one word; None of a run that goes on or was killed."""
+        return cast("VerdictKind | None", self.summary.get("verdict_kind"))
 
     @property
     def message(self) -> str:
@@ -130,7 +151,7 @@ class Results:
 
     @property
     def peak_force(self) -> float:
-        """Largest force along the motion [kN]; nan where nothing was driven."""
+        """Largest force along the drive [kN], a peak if ``verdict_kind`` says so; nan where nothing was driven."""
         return self._number("peak_force_kN")
 
     @property
@@ -489,7 +510,8 @@ class Results:
         seconds = self.summary.get("wall_s")
         parts = [self.status.replace("_", " ")]
         if not math.isnan(self.peak_force):
-            parts.append(f"peak {self.peak_force:.3f} kN at {self.displacement_at_peak:.4f} mm")
+            word = "peak" if self.verdict_kind == "peak_passed" else "largest"
+            parts.append(f"{word} {self.peak_force:.3f} kN at {self.displacement_at_peak:.4f} mm")
         parts.append(counts if seconds is None else f"{counts} in {seconds:.1f} s")
         return ", ".join(parts)
 

@@ -144,7 +144,10 @@ impl Cut<'_> {
     }
 
     fn mesh(&self, mesh: &Mesh) -> Mesh {
-        let mut half = Mesh::default();
+        let mut half = Mesh {
+            names: mesh.names.clone(),
+            ..Mesh::default()
+        };
         for (n, x) in mesh.nodes.iter().enumerate() {
             if self.node[n].is_some() {
                 half.nodes.push(*x);

@@ -234,6 +234,7 @@ impl McapWriter {
         }
         let (level, ended) = match run.status {
             Status::Completed => (Level::Info, "completed"),
+            Status::Collapsed => (Level::Warning, "collapsed"),
             Status::Interrupted => (Level::Warning, "interrupted"),
             Status::NotConverged => (Level::Error, "not converged"),
         };

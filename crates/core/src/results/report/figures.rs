@@ -5,8 +5,9 @@ use super::page::escape;
 use crate::results::plot;
 use crate::results::{ReadHistory, SummaryFile};
 
-/// Name of the tile that stands out.
+/// Names of the tile that stands out.
 const PEAK: &str = "Peak force";
+const LARGEST: &str = "Largest force";
 
 /// A tile: what it is, its number with unit, and what goes with it.
 struct Tile {
@@ -32,7 +33,11 @@ pub(super) fn tiles(
             note,
         } = tile;
         let (value, note) = (escape(value), escape(note));
-        let class = if *name == PEAK { "tile peak" } else { "tile" };
+        let class = if [PEAK, LARGEST].contains(name) {
+            "tile peak"
+        } else {
+            "tile"
+        };
         format!(
             "<div class=\"{class}\"><dt>{name}</dt><dd><strong>{value}</strong> <span class=\"unit\">{unit}</span>\
              <span class=\"note\">{note}</span></dd></div>\n"
@@ -58,10 +63,11 @@ fn mechanics(history: &ReadHistory, experiment: Option<&Experiment>) -> Vec<Tile
             Some(measured) => format!("{at}; measured {} kN", brief(measured)),
             None => at,
         };
-        tile(PEAK, brief(peak.force), "kN", note);
+        let name = if curve.passes_peak() { PEAK } else { LARGEST };
+        tile(name, brief(peak.force), "kN", note);
     }
     if let Some(stiffness) = curve.initial_stiffness() {
-        let note = "secant to a tenth of the peak".to_owned();
+        let note = "secant to a tenth of the largest force".to_owned();
         tile("Initial stiffness", brief(stiffness), "kN/mm", note);
     }
     if let Some(displacement) = curve.displacement_at_80_percent() {

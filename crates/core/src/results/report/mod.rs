@@ -241,11 +241,13 @@ impl Text<'_> {
     fn page(&self, data: &Data, notes: &[String]) -> String {
         let (class, status) = match self.summary.map(|s| s.status) {
             Some(Status::Completed) => ("good", "completed"),
+            Some(Status::Collapsed) => ("warn", "collapsed"),
             Some(Status::NotConverged) => ("bad", "not converged"),
             Some(Status::Interrupted) => ("warn", "interrupted"),
             None => ("warn", "no summary: going on, or killed"),
         };
         let message = self.summary.map_or("", |s| s.message.as_str());
+        let verdict = self.summary.map_or("", |s| s.verdict.as_str());
         let version = self.summary.map_or("", |s| s.version.as_str());
         let warnings = self.summary.map_or(&[][..], |s| &s.warnings[..]);
         let log = self.summary.map_or(&[][..], |s| &s.log[..]);
@@ -257,7 +259,9 @@ impl Text<'_> {
             |deck| format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(deck)),
         );
         let figures = figures::tiles(self.history, self.summary, self.experiment);
-        let message = paragraph("message", message);
+        // A collapse is told once.
+        let message = if message == verdict { "" } else { message };
+        let message = paragraph("verdict", verdict) + &paragraph("message", message);
         let (notes, warnings) = (list("notes", notes), list("warnings", warnings));
         let log = log_list(log);
         fill(

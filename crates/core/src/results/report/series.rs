@@ -53,8 +53,10 @@ pub(super) struct Series {
     pub methods: Vec<&'static str>,
     /// Whether the row is of a driven step. `[row]` u8
     pub driven: String,
-    /// Row of the peak.
+    /// Row of the largest force.
     pub peak: Option<usize>,
+    /// How the page calls that.
+    pub largest: &'static str,
     /// Where driving began: displacement [mm], force [kN].
     pub start: (f64, f64),
     /// Columns of the probes. `[row]` f32
@@ -117,6 +119,7 @@ impl Series {
             methods,
             driven: packed::encode(&driven),
             peak: peak.and_then(|peak| chosen.binary_search(&peak).ok()),
+            largest: history.curve().word_of_largest(),
             start: history.curve().start(),
             probes: history
                 .probes
@@ -154,6 +157,7 @@ mod tests {
         let history = ReadHistory {
             rows,
             probes: vec!["top_mm".to_owned()],
+            driven_steps: None,
         };
         let driven = history.driven();
         assert_eq!(driven, [false, true, true]);

@@ -84,8 +84,8 @@ impl Watch<'_> {
         }
         format!(
             "fidelity is \"elastic\": the solids reach {largest:.2} times their yield stress (increment {increment}, \
-             unit {} in course {}), and what yields or cracks is left out; fidelity = \"auto\" has it",
-            mesh.unit[e], mesh.course[e]
+             {}), and what yields or cracks is left out; fidelity = \"auto\" has it",
+            mesh.body_of(e)
         )
     }
 }

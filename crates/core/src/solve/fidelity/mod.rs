@@ -92,6 +92,9 @@ impl Instead {
                     dofs: summary.sizes.dofs,
                     ..sizes(whole)
                 };
+                if let Some(fall) = &mut summary.fall {
+                    places.unfold_fall(whole, model, fall);
+                }
                 Ok(summary)
             }
             Self::Elastic(elastic) => {

@@ -51,6 +51,11 @@ impl Part {
         }
     }
 
+    /// Force and energy of the whole over those of this part.
+    pub fn wholes(&self) -> f64 {
+        f64::from(1_u32 << self.planes.len().min(3))
+    }
+
     /// What a node is called.
     pub fn node(&self, n: usize) -> usize {
         self.node.as_ref().map_or(n, |node| node[n] as usize)

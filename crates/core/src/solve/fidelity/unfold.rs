@@ -5,7 +5,7 @@ use wythe_contact::{PointPair, frame_at};
 
 use crate::model::Model;
 use crate::model::mirrored::{Half, Images};
-use crate::results::{Frame, HistoryRow, InterfaceFrame, Recorder};
+use crate::results::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, Recorder};
 use crate::solve::{Checkpoint, State};
 use crate::system::System;
 
@@ -79,6 +79,27 @@ impl Places {
             if is_image { mirrored(own) } else { own }
         };
         self.element.iter().map(of).collect()
+    }
+
+    /// Bodies that fall on this side of the plane, and their images; energies of both.
+    pub fn unfold_fall(&self, whole: &Model, half: &Model, fall: &mut Fall) {
+        fall.kinetic_energy_J *= 2.0;
+        let mut images = Vec::new();
+        for (e, (own, _)) in self.element.iter().enumerate() {
+            let of = half.mesh.unit[*own as usize];
+            images.push((of, whole.mesh.unit[e]));
+        }
+        images.sort_unstable();
+        images.dedup();
+        let both = fall.bodies.iter().flat_map(|body| {
+            let images = images.iter().filter(|(of, _)| *of == body.unit);
+            images.map(|(_, unit)| FallenBody {
+                name: whole.mesh.called(*unit),
+                unit: *unit,
+                ..body.clone()
+            })
+        });
+        fall.bodies = both.collect();
     }
 
     fn frame(&self, half: &Frame, reactions: Vec<[f64; 3]>, probes: Vec<f64>) -> Frame {

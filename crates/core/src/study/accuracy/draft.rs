@@ -157,8 +157,9 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
         way = [way[1], way[1] + sign * drive.drive()];
     }
-    // Its force is that along the axis, and turns with it.
-    along("displacement_mm", "force_kN", way, way[1].signum())
+    // The history counts both along the drive.
+    let sense = way[1].signum();
+    along("displacement_mm", "force_kN", way.map(|x| sense * x), 1.0)
 }
 
 /// A curve along `x`, turned where that falls, of `y` times this sign.
@@ -278,19 +279,19 @@ mod tests {
         assert_eq!(keys(&scene, "projected"), None);
     }
 
-    /// Along -x displacement and force are negative; a load that is steered the other way still grows.
+    /// Drives along -x are counted along the drive; a probe that falls is turned, and its load still grows.
     #[test]
-    fn what_falls_is_turned() {
+    fn curves_go_along_the_drive() {
         let signs = |name: &str, set: &[(&str, &str)]| {
             let scene = drafted(name, set).unwrap();
             assert!(scene.range[1] > 0.0, "{:?}", scene.range);
             scene.signs
         };
         let (push, press) = ("03_shear_wall_j7d", "62_out_of_plane_wall");
-        assert_eq!(signs(push, &[("steps.1.direction", "-x")]), [-1.0, -1.0]);
+        assert_eq!(signs(push, &[("steps.1.direction", "-x")]), [1.0, 1.0]);
         assert_eq!(
             signs(push, &[("steps.1.displacement", "-1 mm")]),
-            [-1.0, -1.0]
+            [1.0, 1.0]
         );
         let pulled = [
             ("steps.1.control.displacement", "-1 mm"),

@@ -266,6 +266,7 @@ fn errors(scene: &Scene, short: bool, curve: &[Point], ended: &Ended) -> Result<
     // What comes to the end of the comparison has its errors, however it ended behind it.
     errors.map_err(|why| match ended.status {
         Status::Completed => why,
+        Status::Collapsed => format!("{why}: {}", ended.message),
         Status::NotConverged => format!("{why}: {}", reason(&ended.message)),
         Status::Interrupted => format!("{why}: its time was up"),
     })

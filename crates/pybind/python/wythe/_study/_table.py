@@ -24,7 +24,7 @@ from wythe._study._worker import MEASURES, folder_name
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
 
-STATUSES = ("completed", "not_converged", "interrupted", "failed", "lost")
+STATUSES = ("completed", "collapsed", "not_converged", "interrupted", "failed", "lost")
 """How a sample may end: of all but the last two there is a run."""
 
 # Rows that text and a notebook show of the table, messages below it, and columns in text.

@@ -67,7 +67,7 @@
     }
     if (series.peak !== null) {
       const [x, y] = [c.displacement_mm[series.peak], c.force_kN[series.peak]];
-      marks.push({ x, y, text: `peak ${brief(y)} kN at ${brief(x)} mm`, colour: "var(--peak)" });
+      marks.push({ x, y, text: `${series.largest} ${brief(y)} kN at ${brief(x)} mm`, colour: "var(--peak)" });
     }
     charts.push(chart(box, {
       label: "Force against displacement" + (marks.length ? `; ${marks[0].text}` : ""), keys, lines, marks, pick, step, both: true,

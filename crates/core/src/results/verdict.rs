@@ -1,0 +1,398 @@
+//! The verdict on a run: what happened, in one plain sentence and one word.
+
+use serde::{Deserialize, Serialize};
+
+use super::curve::Peak;
+use super::{Curve, Fall, Frame, Status, Summary};
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Procedure, Step};
+
+/// Part of the travel, up to the end, over which a force that still rises has risen by more than [`RISES`] of the largest.
+const LAST: f64 = 0.1;
+const RISES: f64 = 0.005;
+/// Kinetic energy over the energy that solids and joints have taken, above which something moves.
+const MOVING: f64 = 1e-3;
+/// Bodies that a sentence names; the others are counted.
+const NAMES: usize = 4;
+
+/// What happened in a run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// In one word.
+    pub kind: VerdictKind,
+    /// In one sentence, without a full stop.
+    pub text: String,
+}
+
+/// What happened, in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VerdictKind {
+    /// The force along the drive has fallen from its largest value, or its largest values of a drive to and fro.
+    PeakPassed,
+    /// The force along the drive still rises at the end: it has no peak yet.
+    StillRising,
+    /// The force along the drive neither rises nor falls at the end.
+    Plateau,
+    /// Loads that nothing drives are in equilibrium.
+    Stands,
+    /// Something moves under inertia when the run ends.
+    Moves,
+    /// No equilibrium is left, and bodies fall.
+    Collapsed,
+    /// Convergence was lost.
+    NotConverged,
+    /// The user stopped the run.
+    Interrupted,
+}
+
+/// The largest displacement at the end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Farthest {
+    /// Displacement of a node [mm].
+    pub moved: f64,
+    /// Name of its body.
+    pub body: String,
+}
+
+impl Farthest {
+    /// Of a frame; none without nodes.
+    pub fn of(model: &Model, frame: &Frame) -> Option<Self> {
+        let sizes = frame
+            .displacement
+            .iter()
+            .map(|u| u.iter().map(|u| u * u).sum::<f64>());
+        let (node, square) = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let has = |nodes: &[u32; 8]| nodes.contains(&(node as u32));
+        let element = model.mesh.elements.iter().position(has)?;
+        Some(Self {
+            moved: square.sqrt(),
+            body: model.mesh.body_of(element),
+        })
+    }
+}
+
+/// Kinetic energy at the end of a run [J], and that over the energy that solids and joints have taken [-].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// [J]
+    pub kinetic: f64,
+    /// [-]
+    pub part: f64,
+}
+
+impl Verdict {
+    /// On a run of a model that ended, its curve, the largest displacement at its end and its motion there.
+    pub fn on(
+        model: &Model,
+        run: &Summary,
+        curve: &Curve,
+        farthest: Option<&Farthest>,
+        motion: Motion,
+    ) -> Self {
+        let is = |kind, text| Self { kind, text };
+        match run.status {
+            Status::Collapsed => is(VerdictKind::Collapsed, run.message.clone()),
+            Status::NotConverged => {
+                let text = match &run.lost {
+                    Some(lost) => format!("not converged at {}, because {}", lost.place, lost.why),
+                    None => format!("not converged: {}", run.message),
+                };
+                is(VerdictKind::NotConverged, so_far(text, curve))
+            }
+            Status::Interrupted => {
+                let plural = if run.increments == 1 { "" } else { "s" };
+                let text = format!(
+                    "interrupted by the user after {} increment{plural}",
+                    run.increments
+                );
+                is(VerdictKind::Interrupted, so_far(text, curve))
+            }
+            Status::Completed => {
+                let told = Self::on_curve(model, curve)
+                    .unwrap_or_else(|| at_end(farthest, motion, run.fall.is_some()));
+                match &run.fall {
+                    Some(fall) => is(told.kind, format!("{}; {}", told.text, fall.moved())),
+                    None => told,
+                }
+            }
+        }
+    }
+
+    /// On a curve; none if nothing is driven and loads only grow.
+    fn on_curve(model: &Model, curve: &Curve) -> Option<Self> {
+        let is = |kind, text| Some(Self { kind, text });
+        // A load that is prescribed rises and falls for no other reason.
+        let finds = |step: &Step| {
+            let follows = matches!(
+                step.procedure,
+                Procedure::ArcLength | Procedure::Dissipation
+            );
+            follows || step.control.is_some() || step_drives(step)
+        };
+        if !model.steps.iter().any(finds) {
+            return None;
+        }
+        let peak = curve.peak()?;
+        let &(displacement, force) = curve.points().last()?;
+        let at = |p: Peak| format!("{:.3} kN at {:.4} mm", p.force, p.displacement);
+        let end = format!("{force:.3} kN at {displacement:.4} mm");
+        if curve.turns_back() {
+            let opposite = curve.opposite_peak();
+            let both = match opposite {
+                Some(other) => format!("{} and {}", at(peak), at(other)),
+                None => at(peak),
+            };
+            return if curve.passes_peak() {
+                is(
+                    VerdictKind::PeakPassed,
+                    format!("peaks of {both} passed in loops"),
+                )
+            } else {
+                let text =
+                    format!("still rising where the drive is farthest out: {both}, no peak yet");
+                is(VerdictKind::StillRising, text)
+            };
+        }
+        if curve.passes_peak() {
+            let text = format!("peak of {} passed; {end} at the end", at(peak));
+            return is(VerdictKind::PeakPassed, text);
+        }
+        if curve.rises_over(LAST) > RISES * peak.force.abs() {
+            let text = format!("still rising at the end: {end}, no peak yet");
+            return is(VerdictKind::StillRising, text);
+        }
+        let text = format!(
+            "neither rising nor falling at the end: {end}, at most {}",
+            at(peak)
+        );
+        is(VerdictKind::Plateau, text)
+    }
+}
+
+/// On a run whose loads are all there.
+fn at_end(farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
+    let far = farthest.map_or_else(String::new, |far| {
+        format!("moved by at most {:.4} mm ({})", far.moved, far.body)
+    });
+    if falls || motion.part > MOVING {
+        let text = format!(
+            "not at rest at the end: kinetic energy {:.3} J, {far}",
+            motion.kinetic
+        );
+        return Verdict {
+            kind: VerdictKind::Moves,
+            text,
+        };
+    }
+    let text = if far.is_empty() {
+        "stands".to_owned()
+    } else {
+        format!("stands: {far}")
+    };
+    Verdict {
+        kind: VerdictKind::Stands,
+        text,
+    }
+}
+
+/// A sentence with the largest force of what was driven.
+fn so_far(text: String, curve: &Curve) -> String {
+    match curve.peak() {
+        Some(peak) => format!(
+            "{text}; largest force until then {:.3} kN at {:.4} mm",
+            peak.force, peak.displacement
+        ),
+        None => text,
+    }
+}
+
+fn step_drives(step: &Step) -> bool {
+    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
+    step.motion.iter().flatten().any(driven) || step.springs.iter().flatten().any(|by| *by != 0.0)
+}
+
+impl Fall {
+    /// A collapse in one sentence.
+    pub fn collapsed(&self) -> String {
+        format!(
+            "collapsed at load factor {:.4} of step {} ({}): {}; kinetic energy {:.3} J",
+            self.load_factor,
+            self.step,
+            self.step_name,
+            self.moved(),
+            self.kinetic_energy_J
+        )
+    }
+
+    /// Which bodies moved, and how far.
+    pub fn moved(&self) -> String {
+        let Some(first) = self.bodies.first() else {
+            return "nothing moved".to_owned();
+        };
+        let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
+        let names = match names[..] {
+            [only] => only.to_owned(),
+            [ref some @ .., last] if names.len() <= NAMES => {
+                format!("{} and {last}", some.join(", "))
+            }
+            _ => format!(
+                "{} and {} others",
+                names[..NAMES - 1].join(", "),
+                names.len() - (NAMES - 1)
+            ),
+        };
+        // Down rather than aside.
+        let falls = first.fall_mm > std::f64::consts::FRAC_1_SQRT_2 * first.moved_mm;
+        let (verb, by) = if falls {
+            ("fell", first.fall_mm)
+        } else {
+            ("moved", first.moved_mm)
+        };
+        let most = if self.bodies.len() == 1 { "" } else { "up to " };
+        format!("{names} {verb} by {most}{by:.1} mm")
+    }
+}
+
+impl Summary {
+    /// The summary of a whole scene that ended, with its collapse in words.
+    pub(crate) fn in_words(mut self) -> Self {
+        if let (Status::Collapsed, Some(fall)) = (self.status, &self.fall) {
+            self.message = fall.collapsed();
+        }
+        self
+    }
+}
+
+impl Motion {
+    /// Of the last increment.
+    pub fn of(row: &super::HistoryRow) -> Self {
+        let kinetic = row.kinetic_energy_J;
+        let part = if kinetic > 0.0 {
+            kinetic / row.taken_J()
+        } else {
+            0.0
+        };
+        Self { kinetic, part }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{FallenBody, fake};
+
+    fn verdict(run: &Summary, points: &[(f64, f64)]) -> Verdict {
+        let curve = Curve::of_points(points);
+        Verdict::on(&fake::model(), run, &curve, None, Motion::default())
+    }
+
+    fn completed(points: &[(f64, f64)]) -> (VerdictKind, String) {
+        let Verdict { kind, text } = verdict(&fake::summary(Status::Completed), points);
+        (kind, text)
+    }
+
+    #[test]
+    fn a_peak_is_one_only_where_the_force_has_fallen() {
+        let (kind, text) = completed(&[(0.0, 0.0), (1.0, 10.0), (2.0, 20.0), (3.0, 15.0)]);
+        assert_eq!(kind, VerdictKind::PeakPassed);
+        assert_eq!(
+            text,
+            "peak of 20.000 kN at 2.0000 mm passed; 15.000 kN at 3.0000 mm at the end"
+        );
+        let (kind, text) = completed(&[(0.0, 0.0), (1.0, 10.0), (2.0, 20.0)]);
+        assert_eq!(kind, VerdictKind::StillRising);
+        assert!(!text.contains("peak of"), "{text}");
+        // A joint that slides: 0.4 % below its largest force.
+        let slides = [(0.0, 0.0), (0.1, 50.0), (10.0, 49.9), (20.0, 49.8)];
+        assert_eq!(completed(&slides).0, VerdictKind::Plateau);
+        // From 49.5 to 50 kN over the last tenth of the way, 1 % of the largest.
+        let hardens = [(0.0, 0.0), (1.0, 40.0), (18.0, 49.5), (20.0, 50.0)];
+        assert_eq!(completed(&hardens).0, VerdictKind::StillRising);
+    }
+
+    #[test]
+    fn a_drive_to_and_fro_has_a_peak_where_it_comes_as_far_out_again_with_less() {
+        let first = [(0.0, 0.0), (2.0, 50.0), (0.0, 0.0), (-2.0, -45.0)];
+        let (kind, text) = completed(&first);
+        assert_eq!(kind, VerdictKind::StillRising);
+        assert!(
+            text.contains("50.000 kN at 2.0000 mm and -45.000 kN"),
+            "{text}"
+        );
+        let again = [&first[..], &[(0.0, 0.0), (2.0, 44.0)]].concat();
+        let (kind, text) = completed(&again);
+        assert_eq!(kind, VerdictKind::PeakPassed);
+        assert!(text.starts_with("peaks of 50.000 kN"), "{text}");
+    }
+
+    #[test]
+    fn what_is_lost_or_interrupted_has_a_largest_force_until_then() {
+        let mut lost = fake::summary(Status::NotConverged);
+        lost.lost = Some(crate::results::Lost {
+            place: "load factor 0.3652 of step 1 (push)".to_owned(),
+            why: "the matrix is singular".to_owned(),
+        });
+        let rising = [(0.0, 0.0), (1.0, 10.0)];
+        let told = verdict(&lost, &rising);
+        assert_eq!(told.kind, VerdictKind::NotConverged);
+        assert_eq!(
+            told.text,
+            "not converged at load factor 0.3652 of step 1 (push), because the matrix is singular; \
+             largest force until then 10.000 kN at 1.0000 mm"
+        );
+        let told = verdict(&fake::summary(Status::Interrupted), &[]);
+        assert_eq!(told.text, "interrupted by the user after 3 increments");
+    }
+
+    #[test]
+    fn a_collapse_names_its_bodies_and_counts_the_rest() {
+        let body = |name: &str, moved_mm: f64, fall_mm: f64| FallenBody {
+            name: name.to_owned(),
+            unit: 0,
+            moved_mm,
+            fall_mm,
+        };
+        let mut fall = Fall {
+            step: 0,
+            step_name: "gravity".to_owned(),
+            load_factor: 0.25,
+            kinetic_energy_J: 3.5,
+            bodies: vec![body("a", 200.0, 199.0), body("b", 150.0, 20.0)],
+        };
+        assert_eq!(
+            fall.collapsed(),
+            "collapsed at load factor 0.2500 of step 0 (gravity): a and b fell by up to 199.0 mm; kinetic energy 3.500 J"
+        );
+        fall.bodies = (0..7).map(|i| body(&format!("s{i}"), 90.0, 5.0)).collect();
+        assert_eq!(
+            fall.moved(),
+            "s0, s1, s2 and 4 others moved by up to 90.0 mm"
+        );
+        fall.bodies.truncate(1);
+        assert_eq!(fall.moved(), "s0 moved by 90.0 mm");
+    }
+
+    #[test]
+    fn loads_that_are_carried_stand_and_what_moves_does_not() {
+        let mut model = fake::model();
+        model.steps.truncate(1);
+        model.steps[0].procedure = Procedure::Auto;
+        let run = fake::summary(Status::Completed);
+        let far = Farthest {
+            moved: 0.125,
+            body: "lintel".to_owned(),
+        };
+        let nothing = Curve::default();
+        let on = |motion| Verdict::on(&model, &run, &nothing, Some(&far), motion);
+        let stands = on(Motion::default());
+        assert_eq!(stands.kind, VerdictKind::Stands);
+        assert_eq!(stands.text, "stands: moved by at most 0.1250 mm (lintel)");
+        let moves = on(Motion {
+            kinetic: 2.0,
+            part: 0.5,
+        });
+        assert_eq!(moves.kind, VerdictKind::Moves);
+        assert!(moves.text.contains("2.000 J"), "{}", moves.text);
+    }
+}
