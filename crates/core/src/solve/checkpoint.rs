@@ -74,7 +74,7 @@ struct Mark {
     beyond: Option<f64>,
     watch: Option<Watch>,
     crest: Crest,
-    relaxed: bool,
+    relaxations: usize,
     stopped: bool,
 }
 
@@ -231,7 +231,7 @@ impl<'m> Run<'m> {
                 beyond: course.beyond,
                 watch: course.watch.clone(),
                 crest: course.crest,
-                relaxed: course.relaxed,
+                relaxations: course.relaxations,
                 stopped: course.stopped,
             },
             summary: self.summary.clone(),
@@ -303,7 +303,7 @@ impl<'m> Run<'m> {
         (course.load, course.beyond) = (mark.load, mark.beyond);
         (course.row, course.branch) = (mark.row, branch);
         course.crest = mark.crest;
-        course.relaxed = mark.relaxed;
+        course.relaxations = mark.relaxations;
         course.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

@@ -47,8 +47,8 @@ pub(super) struct Course<'m> {
     pub(super) beyond: Option<f64>,
     /// Refusals in a row by the first method of the step.
     pub(super) refusals: usize,
-    /// The last increment was a relaxation.
-    pub(super) relaxed: bool,
+    /// Relaxations in a row behind.
+    pub(super) relaxations: usize,
     /// Size of the increment after a relaxation, when one is to be committed.
     pub(super) resumes_at: Option<f64>,
     /// Size below which a relaxation is tried again after one that led nowhere.
@@ -124,7 +124,7 @@ impl<'m> Course<'m> {
             stopped: false,
             beyond: None,
             refusals: 0,
-            relaxed: false,
+            relaxations: 0,
             resumes_at: None,
             relaxes_below: f64::INFINITY,
         }

@@ -215,7 +215,7 @@ impl<'m> Run<'m> {
     ) -> Result<bool, RunError> {
         course.refusals += 1;
         let size = leg.increment.size;
-        if self.may_relax(course, leg, refusal) {
+        if may_relax(course, leg, refusal) {
             match self.relax(course, leg, recorder) {
                 Some(relaxed) => return self.accept_relaxed(course, leg, relaxed, recorder),
                 None => course.relaxes_below = RELAX_AGAIN * size,
@@ -236,25 +236,6 @@ impl<'m> Run<'m> {
         let go_on = self.accept(course, last, report, recorder)?;
         course.newton.dashpots = None;
         Ok(go_on)
-    }
-
-    /// Whether a relaxation may lead over the trouble that an increment was refused for.
-    fn may_relax(&self, course: &Course, leg: Leg, refusal: &Refusal) -> bool {
-        let applies = match course.step.procedure {
-            Procedure::Auto => course.ladder.is_static(),
-            Procedure::DisplacementControl => true,
-            _ => false,
-        };
-        let stuck = match refusal {
-            Refusal::Snap | Refusal::Linear { dof: Some(_), .. } => true,
-            Refusal::Linear { .. } => false,
-            // One snap is often followed by another.
-            _ => {
-                let size = leg.increment.size;
-                course.refusals > 1 || course.relaxed || course.ladder.is_small(size)
-            }
-        };
-        applies && stuck && leg.increment.size < course.relaxes_below
     }
 
     /// Prepares a step.
@@ -347,7 +328,11 @@ impl<'m> Run<'m> {
         } else {
             course.schedule.accept(leg.increment, growth);
         }
-        course.relaxed = leg.method == Method::Relaxation;
+        course.relaxations = if leg.method == Method::Relaxation {
+            course.relaxations + 1
+        } else {
+            0
+        };
         if let Some(size) = course.resumes_at.take() {
             // What moved in pseudo-time says nothing of the next increment.
             course.schedule.resume(size);
@@ -516,6 +501,29 @@ pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
         .filter(|_| controls && step.tangent == Tangent::Secant)?;
     Steered::new(model, control)
 }
+
+/// Whether a relaxation may lead over the trouble that an increment was refused for.
+fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
+    let applies = match course.step.procedure {
+        Procedure::Auto => course.ladder.is_static(),
+        Procedure::DisplacementControl => true,
+        _ => false,
+    };
+    let size = leg.increment.size;
+    let stuck = match refusal {
+        Refusal::Snap | Refusal::Linear { dof: Some(_), .. } => true,
+        Refusal::Linear { .. } => false,
+        // One snap is often followed by another.
+        _ => {
+            let again = course.relaxations > 0 && size <= SHORT * course.step.increments.max;
+            again || course.refusals > 1 || course.ladder.is_small(size)
+        }
+    };
+    applies && stuck && size < course.relaxes_below
+}
+
+/// Part of the largest size up to which an increment after a relaxation is relaxed at its first refusal.
+const SHORT: f64 = 0.2;
 
 /// Part of the size of an increment whose relaxation led nowhere below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;

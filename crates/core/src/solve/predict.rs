@@ -32,7 +32,11 @@ impl Newton<'_> {
         // Time by which the last increment is extrapolated.
         let pseudo_time = self.dashpots.as_ref().filter(|dashpots| !dashpots.loads);
         let dt = match pseudo_time {
-            Some(dashpots) => 1.0 / dashpots.factor,
+            // No further than twice the last way.
+            Some(dashpots) => {
+                let before = last.map_or(f64::INFINITY, |last| last.dt);
+                (1.0 / dashpots.factor).min(2.0 * before)
+            }
             None => attempt.increment.size * self.step.duration,
         };
         let end = match (attempt.advance, last) {

@@ -101,15 +101,15 @@ const MOST: usize = 80;
 /// Growth of κ where a sub-increment does not converge.
 const STIFFER: f64 = 5.0;
 /// Solves up to which κ falls quickly, and up to which it falls.
-const EASY: usize = 4;
+const EASY: usize = 5;
 const FAIR: usize = 9;
 /// The same of a motion that does not slow down.
 const AT_ONCE: usize = 2;
 /// Factors of κ then.
-const QUICKLY: f64 = 0.2;
-const SLOWLY: f64 = 0.5;
+const QUICKLY: f64 = 0.1;
+const SLOWLY: f64 = 0.3;
 /// Sub-increments after one that did not converge in which κ falls slowly.
-const CAUTIOUS: usize = 4;
+const CAUTIOUS: usize = 2;
 /// Dashpot forces over those of the last sub-increment below which the motion slows down.
 const FALLS: f64 = 0.9;
 
