@@ -320,3 +320,74 @@ fn a_control_must_be_a_probe_of_displacement() {
     );
     assert!(deck("procedure = \"implex\"\ntangent = \"direct\"").contains("secant stiffness"));
 }
+
+/// Where a displacement steers the load through a snap it cannot turn back. Dashpots carry the bar to the next equilibrium at the held
+/// displacement, and their work is the energy that is set free.
+#[test]
+fn a_snap_is_relaxed_at_a_held_displacement_and_sets_its_energy_free() {
+    let recording = bar(r#"
+        [[probes]]
+        name = "end"
+        on = "right.right"
+        direction = "x"
+        [[steps]]
+        kind = "drive"
+        face = "right.right"
+        direction = "x"
+        displacement = "0.19 mm"
+        procedure = "displacement_control"
+        control = { probe = "end", displacement = "0.19 mm" }
+        "#);
+    let rows = &recording.rows;
+    assert!(
+        rows.windows(2)
+            .all(|r| r[0].displacement_mm < r[1].displacement_mm)
+    );
+    let relaxed: Vec<_> = rows
+        .iter()
+        .filter(|r| r.procedure == Method::Relaxation)
+        .collect();
+    let [snap] = relaxed[..] else {
+        panic!("{} relaxations", relaxed.len())
+    };
+    // K = E A/L of the bar [kN/mm]; w of the joint where both carry the same force.
+    let stiffness = 29.7;
+    let opening = |d: f64| {
+        let (mut low, mut high) = (0.05, d);
+        while high - low > 1e-12 {
+            let w = 0.5 * (low + high);
+            *if w + softened(w) / stiffness < d {
+                &mut low
+            } else {
+                &mut high
+            } = w;
+        }
+        low
+    };
+    // The tolerance of the residual, on a force that is spread over eight nodes.
+    let w = opening(snap.displacement_mm);
+    assert!(
+        (snap.force_kN - softened(w)).abs() < 5e-3 * 2.8,
+        "{}",
+        snap.force_kN
+    );
+    // Set free: what the bar gives back less the work of the joint [J = kN mm].
+    let elastic = |force: f64| 0.5 * force * force / stiffness;
+    let fractured: f64 = (0..1000)
+        .map(|i| softened(w * (f64::from(i) + 0.5) * 1e-3) * w * 1e-3)
+        .sum();
+    let free = elastic(softened(0.0)) - elastic(softened(w)) - fractured;
+    let last = rows.last().unwrap();
+    // The trapezoidal rule over some ten sub-increments of a force that falls as an exponential.
+    let error = last.damping_dissipation_J / free - 1.0;
+    println!("{} J of {free} J", last.damping_dissipation_J);
+    assert!(error.abs() < 0.2, "{error}");
+    for row in rows {
+        let open = row.external_work_J
+            - row.taken_J()
+            - row.damping_dissipation_J
+            - row.numerical_dissipation_J;
+        // Each term is counted by the trapezoidal rule: what the tolerance leaves.
+        assert!(open.abs() < 5e-3 * last.external_work_J, "{open}");
+    }
+}

@@ -56,7 +56,7 @@ pub struct HistoryRow {
     pub residual: f64,
     /// Kinetic energy now, relative to the ground [J].
     pub kinetic_energy_J: f64,
-    /// Work of the Rayleigh damping since the start [J].
+    /// Work of the Rayleigh damping and of the dashpots of relaxations since the start [J].
     pub damping_dissipation_J: f64,
     /// What the time integration has taken out since the start [J].
     pub numerical_dissipation_J: f64,

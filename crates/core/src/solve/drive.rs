@@ -511,8 +511,9 @@ fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
     };
     let size = leg.increment.size;
     let stuck = match refusal {
-        Refusal::Snap | Refusal::Linear { dof: Some(_), .. } => true,
-        Refusal::Linear { .. } => false,
+        // The path of a clear snap-back is followed, where that is possible.
+        Refusal::Snap => !course.ladder.prefers_paths(),
+        Refusal::Linear { dof, .. } => dof.is_some(),
         // One snap is often followed by another.
         _ => {
             let again = course.relaxations > 0 && size <= SHORT * course.step.increments.max;

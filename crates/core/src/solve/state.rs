@@ -21,7 +21,7 @@ pub struct Energies {
     pub viscous: f64,
     /// Kinetic energy now, relative to the ground.
     pub kinetic: f64,
-    /// Work of the Rayleigh damping.
+    /// Work of the Rayleigh damping, and of the dashpots of relaxations.
     pub damping: f64,
     /// What the time integration has taken out.
     pub numerical: f64,
@@ -94,7 +94,7 @@ pub struct State {
     pub loads: Vec<[f64; 3]>,
     /// Forces that act on the beams from outside at the last commit [N]; zero at nodes. `[slot]`
     pub applied: Vec<f64>,
-    /// Forces of the Rayleigh damping at the last commit [N]. `[slot]`
+    /// Forces of the Rayleigh damping, or of the dashpots of a relaxation, at the last commit [N]. `[slot]`
     pub damping: Vec<f64>,
     /// Histories of the solids. `[element][gauss point]`, eight to an element
     pub material: Vec<MaterialHistory>,
