@@ -362,7 +362,11 @@ fn rows_of_other_steps_are_left_out() {
         let (folder, scene) = scene(SCENE);
         scene.unwrap();
         std::fs::write(folder.path().join("deck.toml"), &deck).unwrap();
-        let text = SCENE.replace("to = 0.1\n", &format!("to = 0.05\n{steps}"));
+        // The first drive goes down: the columns count along it.
+        let text = SCENE
+            .replace("to = 0.1\n", &format!("to = 0.05\n{steps}"))
+            .replace("= \"displacement_mm\"", "= \"-displacement_mm\"")
+            .replace("= \"force_kN\"", "= \"-force_kN\"");
         let scene = Scene::from_str(&text, "scene.toml", folder.path()).unwrap();
         for outcome in &run(&[scene], &options(false, 1))[0].outcomes {
             match &outcome.errors {

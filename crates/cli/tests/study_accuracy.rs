@@ -142,9 +142,9 @@ fn short_forms_write_nothing_and_what_is_not_there_is_named() {
     );
 }
 
-/// Pushed the other way the same wall has the same curve, read with its signs turned, and the same cracks.
+/// Pushed the other way the same wall has the same curve, counted along its drive, and the same cracks.
 #[test]
-fn a_curve_that_falls_is_read_with_its_signs_turned() {
+fn a_drive_along_minus_x_has_the_curve_of_one_along_x() {
     let folder = folder(&["1", "2"]);
     let sheared = repository("examples/02_couplet_shear.toml");
     let file = |number: &str| scenes(folder.path()).join(number).join("scene.toml");
@@ -152,13 +152,10 @@ fn a_curve_that_falls_is_read_with_its_signs_turned() {
         .replace("DECK", &sheared.display().to_string())
         .replace("steps.1.displacement=0.01", "steps.1.displacement=0.3")
         .replace("to = 0.016", "to = 0.3");
-    let back = forth
-        .replace("x = \"", "x = \"-")
-        .replace("y = \"", "y = \"-")
-        .replace(
-            "set = [\"steps.1.disp",
-            "set = [\"steps.1.direction=-x\", \"steps.1.disp",
-        );
+    let back = forth.replace(
+        "set = [\"steps.1.disp",
+        "set = [\"steps.1.direction=-x\", \"steps.1.disp",
+    );
     for (number, text) in [("1", forth), ("2", back)] {
         std::fs::write(file(number), text.replace("NUMBER", number)).unwrap();
     }

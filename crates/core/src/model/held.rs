@@ -95,7 +95,7 @@ impl Holding<'_> {
     }
 }
 
-/// Refuses a step that presses, drives or loads what nothing holds in a direction: all that touches moves that way as one, and
+/// Refuses a step that presses or drives what nothing holds in a direction: all that touches moves that way as one, and
 /// no equilibrium is the only one. Steps that are about motion, or whose load a displacement finds, are not asked.
 ///
 /// # Errors
@@ -106,13 +106,14 @@ pub(super) fn require_held_each_way(
     touching: &[Touching],
     holding: Holding<'_>,
 ) -> Result<(), ModelError> {
+    let all_has_mass = deck.materials.values().all(|m| m.density.get() > 0.0);
     let asked = |step: &DeckStep| {
         let moves = [DeckProcedure::QuasiStatic, DeckProcedure::Dynamic];
-        matches!(
-            step.kind,
-            StepKind::Preload | StepKind::Drive | StepKind::Load
-        ) && !moves.contains(&step.procedure)
+        matches!(step.kind, StepKind::Preload | StepKind::Drive)
+            && !moves.contains(&step.procedure)
             && step.control.is_none()
+            // With mass, `auto` goes over to inertia where nothing holds.
+            && !(step.procedure == DeckProcedure::Auto && all_has_mass)
     };
     let mut body_of = vec![0; bodies.mesh.nodes.len()];
     for (e, nodes) in bodies.mesh.elements.iter().enumerate() {

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::collapse::Departure;
 use super::course::Course;
 use super::crest::Crest;
-use super::drive::{Run, RunError, regularise, steered};
+use super::drive::{Run, RunError, steered};
 use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
@@ -75,6 +75,7 @@ struct Mark {
     watch: Option<Watch>,
     crest: Crest,
     relaxations: usize,
+    damage_rate: f64,
     stopped: bool,
 }
 
@@ -232,6 +233,7 @@ impl<'m> Run<'m> {
                 watch: course.watch.clone(),
                 crest: course.crest,
                 relaxations: course.relaxations,
+                damage_rate: course.damage_rate,
                 stopped: course.stopped,
             },
             summary: self.summary.clone(),
@@ -277,7 +279,7 @@ impl<'m> Run<'m> {
         };
         let slots = run.system.dofs.slots;
         run.state = state;
-        regularise(&mut run.system, step);
+        run.system.bulk.stabilise(step.viscosity, mark.damage_rate);
         run.system.steered = steered(model, step);
         let mut newton = Newton::new(model, step, &run.system, &run.state);
         let stopped = mark.is_stopped_in(step);
@@ -304,6 +306,7 @@ impl<'m> Run<'m> {
         (course.row, course.branch) = (mark.row, branch);
         course.crest = mark.crest;
         course.relaxations = mark.relaxations;
+        course.damage_rate = mark.damage_rate;
         course.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
         match (&mut course.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

@@ -47,6 +47,8 @@ pub(super) struct Course<'m> {
     pub(super) beyond: Option<f64>,
     /// Refusals in a row by the first method of the step.
     pub(super) refusals: usize,
+    /// Largest rate of damage while a snap goes on [1/s]; else without bound.
+    pub(super) damage_rate: f64,
     /// Relaxations in a row behind.
     pub(super) relaxations: usize,
     /// Size of the increment after a relaxation, when one is to be committed.
@@ -124,6 +126,7 @@ impl<'m> Course<'m> {
             stopped: false,
             beyond: None,
             refusals: 0,
+            damage_rate: f64::INFINITY,
             relaxations: 0,
             resumes_at: None,
             relaxes_below: f64::INFINITY,

@@ -215,6 +215,10 @@ impl<'m> Run<'m> {
     ) -> Result<bool, RunError> {
         course.refusals += 1;
         let size = leg.increment.size;
+        let unsolved = !matches!(refusal, Refusal::Snap | Refusal::Linear { .. });
+        if unsolved && course.ladder.is_static() && course.step.procedure == Procedure::Auto {
+            self.bound_damage(course);
+        }
         if may_relax(course, leg, refusal) {
             match self.relax(course, leg, recorder) {
                 Some(relaxed) => return self.accept_relaxed(course, leg, relaxed, recorder),
@@ -222,6 +226,32 @@ impl<'m> Run<'m> {
             }
         }
         Ok(self.refuse(course, leg, refusal, recorder))
+    }
+
+    /// From here on the damage of a point has a largest rate, unless a viscosity holds it back.
+    fn bound_damage(&mut self, course: &mut Course<'m>) {
+        let step = course.step;
+        if step.viscosity == 0.0 {
+            course.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
+            self.system.bulk.stabilise(0.0, course.damage_rate);
+        }
+    }
+
+    /// Takes the bound on the rate of damage away where it holds nothing back any more.
+    fn free_damage(&mut self, course: &mut Course<'m>) {
+        if course.damage_rate.is_infinite() {
+            return;
+        }
+        let points = self.state.material.iter();
+        let lag = points
+            .map(|h| h.damage - h.viscous_damage)
+            .fold(0.0, f64::max);
+        if lag <= SETTLED {
+            course.damage_rate = f64::INFINITY;
+            self.system
+                .bulk
+                .stabilise(course.step.viscosity, f64::INFINITY);
+        }
     }
 
     /// Commits the end of a relaxation that `leg` began.
@@ -245,7 +275,7 @@ impl<'m> Run<'m> {
         self.system.steered = steered(model, step);
         let newton = Newton::new(model, step, &self.system, &self.state);
         self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
-        regularise(&mut self.system, step);
+        self.system.bulk.stabilise(step.viscosity, f64::INFINITY);
         let massless = self.massless(step);
         if let (true, Some(place)) = (step.procedure.has_inertia(), &massless) {
             return Err(RunError::NoMass {
@@ -328,6 +358,7 @@ impl<'m> Run<'m> {
         } else {
             course.schedule.accept(leg.increment, growth);
         }
+        self.free_damage(course);
         course.relaxations = if leg.method == Method::Relaxation {
             course.relaxations + 1
         } else {
@@ -480,18 +511,11 @@ impl<'m> Run<'m> {
     }
 }
 
+/// Damage that a bound on its rate holds back, at most, where a snap is over [-].
+const SETTLED: f64 = 0.02;
+
 /// Largest increments of a step in which the damage of a point may rise from 0 to 1, at least (docs/solver.md, "Snaps").
 const SNAPS_TAKE: f64 = 4.0;
-
-/// Takes over the viscosity of a step, and its bound on the rate of damage: `auto` alone has one.
-pub(super) fn regularise(system: &mut System, step: &Step) {
-    let damage_rate = if step.procedure == Procedure::Auto {
-        1.0 / (SNAPS_TAKE * step.increments.max * step.duration)
-    } else {
-        f64::INFINITY
-    };
-    system.bulk.stabilise(step.viscosity, damage_rate);
-}
 
 /// Stiffness along what steers the load of a step, which secant tangents want.
 pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
@@ -513,7 +537,7 @@ fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
     let stuck = match refusal {
         // The path of a clear snap-back is followed, where that is possible.
         Refusal::Snap => !course.ladder.prefers_paths(),
-        Refusal::Linear { dof, .. } => dof.is_some(),
+        Refusal::Linear { .. } => false,
         // One snap is often followed by another.
         _ => {
             let again = course.relaxations > 0 && size <= SHORT * course.step.increments.max;

@@ -96,6 +96,8 @@ const FIRST: f64 = 1.0;
 const STIFFEST: f64 = 1e3;
 /// Smallest κ: forces that do not die away with it have no equilibrium.
 const SOFTEST: f64 = 1e-9;
+/// Part of the tolerance of equilibrium below which dashpot forces are none.
+const AT_REST: f64 = 0.3;
 /// Sub-increments of a relaxation at most.
 const MOST: usize = 80;
 /// Growth of κ where a sub-increment does not converge.
@@ -195,7 +197,7 @@ impl Run<'_> {
             let forces = course.newton.dashpot_forces();
             let scale = course.newton.scale(&self.system, &self.state, &self.trial);
             let balance = Balance::new(&forces, scale);
-            if balance.holds(1.0, course.step.tolerance.residual) {
+            if balance.holds(AT_REST, course.step.tolerance.residual) {
                 return Some((leg, report));
             }
             course.solves += report.iterations;

@@ -89,7 +89,6 @@ pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measur
         (Status::NotConverged, End::Completed) => {
             Verdict::Diverged(run.place(), reason(&run.message).to_owned())
         }
-        (Status::Collapsed, End::Completed) => Verdict::Diverged(run.place(), run.message.clone()),
         (Status::Completed, End::NotConverged) => {
             wrong.insert(0, "holds where it must lose equilibrium".to_owned());
             Verdict::Wrong(wrong)
