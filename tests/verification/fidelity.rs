@@ -270,11 +270,11 @@ fn the_summary_tells_of_the_half_and_numbers_are_those_of_the_whole() {
     step.increments.min = step.increments.initial;
     let (_, summary) = scene::run(&model);
     assert_eq!(summary.status, Status::NotConverged);
-    let told = summary.message.split("worst at node ").nth(1).unwrap();
-    let node: usize = told.split(' ').next().unwrap().parse().unwrap();
-    let [x, y, z] = model.mesh.nodes[node];
-    let place = format!("at ({x:.1}, {y:.1}, {z:.1}) mm");
-    assert!(told.contains(&place), "{told}: {place}");
+    // The place is that of a node of the whole.
+    let place = |x: &[f64; 3]| format!("({:.1}, {:.1}, {:.1}) mm", x[0], x[1], x[2]);
+    let told = &summary.message;
+    let named = model.mesh.nodes.iter().any(|x| told.contains(&place(x)));
+    assert!(named, "{told}");
 
     model.fidelity = Fidelity::Full;
     assert_eq!(scene::run(&model).1.mirror_planes, []);

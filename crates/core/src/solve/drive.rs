@@ -216,7 +216,7 @@ impl<'m> Run<'m> {
         course.refusals += 1;
         let size = leg.increment.size;
         let unsolved = !matches!(refusal, Refusal::Snap | Refusal::Linear { .. });
-        if unsolved && course.ladder.is_static() && course.step.procedure == Procedure::Auto {
+        if unsolved && course.ladder.may_snap() && course.step.procedure == Procedure::Auto {
             self.bound_damage(course);
         }
         if may_relax(course, leg, refusal) {
@@ -529,7 +529,7 @@ pub(super) fn steered(model: &Model, step: &Step) -> Option<Steered> {
 /// Whether a relaxation may lead over the trouble that an increment was refused for.
 fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
     let applies = match course.step.procedure {
-        Procedure::Auto => course.ladder.is_static(),
+        Procedure::Auto => course.ladder.may_snap(),
         Procedure::DisplacementControl => true,
         _ => false,
     };

@@ -198,9 +198,9 @@ impl Ladder {
         self.at > 0 && self.at + 1 == self.rungs.len()
     }
 
-    /// Whether statics is the method of now, before anything else was tried.
-    pub fn is_static(&self) -> bool {
-        self.at < self.statics
+    /// Whether statics is the method of now, before anything else was tried, and solids may snap.
+    pub fn may_snap(&self) -> bool {
+        self.at < self.statics && self.place(Method::Implex).is_some()
     }
 
     /// Size of increments below which errors are reported and no longer pursued.
