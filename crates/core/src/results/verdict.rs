@@ -313,7 +313,13 @@ mod tests {
 
     #[test]
     fn a_drive_to_and_fro_has_a_peak_where_it_comes_as_far_out_again_with_less() {
-        let first = [(0.0, 0.0), (2.0, 50.0), (0.0, 0.0), (-2.0, -45.0)];
+        let first = [
+            (0.0, 0.0),
+            (2.0, 50.0),
+            (0.0, 0.0),
+            (-2.0, -45.0),
+            (0.5, 10.0),
+        ];
         let (kind, text) = completed(&first);
         assert_eq!(kind, VerdictKind::StillRising);
         assert!(

@@ -377,7 +377,8 @@ fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
             }
         }
     }
-    assert!(seen > count / 2, "{seen} of {count}");
+    // The rest lies behind what counts, and is written anew.
+    assert!(seen > 0 && seen < count, "{seen} of {count}");
 }
 
 /// Ten chunks of 16 MB of zeros in a file of some kilobytes: read up to what such a file may hold.
