@@ -65,7 +65,7 @@ pub struct Row {
     pub joint_c_MPa: f64,
     /// Their friction at first [-].
     pub joint_tan_phi: f64,
-    /// As the summary says it, or [`OUT_OF_TIME`], [`REFUSED`], [`CRASHED`].
+    /// As the summary says it, or `OUT_OF_TIME`, `REFUSED`, `CRASHED`.
     pub status: String,
     /// Bodies; none of a run without a summary.
     pub units: Option<usize>,
@@ -220,13 +220,13 @@ impl Row {
         ANSWERS.contains(&self.status.as_str())
     }
 
-    /// Whether its energies are out by more than [`ENERGY`]; a NaN is.
+    /// Whether its energies are out by more than `ENERGY`; a NaN is.
     pub fn energies_out(&self) -> bool {
         self.energy_balance_error
             .is_some_and(|e| e > ENERGY || e.is_nan())
     }
 
-    /// Whether it is farther from its reference than [`PEAK`] or [`AREA`].
+    /// Whether it is farther from its reference than `PEAK` or `AREA`.
     pub fn far_from_reference(&self) -> bool {
         let far = |difference: Option<f64>, bound| {
             difference.is_some_and(|d| d.abs() > bound || d.is_nan())
