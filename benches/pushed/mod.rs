@@ -77,7 +77,9 @@ impl Pushed {
         let q: Vec<f64> = state.q.iter().zip(&last.dq).map(|(q, dq)| q + dq).collect();
 
         let mut system = System::new(&model).expect("the example is sound");
-        system.bulk.stabilise(model.steps[1].viscosity, f64::INFINITY);
+        system
+            .bulk
+            .stabilise(model.steps[1].viscosity, f64::INFINITY);
         let mut trial = Trial::default();
         trial.start(&state);
         system.extrapolate_tractions(&model, &state, &mut trial, 1.0);
