@@ -66,7 +66,7 @@ def test_a_killed_run(killed: wythe.Results) -> None:
     assert killed.displacement_at_peak == killed.history.displacement_mm[at]
     assert killed.initial_stiffness > 1000
     assert math.isnan(killed.energy_balance_error)
-    assert "unfinished, peak 5.5" in repr(killed)
+    assert "unfinished, largest 5.5" in repr(killed)
     assert killed.frames >= 1
     assert killed.frame("peak").displacement.shape == (75, 3)
 
@@ -161,3 +161,8 @@ def test_resuming_can_be_watched(killed: wythe.Results, capsys: pytest.CaptureFi
     assert seen[-1] == 20
     assert seen == list(range(seen[0], 21))
     assert "couplet: completed" in capsys.readouterr().err
+
+
+def test_a_run_has_a_verdict(couplet: wythe.Results) -> None:
+    assert couplet.verdict_kind == "peak_passed"
+    assert couplet.verdict.startswith("peak of ")

@@ -13,7 +13,7 @@ import wythe
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="links are a privilege there")
 
 
-def test_links_are_replaced(tmp_path: Path, python_run: wythe.Results) -> None:
+def test_links_are_replaced(tmp_path: Path, couplet: wythe.Results) -> None:
     mine = tmp_path / "mine"
     for name in ("history.csv", "cracks.svg", "wall.toml", "model.inp"):
         mine.write_text("mine")
@@ -21,11 +21,11 @@ def test_links_are_replaced(tmp_path: Path, python_run: wythe.Results) -> None:
         for link in (path, tmp_path / f"{name}.tmp"):
             link.symlink_to(mine)
         if name == "history.csv":
-            python_run.history.to_csv(path)
+            couplet.history.to_csv(path)
         elif name == "wall.toml":
             wythe.templates.shear_wall().save(path)
         elif name == "model.inp":
-            python_run.export("inp", out=tmp_path)
+            couplet.export("inp", out=tmp_path)
         else:
             wythe.templates.shear_wall().picture().save(path)
         assert mine.read_text() == "mine", name
