@@ -63,7 +63,13 @@ impl NewFile {
     /// # Errors
     /// The system's; a device, a pipe or a folder has that name.
     pub fn create(path: &Path) -> io::Result<Self> {
-        if fs::symlink_metadata(path).is_ok_and(|it| !it.is_file() && !it.is_symlink()) {
+        let there = fs::symlink_metadata(path).ok();
+        if there.as_ref().is_some_and(fs::Metadata::is_dir) {
+            // Refused by the system, whose error number callers in Python expect; a folder that it would open is
+            // refused by the rename.
+            File::options().write(true).open(path)?;
+        }
+        if there.is_some_and(|it| !it.is_file() && !it.is_symlink()) {
             let why = "a folder, a device or a pipe has this name: a result must be a file";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
         }
