@@ -240,21 +240,62 @@ fn a_peak_within_the_first_increments_is_seen() {
         rows.iter().map(|r| r.force_kN).fold(0.0, f64::max)
     };
     let (torn, sheared) = ("01_couplet_tension", "02_couplet_shear");
-    // f_t A, of which uneven stress takes half a per cent; what a sharp peak hides between two increments is some more.
+    // f_t A, of which uneven stress takes half a per cent; as much may be left unseen.
     let bond = 0.28e-3 * 204.0 * 98.0;
-    for way in ["0.2 mm", "0.4 mm", "1 mm", "5 mm"] {
+    for way in ["0.2 mm", "0.4 mm", "1 mm", "5 mm", "50 mm"] {
         let seen = most(torn, "steps.0", way, "0.005");
         println!("{way}: {:.4} of the bond", seen / bond);
-        assert!(seen > 0.975 * bond && seen < bond, "{way}: {seen}");
+        assert!(seen > 0.99 * bond && seen < bond, "{way}: {seen}");
     }
     assert!(most(torn, "steps.0", "5 mm", "1") < 0.7 * bond);
     let slowly = most(sheared, "steps.1", "0.6 mm", "0.005");
-    for way in ["3 mm", "6 mm", "20 mm"] {
+    for way in ["3 mm", "6 mm", "20 mm", "50 mm"] {
         let seen = most(sheared, "steps.1", way, "0.005");
         println!("{way}: {:.4} of that over 0.6 mm", seen / slowly);
         assert!((seen / slowly - 1.0).abs() < 0.01, "{way}: {seen} {slowly}");
     }
     assert!(most(sheared, "steps.1", "6 mm", "1") < 0.95 * slowly);
+}
+
+/// The corner of a strong joint is in one increment of a step, or in the first of a later one: always the same peak.
+#[test]
+fn no_increment_hides_a_peak_however_the_drive_is_divided() {
+    let torn = |first: Option<f64>, way: f64| {
+        let path = common::examples::path("01_couplet_tension");
+        let mut text = std::fs::read_to_string(path).unwrap();
+        if let Some(first) = first {
+            let whole = "displacement = \"0.25 mm\"";
+            assert!(text.contains(whole));
+            text = text.replace(whole, &format!("displacement = \"{first} mm\""));
+            text += "\n[[steps]]\nkind = \"drive\"\ndirection = \"z\"\ndisplacement = 1\n";
+        }
+        let last = usize::from(first.is_some());
+        let set = [
+            ("interfaces.joint.f_t".to_owned(), "2".to_owned()),
+            ("interfaces.joint.c".to_owned(), "5".to_owned()),
+            (format!("steps.{last}.displacement"), way.to_string()),
+        ];
+        let deck = Deck::from_str_with(&text, "couplet.toml", &set).unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let rows = completed(&model).rows;
+        rows.iter().map(|r| r.force_kN).fold(0.0, f64::max)
+    };
+    // Uneven stress takes two per cent of f_t A = 39.98 kN; increments of 6e-5 mm give 39.17 kN.
+    let exact = 39.17;
+    let runs = [
+        (None, 0.2),
+        (None, 1.0),
+        (None, 20.0),
+        (Some(0.003), 5.0),
+        (Some(0.01), 0.25),
+        (Some(0.01), 50.0),
+    ];
+    for (first, way) in runs {
+        let seen = torn(first, way);
+        println!("{first:?} {way}: {:.4}", seen / exact);
+        // What is asked for is half a per cent.
+        assert!((seen / exact - 1.0).abs() < 0.01, "{first:?} {way}: {seen}");
+    }
 }
 
 #[test]

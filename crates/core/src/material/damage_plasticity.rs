@@ -105,6 +105,11 @@ impl DamagePlasticity {
         self.damage_rate = damage_rate;
     }
 
+    /// Its elastic parameters.
+    pub fn elastic(&self) -> &ElasticParameters {
+        &self.elastic
+    }
+
     /// Tension curve; of several bands that of the narrowest.
     pub fn tension(&self) -> &Curve {
         self.curves.tension.curve(0)

@@ -82,6 +82,23 @@ impl Material {
         }
     }
 
+    /// Elastic strain [-] under an effective stress [MPa].
+    pub fn elastic_strain(&self, effective: &Vector6<f64>) -> Vector6<f64> {
+        let elastic = match self {
+            Self::Elastic(elastic) => elastic,
+            Self::DamagePlasticity(law) => law.elastic(),
+        };
+        let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
+        let mean = crate::sym6::mean(effective);
+        let mut strain = (effective - crate::sym6::UNIT * mean) / (2.0 * shear);
+        for i in 0..3 {
+            strain[i] += mean / (3.0 * bulk);
+            // Engineering shear.
+            strain[3 + i] *= 2.0;
+        }
+        strain
+    }
+
     /// Intact part 1 − d̃ and stress [MPa] with viscous strain and damage extrapolated by `ratio`
     /// = Δt/Δt_n times their last change (theory B.3, for the solids alone).
     pub fn extrapolated(

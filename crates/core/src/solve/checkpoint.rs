@@ -22,7 +22,6 @@ use serde::{Deserialize, Serialize};
 
 use super::collapse::Departure;
 use super::course::Course;
-use super::crest::Crest;
 use super::drive::{Run, RunError, steered};
 use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
@@ -32,6 +31,7 @@ use super::ladder::Ladder;
 use super::newton::Newton;
 use super::outcome::Clock;
 use super::path::Trail;
+use super::peak::PeakWatch;
 use super::schedule::Schedule;
 use super::state::State;
 use super::stop::Watch;
@@ -73,7 +73,7 @@ struct Mark {
     load: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
-    crest: Crest,
+    peak: PeakWatch,
     relaxations: usize,
     damage_rate: f64,
     stopped: bool,
@@ -193,7 +193,7 @@ impl Checkpoint {
         course.schedule.lengthen(part);
         course.ladder.lengthen(part);
         course.trail.lengthen(part);
-        course.crest.lengthen(part);
+        course.peak.lengthen(part);
         if let Some(last) = &mut self.state.last {
             last.load *= part;
         }
@@ -231,7 +231,7 @@ impl<'m> Run<'m> {
                 load: course.load,
                 beyond: course.beyond,
                 watch: course.watch.clone(),
-                crest: course.crest,
+                peak: course.peak,
                 relaxations: course.relaxations,
                 damage_rate: course.damage_rate,
                 stopped: course.stopped,
@@ -304,7 +304,7 @@ impl<'m> Run<'m> {
         course.trail = trail;
         (course.load, course.beyond) = (mark.load, mark.beyond);
         (course.row, course.branch) = (mark.row, branch);
-        course.crest = mark.crest;
+        course.peak = mark.peak;
         course.relaxations = mark.relaxations;
         course.damage_rate = mark.damage_rate;
         course.watch = Watch::new(&model.steps, step, 0.0, part.wholes());

@@ -1,11 +1,11 @@
 //! The course of one step: which increment comes next, and by which method.
 
-use super::crest::Crest;
 use super::explain::progress;
 use super::ladder::Ladder;
 use super::method::Method;
 use super::newton::Newton;
 use super::path::{Advance, Trail};
+use super::peak::PeakWatch;
 use super::schedule::{Increment, Schedule};
 use super::stop::Watch;
 use super::told::drives;
@@ -39,10 +39,10 @@ pub(super) struct Course<'m> {
     pub(super) watch: Option<Watch>,
     /// It has.
     pub(super) stopped: bool,
-    /// The force of the last increments, that a peak be seen.
-    pub(super) crest: Crest,
-    /// Force over size of the last try of a first increment.
-    pub(super) secant: Option<f64>,
+    /// What the last increments tell of a peak.
+    pub(super) peak: PeakWatch,
+    /// Largest rise of the force over the part of the step of the tries of the present increment.
+    pub(super) tried: Option<f64>,
     /// Part of the loads at which an increment found equilibrium beyond a snap.
     pub(super) beyond: Option<f64>,
     /// Refusals in a row by the first method of the step.
@@ -121,8 +121,8 @@ impl<'m> Course<'m> {
             repeat: true,
             end_refused: false,
             watch: None,
-            crest: Crest::default(),
-            secant: None,
+            peak: PeakWatch::default(),
+            tried: None,
             stopped: false,
             beyond: None,
             refusals: 0,
@@ -170,7 +170,7 @@ impl<'m> Course<'m> {
             (None, true) => force,
             (None, false) => return,
         };
-        self.crest.take(self.schedule.done(), force);
+        self.peak.take(self.schedule.done(), force);
     }
 
     /// Shortens the next increment where it would pass over a peak unseen.
@@ -181,7 +181,7 @@ impl<'m> Course<'m> {
             return;
         }
         let (next, part) = (self.schedule.size(), self.step.increments.peak);
-        if let Some(size) = self.crest.shortens(next, part) {
+        if let Some(size) = self.peak.shortens(next, part) {
             self.schedule.shorten(size);
         }
     }

@@ -368,7 +368,7 @@ impl<'m> Run<'m> {
             // What moved in pseudo-time says nothing of the next increment.
             course.schedule.resume(size);
             course.trail.forget();
-            course.crest.forget();
+            course.peak.forget();
             self.state.last = None;
         } else if let Some(measure) = course.measured_by() {
             let share = self.state.energies.dissipated_share(&before);
@@ -396,7 +396,7 @@ impl<'m> Run<'m> {
         self.summary.iterations += solves;
         (course.cutbacks, course.solves) = (0, 0);
         (course.refusals, course.relaxes_below) = (0, f64::INFINITY);
-        (course.repeat, course.end_refused, course.secant) = (true, false, None);
+        (course.repeat, course.end_refused, course.tried) = (true, false, None);
         let done = course.schedule.done();
         if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
             course.beyond = None;
@@ -458,7 +458,7 @@ impl<'m> Run<'m> {
         // Where loads turn round the last increment says nothing of the next.
         self.state.last = None;
         course.trail.forget();
-        course.crest.forget();
+        course.peak.forget();
         course.see(self.watched(course.index)[1]);
         course.schedule.begin_small();
         course.beyond = None;

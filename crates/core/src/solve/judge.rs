@@ -3,11 +3,11 @@
 use wythe_contact::InterfaceHistory;
 
 use super::course::{Course, Leg};
-use super::crest::AT_REST;
 use super::drive::{CUT, Run};
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
+use super::peak::Passage;
 use super::told::drives;
 use crate::model::scene::Procedure;
 
@@ -17,10 +17,6 @@ pub(super) const GROW: f64 = 1.5;
 const MANY: usize = 10;
 /// Part of the elastic energy that a snap sets free.
 const RELEASE: f64 = 0.2;
-/// Damage in a first increment from which on a peak may lie within it [-].
-const BREAKS: f64 = 0.005;
-/// Times the stiffness of the try before, if that has passed something.
-const STIFFER: f64 = 1.05;
 /// Part of the kinetic energy that a blow may give.
 const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that begin or cease to press in an impact.
@@ -115,47 +111,48 @@ impl Run<'_> {
 
     /// Size of another try of the increment that the trial ends, if that has passed over a peak unseen.
     fn passed_peak(&self, course: &mut Course, leg: Leg, report: Report) -> Option<f64> {
-        if leg.method.follows_path() || leg.method.has_inertia() {
+        let part = course.step.increments.peak;
+        if leg.method.follows_path() || leg.method.has_inertia() || part >= 1.0 {
             return None;
         }
-        let force = match (&course.control, drives(course.step)) {
-            (Some(_), _) => report.load_factor,
-            (None, true) => 1e-3 * self.driving_force(course),
-            (None, false) => return None,
-        };
-        let (increments, increment) = (course.step.increments, leg.increment);
-        let size = if let Some(start) = course.crest.begins_at() {
-            let again = increments.peak < 1.0
-                && self.breaks_at_once(course, [start, force], increment.size);
-            again.then_some(CUT * increment.size)
+        let passage = self.passage(course, leg, report)?;
+        let end = leg.increment.end();
+        let size = course.peak.passed(end, passage.force, part).or_else(|| {
+            let dt = leg.increment.size * course.step.duration;
+            let (system, trial) = (&self.system, &self.trial);
+            let work =
+                |parts: &[f64]| system.work_between(self.model, &self.state, trial, dt, parts);
+            course.peak.hides(&passage, part, &mut course.tried, work)
+        });
+        size.filter(|size| *size >= course.step.increments.min)
+    }
+
+    /// The increment that the trial ends, as a peak is looked for within it; none where nothing is driven or steered.
+    fn passage(&self, course: &Course, leg: Leg, report: Report) -> Option<Passage> {
+        let size = leg.increment.size;
+        let passage = if course.control.is_some() {
+            let work = course
+                .newton
+                .work_of_loads(&self.system, &self.state, &self.trial.x);
+            Passage {
+                size,
+                force: report.load_factor,
+                by_work: 1.0 / work,
+                linear: None,
+            }
+        } else if drives(course.step) {
+            let way = self.driven_way(course);
+            let rise = self.linear_rise(course);
+            Passage {
+                size,
+                force: 1e-3 * self.driving_force(course),
+                by_work: 1e-3 / way,
+                linear: rise.map(|rise| 1e-3 * rise / size),
+            }
         } else {
-            let end = increment.end();
-            course.crest.passed(end, force, increments.peak)
+            return None;
         };
-        size.filter(|size| *size >= increments.min)
-    }
-
-    /// Whether a first increment, from no force to one, may hide a peak, of which no curve tells yet: something is damaged
-    /// in it, and a shorter try was stiffer than the one before, or there was none.
-    fn breaks_at_once(&self, course: &mut Course, [start, end]: [f64; 2], size: f64) -> bool {
-        if start.abs() > AT_REST * end.abs() || !self.is_damaged() {
-            return false;
-        }
-        let secant = (end - start).abs() / size;
-        let before = course.secant.replace(secant);
-        before.is_none_or(|before| secant > STIFFER * before)
-    }
-
-    /// Whether the increment that the trial ends damages a joint or a solid.
-    fn is_damaged(&self) -> bool {
-        let (state, trial) = (&self.state, &self.trial);
-        let mut joints = state.interface.iter().zip(&trial.interface);
-        let mut solids = state.material.iter().zip(&trial.material);
-        joints.any(|(old, new)| new.damage - old.damage > BREAKS)
-            || solids.any(|(old, new)| {
-                new.tensile_damage - old.tensile_damage > BREAKS
-                    || new.compressive_damage - old.compressive_damage > BREAKS
-            })
+        passage.by_work.is_finite().then_some(passage)
     }
 
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,

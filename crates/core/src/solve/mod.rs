@@ -6,7 +6,7 @@ mod closure;
 mod collapse;
 mod commit;
 mod course;
-mod crest;
+
 mod direction;
 pub mod drive;
 mod dynamics;
@@ -28,6 +28,7 @@ mod method;
 mod newton;
 mod outcome;
 mod path;
+mod peak;
 mod predict;
 mod probes;
 mod refuse;

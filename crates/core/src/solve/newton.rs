@@ -62,6 +62,8 @@ pub struct Newton<'m> {
     pub(super) slope: f64,
     pub(super) q: Vec<f64>,
     pub(super) q_start: Vec<f64>,
+    /// Internal forces that the tangent makes of the start of the increment, if it started with that [N]. `[slot]`
+    pub(super) linear_forces: Option<Vec<f64>>,
     /// Ends of the springs when the step began [mm]. `[spring][xyz]`
     pub(super) ends_start: Vec<[f64; 3]>,
     /// Loads at the end of the increment.
@@ -115,6 +117,7 @@ impl<'m> Newton<'m> {
             slope: step.branch(0).slope(),
             q: state.q.clone(),
             q_start: state.q.clone(),
+            linear_forces: None,
             ends_start: state.spring_ends.clone(),
             loads_start: loads.clone(),
             loads,
@@ -158,6 +161,18 @@ impl<'m> Newton<'m> {
     /// Unknowns of this step.
     pub fn unknowns(&self) -> usize {
         self.equations.len()
+    }
+
+    /// Internal forces that the tangent has made of the start of the last increment, if it started with that [N]. `[slot]`
+    pub(super) fn linear_forces(&self) -> Option<&[f64]> {
+        self.linear_forces.as_deref()
+    }
+
+    /// Work that the loads of the step do along the last increment, for each unit of the load factor [N mm].
+    pub(super) fn work_of_loads(&self, system: &System, state: &State, x: &[[f64; 3]]) -> f64 {
+        let rate = self.loads.rate(self.step, system, self.load_factor, x);
+        let way = self.q.iter().zip(&state.q).map(|(q, s)| q - s);
+        rate.iter().zip(way).map(|(rate, way)| rate * way).sum()
     }
 
     /// The motion, if inertia acts.

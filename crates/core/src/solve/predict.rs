@@ -27,6 +27,7 @@ impl Newton<'_> {
             trial.stiffest = STIFFEST_UNDER_LOADS;
         }
         self.q.copy_from_slice(&state.q);
+        self.linear_forces = None;
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;
         // Time by which the last increment is extrapolated.
@@ -97,6 +98,10 @@ impl Newton<'_> {
         }
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
+        }
+        if self.step.increments.peak < 1.0 {
+            let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+            self.linear_forces = Some(system.multiply(trial, &way));
         }
         self.anchor(state);
         let pressed = self.loads.mean > 0.0 || self.loads.values.iter().any(|v| *v != [0.0; 3]);

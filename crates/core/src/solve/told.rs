@@ -97,6 +97,32 @@ impl Run<'_> {
         }
     }
 
+    /// How far the drive of a step goes, along itself, in the increment that the trial ends [mm].
+    pub(super) fn driven_way(&self, course: &Course) -> f64 {
+        let (system, trial, steps) = (&self.system, &self.trial, &self.model.steps);
+        match self.driven_beam(course.index) {
+            Some((beam, direction)) => {
+                let slot = system.dofs.beam_slot(beam, direction);
+                let sense = sense_of_beam(steps, beam, direction);
+                along(sense, course.newton.q()[slot] - self.state.q[slot])
+            }
+            None => self.driven_end(course.index).map_or(0.0, |(s, i)| {
+                let way = trial.spring_ends[s][i] - self.state.spring_ends[s][i];
+                along(sense_of_spring(steps, s, i), way)
+            }),
+        }
+    }
+
+    /// What the tangent at the start of the increment that the trial ends makes of its driving force [N], if the increment
+    /// began with it and drives a face.
+    pub(super) fn linear_rise(&self, course: &Course) -> Option<f64> {
+        let (beam, direction) = self.driven_beam(course.index)?;
+        let slot = self.system.dofs.beam_slot(beam, direction);
+        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        let forces = course.newton.linear_forces()?;
+        Some(along(sense, forces[slot]))
+    }
+
     /// The beam that a step is told by, and its direction: the step's own, or that of another.
     fn driven_beam(&self, step: usize) -> Option<(usize, usize)> {
         let steps = &self.model.steps;

@@ -156,6 +156,11 @@ impl Bulk {
         &self.shapes[self.shape_of[e] as usize]
     }
 
+    /// Law of element `e`.
+    pub fn law(&self, e: usize) -> &Material {
+        &self.laws[self.law_of[e] as usize]
+    }
+
     /// Forces and, where asked for, stiffness of every element at the trial's positions.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! From point laws to a system of equations: unknowns, pattern, gather, linear solvers.
 
+mod between;
 pub mod bulk;
 pub mod contact;
 mod damping;
@@ -19,6 +20,7 @@ mod springs;
 mod steered;
 mod trial;
 
+pub use between::PARTS;
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
 pub use damping::StiffnessDamping;
