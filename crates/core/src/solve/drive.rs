@@ -536,19 +536,13 @@ fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
     let size = leg.increment.size;
     let stuck = match refusal {
         // The path of a clear snap-back is followed, where that is possible.
-        Refusal::Snap => !course.ladder.prefers_paths(),
+        Refusal::Snap => course.relaxations == 0 && !course.ladder.prefers_paths(),
         Refusal::Linear { .. } => false,
-        // One snap is often followed by another.
-        _ => {
-            let again = course.relaxations > 0 && size <= SHORT * course.step.increments.max;
-            again || course.refusals > 1 || course.ladder.is_small(size)
-        }
+        // One right behind another creeps: walls 13, 27 and 35 of the zoo took up to three times as many solves.
+        _ => course.relaxations == 0 && (course.refusals > 1 || course.ladder.is_small(size)),
     };
     applies && stuck && size < course.relaxes_below
 }
-
-/// Part of the largest size up to which an increment after a relaxation is relaxed at its first refusal.
-const SHORT: f64 = 0.2;
 
 /// Part of the size of an increment whose relaxation led nowhere below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;

@@ -356,12 +356,14 @@ impl<'m> Newton<'m> {
         let (mut iteration, mut pursued) = (iterations.start, 0);
         // Whether a region alone has led to balance since the last solve of the whole.
         let mut alone = false;
+        // Whether a stiffness that knows of softening has led away from balance: the secant one leads on.
+        let (mut misled, mut before) = (false, f64::INFINITY);
         // A start in balance is no progress where the path says how far to go.
         let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             if solids == Solids::Secant && attempt.repeat {
-                setting.solids = if iteration < SOFTENED {
+                setting.solids = if iteration < SOFTENED && !misled {
                     Solids::Softened
                 } else {
                     Solids::Secant
@@ -373,6 +375,9 @@ impl<'m> Newton<'m> {
             if !balance.largest.is_finite() {
                 return Err(Refusal::NotFinite);
             }
+            let farther = balance.root_mean_square > before;
+            misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
+            before = balance.root_mean_square;
             // Nothing has been solved yet: what a start leaves would add up from increment to increment.
             let part = if solves.count == 0 { START } else { 1.0 };
             let mut work = 0.0;
