@@ -7,7 +7,7 @@ use super::drive::{CUT, Run};
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
-use super::peak::Passage;
+use super::peak::{AT_REST, Passage};
 use super::told::drives;
 use crate::model::scene::Procedure;
 
@@ -17,6 +17,10 @@ pub(super) const GROW: f64 = 1.5;
 const MANY: usize = 10;
 /// Part of the elastic energy that a snap sets free.
 const RELEASE: f64 = 0.2;
+/// Damage in a first increment from which on a peak may lie within it [-].
+const BREAKS: f64 = 0.005;
+/// Times the stiffness of the try before, if that has passed something.
+const STIFFER: f64 = 1.05;
 /// Part of the kinetic energy that a blow may give.
 const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that begin or cease to press in an impact.
@@ -116,6 +120,11 @@ impl Run<'_> {
             return None;
         }
         let passage = self.passage(course, leg, report)?;
+        if let (Some(start), None) = (course.peak.begins_at(), passage.linear) {
+            let again = self.breaks_at_once(course, [start, passage.force], passage.size);
+            let size = CUT * passage.size;
+            return (again && size >= course.step.increments.min).then_some(size);
+        }
         let end = leg.increment.end();
         let size = course.peak.passed(end, passage.force, part).or_else(|| {
             let dt = leg.increment.size * course.step.duration;
@@ -125,6 +134,29 @@ impl Run<'_> {
             course.peak.hides(&passage, part, &mut course.tried, work)
         });
         size.filter(|size| *size >= course.step.increments.min)
+    }
+
+    /// Whether a first increment whose stiffness nothing tells of, from no force to one, may hide a peak: something is damaged
+    /// in it, and a shorter try was stiffer than the one before, or there was none.
+    fn breaks_at_once(&self, course: &mut Course, [start, end]: [f64; 2], size: f64) -> bool {
+        if start.abs() > AT_REST * end.abs() || !self.is_damaged() {
+            return false;
+        }
+        let secant = (end - start).abs() / size;
+        let before = course.tried.replace(secant);
+        before.is_none_or(|before| secant > STIFFER * before)
+    }
+
+    /// Whether the increment that the trial ends damages a joint or a solid.
+    fn is_damaged(&self) -> bool {
+        let (state, trial) = (&self.state, &self.trial);
+        let mut joints = state.interface.iter().zip(&trial.interface);
+        let mut solids = state.material.iter().zip(&trial.material);
+        joints.any(|(old, new)| new.damage - old.damage > BREAKS)
+            || solids.any(|(old, new)| {
+                new.tensile_damage - old.tensile_damage > BREAKS
+                    || new.compressive_damage - old.compressive_damage > BREAKS
+            })
     }
 
     /// The increment that the trial ends, as a peak is looked for within it; none where nothing is driven or steered.

@@ -145,6 +145,14 @@ impl PeakWatch {
         (vertex - largest > least * largest).then_some(resolves)
     }
 
+    /// The force where the way begins, if nothing else is known.
+    pub(super) fn begins_at(&self) -> Option<f64> {
+        match self.last {
+            [None, None, Some([_, force])] => Some(force),
+            _ => None,
+        }
+    }
+
     /// Size of another try of an increment, if the laws have carried more within it than at its ends and before, by more than
     /// `part`. `work` tells of the work W at parts of the increment; `tried` is the largest rise of the force over the part of the step of
     /// the tries before this one.
@@ -158,6 +166,9 @@ impl PeakWatch {
         let [_, before, Some([time, start])] = self.last else {
             return None;
         };
+        if before.is_none() && passage.linear.is_none() {
+            return None;
+        }
         let size = passage.size;
         // What resists the way that it goes is positive.
         let sign = passage.by_work.signum();
@@ -183,8 +194,7 @@ impl PeakWatch {
         };
         // Where nothing yields any more.
         let most = start + softened * near * size;
-        let known = before.is_some() || passage.linear.is_some() || earlier.is_some();
-        if known && near > 0.0 && most <= (1.0 + part) * largest {
+        if near > 0.0 && most <= (1.0 + part) * largest {
             return None;
         }
         let by_work = passage.by_work.abs();
@@ -193,8 +203,8 @@ impl PeakWatch {
             if works.iter().all(|w| by_work * w <= LINEAR * part * largest) {
                 return None;
             }
-            if !known || near <= 0.0 {
-                // All of it may be beyond the peak.
+            if near <= 0.0 {
+                // All of it is beyond the peak.
                 return Some(SHORTEST * size);
             }
         }
@@ -342,8 +352,8 @@ mod tests {
         }
 
         /// Largest force of all increments of a drive of `way` [mm] that begins with a hundredth of it, and the tries that
-        /// this took. `sign`: of the drive. `linear`: whether the first stiffness is known.
-        fn seen(&self, way: f64, sign: f64, linear: bool) -> (f64, usize) {
+        /// this took. `sign`: of the drive.
+        fn seen(&self, way: f64, sign: f64) -> (f64, usize) {
             let mut watch = PeakWatch::default();
             watch.take(0.0, 0.0);
             let (mut at, mut size, mut tries, mut most, mut tried) = (0.0, 0.01, 0, 0.0_f64, None);
@@ -356,7 +366,7 @@ mod tests {
                     size,
                     force: sign * self.force(to),
                     by_work: 1.0 / (sign * (to - from)),
-                    linear: (linear && at == 0.0).then_some(sign * stiffness * way),
+                    linear: (at == 0.0).then_some(sign * stiffness * way),
                 };
                 let [g0, g1] = [from, to].map(|u| self.gap(u));
                 let work = |parts: &[f64]| -> Vec<f64> {
@@ -402,8 +412,8 @@ mod tests {
             for way in [2.0 * u, 7.3 * u, 31.0 * u, 1e3 * u] {
                 // What rises on past the peak ends above it.
                 let exact = f64::max(peak, bonded.force(way));
-                for (sign, linear) in [(1.0, true), (-1.0, true), (1.0, false)] {
-                    let (most, tries) = bonded.seen(way, sign, linear);
+                for sign in [1.0, -1.0] {
+                    let (most, tries) = bonded.seen(way, sign);
                     println!("{line} {softens} {way}: {} in {tries}", most / exact);
                     // The part that is asked for, and as much again for K, which holds the bond's own elasticity, too.
                     // (A bond that softens at 0.9 of the spring's stiffness leaves 1.1 % over a thousandfold drive.)
