@@ -293,8 +293,30 @@ fn no_increment_hides_a_peak_however_the_drive_is_divided() {
     for (first, way) in runs {
         let seen = torn(first, way);
         println!("{first:?} {way}: {:.4}", seen / exact);
-        // What is asked for is half a per cent.
+        // Half a per cent is asked for, and as much again for the estimate.
         assert!((seen / exact - 1.0).abs() < 0.01, "{first:?} {way}: {seen}");
+    }
+}
+
+/// A bar of two elements that cracks as one, of 1 MPa on 50 by 50 mm: solids hide no more than joints.
+#[test]
+fn no_increment_hides_the_strength_of_a_bar() {
+    for way in [0.1, 0.5, 2.0, 10.0] {
+        let deck = format!(
+            "format = 1\n[materials.mortar]\nE = 3000\nnu = 0\n\
+             tension = [[1, 0, 0], [0.1, 0.02, 0.9]]\n\
+             compression = [[8, 0, 0], [10, 0.002, 0], [1, 0.02, 0.9]]\n\
+             [[blocks]]\nname = \"bar\"\nsize = [50, 50, 100]\nmaterial = \"mortar\"\nmesh = [1, 1, 2]\n\
+             [[supports]]\non = \"bar.bottom\"\n\
+             [[steps]]\nkind = \"drive\"\nface = \"bar.top\"\ndirection = \"z\"\ndisplacement = {way:?}\n"
+        );
+        let deck = Deck::from_str(&deck, "bar.toml").unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let rows = completed(&model).rows;
+        let seen = rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
+        println!("{way}: {seen}");
+        // `increments.peak` is half a per cent.
+        assert!((seen / 2.5 - 1.0).abs() < 0.005, "{way}: {seen}");
     }
 }
 

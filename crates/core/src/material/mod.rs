@@ -190,3 +190,22 @@ fn elastic(
         },
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_elastic_strain_gives_its_stress_back() {
+        let elastic = ElasticParameters {
+            E: 4000.0,
+            nu: 0.2,
+            density: 0.0,
+        };
+        let law = Material::Elastic(elastic);
+        let stress = Vector6::new(1.0, -2.0, 0.5, 0.3, -0.7, 1.1);
+        let back = hooke(&elastic, &law.elastic_strain(&stress));
+        // Some roundings of ten numbers of the size of one.
+        assert!((back - stress).norm() < 1e-14, "{back}");
+    }
+}

@@ -39,7 +39,7 @@ pub(super) struct Course<'m> {
     pub(super) watch: Option<Watch>,
     /// It has.
     pub(super) stopped: bool,
-    /// What the last increments tell of a peak.
+    /// Looks for peaks between the increments.
     pub(super) peak: PeakWatch,
     /// Largest rise of the force over the part of the step of the tries of the present increment.
     pub(super) tried: Option<f64>,

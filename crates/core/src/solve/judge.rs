@@ -129,14 +129,13 @@ impl Run<'_> {
         let size = course.peak.passed(end, passage.force, part).or_else(|| {
             let dt = leg.increment.size * course.step.duration;
             let (system, trial) = (&self.system, &self.trial);
-            let work =
-                |parts: &[f64]| system.work_between(self.model, &self.state, trial, dt, parts);
+            let work = || system.work_between(self.model, &self.state, trial, dt);
             course.peak.hides(&passage, part, &mut course.tried, work)
         });
         size.filter(|size| *size >= course.step.increments.min)
     }
 
-    /// Whether a first increment whose stiffness nothing tells of, from no force to one, may hide a peak: something is damaged
+    /// Whether a first increment of unknown stiffness, from no force to one, may hide a peak: something is damaged
     /// in it, and a shorter try was stiffer than the one before, or there was none.
     fn breaks_at_once(&self, course: &mut Course, [start, end]: [f64; 2], size: f64) -> bool {
         if start.abs() > AT_REST * end.abs() || !self.is_damaged() {

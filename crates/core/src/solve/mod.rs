@@ -1,12 +1,12 @@
 //! From a frozen model to its converged frames.
 
+mod account;
 mod balance;
 pub mod checkpoint;
 mod closure;
 mod collapse;
 mod commit;
 mod course;
-
 mod direction;
 pub mod drive;
 mod dynamics;

@@ -1,9 +1,9 @@
-//! Increments near the peak of what a displacement drives or steers.
+//! Increments near the peak of a driven force or of a steered load.
 //!
-//! What load a wall carries is read off the largest force of all increments, and the largest of them is only near the peak: over
-//! a way h a parabola with the second derivative −κ rises by κ h²/8 above its chord. Where the one through the last three increments
-//! has its vertex within the next, that one is made so short that no more than a given part of the force is left there. What was not
-//! foreseen is seen behind it, and that increment taken again.
+//! The load that a wall carries is the largest force of all increments, which is only near the peak: over a way h a parabola
+//! with the second derivative −κ rises by κ h²/8 above its chord. Where the parabola through the last three increments has its
+//! vertex within the next one, that is made so short that no more than a given part of the force is left there. An increment
+//! that has passed a peak which was not foreseen is taken again.
 //!
 //! A bond that breaks within an increment leaves a corner that no parabola tells of. There the laws are asked: with the
 //! work W(s) that joints and solids do at part s of the increment beyond the straight line between its ends
@@ -13,12 +13,12 @@
 //! F(s) = (1−s) F₀ + s F₁ + W(s)/a,   a = Δu − (F₁ − F₀)/K,
 //! ```
 //!
-//! exactly, if what yields goes straight and all else is elastic: a is the part of the displacement that what yields takes,
-//! and K the stiffness without it, the largest of the last increments or of the linear start.
+//! exactly, if all yielding points go straight and all others stay elastic. a is the inelastic part of the displacement, and
+//! K the elastic stiffness: the rise of the force in the increments before, or at the linear start.
 
 use serde::{Deserialize, Serialize};
 
-use crate::system::PARTS;
+use crate::system::{PARTS, Works};
 
 /// Part of the largest force so far above which a peak counts.
 const NEAR: f64 = 0.9;
@@ -29,7 +29,7 @@ const LEAST: f64 = 0.25;
 pub(super) const AT_REST: f64 = 0.1;
 /// Times the part that is left unseen, where the force does not fall.
 const CORNER: f64 = 4.0;
-/// Part of the displacement of an increment that what yields takes, at least [-].
+/// Inelastic part of the displacement of an increment, at least [-].
 const YIELDS: f64 = 1e-2;
 /// Times the stiffness of the tries before, if a first increment has passed something.
 const STIFFER: f64 = 1.02;
@@ -60,7 +60,7 @@ pub(super) struct Passage {
     pub size: f64,
     /// The force or load factor at its end.
     pub force: f64,
-    /// What one unit of work beyond the straight line adds to the force, if what yields takes all displacement.
+    /// Force of one unit of work beyond the straight line, if all displacement is inelastic.
     pub by_work: f64,
     /// Rise of the force over the part of the step at its linear start, if it had one.
     pub linear: Option<f64>,
@@ -82,7 +82,7 @@ impl PeakWatch {
         self.largest = [positive.max(force), negative.max(-force)];
     }
 
-    /// What was tells nothing of what comes.
+    /// The last increments tell nothing of the next ones.
     pub(super) fn forget(&mut self) {
         self.last = [None; 3];
     }
@@ -104,7 +104,7 @@ impl PeakWatch {
         if !(before > 0.0 && size > 0.0 && force >= NEAR * self.most) {
             return None;
         }
-        // Of the force along what it is now.
+        // Of the magnitude of the force.
         let slope =
             |from: [f64; 2], to: [f64; 2]| (to[1] - from[1]) * c[1].signum() / (to[0] - from[0]);
         let kappa = 2.0 * (slope(a, b) - slope(b, c)) / (before + size);
@@ -117,8 +117,8 @@ impl PeakWatch {
     }
 
     /// Size of another try of an increment that ends at `time` with this `force`, if more than `part` of the force may lie
-    /// unseen within it, at the vertex of the parabola through its ends and the one before. What goes on rising is asked for
-    /// [`CORNER`] times as much, but for the second increment from rest, which is long beside what it has come.
+    /// unseen within it, at the vertex of the parabola through its ends and the one before. Where the force rises on, the part
+    /// is [`CORNER`] times as large, but for the second increment from rest, which is long beside the first.
     pub(super) fn passed(&self, time: f64, force: f64, part: f64) -> Option<f64> {
         let [earlier, Some(a), Some(b)] = self.last else {
             return None;
@@ -154,14 +154,14 @@ impl PeakWatch {
     }
 
     /// Size of another try of an increment, if the laws have carried more within it than at its ends and before, by more than
-    /// `part`. `work` tells of the work W at parts of the increment; `tried` is the largest rise of the force over the part of the step of
-    /// the tries before this one.
+    /// `part`. `work`: the works W at [`PARTS`]; `tried`: the largest rise of the force over the part of the step of the tries
+    /// before this one.
     pub(super) fn hides(
         &self,
         passage: &Passage,
         part: f64,
         tried: &mut Option<f64>,
-        work: impl Fn(&[f64]) -> Vec<f64>,
+        work: impl FnOnce() -> Works,
     ) -> Option<f64> {
         let [_, before, Some([time, start])] = self.last else {
             return None;
@@ -170,7 +170,7 @@ impl PeakWatch {
             return None;
         }
         let size = passage.size;
-        // What resists the way that it goes is positive.
+        // A force that resists the motion is positive.
         let sign = passage.by_work.signum();
         let [start, end] = [start, passage.force].map(|force| sign * force);
         let largest = self.largest[usize::from(sign < 0.0)].max(start).max(end);
@@ -180,8 +180,7 @@ impl PeakWatch {
             // A peak would have made the shorter try stiffer.
             return None;
         }
-        // Stiffness without what yields: of what was just before, and the largest ever. A soft penalty makes a linear start
-        // softer than it is.
+        // Elastic stiffness: of the increment before, and the largest of all. A soft penalty makes a linear start too soft.
         let (near, stiffest, softened) = if let Some([first, force]) = before {
             let rise = (start - sign * force) / (time - first);
             // After a fall it may rise as steeply.
@@ -192,24 +191,20 @@ impl PeakWatch {
             let near = linear.max(secant).max(earlier.unwrap_or(0.0));
             (near, near, SOFT_START)
         };
-        // Where nothing yields any more.
+        // The force if all is elastic.
         let most = start + softened * near * size;
-        if near > 0.0 && most <= (1.0 + part) * largest {
+        let is_first = before.is_none();
+        if near <= 0.0 && !is_first || near > 0.0 && most <= (1.0 + part) * largest {
             return None;
         }
         let by_work = passage.by_work.abs();
-        let works = work(&PARTS);
-        if before.is_none() {
-            if works.iter().all(|w| by_work * w <= LINEAR * part * largest) {
-                return None;
-            }
-            if near <= 0.0 {
-                // All of it is beyond the peak.
-                return Some(SHORTEST * size);
-            }
+        let works = work();
+        if is_first && works.iter().all(|w| by_work * w <= LINEAR * part * largest) {
+            return None;
         }
         if near <= 0.0 {
-            return None;
+            // All of it is beyond the peak.
+            return Some(SHORTEST * size);
         }
         let yields = |stiffness: f64| (1.0 - secant / stiffness).max(YIELDS);
         let forces = PARTS.iter().zip(&works).map(|(&s, w)| {
@@ -291,7 +286,7 @@ mod tests {
         assert!(stays(&turned));
     }
 
-    /// What is taken again is shorter, until no more than the given part is left between two increments.
+    /// An increment that is taken again is shorter, until no more than the given part is left between two of them.
     #[test]
     fn a_peak_that_was_passed_over_is_gone_back_to() {
         for sign in [1.0, -1.0] {
@@ -369,10 +364,10 @@ mod tests {
                     linear: (at == 0.0).then_some(sign * stiffness * way),
                 };
                 let [g0, g1] = [from, to].map(|u| self.gap(u));
-                let work = |parts: &[f64]| -> Vec<f64> {
+                let work = || {
                     let [t0, t1] = [g0, g1].map(|g| self.traction(g));
                     let beyond = |s: f64| self.traction(g0 + s * (g1 - g0)) - t0 - s * (t1 - t0);
-                    parts.iter().map(|&s| beyond(s) * (g1 - g0)).collect()
+                    PARTS.map(|s| beyond(s) * (g1 - g0))
                 };
                 if let Some(shorter) = watch.hides(&passage, 0.005, &mut tried, work) {
                     assert!(shorter <= LONGEST * size);
@@ -410,7 +405,7 @@ mod tests {
             let u = 10.0 / line + 10.0 / bond;
             let peak = 10.0 + beside * u;
             for way in [2.0 * u, 7.3 * u, 31.0 * u, 1e3 * u] {
-                // What rises on past the peak ends above it.
+                // A force that rises on after the peak ends above it.
                 let exact = f64::max(peak, bonded.force(way));
                 for sign in [1.0, -1.0] {
                     let (most, tries) = bonded.seen(way, sign);

@@ -113,8 +113,8 @@ impl Run<'_> {
         }
     }
 
-    /// What the tangent at the start of the increment that the trial ends makes of its driving force [N], if the increment
-    /// began with it and drives a face.
+    /// Rise of the driving force by the tangent at the start of the increment that the trial ends [N], if the increment began
+    /// with that tangent and drives a face.
     pub(super) fn linear_rise(&self, course: &Course) -> Option<f64> {
         let (beam, direction) = self.driven_beam(course.index)?;
         let slot = self.system.dofs.beam_slot(beam, direction);

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! t |   /\              t(s): the law, from the old history, at the gap g₀ + s Δg
-//!   |  /  \_            the straight line: what the ends tell of
+//!   |  /  \_            the straight line: between the tractions at both ends
 //!   | /.....\__
 //!   +----------- s      W(s) = Σ A (t(s) − straight)·Δg, and of solids Σ V (σ(s) − straight):Δε
 //!   0          1
@@ -47,25 +47,21 @@ const TASK: usize = 128;
 /// Change of a damage that counts [-].
 const CHANGES: f64 = 1e-6;
 
+/// W at each of [`PARTS`] [N mm].
+pub type Works = [f64; PARTS.len()];
+
 impl System {
-    /// W at `parts` of the increment of `dt` [s] that `trial` ends [N mm]. `[part]`
-    pub fn work_between(
-        &self,
-        model: &Model,
-        state: &State,
-        trial: &Trial,
-        dt: f64,
-        parts: &[f64],
-    ) -> Vec<f64> {
-        let mut work = self.contact.work_between(model, state, trial, parts);
-        add(&mut work, &self.bulk.work_between(state, trial, dt, parts));
+    /// W at each of [`PARTS`] of the increment of `dt` [s] that `trial` ends [N mm].
+    pub fn work_between(&self, model: &Model, state: &State, trial: &Trial, dt: f64) -> Works {
+        let mut work = self.contact.work_between(model, state, trial);
+        add(&mut work, &self.bulk.work_between(state, trial, dt));
         work
     }
 }
 
 impl Contact {
-    fn work_between(&self, model: &Model, state: &State, trial: &Trial, parts: &[f64]) -> Vec<f64> {
-        in_order(self.points.len(), parts, |p, sum| {
+    fn work_between(&self, model: &Model, state: &State, trial: &Trial) -> Works {
+        in_order(self.points.len(), |p, sum| {
             let (old, new) = (&state.interface[p], &trial.interface[p]);
             let slid = new.plastic_slip != old.plastic_slip;
             let damaged = new.damage - old.damage > CHANGES;
@@ -79,7 +75,7 @@ impl Contact {
             let along = |t: &[f64; 3]| (0..3).map(|i| t[i] * way[i]).sum::<f64>();
             // Of the commits: where the penalty is shifted the law at their gaps tells of others.
             let [start, end] = [old, new].map(|h| along(&h.traction));
-            for (sum, s) in sum.iter_mut().zip(parts) {
+            for (sum, s) in sum.iter_mut().zip(PARTS) {
                 let at = [0, 1, 2].map(|i| from[i] + s * way[i]);
                 let work = along(&law.update(at, old).traction);
                 *sum += self.points[p].area * (work - (start + s * (end - start)));
@@ -89,8 +85,8 @@ impl Contact {
 }
 
 impl Bulk {
-    fn work_between(&self, state: &State, trial: &Trial, dt: f64, parts: &[f64]) -> Vec<f64> {
-        in_order(self.elements.len(), parts, |e, sum| {
+    fn work_between(&self, state: &State, trial: &Trial, dt: f64) -> Works {
+        in_order(self.elements.len(), |e, sum| {
             if trial.marks.get(e).is_some_and(|marks| marks.new == 0) {
                 return;
             }
@@ -108,7 +104,7 @@ impl Bulk {
                 };
                 let way = to - from;
                 let [start, end] = [old, new].map(|h| h.stress.dot(&way));
-                for (sum, &s) in sum.iter_mut().zip(parts) {
+                for (sum, s) in sum.iter_mut().zip(PARTS) {
                     let at = from + way * s;
                     let stress = law.update(&at, old, s * dt, false).map(|r| r.stress);
                     let work = stress.map_or(0.0, |stress| stress.dot(&way));
@@ -127,27 +123,27 @@ impl Bulk {
     }
 }
 
-fn add(sum: &mut [f64], more: &[f64]) {
+fn add(sum: &mut Works, more: &Works) {
     for (sum, more) in sum.iter_mut().zip(more) {
         *sum += more;
     }
 }
 
-/// The sum at `parts` of what `work` adds for each of 0 to `count`, the same for any number of threads.
-fn in_order(count: usize, parts: &[f64], work: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-    let tasks: Vec<Vec<f64>> = (0..count.div_ceil(TASK))
+/// The sum of the works that `work` adds for each of 0 to `count`, the same for any number of threads.
+fn in_order(count: usize, work: impl Fn(usize, &mut Works) + Sync) -> Works {
+    let tasks: Vec<Works> = (0..count.div_ceil(TASK))
         .into_par_iter()
         .map(|task| {
-            let mut sum = vec![0.0; parts.len()];
+            let mut sum = Works::default();
             for one in task * TASK..count.min((task + 1) * TASK) {
                 work(one, &mut sum);
             }
             sum
         })
         .collect();
-    let mut sum = vec![0.0; parts.len()];
-    for task in tasks {
-        add(&mut sum, &task);
+    let mut sum = Works::default();
+    for task in &tasks {
+        add(&mut sum, task);
     }
     sum
 }

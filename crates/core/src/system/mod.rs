@@ -20,7 +20,7 @@ mod springs;
 mod steered;
 mod trial;
 
-pub use between::PARTS;
+pub use between::{PARTS, Works};
 pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
 pub use damping::StiffnessDamping;

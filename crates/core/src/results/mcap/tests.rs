@@ -377,8 +377,8 @@ fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
             }
         }
     }
-    // The rest lies behind what counts, and is written anew.
-    assert!(seen > 0 && seen < count, "{seen} of {count}");
+    // A quarter of the file is messages and attachments, whose check sum the mark has; the rest is written anew.
+    assert!(seen > count / 5 && seen < count / 3, "{seen} of {count}");
 }
 
 /// Ten chunks of 16 MB of zeros in a file of some kilobytes: read up to what such a file may hold.

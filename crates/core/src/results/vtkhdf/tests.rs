@@ -321,8 +321,10 @@ fn the_error_of_the_system_comes_through() {
     }
     drop(VtkHdfWriter::create(&path, &fake::model()).unwrap());
     assert_eq!(std::fs::read_to_string(&mine).unwrap(), "mine");
-    // A file without a frame has no reactions yet.
     assert!(path.symlink_metadata().unwrap().is_file());
+    // Without a frame it has no history yet, but it is one of ours.
+    let read = FieldsFile::open(&path).unwrap();
+    assert!(read.times().is_empty() && read.increments().is_empty());
 }
 
 #[test]
