@@ -43,7 +43,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         }
         let mut run = |system: &mut System, watches: bool| {
             let mut trial = Trial::default();
-            system.start(&mut trial, &state);
+            system.start(&model, &mut trial, &state);
             for (at, tangent, alone) in [(&rest, true, false), (&q, false, true), (&q, true, true)]
             {
                 if watches && alone {

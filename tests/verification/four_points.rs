@@ -273,7 +273,7 @@ fn points_are_paired_with_and_without_memory_alike() {
     let (mut passed, mut lost) = (0, 0);
     for _ in 0..6 {
         let mut trial = Trial::default();
-        system.start(&mut trial, &state);
+        system.start(&model, &mut trial, &state);
         system.search(&mut trial, &state.q);
         let mut at = [0.0; 3];
         let ends = [0, 1].map(|_| 30.0 * random.signed());

@@ -126,7 +126,7 @@ fn the_stiffness_of_a_follower_pressure_is_that_of_central_differences() {
         let q: Vec<f64> = state.q.iter().map(|_| random.signed()).collect();
         let n = q.len();
         let mut trial = Trial::default();
-        system.start(&mut trial, &state);
+        system.start(&model, &mut trial, &state);
         trial.loads = vec![[5.0, 0.0, 0.0]];
         let columns = |turning: Turning, system: &mut System, trial: &mut Trial| -> Vec<Vec<f64>> {
             let setting = Evaluation {

@@ -27,7 +27,7 @@ pub use edges::EdgePair;
 pub use four::{FourPlaced, FourSeen, Symmetric, write_symmetric};
 pub use lanes::Lanes;
 pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
-pub use pairs::{Candidates, PointPair, Search, pair_point, to_frame};
+pub use pairs::{Candidates, PointPair, Search, pair_point, rim_point, to_frame};
 pub use part::Part;
 pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};

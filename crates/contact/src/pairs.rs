@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::aabb::Aabb;
 use crate::bvh::Bvh;
-use crate::projection::extend;
+use crate::projection::{Projection, extend, project};
 use crate::surface::{Surface, frame_at};
 
 /// The facet that a contact point faces, and the foot of its perpendicular at the last commit.
@@ -23,8 +23,11 @@ const FACING: f64 = -0.2;
 /// two facets that share an edge do not pass it to and fro.
 const STAY: f64 = 1e-3;
 /// A point changes to a facet that it is on, or beyond by no more than rounding; to one that it is
-/// beyond by less than [`STAY`] only if there is no other.
+/// beyond by less than [`RIM`] only if there is no other.
 const ENTER: f64 = 1e-9;
+/// A point over the rim of a surface stays on it until it is this far beyond (of the half facet): faces
+/// that lie flush bulge and slide by some hundredths of a facet within an increment.
+const RIM: f64 = 0.1;
 
 /// For each slave facet the master facets that its points may come to face while surfaces move
 /// less than the skin.
@@ -136,8 +139,8 @@ impl Candidates {
 }
 
 /// The facet that a point faces now: its present one while it stays on it, else the nearest
-/// candidate that it is over, ties to the lowest number; none if it is over no facet, by a
-/// thousandth of its half size, or farther than `radius` [mm] from all.
+/// candidate that it is over, else the nearest whose rim it is beyond by no more than a tenth of its
+/// half size, ties to the lowest number; none if it is over no facet, or farther than `radius` [mm] from all.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
@@ -157,18 +160,51 @@ pub fn pair_point(
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
         };
-        if !(within(foot.xi, STAY) && foot.distance <= radius) {
+        if !(within(foot.xi, RIM) && foot.distance <= radius) {
             continue;
         }
-        // A point over the rim of the surface slides on along it: no facet has it within rounding,
-        // but one that it would have stayed on will do.
         let over = !within(foot.xi, ENTER);
-        let better = best.is_none_or(|(o, d, _, _)| (over, foot.distance) < (o, d));
-        if better {
-            best = Some((over, foot.distance, facet, foot.xi));
+        let distance = if over {
+            project(point, &master.corners(facet as usize, x)).distance
+        } else {
+            foot.distance
+        };
+        if best.is_none_or(|(o, d, _, _)| (over, distance) < (o, d)) {
+            best = Some((over, distance, facet, foot.xi));
         }
     }
     best.map(|(_, _, facet, xi)| (facet, xi))
+}
+
+/// Where a point that is over the rim of a surface meets the rim: the point of the candidates that is
+/// nearest to it, on its facet, and how far the point is above it along the facet's normal [mm]. None if the point is over
+/// a facet, or more than `radius` [mm] above all.
+pub fn rim_point(
+    point: &Vector3<f64>,
+    candidates: &[u32],
+    master: &Surface,
+    x: &[[f64; 3]],
+    radius: f64,
+) -> Option<(u32, Projection)> {
+    let mut best: Option<(u32, Projection)> = None;
+    for &facet in candidates {
+        let foot = project(point, &master.corners(facet as usize, x));
+        if foot.gap.abs() > radius {
+            continue;
+        }
+        if foot.inside {
+            return None;
+        }
+        if best.is_none_or(|(_, b)| foot.distance < b.distance) {
+            best = Some((facet, foot));
+        }
+    }
+    best
+}
+
+/// Whether a point whose foot has these parameters is on its facet, or beyond its edge by no more than rounding.
+pub fn is_on(xi: [f64; 2]) -> bool {
+    within(xi, ENTER)
 }
 
 /// Whether a point whose foot has these parameters stays on its facet.

@@ -22,7 +22,7 @@ impl Newton<'_> {
         setting: Evaluation,
         solves: &mut Solves,
     ) -> Result<(), Refusal> {
-        system.start(trial, state);
+        system.start(self.model, trial, state);
         if self.step.loads.iter().any(Option::is_some) {
             trial.stiffest = STIFFEST_UNDER_LOADS;
         }

@@ -180,10 +180,11 @@ impl System {
     }
 
     /// Begins an increment from the committed state.
-    pub fn start(&mut self, trial: &mut Trial, state: &State) {
+    pub fn start(&mut self, model: &Model, trial: &mut Trial, state: &State) {
         trial.start(state);
         self.place(trial, &state.q);
         trial.x_start.clone_from(&trial.x);
+        self.contact.follow_rims(model, state, trial);
         self.general.begin(&self.contact, state);
     }
 

@@ -121,6 +121,13 @@ impl Held {
         self.joints.resize(facets, Joint::default());
     }
 
+    /// The points of a slave facet are elsewhere on it than when its cells were written.
+    pub fn forget_joint(&mut self, facet: usize) {
+        if let Some(joint) = self.joints.get_mut(facet) {
+            *joint = Joint::default();
+        }
+    }
+
     /// Cells have been written without regard to poses.
     pub fn forget(&mut self) {
         self.forget_solids();

@@ -132,7 +132,7 @@ impl Asked<'_> {
 
 /// Writes the stiffness of all cells at a state, as joints bear by their law; nothing if a law gives no answer.
 fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
-    system.start(trial, state);
+    system.start(model, trial, state);
     trial.spring_ends.clone_from(&state.spring_ends);
     trial.stiffest = STIFFEST_UNDER_LOADS;
     trial.stiffening = STIFFEST_UNDER_LOADS;

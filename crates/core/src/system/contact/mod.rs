@@ -5,6 +5,7 @@
 
 mod evaluate;
 mod pairing;
+mod rims;
 mod sight;
 mod work;
 
@@ -50,6 +51,10 @@ pub struct Contact {
     areal_mass: Vec<f64>,
     /// Sampling points. `[slave facet][point]`, four to a facet
     pub points: Vec<SlavePoint>,
+    /// Weights of the points where they are at rest. `[point]`
+    at_rest: Vec<[f64; 4]>,
+    /// Points that are elsewhere in this increment: on a rim.
+    off_corner: Vec<u32>,
     pub(super) candidates: Candidates,
     pub(super) cells: Vec<[u32; 8]>,
     version: usize,
@@ -119,6 +124,8 @@ impl Contact {
             slave,
             master,
             law_of: surfaces.slave_law.clone(),
+            at_rest: points.iter().map(|point| point.weights).collect(),
+            off_corner: Vec::new(),
             points,
             candidates: Candidates::default(),
             cells: Vec::new(),
@@ -176,11 +183,11 @@ impl Contact {
         self.cells.len()
     }
 
-    /// Positions of the four points of a facet [mm].
+    /// Positions of the four points of a facet where they are at rest on it [mm].
     fn positions(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
         let corners = self.slave.corners(facet, x);
         [0, 1, 2, 3].map(|p| {
-            let weights = &self.points[4 * facet + p].weights;
+            let weights = &self.at_rest[4 * facet + p];
             [0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum())
         })
     }
