@@ -21,7 +21,7 @@ pub struct PointPair {
 const FACING: f64 = -0.2;
 /// A point stays on its facet until it is this far beyond the edge (of the half facet), so that
 /// two facets that share an edge do not pass it to and fro.
-const STAY: f64 = 1e-3;
+pub const STAY: f64 = 1e-3;
 /// A point changes to a facet that it is on, or beyond by no more than rounding; to one that it is
 /// beyond by less than [`RIM`] only if there is no other.
 const ENTER: f64 = 1e-9;
@@ -200,11 +200,6 @@ pub fn rim_point(
         }
     }
     best
-}
-
-/// Whether a point whose foot has these parameters is on its facet, or beyond its edge by no more than rounding.
-pub fn is_on(xi: [f64; 2]) -> bool {
-    within(xi, ENTER)
 }
 
 /// Whether a point whose foot has these parameters stays on its facet.

@@ -1,6 +1,7 @@
 //! The load-displacement curve and the numbers an engineer reads off it.
 
 use super::HistoryRow;
+use crate::solve::Method;
 
 /// Displacement and force of the driven steps, in order, from the point where driving began.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,6 +11,33 @@ pub struct Curve {
     start: (f64, f64),
     /// Increments of driven steps: (displacement [mm], force [kN]). `[increment]`
     points: Vec<(f64, f64)>,
+    /// Whether inertia had a part in the force, so that it is no peak. `[increment]`
+    moving: Vec<bool>,
+    /// Kinetic energy of the last increment [J].
+    kinetic: f64,
+}
+
+/// What a step is to the curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepOfCurve {
+    /// It is part of the curve.
+    pub driven: bool,
+    /// It asks for equilibria (procedure `auto`): what moves in it is on the way from one to the next.
+    pub seeks_equilibrium: bool,
+}
+
+/// Kinetic energy over what solids and interfaces have taken below which nothing moves any more [-].
+pub const QUIET: f64 = 1e-3;
+/// Growth of the kinetic energy within an increment that is the beginning of a motion [-].
+const GROWS: f64 = 1.2;
+/// Part of [`QUIET`] below which what grows is the noise of the tolerance.
+const BEGINS: f64 = 0.01;
+
+/// Whether bodies move, or begin to, at the end of an increment: from the kinetic energy there and before it, over what
+/// solids and interfaces have taken (all in one unit).
+pub fn is_moving(kinetic: f64, before: f64, taken: f64) -> bool {
+    kinetic >= QUIET * taken && kinetic > 0.0
+        || kinetic > GROWS * before && kinetic > BEGINS * QUIET * taken
 }
 
 /// A point of the curve.
@@ -32,10 +60,14 @@ const LOST: f64 = 0.995;
 impl Curve {
     /// Adds an increment. Those that come before any driven one move the curve's start; those of
     /// undriven steps later on (a pause of the driving) are no part of it.
-    pub fn push(&mut self, row: &HistoryRow, driven: bool) {
+    pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
-        if driven {
+        let carried = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
+        let moving = is_moving(row.kinetic_energy_J, self.kinetic, row.taken_J());
+        self.kinetic = row.kinetic_energy_J;
+        if of.driven {
             self.points.push(point);
+            self.moving.push(carried && moving);
         } else if self.points.is_empty() {
             self.start = point;
         }
@@ -47,6 +79,8 @@ impl Curve {
         Self {
             start: *start,
             points: points.to_vec(),
+            moving: vec![false; points.len()],
+            kinetic: 0.0,
         }
     }
 
@@ -57,6 +91,7 @@ impl Curve {
         Self {
             start: turned(self.start),
             points: self.points.iter().copied().map(turned).collect(),
+            ..self.clone()
         }
     }
 
@@ -75,14 +110,21 @@ impl Curve {
         self.points.last().map(|p| p.0)
     }
 
+    /// Whether the force of an increment may be a peak: an equilibrium, or all of them are in motion.
+    fn counts(&self, index: usize) -> bool {
+        !self.moving[index] || self.moving.iter().all(|moving| *moving)
+    }
+
     /// The largest force along the motion: of s F with s = sign(d − d₀), so that a wall driven
-    /// towards −x has a peak as well. The earliest if several are equal; none if nothing moved.
+    /// towards −x has a peak as well. The earliest if several are equal; none if nothing moved. What `auto` carries by
+    /// inertia from an equilibrium to the next has none.
     pub fn peak(&self) -> Option<Peak> {
         let mut best: Option<(f64, Peak)> = None;
         for (index, &(displacement, force)) in self.points.iter().enumerate() {
             let travel = displacement - self.start.0;
             let along = travel.signum() * force;
-            if travel != 0.0 && best.is_none_or(|(most, _)| along > most) {
+            let counts = travel != 0.0 && self.counts(index);
+            if counts && best.is_none_or(|(most, _)| along > most) {
                 best = Some((
                     along,
                     Peak {
@@ -121,7 +163,7 @@ impl Curve {
         let peak = self.peak()?;
         let side = (peak.displacement - self.start.0).signum();
         let there = self.points.iter().enumerate();
-        let there = there.filter(|(_, p)| side * (p.0 - self.start.0) < 0.0);
+        let there = there.filter(|(i, p)| side * (p.0 - self.start.0) < 0.0 && self.counts(*i));
         let most = there.max_by(|a, b| (-side * a.1.1).total_cmp(&(-side * b.1.1)));
         most.map(|(index, &(displacement, force))| Peak {
             index,
@@ -269,7 +311,10 @@ mod tests {
                         force_kN: force,
                         ..HistoryRow::default()
                     },
-                    flag,
+                    StepOfCurve {
+                        driven: flag,
+                        ..StepOfCurve::default()
+                    },
                 );
             }
         }

@@ -13,11 +13,11 @@ use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::summary::{EnergyBalance, Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
-    Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, Summary, SummaryFile,
-    VtkHdfWriter, elevation, plot, usage,
+    Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, StepOfCurve, Summary,
+    SummaryFile, VtkHdfWriter, elevation, plot, usage,
 };
 use crate::files::{self, write_whole};
-use crate::model::scene::{BeamMotion, Step};
+use crate::model::scene::{BeamMotion, Procedure, Step};
 use crate::model::{Deck, Model};
 use crate::solve::Checkpoint;
 
@@ -347,8 +347,11 @@ impl RunDirectory {
     /// Takes a row into what the summary tells.
     fn count(&mut self, model: &Model, row: &HistoryRow) {
         let step = model.steps.get(row.step);
-        self.curve
-            .push(row, step.is_some_and(|step| is_driven(model, step)));
+        let of = step.map_or_else(StepOfCurve::default, |step| StepOfCurve {
+            driven: is_driven(model, step),
+            seeks_equilibrium: step.procedure == Procedure::Auto,
+        });
+        self.curve.push(row, of);
         self.energy.push(row);
         self.motion = Motion::of(row);
         for (range, value) in self.probes.iter_mut().zip(&row.probes) {

@@ -40,7 +40,7 @@ pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
 pub use comparison::{Comparison, compare};
-pub use curve::Curve;
+pub use curve::{Curve, StepOfCurve};
 pub use directory::{OutputError, RunDirectory};
 pub use frame::{
     Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Sizes,

@@ -100,7 +100,7 @@ fn span(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::fake;
+    use crate::results::{StepOfCurve, fake};
 
     #[test]
     fn the_picture_names_its_axes_and_the_peak() {
@@ -109,7 +109,11 @@ mod tests {
             .into_iter()
             .enumerate()
         {
-            curve.push(&fake::row(i + 1, 1, d, f), true);
+            let of = StepOfCurve {
+                driven: true,
+                ..StepOfCurve::default()
+            };
+            curve.push(&fake::row(i + 1, 1, d, f), of);
         }
         let svg = load_displacement("Wall <J7D> & more", &curve).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));

@@ -9,7 +9,7 @@ use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::history::fixed_columns;
 use super::vtkhdf::read::FieldsFile;
-use super::{Curve, HistoryRow, SummaryFile};
+use super::{Curve, HistoryRow, StepOfCurve, SummaryFile};
 use crate::files;
 use crate::model::Deck;
 
@@ -73,17 +73,17 @@ pub struct ReadHistory {
     pub rows: Vec<HistoryRow>,
     /// Columns of the probes.
     pub probes: Vec<String>,
-    /// Which steps are part of the load-displacement curve, as the run counts them; nothing where the folder has no deck.
+    /// What steps are to the load-displacement curve, as the run counts them; nothing where the folder has no deck.
     /// `[step]`
-    pub driven_steps: Option<Vec<bool>>,
+    pub steps: Option<Vec<StepOfCurve>>,
 }
 
 impl ReadHistory {
     /// Which rows are of driven steps. Where no deck tells which these are, a step is taken as driven if the displacement
     /// changes in it. `[row]`
     pub fn driven(&self) -> Vec<bool> {
-        if let Some(steps) = &self.driven_steps {
-            let of = |row: &HistoryRow| steps.get(row.step).copied().unwrap_or(false);
+        if let Some(steps) = &self.steps {
+            let of = |row: &HistoryRow| steps.get(row.step).is_some_and(|of| of.driven);
             return self.rows.iter().map(of).collect();
         }
         let mut driven = Vec::with_capacity(self.rows.len());
@@ -99,8 +99,10 @@ impl ReadHistory {
     /// The load-displacement curve of the driven steps.
     pub fn curve(&self) -> Curve {
         let mut curve = Curve::default();
+        let steps = self.steps.as_deref().unwrap_or_default();
         for (row, driven) in self.rows.iter().zip(self.driven()) {
-            curve.push(row, driven);
+            let of = steps.get(row.step).copied().unwrap_or_default();
+            curve.push(row, StepOfCurve { driven, ..of });
         }
         curve
     }
@@ -151,7 +153,7 @@ impl RunFolder {
             why,
         })?;
         Ok(ReadHistory {
-            driven_steps: self.deck()?.and_then(|deck| driven_steps(&deck)),
+            steps: self.deck()?.and_then(|deck| steps_of_curve(&deck)),
             ..read_history(&path, &text)?
         })
     }
@@ -235,7 +237,7 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     let mut history = ReadHistory {
         rows: Vec::new(),
         probes,
-        driven_steps: None,
+        steps: None,
     };
     for record in reader.records() {
         let record =
@@ -256,8 +258,9 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     Ok(history)
 }
 
-/// Which steps of a deck drive, or load where none drives: those of the load-displacement curve. `[step]`
-fn driven_steps(deck: &str) -> Option<Vec<bool>> {
+/// What the steps of a deck are to the load-displacement curve: part of it are those that drive, or load where none drives.
+/// `[step]`
+fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     let deck: toml::Table = deck.parse().ok()?;
     let steps = deck.get("steps")?.as_array()?;
     let drives =
@@ -267,8 +270,13 @@ fn driven_steps(deck: &str) -> Option<Vec<bool>> {
         loads.is_some_and(|loads| !loads.is_empty())
     };
     let any = steps.iter().any(drives);
-    let is_driven = |step| if any { drives(step) } else { loads(step) };
-    Some(steps.iter().map(is_driven).collect())
+    let of = |step: &toml::Value| StepOfCurve {
+        driven: if any { drives(step) } else { loads(step) },
+        seeks_equilibrium: step
+            .get("procedure")
+            .is_none_or(|procedure| procedure.as_str() == Some("auto")),
+    };
+    Some(steps.iter().map(of).collect())
 }
 
 fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {

@@ -1,7 +1,7 @@
 //! Work and energies of an increment, by the trapezoidal rule.
 
 use super::newton::Newton;
-use super::state::State;
+use super::state::{Energies, State};
 use crate::system::{System, Trial};
 
 impl Newton<'_> {
@@ -21,20 +21,14 @@ impl Newton<'_> {
         scheme + system.crossing_work(self.model, state, trial)
     }
 
-    /// Work of the dashpots in an increment without inertia, by the trapezoidal rule. `dq`: its displacements [mm] `[slot]`
-    fn account_dashpots(&self, state: &mut State, dq: &[f64]) {
-        let mut now = vec![0.0; state.damping.len()];
-        for (force, &slot) in self
-            .dashpot_forces()
-            .into_iter()
-            .zip(&self.equations.slot_of)
-        {
-            now[slot as usize] = force;
+    /// Forces of the dashpots of an increment without inertia [N]. `[slot]`
+    fn dashpots_of_slots(&self, slots: usize) -> Vec<f64> {
+        let mut forces = vec![0.0; slots];
+        let of_equations = self.dashpot_forces().into_iter();
+        for (force, &slot) in of_equations.zip(&self.equations.slot_of) {
+            forces[slot as usize] = force;
         }
-        let forces = now.iter().zip(&state.damping);
-        let work: f64 = forces.zip(dq).map(|((a, b), u)| 0.5 * (a + b) * u).sum();
-        state.energies.damping += work;
-        state.damping = now;
+        forces
     }
 
     /// Force on a beam in the increment that `trial` ends [N].
@@ -47,33 +41,82 @@ impl Newton<'_> {
         }
     }
 
-    /// Work from outside and the energies of motion of the increment that `trial` ends, by the
-    /// trapezoidal rule; then the forces on the beams, velocities and accelerations of the state.
-    /// `dq` are the displacements of the increment [mm]. `[slot]`
-    pub fn account(&self, system: &System, state: &mut State, trial: &Trial, dq: &[f64]) {
-        state.energies.external += self.loads.work(&self.loads_start, dq);
-        state.loads.clone_from(&self.loads.values);
-        state.energies.numerical += system.crossing_work(self.model, state, trial)
+    /// The account of the increment that `trial` ends, by the trapezoidal rule. `dq`: its displacements [mm] `[slot]`
+    pub(super) fn account(
+        &self,
+        system: &System,
+        state: &State,
+        trial: &Trial,
+        dq: &[f64],
+    ) -> Account {
+        let mut energies = state.energies;
+        energies.external += self.loads.work(&self.loads_start, dq);
+        energies.numerical += system.crossing_work(self.model, state, trial)
             + system.turning_work(self.model, state, trial);
+        let mut applied = state.applied.clone();
         for slot in system.dofs.beam_start..system.dofs.slots {
-            let applied = self.applied(system, trial, slot);
-            state.energies.external += 0.5 * (state.applied[slot] + applied) * dq[slot];
-            state.applied[slot] = applied;
+            let now = self.applied(system, trial, slot);
+            energies.external += 0.5 * (state.applied[slot] + now) * dq[slot];
+            applied[slot] = now;
         }
-        let forces = system.spring_forces(trial);
-        for (s, force) in forces.iter().enumerate() {
+        let spring_forces = system.spring_forces(trial);
+        for (s, force) in spring_forces.iter().enumerate() {
             for i in 0..3 {
                 let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
-                state.energies.external += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
+                energies.external += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
             }
         }
-        state.spring_forces = forces;
-        state.spring_ends.clone_from(&trial.spring_ends);
-        if self.motion.is_none() {
-            self.account_dashpots(state, dq);
-        }
+        let mut dashpots = None;
         if let Some(motion) = &self.motion {
-            motion.commit(&system.mass, state, trial, dq, &self.loads.total);
+            let loads = &self.loads.total;
+            let [numerical, damping] = motion.dissipations(&system.mass, state, trial, dq, loads);
+            energies.numerical += numerical;
+            energies.damping += damping;
+            energies.kinetic = motion.kinetic_energy(&system.mass);
+        } else {
+            let now = self.dashpots_of_slots(state.damping.len());
+            let forces = now.iter().zip(&state.damping);
+            let work: f64 = forces.zip(dq).map(|((a, b), u)| 0.5 * (a + b) * u).sum();
+            energies.damping += work;
+            dashpots = Some(now);
+        }
+        energies.elastic = system.elastic_energy(trial, &spring_forces);
+        let solids = &trial.element_energy;
+        energies.plastic_damage += solids.iter().map(|e| e.plastic_damage).sum::<f64>();
+        energies.viscous += solids.iter().map(|e| e.viscous).sum::<f64>();
+        energies.interface += system.interface_dissipation(trial);
+        Account {
+            energies,
+            applied,
+            spring_forces,
+            dashpots,
         }
     }
+
+    /// Enters the account of the increment that `trial` ends: energies, forces from outside, velocities.
+    pub(super) fn enter(&self, account: Account, state: &mut State, trial: &Trial) {
+        state.energies = account.energies;
+        state.loads.clone_from(&self.loads.values);
+        state.applied = account.applied;
+        state.spring_forces = account.spring_forces;
+        state.spring_ends.clone_from(&trial.spring_ends);
+        if let Some(dashpots) = account.dashpots {
+            state.damping = dashpots;
+        }
+        if let Some(motion) = &self.motion {
+            motion.commit(state);
+        }
+    }
+}
+
+/// What an increment adds to the energies, and the forces from outside that its end has.
+pub(super) struct Account {
+    /// Energies at its end.
+    pub(super) energies: Energies,
+    /// Forces on the beams [N]. `[slot]`
+    applied: Vec<f64>,
+    /// `[spring][xyz]` [N]
+    spring_forces: Vec<[f64; 3]>,
+    /// Forces of dashpots without inertia [N]. `[slot]`
+    dashpots: Option<Vec<f64>>,
 }

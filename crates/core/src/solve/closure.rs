@@ -51,11 +51,13 @@ pub(super) fn pursuit(method: Method) -> usize {
 }
 
 impl Newton<'_> {
-    /// The energies of the increment that `trial` ends; none where inertia or extrapolated solids leave
-    /// other errors.
+    /// The energies of the increment that `trial` ends; none where extrapolated solids leave other errors.
     fn taken(&self, system: &System, state: &State, trial: &Trial) -> Taken {
-        if self.method().has_inertia() || self.method() == Method::Implex {
+        if self.method() == Method::Implex {
             return Taken::default();
+        }
+        if self.method().has_inertia() {
+            return self.taken_in_motion(system, state, trial);
         }
         let springs = system.spring_forces(trial);
         let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
@@ -81,6 +83,19 @@ impl Newton<'_> {
             leak: stored + dissipated - work,
             net: stored + dissipated,
             gross: stored.abs() + dissipated.abs(),
+        }
+    }
+
+    /// The same with inertia, whose work and scheme the account knows.
+    fn taken_in_motion(&self, system: &System, state: &State, trial: &Trial) -> Taken {
+        let dq: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        let energies = self.account(system, state, trial, &dq).energies;
+        let stored = energies.elastic - state.energies.elastic;
+        let net = energies.taken() - state.energies.taken();
+        Taken {
+            leak: state.energies.open() - energies.open(),
+            net,
+            gross: stored.abs() + (net - stored).abs(),
         }
     }
 

@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 
 use super::course::Course;
 use super::drive::Run;
-use super::ladder::QUIET;
 use super::method::Method;
 use super::state::State;
 use super::told::drives;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure};
+use crate::results::curve::QUIET;
 use crate::results::{Fall, FallenBody, Recorder, Status};
 use crate::system::System;
 use crate::system::dofs::HELD;

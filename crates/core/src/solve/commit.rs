@@ -35,16 +35,8 @@ impl Run<'_> {
             .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
             .collect();
         newton.note_leak(&self.system, state, trial);
-        newton.account(&self.system, state, trial, &dq);
-        let energies = &mut state.energies;
-        energies.elastic = self.system.elastic_energy(trial, &state.spring_forces);
-        energies.plastic_damage += trial
-            .element_energy
-            .iter()
-            .map(|e| e.plastic_damage)
-            .sum::<f64>();
-        energies.viscous += trial.element_energy.iter().map(|e| e.viscous).sum::<f64>();
-        energies.interface += self.system.interface_dissipation(trial);
+        let account = newton.account(&self.system, state, trial, &dq);
+        newton.enter(account, state, trial);
         let dt = size * step.duration;
         state.time += dt;
         state.increments += 1;

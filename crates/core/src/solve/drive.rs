@@ -9,7 +9,7 @@ use super::energy_watch::EnergyWatch;
 use super::fidelity::{Instead, Part, Reached};
 use super::fingerprint::Fingerprint;
 use super::judge::{GROW, growth, resolving};
-use super::ladder::{Ladder, QUIET};
+use super::ladder::Ladder;
 use super::method::Method;
 use super::newton::Newton;
 use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
@@ -18,6 +18,7 @@ use super::stop::Watch;
 use super::tally::{Snaps, Swings};
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
+use crate::results::curve::QUIET;
 use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
 use crate::system::{Steered, System, Trial};
@@ -383,7 +384,13 @@ impl<'m> Run<'m> {
             }
         }
         let seen = self.watched(course.index);
-        let why = course.watch.as_mut().and_then(|watch| watch.take(seen));
+        let carried = leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
+        let moves = self.state.energies.moves_on(&before);
+        let swings = carried && moves;
+        let why = course
+            .watch
+            .as_mut()
+            .and_then(|watch| watch.take(seen, swings));
         course.see(seen[1]);
         course.resolve_peak();
         let whole = course.is_whole();
@@ -401,10 +408,9 @@ impl<'m> Run<'m> {
         if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
             course.beyond = None;
         }
-        let moving = self.state.energies.moving();
         let sense = course.sense();
         let forth = (sense * added, sense * course.load);
-        if course.ladder.descend(report, moving, forth.0, forth.1) {
+        if course.ladder.descend(report, moves, forth.0, forth.1) {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
                 self.state.last = None;

@@ -291,16 +291,16 @@ impl Motion {
         force + self.damping_force[slot] + mass.slot[slot] * self.acceleration[slot] - load
     }
 
-    /// Energies of the increment that ends at `trial` with displacements `dq` [mm] `[slot]` under
-    /// `loads` [N] `[slot]`; then velocities and accelerations become those of the state.
-    pub fn commit(&self, mass: &Mass, state: &mut State, trial: &Trial, dq: &[f64], loads: &[f64]) {
-        let [numerical, damping] = self.dissipations(mass, state, trial, dq, loads);
+    /// Velocities and accelerations become those of the state.
+    pub fn commit(&self, state: &mut State) {
         state.velocity.copy_from_slice(&self.velocity);
         state.acceleration.copy_from_slice(&self.acceleration);
         state.damping.copy_from_slice(&self.damping_force);
-        state.energies.numerical += numerical;
-        state.energies.damping += damping;
-        state.energies.kinetic = mass.kinetic_energy(&state.velocity);
+    }
+
+    /// Kinetic energy at the end of the increment [N mm].
+    pub fn kinetic_energy(&self, mass: &Mass) -> f64 {
+        mass.kinetic_energy(&self.velocity)
     }
 
     /// What scheme and damping take in the increment that ends at `trial` [N mm].

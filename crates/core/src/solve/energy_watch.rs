@@ -36,6 +36,11 @@ impl EnergyWatch {
         self.open = open;
     }
 
+    /// Largest work done so far [N mm].
+    pub fn work(&self) -> f64 {
+        1e3 * self.balance.work()
+    }
+
     /// What to tell, if anything.
     pub fn warning(&self) -> Option<String> {
         let error = self.balance.error();

@@ -74,6 +74,10 @@ pub(super) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) ->
         Refusal::Linear { why, dof: None } => why.to_string(),
         Refusal::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
         Refusal::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
+        Refusal::Energy(part) => format!(
+            "the increment leaves {:.1} % of the work done unaccounted for",
+            100.0 * part
+        ),
         Refusal::NoSuchLoad => {
             "no load leads as far along the path as the increment should go".to_owned()
         }

@@ -21,6 +21,8 @@ const RELEASE: f64 = 0.2;
 const BREAKS: f64 = 0.005;
 /// Times the stiffness of the try before, if that has passed something.
 const STIFFER: f64 = 1.05;
+/// Part of all work done that an increment may leave unaccounted for: half of what a run is warned for.
+const LOST: f64 = 5e-3;
 /// Part of the kinetic energy that a blow may give.
 const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that begin or cease to press in an impact.
@@ -96,8 +98,38 @@ impl Run<'_> {
         match leg.method {
             Method::Static if self.is_snap(course) => Some(Refusal::Snap),
             Method::Dissipation if self.is_leap(course) => Some(Refusal::Leap),
-            _ => None,
+            _ => self.energy_lost(course, leg).map(Refusal::Energy),
         }
+    }
+
+    /// Part of all work done that the increment that the trial ends does not account for, if that is much and a shorter
+    /// increment or another method may do better.
+    fn energy_lost(&self, course: &Course, leg: Leg) -> Option<f64> {
+        let jumps = leg.method == Method::Static && course.step.procedure == Procedure::Auto;
+        let size = leg.increment.size;
+        let shorter = !course.ladder.is_small(size) && CUT * size >= course.step.increments.min;
+        let watched = match leg.method {
+            Method::Static => shorter || (jumps && !course.ladder.is_last()),
+            Method::Direct
+            | Method::DisplacementControl
+            | Method::QuasiStatic
+            | Method::Dynamic => shorter,
+            // A path has its own measure, and extrapolated solids leave what their error says.
+            _ => false,
+        };
+        if !watched {
+            return None;
+        }
+        let (state, trial) = (&self.state, &self.trial);
+        let ways = course.newton.q().iter().zip(&state.q);
+        let dq: Vec<f64> = ways.map(|(new, old)| new - old).collect();
+        let account = course.newton.account(&self.system, state, trial, &dq);
+        let work = self
+            .energy_watch
+            .work()
+            .max(account.energies.external.abs());
+        let lost = (account.energies.open() - state.energies.open()).abs() / work;
+        (lost > LOST).then_some(lost)
     }
 
     /// Whether to try the increment that the trial ends again, shorter, because it has passed over a peak unseen. One that

@@ -31,8 +31,6 @@ use crate::model::scene::{Procedure, Step, Tangent};
 pub const FLOOR: f64 = 0.1;
 /// The same for extrapolated solids and the direct method, of that.
 const SECOND_FLOOR: f64 = 0.1;
-/// Kinetic energy over what the solids and interfaces have taken below which nothing moves any more.
-pub const QUIET: f64 = 1e-3;
 /// Quiet increments after which statics is tried again; doubled each time that it fails.
 const PATIENCE: usize = 3;
 /// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
@@ -304,16 +302,16 @@ impl Ladder {
         self.rungs.iter().position(|rung| rung.method == method)
     }
 
-    /// Back to the first method if the increment shows that the trouble has passed: `moving`, the kinetic
-    /// energy over what the bodies have taken, and what the increment added to the load, which is now `load`.
-    pub fn descend(&mut self, report: Report, moving: f64, added: f64, load: f64) -> bool {
+    /// Back to the first method if the increment shows that the trouble has passed: whether anything still moves, and what
+    /// the increment added to the load, which is now `load`.
+    pub fn descend(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
         if self.at == 0 {
             return false;
         }
         let (passed, needed) = match self.method() {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
-            Method::QuasiStatic => (moving < QUIET, self.patience),
+            Method::QuasiStatic => (!moves, self.patience),
             Method::Direct => (true, self.patience),
             Method::Static => (report.iterations <= EASY, self.patience),
             _ => (added > 0.0 && load >= self.left_at, self.rising),

@@ -40,6 +40,8 @@ pub enum Refusal {
     Snap,
     /// The increment has left the path for an equilibrium far away.
     Leap,
+    /// The increment leaves this part of all work done unaccounted for [-].
+    Energy(f64),
     /// No load leads as far along the path as the increment should go.
     NoSuchLoad,
 }

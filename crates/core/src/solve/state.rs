@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, PointPair};
 
 use crate::material::MaterialHistory;
+use crate::results::curve::is_moving;
 use crate::system::{Poses, Touch};
 
 /// Energies since the start [N mm].
@@ -36,6 +37,11 @@ impl Energies {
         self.elastic + self.plastic_damage + self.interface + self.viscous
     }
 
+    /// Work done that is not accounted for [N mm].
+    pub fn open(&self) -> f64 {
+        self.external - self.taken() - self.kinetic - self.damping - self.numerical
+    }
+
     /// Kinetic energy over what solids and interfaces have taken [-].
     pub fn moving(&self) -> f64 {
         if self.kinetic > 0.0 {
@@ -43,6 +49,11 @@ impl Energies {
         } else {
             0.0
         }
+    }
+
+    /// Whether bodies move, or begin to: the kinetic energy is much, or no longer next to nothing and growing since `before`.
+    pub fn moves_on(&self, before: &Self) -> bool {
+        is_moving(self.kinetic, before.kinetic, self.taken())
     }
 
     /// What was dissipated since `before`, over that and the change of the elastic energy [-].

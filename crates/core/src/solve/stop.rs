@@ -79,13 +79,16 @@ impl Watch {
     /// does.
     ///
     /// A drive that turns back has a peak either way, and what falls while it goes back is none of it: the
-    /// force counts where the drive is as far out as it ever was, at the tips of its loops at least.
-    pub(super) fn take(&mut self, [displacement, force]: [f64; 2]) -> Option<String> {
+    /// force counts where the drive is as far out as it ever was, at the tips of its loops at least. A force that `swings`
+    /// by inertia does not count.
+    pub(super) fn take(&mut self, [displacement, force]: [f64; 2], swings: bool) -> Option<String> {
         let way = self.sign * (displacement - self.start);
         let side = usize::from(self.turns && way < 0.0);
         let sense = if side == 1 { -self.sign } else { self.sign };
         let force = sense * force;
-        self.most[side] = self.most[side].max(force);
+        if !swings {
+            self.most[side] = self.most[side].max(force);
+        }
         let most = self.most[side];
         let out = if self.turns { way.abs() } else { way };
         if let Some(by) = self.stop.displacement
@@ -99,7 +102,7 @@ impl Watch {
         self.farthest[side] = self.farthest[side].max(out);
         // A step that begins under load against its drive has no peak before it is along it.
         let part = self.stop.below_peak?;
-        let counts = outermost || !self.turns;
+        let counts = (outermost || !self.turns) && !swings;
         (counts && most > 0.0 && force <= part * most).then(|| {
             let percent = 100.0 * force / most;
             let most = self.whole * most;
@@ -146,9 +149,9 @@ mod tests {
                 (1.0, 10.0),
                 (1.5, 8.1),
             ] {
-                assert_eq!(watch.take([sign * d, sign * f]), None, "{f}");
+                assert_eq!(watch.take([sign * d, sign * f], false), None, "{f}");
             }
-            let why = watch.take([sign * 2.0, sign * 8.0]).unwrap();
+            let why = watch.take([sign * 2.0, sign * 8.0], false).unwrap();
             assert!(why.contains("80.0 % of its peak of 10.000 kN"), "{why}");
         }
     }
@@ -161,9 +164,9 @@ mod tests {
         };
         // Driven back from 2 mm: 0.1 three times is not quite 0.3.
         let mut watch = watch(stop, -4.0, 2.0);
-        assert_eq!(watch.take([1.8, 1.0]), None);
+        assert_eq!(watch.take([1.8, 1.0], false), None);
         let there = 2.0 - (0.1 + 0.1 + 0.1);
-        assert!(watch.take([there, 1.0]).is_some());
+        assert!(watch.take([there, 1.0], false).is_some());
     }
 
     #[test]
@@ -173,7 +176,7 @@ mod tests {
         assert!(Watch::new(&steps, &steps[0], 0.0, 1.0).is_none());
         let mut watch = watch(Stop::default(), 3.0, 0.0);
         for force in [1.0, 9.0, 0.1] {
-            assert_eq!(watch.take([5.0, force]), None);
+            assert_eq!(watch.take([5.0, force], false), None);
         }
     }
 
@@ -205,11 +208,11 @@ mod tests {
             (0.9, 7.0),   // not as far out as before
         ];
         for (d, f) in loops {
-            assert_eq!(watch.take([d, f]), None, "{d} {f}");
+            assert_eq!(watch.take([d, f], false), None, "{d} {f}");
         }
-        let why = watch.take([1.0, 8.0]).unwrap();
+        let why = watch.take([1.0, 8.0], false).unwrap();
         assert!(why.contains("80.0 % of its peak of 10.000 kN"), "{why}");
-        assert!(watch.take([-1.0, -7.3]).is_none());
-        assert!(watch.take([-2.0, -7.0]).is_some());
+        assert!(watch.take([-1.0, -7.3], false).is_none());
+        assert!(watch.take([-2.0, -7.0], false).is_some());
     }
 }

@@ -157,7 +157,7 @@ mod tests {
         let history = ReadHistory {
             rows,
             probes: vec!["top_mm".to_owned()],
-            driven_steps: None,
+            steps: None,
         };
         let driven = history.driven();
         assert_eq!(driven, [false, true, true]);

@@ -7,7 +7,7 @@
 //! from the committed positions alone.
 
 use nalgebra::Vector3;
-use wythe_contact::pairs::{is_on, rim_point};
+use wythe_contact::pairs::{STAY, rim_point, stays_on};
 use wythe_contact::surface::weights_at;
 use wythe_contact::{PointPair, extend, frame_at};
 
@@ -16,8 +16,11 @@ use crate::model::Model;
 use crate::solve::State;
 use crate::system::Trial;
 
-/// How far beyond what it samples a point may come to lie by rounding (of the half).
+/// How far beyond what it samples a point may come to lie by rounding [-].
 const ROUNDING: f64 = 1e-9;
+/// Parameter of a facet at which a point that hangs over its rim is kept: a little less than where one leaves it
+/// ([`stays_on`]).
+const FARTHEST: f64 = 1.0 + 0.9 * STAY;
 
 /// A point is where it is at rest if it is within this of it (of the skin): less than a ten-thousandth of an edge.
 const AT_REST: f64 = 1e-3;
@@ -53,13 +56,11 @@ impl Contact {
 
     /// Whether a point, where it is at rest on its facet, is over the facet of its pair: its foot is that of the pair.
     fn is_over_its_facet(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> bool {
-        let Some(facet) = pair.facet.filter(|_| is_on(pair.xi)) else {
+        let Some(facet) = pair.facet.filter(|_| stays_on(pair.xi)) else {
             return false;
         };
         let corners = self.master.corners(facet as usize, x);
-        let weights = weights_at(pair.xi);
-        let foot = [0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum());
-        let way = self.position(p / 4, p % 4, x) - Vector3::from(foot);
+        let way = self.position(p / 4, p % 4, x) - place(&corners, pair.xi);
         let [normal, _, _] = frame_at(&corners, pair.xi);
         let along = way - normal * normal.dot(&way);
         along.norm() <= AT_REST * self.skin
@@ -76,22 +77,34 @@ impl Contact {
         let f = p / 4;
         let point = self.position(f, p % 4, x);
         let (facet, rim) = rim_point(&point, self.candidates.of(f), &self.master, x, self.radius)?;
-        let corners = self.slave.corners(f, x);
-        let place = extend(&rim.point, &corners, [0.0; 2])?;
+        let master = self.master.corners(facet as usize, x);
+        let foot = extend(&point, &master, rim.xi)?;
+        if stays_on(foot.xi) {
+            return None;
+        }
+        // As far beyond the rim as points stay at their corners: it leaves its corner without a jump.
+        let xi = foot.xi.map(|xi| xi.clamp(-FARTHEST, FARTHEST));
+        let target = place(&master, xi);
+        let on_slave = extend(&target, &self.slave.corners(f, x), [0.0; 2])?;
         let part = model.contact.part(f);
-        let within =
-            (0..2).all(|i| (place.xi[i] - part.middle[i]).abs() <= part.half[i] * (1.0 + ROUNDING));
+        let beyond = |i: usize| (on_slave.xi[i] - part.middle[i]).abs() - part.half[i];
+        let within = (0..2).all(|i| beyond(i) <= ROUNDING);
         // What has come from the side lies behind the facet.
-        let gap = (place.point - rim.point).dot(&rim.normal);
+        let gap = (on_slave.point - target).dot(&rim.normal);
         let above = before.facet.is_some() || gap >= -self.behind;
         if !(within && above && gap.abs() <= self.radius) {
             return None;
         }
-        let weights = weights_at(place.xi);
         let pair = PointPair {
             facet: Some(facet),
-            xi: rim.xi,
+            xi,
         };
-        Some((weights, pair))
+        Some((weights_at(on_slave.xi), pair))
     }
+}
+
+/// The point of a facet with these parameters.
+fn place(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Vector3<f64> {
+    let weights = weights_at(xi);
+    Vector3::from([0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum()))
 }
