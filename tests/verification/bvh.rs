@@ -5,7 +5,7 @@ mod common;
 
 use common::Random;
 use nalgebra::{Rotation3, Vector3};
-use wythe::contact::projection::extend;
+use wythe::contact::projection::{extend, project};
 use wythe::contact::{Aabb, Bvh, Candidates, Search, Surface, frame_at, pair_point, to_frame};
 
 fn vector(random: &mut Random, size: f64) -> [f64; 3] {
@@ -174,10 +174,11 @@ fn points_on(scene: &Scene, facet: usize) -> Vec<[f64; 3]> {
     result
 }
 
-/// The nearest facet that the point is over: every facet tried, lowest number first.
+/// The nearest facet that the point is over, else the one whose rim it is nearest to and beyond by a tenth of the half size
+/// at most: every facet tried, lowest number first.
 fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option<u32> {
     let normal = frame_at(&scene.slave.corners(facet, &scene.x), [0.0; 2])[0];
-    let mut best: Option<(f64, u32)> = None;
+    let mut best: Option<(bool, f64, u32)> = None;
     for m in 0..scene.master.facets.len() {
         let corners = scene.master.corners(m, &scene.x);
         let facing = normal.dot(&frame_at(&corners, [0.0; 2])[0]) < -0.2;
@@ -187,12 +188,19 @@ fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option
         let Some(foot) = extend(&Vector3::from(*p), &corners, [0.0; 2]) else {
             continue;
         };
-        let over = foot.xi[0].abs().max(foot.xi[1].abs()) <= 1.0 + 1e-9;
-        if over && foot.distance <= radius && best.is_none_or(|(d, _)| foot.distance < d) {
-            best = Some((foot.distance, m as u32));
+        let out = foot.xi[0].abs().max(foot.xi[1].abs());
+        let beyond = out > 1.0 + 1e-9;
+        let distance = if beyond {
+            project(&Vector3::from(*p), &corners).distance
+        } else {
+            foot.distance
+        };
+        let near = out <= 1.1 && foot.distance <= radius;
+        if near && best.is_none_or(|(b, d, _)| (beyond, distance) < (b, d)) {
+            best = Some((beyond, distance, m as u32));
         }
     }
-    best.map(|(_, m)| m)
+    best.map(|(_, _, m)| m)
 }
 
 fn aabbs(scene: &Scene) -> Vec<Aabb> {

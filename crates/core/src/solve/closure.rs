@@ -32,11 +32,11 @@ const DAMPED: f64 = 0.5;
 
 /// What an increment takes [N mm].
 #[derive(Default)]
-struct Taken {
+pub(super) struct Taken {
     /// What it leaves open, w.
-    leak: f64,
+    pub(super) leak: f64,
     /// ΔE + D.
-    net: f64,
+    pub(super) net: f64,
     /// |ΔE| + |D|.
     gross: f64,
 }
@@ -52,7 +52,7 @@ pub(super) fn pursuit(method: Method) -> usize {
 
 impl Newton<'_> {
     /// The energies of the increment that `trial` ends; none where extrapolated solids leave other errors.
-    fn taken(&self, system: &System, state: &State, trial: &Trial) -> Taken {
+    pub(super) fn taken(&self, system: &System, state: &State, trial: &Trial) -> Taken {
         if self.method() == Method::Implex {
             return Taken::default();
         }

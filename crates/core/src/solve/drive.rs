@@ -413,7 +413,8 @@ impl<'m> Run<'m> {
         if course.ladder.descend(report, moves, forth.0, forth.1) {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
-                self.state.last = None;
+                // What moved by inertia says nothing of the next increment, but may move on.
+                course.repeat = false;
             }
             if leg.method.follows_path() {
                 // The pace of the path is none of the load.

@@ -2,7 +2,9 @@
 
 use super::drive::Run;
 use super::explain;
+use super::state::LastIncrement;
 use crate::model::scene::{BeamMotion, Step};
+use crate::results::curve::QUIET;
 
 impl Run<'_> {
     /// Statics brings to rest what moved.
@@ -16,6 +18,24 @@ impl Run<'_> {
             &mut state.damping,
         ] {
             rates.fill(0.0);
+        }
+    }
+
+    /// Inertia takes over from statics: what the last increment moved goes on at its rate, so that the drive need not set
+    /// it in motion anew. A jump to another equilibrium is no motion.
+    pub(super) fn carry_momentum(&mut self, sense: f64) {
+        let (state, mass) = (&mut self.state, &self.system.mass);
+        let forth = |last: &&LastIncrement| sense * last.load > 0.0 && last.dt > 0.0;
+        let Some(last) = state.last.as_ref().filter(forth) else {
+            return;
+        };
+        let velocity: Vec<f64> = last.dq.iter().map(|dq| dq / last.dt).collect();
+        let kinetic = mass.kinetic_energy(&velocity);
+        if state.energies.kinetic == 0.0 && kinetic < QUIET * state.energies.taken() {
+            state.velocity = velocity;
+            state.energies.kinetic = kinetic;
+            // Statics has taken it out, or never told of it.
+            state.energies.numerical -= kinetic;
         }
     }
 

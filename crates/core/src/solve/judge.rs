@@ -107,28 +107,26 @@ impl Run<'_> {
     fn energy_lost(&self, course: &Course, leg: Leg) -> Option<f64> {
         let jumps = leg.method == Method::Static && course.step.procedure == Procedure::Auto;
         let size = leg.increment.size;
-        let shorter = !course.ladder.is_small(size) && CUT * size >= course.step.increments.min;
+        let possible = CUT * size >= course.step.increments.min;
+        let shorter = possible && !course.ladder.is_small(size);
         let watched = match leg.method {
             Method::Static => shorter || (jumps && !course.ladder.is_last()),
-            Method::Direct
-            | Method::DisplacementControl
-            | Method::QuasiStatic
-            | Method::Dynamic => shorter,
-            // A path has its own measure, and extrapolated solids leave what their error says.
+            Method::Direct => shorter,
+            // Inertia has an answer to every increment, however short.
+            Method::QuasiStatic => possible,
+            // Paths have their own measure, blows their own scheme, and extrapolated solids leave what their error says.
             _ => false,
         };
         if !watched {
             return None;
         }
         let (state, trial) = (&self.state, &self.trial);
-        let ways = course.newton.q().iter().zip(&state.q);
-        let dq: Vec<f64> = ways.map(|(new, old)| new - old).collect();
-        let account = course.newton.account(&self.system, state, trial, &dq);
+        let taken = course.newton.taken(&self.system, state, trial);
         let work = self
             .energy_watch
             .work()
-            .max(account.energies.external.abs());
-        let lost = (account.energies.open() - state.energies.open()).abs() / work;
+            .max(state.energies.taken() + taken.net);
+        let lost = taken.leak.abs() / work;
         (lost > LOST).then_some(lost)
     }
 

@@ -75,6 +75,7 @@ impl Run<'_> {
                 match course.ladder.method() {
                     Method::QuasiStatic => {
                         self.depart(course.index, course.load);
+                        self.carry_momentum(course.sense());
                         self.state.last = None;
                         course.schedule.resume(size.min(course.ladder.floor()));
                     }
