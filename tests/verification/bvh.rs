@@ -5,6 +5,7 @@ mod common;
 
 use common::Random;
 use nalgebra::{Rotation3, Vector3};
+use wythe::contact::pairs::RIM;
 use wythe::contact::projection::{extend, project};
 use wythe::contact::{Aabb, Bvh, Candidates, Search, Surface, frame_at, pair_point, to_frame};
 
@@ -174,7 +175,7 @@ fn points_on(scene: &Scene, facet: usize) -> Vec<[f64; 3]> {
     result
 }
 
-/// The nearest facet that the point is over, else the one whose rim it is nearest to and beyond by a tenth of the half size
+/// The nearest facet that the point is over, else the one whose rim it is nearest to and beyond by [`RIM`] of the half size
 /// at most: every facet tried, lowest number first.
 fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option<u32> {
     let normal = frame_at(&scene.slave.corners(facet, &scene.x), [0.0; 2])[0];
@@ -195,7 +196,7 @@ fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option
         } else {
             foot.distance
         };
-        let near = out <= 1.1 && foot.distance <= radius;
+        let near = out <= 1.0 + RIM && foot.distance <= radius;
         if near && best.is_none_or(|(b, d, _)| (beyond, distance) < (b, d)) {
             best = Some((beyond, distance, m as u32));
         }
@@ -226,7 +227,7 @@ fn pairs_equal_brute_force_while_surfaces_move_within_the_skin() {
                         candidates.of(f),
                         &s.master,
                         &s.x,
-                        radius,
+                        [radius, RIM],
                     );
                     let expected = brute_force(&s, f, &p, radius);
                     assert_eq!(found.map(|(m, _)| m), expected, "round {round}, {p:?}");
@@ -274,7 +275,7 @@ fn a_point_over_a_closed_surface_is_never_lost() {
                     1.5 * f64::from(j) + by[1],
                     by[2],
                 ];
-                let found = pair_point(&Vector3::from(p), None, &all, &s.master, &s.x, 0.1);
+                let found = pair_point(&Vector3::from(p), None, &all, &s.master, &s.x, [0.1, RIM]);
                 let (facet, xi) = found.unwrap_or_else(|| panic!("lost at {p:?}"));
                 let foot = extend(
                     &Vector3::from(p),
@@ -285,7 +286,7 @@ fn a_point_over_a_closed_surface_is_never_lost() {
                 // Rounding of coordinates up to 12 mm.
                 assert!((foot.gap - by[2]).abs() < 1e-14);
                 // It stays where it is, also from across the edge.
-                let again = pair_point(&Vector3::from(p), found, &all, &s.master, &s.x, 0.1);
+                let again = pair_point(&Vector3::from(p), found, &all, &s.master, &s.x, [0.1, RIM]);
                 assert_eq!(again.map(|(f, _)| f), Some(facet));
             }
         }
@@ -345,7 +346,7 @@ fn collapsed_facets_do_not_disturb_the_search() {
     for f in 0..s.slave.facets.len() {
         for p in points_on(&s, f) {
             let point = Vector3::from(p);
-            let found = pair_point(&point, None, candidates.of(f), &s.master, &s.x, 0.4);
+            let found = pair_point(&point, None, candidates.of(f), &s.master, &s.x, [0.4, RIM]);
             assert_eq!(found.map(|(m, _)| m), whole[k], "{p:?}");
             k += 1;
         }

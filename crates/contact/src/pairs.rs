@@ -27,7 +27,7 @@ pub const STAY: f64 = 1e-3;
 const ENTER: f64 = 1e-9;
 /// A point over the rim of a surface stays on it until it is this far beyond (of the half facet): faces
 /// that lie flush bulge and slide by some hundredths of a facet within an increment.
-const RIM: f64 = 0.1;
+pub const RIM: f64 = 0.1;
 
 /// For each slave facet the master facets that its points may come to face while surfaces move
 /// less than the skin.
@@ -139,15 +139,15 @@ impl Candidates {
 }
 
 /// The facet that a point faces now: its present one while it stays on it, else the nearest
-/// candidate that it is over, else the nearest whose rim it is beyond by no more than a tenth of its
-/// half size, ties to the lowest number; none if it is over no facet, or farther than `radius` [mm] from all.
+/// candidate that it is over, else the nearest whose edge it is beyond by no more than `rim` of its half
+/// size, ties to the lowest number; none if it is over no facet, or farther than `radius` [mm] from all.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
     candidates: &[u32],
     master: &Surface,
     x: &[[f64; 3]],
-    radius: f64,
+    [radius, rim]: [f64; 2],
 ) -> Option<(u32, [f64; 2])> {
     if let Some((facet, xi)) = present {
         let foot = extend(point, &master.corners(facet as usize, x), xi);
@@ -160,7 +160,7 @@ pub fn pair_point(
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
         };
-        if !(within(foot.xi, RIM) && foot.distance <= radius) {
+        if !(within(foot.xi, rim) && foot.distance <= radius) {
             continue;
         }
         let over = !within(foot.xi, ENTER);

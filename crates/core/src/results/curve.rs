@@ -415,4 +415,50 @@ mod tests {
         assert_eq!(still_rising.displacement_at_80_percent(), None);
         assert_eq!(still_rising.peak().unwrap().force, 50.0);
     }
+
+    /// Rises to 10 kN, snaps: inertia swings to 15 kN; then 12 kN in equilibrium.
+    fn snaps(seeks_equilibrium: bool) -> Curve {
+        let rows = [
+            (1.0, 10.0, Method::Static, 0.0),
+            (1.01, 15.0, Method::QuasiStatic, 0.5),
+            // Nothing swings any more: it moves evenly.
+            (2.0, 11.0, Method::QuasiStatic, 1e-4),
+            (3.0, 12.0, Method::QuasiStatic, 1e-4),
+            (4.0, 9.0, Method::Static, 0.0),
+        ];
+        let mut curve = Curve::default();
+        for (displacement, force, procedure, kinetic) in rows {
+            let row = HistoryRow {
+                displacement_mm: displacement,
+                force_kN: force,
+                procedure,
+                kinetic_energy_J: kinetic,
+                elastic_energy_J: 5.0,
+                ..HistoryRow::default()
+            };
+            let of = StepOfCurve {
+                driven: true,
+                seeks_equilibrium,
+            };
+            curve.push(&row, of);
+        }
+        curve
+    }
+
+    #[test]
+    fn a_force_that_inertia_carries_to_the_next_equilibrium_is_no_peak() {
+        assert_eq!(snaps(true).peak().unwrap().force, 12.0);
+        // Where the deck asks for inertia its forces are wanted.
+        assert_eq!(snaps(false).peak().unwrap().force, 15.0);
+    }
+
+    #[test]
+    fn what_begins_to_move_moves() {
+        // Kinetic energy now and before, of what has taken 1.
+        assert!(is_moving(QUIET, QUIET, 1.0));
+        assert!(is_moving(1e-4, 0.0, 1.0) && is_moving(1e-4, 8e-5, 1.0));
+        // Evenly, slower and slower, or by rounding.
+        assert!(!is_moving(1e-4, 1e-4, 1.0) && !is_moving(1e-4, 1e-3, 1.0));
+        assert!(!is_moving(1e-6, 0.0, 1.0) && !is_moving(0.0, 0.0, 0.0));
+    }
 }

@@ -49,6 +49,7 @@ impl Run<'_> {
         self.system.follow(&mut state.poses, trial);
         state.wants_double |= newton.wanted_double();
         state.largest_mean_force = state.largest_mean_force.max(trial.mean_nodal_force);
+        state.moved = None;
         state.last = Some(LastIncrement {
             dq: dq.clone(),
             dtraction,

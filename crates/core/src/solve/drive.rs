@@ -305,7 +305,7 @@ impl<'m> Run<'m> {
         }
         self.adopt(&mut course);
         // The boundary conditions change: the last increment says nothing of the next.
-        self.state.last = None;
+        (self.state.last, self.state.moved) = (None, None);
         self.state.wants_double = false;
         Ok(course)
     }
@@ -414,7 +414,7 @@ impl<'m> Run<'m> {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
                 // What moved by inertia says nothing of the next increment, but may move on.
-                course.repeat = false;
+                self.state.moved = self.state.last.take();
             }
             if leg.method.follows_path() {
                 // The pace of the path is none of the load.
@@ -448,6 +448,7 @@ impl<'m> Run<'m> {
     /// Goes on along the next branch of the amplitude.
     fn turn(&mut self, course: &mut Course<'m>) {
         let before = course.branch.slope();
+        self.state.moved = None;
         course.row += 1;
         course.branch = course.step.branch(course.row);
         course.schedule.turn(course.branch);

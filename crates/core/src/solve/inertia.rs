@@ -26,7 +26,8 @@ impl Run<'_> {
     pub(super) fn carry_momentum(&mut self, sense: f64) {
         let (state, mass) = (&mut self.state, &self.system.mass);
         let forth = |last: &&LastIncrement| sense * last.load > 0.0 && last.dt > 0.0;
-        let Some(last) = state.last.as_ref().filter(forth) else {
+        let last = state.last.as_ref().or(state.moved.as_ref());
+        let Some(last) = last.filter(forth) else {
             return;
         };
         let velocity: Vec<f64> = last.dq.iter().map(|dq| dq / last.dt).collect();

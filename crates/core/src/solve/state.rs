@@ -119,6 +119,8 @@ pub struct State {
     pub poses: Poses,
     /// Last increment, none after a change of the boundary conditions.
     pub last: Option<LastIncrement>,
+    /// The last increment that inertia carried, from then on until another one is committed.
+    pub moved: Option<LastIncrement>,
     /// Largest mean nodal force of any commit [N]: what is left of it when all forces vanish scales
     /// the tolerance.
     pub largest_mean_force: f64,

@@ -150,6 +150,7 @@ impl System {
             touches: Vec::new(),
             poses: self.poses(model),
             last: None,
+            moved: None,
             largest_mean_force: 0.0,
             energies: crate::solve::state::Energies::default(),
             fell: false,

@@ -12,6 +12,7 @@ mod work;
 pub(super) use sight::Sight;
 
 use nalgebra::Vector3;
+use wythe_contact::pairs::{RIM, STAY};
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, SlavePoint, Surface,
     corner_points, gauss_points,
@@ -59,6 +60,8 @@ pub struct Contact {
     pub(super) cells: Vec<[u32; 8]>,
     version: usize,
     radius: f64,
+    /// How far beyond the rim of a surface a point stays on it (of the half facet).
+    rim: f64,
     skin: f64,
     /// How far behind a facet a point may come into contact with it [mm].
     behind: f64,
@@ -131,6 +134,12 @@ impl Contact {
             cells: Vec::new(),
             version: 0,
             radius: surfaces.search_radius.unwrap_or(chosen),
+            // In general contact edges take over there.
+            rim: if surfaces.general.is_some() {
+                STAY
+            } else {
+                RIM
+            },
             skin: SKIN * edge,
             behind: 0.5 * BEHIND * edge,
             step: STEP * edge,

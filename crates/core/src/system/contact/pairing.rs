@@ -92,7 +92,14 @@ impl Contact {
         let present = before.facet.map(|facet| (facet, before.xi));
         let point = self.position(f, p, x);
         let candidates = self.candidates.of(f);
-        pair_point(&point, present, candidates, &self.master, x, self.radius)
+        pair_point(
+            &point,
+            present,
+            candidates,
+            &self.master,
+            x,
+            [self.radius, self.rim],
+        )
     }
 
     /// Position of a point of a facet [mm].
