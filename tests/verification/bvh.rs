@@ -6,7 +6,7 @@ mod common;
 use common::Random;
 use nalgebra::{Rotation3, Vector3};
 use wythe::contact::pairs::RIM;
-use wythe::contact::projection::{extend, project};
+use wythe::contact::projection::extend;
 use wythe::contact::{Aabb, Bvh, Candidates, Search, Surface, frame_at, pair_point, to_frame};
 
 fn vector(random: &mut Random, size: f64) -> [f64; 3] {
@@ -175,11 +175,10 @@ fn points_on(scene: &Scene, facet: usize) -> Vec<[f64; 3]> {
     result
 }
 
-/// The nearest facet that the point is over, else the one whose rim it is nearest to and beyond by [`RIM`] of the half size
-/// at most: every facet tried, lowest number first.
+/// The nearest facet that the point is over: every facet tried, lowest number first.
 fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option<u32> {
     let normal = frame_at(&scene.slave.corners(facet, &scene.x), [0.0; 2])[0];
-    let mut best: Option<(bool, f64, u32)> = None;
+    let mut best: Option<(f64, u32)> = None;
     for m in 0..scene.master.facets.len() {
         let corners = scene.master.corners(m, &scene.x);
         let facing = normal.dot(&frame_at(&corners, [0.0; 2])[0]) < -0.2;
@@ -189,19 +188,12 @@ fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option
         let Some(foot) = extend(&Vector3::from(*p), &corners, [0.0; 2]) else {
             continue;
         };
-        let out = foot.xi[0].abs().max(foot.xi[1].abs());
-        let beyond = out > 1.0 + 1e-9;
-        let distance = if beyond {
-            project(&Vector3::from(*p), &corners).distance
-        } else {
-            foot.distance
-        };
-        let near = out <= 1.0 + RIM && foot.distance <= radius;
-        if near && best.is_none_or(|(b, d, _)| (beyond, distance) < (b, d)) {
-            best = Some((beyond, distance, m as u32));
+        let over = foot.xi[0].abs().max(foot.xi[1].abs()) <= 1.0 + 1e-9;
+        if over && foot.distance <= radius && best.is_none_or(|(d, _)| foot.distance < d) {
+            best = Some((foot.distance, m as u32));
         }
     }
-    best.map(|(_, _, m)| m)
+    best.map(|(_, m)| m)
 }
 
 fn aabbs(scene: &Scene) -> Vec<Aabb> {
@@ -387,4 +379,31 @@ fn slip_turns_with_the_frame() {
     let turned = to_frame([1.0, 0.25], &axes, &next);
     // One rounding.
     assert!((turned[0] - 1.0).abs() < 1e-15 && (turned[1] - 0.25).abs() < 1e-15);
+}
+
+#[test]
+fn a_point_that_faced_a_surface_stays_on_it_a_little_beyond_its_rim() {
+    // A facet of 2 x 2 mm: parameters are millimetres.
+    let master = Surface {
+        facets: vec![[0, 1, 2, 3]],
+        body: vec![0],
+    };
+    let x = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| [x, y, 0.0]);
+    let pair = |beyond: f64, present| {
+        let point = Vector3::new(1.0 + beyond, 0.3, 0.01);
+        pair_point(&point, present, &[0], &master, &x, [0.1, RIM])
+    };
+    let before = Some((0, [1.0, 0.3]));
+    let close = |found: Option<(u32, [f64; 2])>, beyond: f64| {
+        let (facet, [xi, eta]) = found.unwrap();
+        // Rounding of a division or two.
+        facet == 0 && (xi - 1.0 - beyond).abs() < 1e-12 && (eta - 0.3).abs() < 1e-12
+    };
+    for beyond in [0.0, 5e-4, 0.05, 0.09] {
+        assert!(close(pair(beyond, before), beyond), "{beyond}");
+    }
+    assert_eq!(pair(0.11, before), None);
+    // Without a facet before, only rounding and settling count: no bond reaches over a rim.
+    assert!(close(pair(5e-4, None), 5e-4));
+    assert_eq!(pair(0.05, None), None);
 }

@@ -23,7 +23,7 @@ const FACING: f64 = -0.2;
 /// two facets that share an edge do not pass it to and fro.
 pub const STAY: f64 = 1e-3;
 /// A point changes to a facet that it is on, or beyond by no more than rounding; to one that it is
-/// beyond by less than [`RIM`] only if there is no other.
+/// beyond by less than [`STAY`] or [`RIM`] only if there is no other.
 const ENTER: f64 = 1e-9;
 /// A point over the rim of a surface stays on it until it is this far beyond (of the half facet): faces
 /// that lie flush bulge and slide by some hundredths of a facet within an increment.
@@ -139,8 +139,9 @@ impl Candidates {
 }
 
 /// The facet that a point faces now: its present one while it stays on it, else the nearest
-/// candidate that it is over, else the nearest whose edge it is beyond by no more than `rim` of its half
-/// size, ties to the lowest number; none if it is over no facet, or farther than `radius` [mm] from all.
+/// candidate that it is over, else the nearest whose edge it is beyond by no more than a thousandth of its half size, or
+/// `rim` of it if it faced a facet before, ties to the lowest number; none if it is over no facet, or farther than
+/// `radius` [mm] from all.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
@@ -155,12 +156,13 @@ pub fn pair_point(
             return Some((facet, foot.xi));
         }
     }
+    let most = if present.is_some() { rim } else { STAY };
     let mut best: Option<(bool, f64, u32, [f64; 2])> = None;
     for &facet in candidates {
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
         };
-        if !(within(foot.xi, rim) && foot.distance <= radius) {
+        if !(within(foot.xi, most) && foot.distance <= radius) {
             continue;
         }
         let over = !within(foot.xi, ENTER);
@@ -176,9 +178,8 @@ pub fn pair_point(
     best.map(|(_, _, facet, xi)| (facet, xi))
 }
 
-/// Where a point that is over the rim of a surface meets the rim: the point of the candidates that is
-/// nearest to it, on its facet, and how far the point is above it along the facet's normal [mm]. None if the point is over
-/// a facet, or more than `radius` [mm] above all.
+/// The nearest place on the rim of a surface to a point that is over it, with its facet. None if a candidate lies under the
+/// point, or if the point is farther than `radius` [mm] from the planes of all candidates.
 pub fn rim_point(
     point: &Vector3<f64>,
     candidates: &[u32],

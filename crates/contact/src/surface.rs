@@ -49,7 +49,7 @@ pub(crate) fn shape(xi: [f64; 2]) -> ([f64; 4], [f64; 4], [f64; 4]) {
 pub(crate) const MIXED: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
 
 /// Σ w_a x_a.
-pub(crate) fn blend(weights: &[f64; 4], x: &[[f64; 3]; 4]) -> Vector3<f64> {
+pub fn blend(weights: &[f64; 4], x: &[[f64; 3]; 4]) -> Vector3<f64> {
     let mut sum = Vector3::zeros();
     for a in 0..4 {
         for i in 0..3 {

@@ -13,6 +13,7 @@ pub(super) use sight::Sight;
 
 use nalgebra::Vector3;
 use wythe_contact::pairs::{RIM, STAY};
+use wythe_contact::surface::blend;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, SlavePoint, Surface,
     corner_points, gauss_points,
@@ -54,8 +55,8 @@ pub struct Contact {
     pub points: Vec<SlavePoint>,
     /// Weights of the points where they are at rest. `[point]`
     at_rest: Vec<[f64; 4]>,
-    /// Points that are elsewhere in this increment: on a rim.
-    off_corner: Vec<u32>,
+    /// Points that this increment has on a rim.
+    moved: Vec<u32>,
     pub(super) candidates: Candidates,
     pub(super) cells: Vec<[u32; 8]>,
     version: usize,
@@ -128,7 +129,7 @@ impl Contact {
             master,
             law_of: surfaces.slave_law.clone(),
             at_rest: points.iter().map(|point| point.weights).collect(),
-            off_corner: Vec::new(),
+            moved: Vec::new(),
             points,
             candidates: Candidates::default(),
             cells: Vec::new(),
@@ -195,10 +196,7 @@ impl Contact {
     /// Positions of the four points of a facet where they are at rest on it [mm].
     fn positions(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
         let corners = self.slave.corners(facet, x);
-        [0, 1, 2, 3].map(|p| {
-            let weights = &self.at_rest[4 * facet + p];
-            [0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum())
-        })
+        [0, 1, 2, 3].map(|p| blend(&self.at_rest[4 * facet + p], &corners).into())
     }
 
     /// Where candidates were searched last [mm]. `[node]`

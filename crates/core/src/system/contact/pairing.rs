@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use wythe_contact::pairs::stays_on;
+use wythe_contact::surface::blend;
 use wythe_contact::{PointPair, extend, pair_point};
 
 use super::Contact;
@@ -104,11 +105,8 @@ impl Contact {
 
     /// Position of a point of a facet [mm].
     pub(super) fn position(&self, facet: usize, p: usize, x: &[[f64; 3]]) -> Vector3<f64> {
-        let (corners, weights) = (
-            self.slave.corners(facet, x),
-            self.points[4 * facet + p].weights,
-        );
-        Vector3::from([0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum()))
+        let weights = &self.points[4 * facet + p].weights;
+        blend(weights, &self.slave.corners(facet, x))
     }
 
     /// Whether a point [mm] lies behind a facet by more than `depth` [mm].

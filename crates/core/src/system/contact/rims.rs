@@ -1,14 +1,12 @@
 //! Points that follow the rim of the surface they face.
 //!
-//! A slave facet that hangs over the rim of its master rests on what lies above the master, up to the rim: the corners of
-//! the overlap carry it. A sampling point that stays at its corner of the facet would face nothing, and the
-//! facet would turn about the points that are left. So a point without bond that is over the rim is
-//! moved along its facet to the rim when an increment begins, and goes back with the facet. Where it is follows
-//! from the committed positions alone.
+//! The corners of the common area carry a slave facet that hangs over the rim of its master. A sampling point at a corner of
+//! the facet would face nothing there, and the facet would turn about the other points. So a point without bond that is
+//! over the rim is moved along its facet to the rim at the beginning of an increment. Its place follows from the committed
+//! positions alone, so that it goes back with the facet, and a resumed run finds it again.
 
-use nalgebra::Vector3;
 use wythe_contact::pairs::{STAY, rim_point, stays_on};
-use wythe_contact::surface::weights_at;
+use wythe_contact::surface::{blend, weights_at};
 use wythe_contact::{PointPair, extend, frame_at};
 
 use super::Contact;
@@ -16,24 +14,24 @@ use crate::model::Model;
 use crate::solve::State;
 use crate::system::Trial;
 
-/// How far beyond what it samples a point may come to lie by rounding [-].
+/// Rounding of the parameters of a point at the end of its part of a facet [-].
 const ROUNDING: f64 = 1e-9;
-/// Parameter of a facet at which a point that hangs over its rim is kept: a little less than where one leaves it
+/// Parameter of a master facet at which a moved point lies: a little less than the one at which a point leaves the facet
 /// ([`stays_on`]).
 const FARTHEST: f64 = 1.0 + 0.9 * STAY;
 
-/// A point is where it is at rest if it is within this of it (of the skin): less than a ten-thousandth of an edge.
+/// Largest distance of a point from its place at rest that counts as none (of the skin): 3e-5 of an edge.
 const AT_REST: f64 = 1e-3;
 
 impl Contact {
     /// Places the points for the increment that `trial` begins from `state`.
     pub fn follow_rims(&mut self, model: &Model, state: &State, trial: &mut Trial) {
-        for p in std::mem::take(&mut self.off_corner) {
+        for p in std::mem::take(&mut self.moved) {
             self.points[p as usize].weights = self.at_rest[p as usize];
             trial.held.forget_joint(p as usize / 4);
         }
         if model.contact.general.is_some() {
-            // Its edges carry what hangs over.
+            // Edges carry a facet there.
             return;
         }
         for p in 0..self.points.len() {
@@ -46,7 +44,7 @@ impl Contact {
                 continue;
             };
             self.points[p].weights = weights;
-            self.off_corner.push(p as u32);
+            self.moved.push(p as u32);
             trial.held.forget_joint(p / 4);
             trial.pairs[p] = pair;
             trial.anchors[p] = pair;
@@ -60,13 +58,13 @@ impl Contact {
             return false;
         };
         let corners = self.master.corners(facet as usize, x);
-        let way = self.position(p / 4, p % 4, x) - place(&corners, pair.xi);
+        let way = self.position(p / 4, p % 4, x) - blend(&weights_at(pair.xi), &corners);
         let [normal, _, _] = frame_at(&corners, pair.xi);
         let along = way - normal * normal.dot(&way);
         along.norm() <= AT_REST * self.skin
     }
 
-    /// Where a point has to be to lie on the rim that it is over: weights of the corners of its facet, and its foot.
+    /// The place on the rim of a point that is over it: weights of the corners of its slave facet, and its foot.
     fn at_rim(
         &self,
         model: &Model,
@@ -84,12 +82,12 @@ impl Contact {
         }
         // As far beyond the rim as points stay at their corners: it leaves its corner without a jump.
         let xi = foot.xi.map(|xi| xi.clamp(-FARTHEST, FARTHEST));
-        let target = place(&master, xi);
+        let target = blend(&weights_at(xi), &master);
         let on_slave = extend(&target, &self.slave.corners(f, x), [0.0; 2])?;
         let part = model.contact.part(f);
         let beyond = |i: usize| (on_slave.xi[i] - part.middle[i]).abs() - part.half[i];
         let within = (0..2).all(|i| beyond(i) <= ROUNDING);
-        // What has come from the side lies behind the facet.
+        // A point that comes from the side lies behind the facet.
         let gap = (on_slave.point - target).dot(&rim.normal);
         let above = before.facet.is_some() || gap >= -self.behind;
         if !(within && above && gap.abs() <= self.radius) {
@@ -101,10 +99,4 @@ impl Contact {
         };
         Some((weights_at(on_slave.xi), pair))
     }
-}
-
-/// The point of a facet with these parameters.
-fn place(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Vector3<f64> {
-    let weights = weights_at(xi);
-    Vector3::from([0, 1, 2].map(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum()))
 }
