@@ -8,6 +8,7 @@ use common::examples::{completed, load};
 use common::scene::run;
 use wythe::model::Model;
 use wythe::results::{HistoryRow, Status};
+use wythe::solve::Method;
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {
     completed(name, overrides).1.rows
@@ -200,6 +201,27 @@ fn a_dry_stone_wall_rocks_like_the_test() {
     // Never more than a rigid block of this load and weight on its toe.
     let weight = 0.9 * 0.2 * 2.3 * 9.81; // kN
     assert!(peak < (100.0 + weight) * 0.5, "{peak} kN");
+}
+
+/// Inertia takes over from statics while the wall is driven: the wall moves from the first increment on. From rest the drive would
+/// have to set it in motion, and its force would jump by 1 to 3 %.
+#[test]
+fn inertia_goes_on_at_the_rate_of_statics() {
+    let rows = rows("63_dry_stone_wall", &[("steps.2.displacement", "8")]);
+    let driven: Vec<_> = rows.iter().filter(|row| row.step == 2).collect();
+    let takes_over = |w: &&[&HistoryRow]| {
+        w[0].procedure == Method::Static
+            && w[1..]
+                .iter()
+                .all(|row| row.procedure == Method::QuasiStatic)
+    };
+    let restarts: Vec<_> = driven.windows(3).filter(takes_over).collect();
+    assert!(!restarts.is_empty());
+    for restart in restarts {
+        let [_, first, second] = [0, 1, 2].map(|i| restart[i].kinetic_energy_J);
+        // From rest the first increment has a quarter of the second: it moves by half as fast.
+        assert!(first > 0.5 * second, "{first} J, then {second} J");
+    }
 }
 
 #[test]

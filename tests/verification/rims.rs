@@ -1,16 +1,13 @@
-//! Faces that hang over the rim of what they rest on: the rim carries them.
+//! The rim of a face carries another face that hangs over it.
 
 #[path = "../common/mod.rs"]
 mod common;
 
+use common::blocks::deck_and_model;
 use common::scene::{Recording, completed};
-use wythe::model::{Deck, Model};
 
-fn run(text: &str) -> (Deck, Recording) {
-    let deck = Deck::from_str(text, "rims.toml").unwrap_or_else(|e| panic!("{e}"));
-    let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
-    let recording = completed(&model);
-    (deck, recording)
+fn run(text: &str) -> Recording {
+    completed(&deck_and_model(text).1)
 }
 
 /// A soft block, pressed by `pressure` [MPa], dragged over a base of the same width: it bulges over its sides.
@@ -70,7 +67,7 @@ fn a_soft_block_that_bulges_over_the_sides_of_its_base_is_dragged_by_the_coulomb
         (10.0, 0.1, "corner", "[4, 2, 2]", 200.0),
         (10.0, 0.5, "gauss", "[4, 2, 2]", 60.0),
     ] {
-        let (_, recording) = run(&dragged(pressure, friction, points, mesh, way));
+        let recording = run(&dragged(pressure, friction, points, mesh, way));
         // Ten increments of the drive lie beyond the 12 mm in which the block shears.
         let rows = recording.rows.iter();
         let slides = rows.filter(|row| row.step == 1 && row.displacement_mm.abs() > 20.0);
@@ -112,7 +109,7 @@ fn a_block_that_is_struck_slides_and_stands_with_its_face_over_the_rim() {
         (-0.5, "corner"),
         (0.5, "gauss"),
     ] {
-        let (_, recording) = run(&struck(velocity, points));
+        let recording = run(&struck(velocity, points));
         let last = recording.rows.last().unwrap();
         // All that it had is worn off by friction, v²/2μg.
         let exact = 1e6 * velocity * velocity / (2.0 * 0.6 * 9810.0);
@@ -122,8 +119,8 @@ fn a_block_that_is_struck_slides_and_stands_with_its_face_over_the_rim() {
             (slip - exact).abs() < 0.2 + 0.02 * exact,
             "{velocity} m/s: {slip} of {exact} mm"
         );
-        // Its weight has done no work, nothing sank: what came in is what 28 kg began with (a hundredth of a joule is
-        // the weight of the column on its joints).
+        // Nothing sank: no work was done but the kinetic energy of 28 kg at the start (the weight of the column on its joints
+        // is a hundredth of a joule).
         let sunk = last.external_work_J - 14.0 * velocity * velocity;
         assert!(sunk.abs() < 1e-2, "{velocity} m/s: {sunk} J");
         assert!(last.kinetic_energy_J < 1e-3, "{} J", last.kinetic_energy_J);

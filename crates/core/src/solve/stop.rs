@@ -215,4 +215,21 @@ mod tests {
         assert!(watch.take([-1.0, -7.3], false).is_none());
         assert!(watch.take([-2.0, -7.0], false).is_some());
     }
+
+    #[test]
+    fn a_force_that_swings_is_neither_the_peak_nor_below_it() {
+        let stop = Stop {
+            below_peak: Some(0.8),
+            displacement: Some(5.0),
+        };
+        let mut watch = watch(stop, 3.0, 0.0);
+        assert_eq!(watch.take([1.0, 10.0], false), None);
+        // Above and below the peak of 10 kN, by inertia.
+        assert_eq!(watch.take([1.1, 15.0], true), None);
+        assert_eq!(watch.take([1.2, 2.0], true), None);
+        assert_eq!(watch.take([1.3, 9.0], false), None);
+        assert!(watch.take([1.4, 7.9], false).is_some());
+        // The displacement counts.
+        assert!(watch.take([5.0, 9.0], true).is_some());
+    }
 }
