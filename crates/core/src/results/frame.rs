@@ -1,5 +1,6 @@
 //! One converged increment, as rows and fields.
 
+use crate::model::sizes::Sizes;
 use nalgebra::Vector6;
 use wythe_contact::{InterfaceHistory, InterfaceLaw};
 
@@ -193,21 +194,6 @@ impl InterfaceState {
 /// Damage from which a point counts as failed: exponential softening reaches 1 only where it is cut
 /// off.
 const FAILED: f64 = 0.99;
-
-/// Sizes of a model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Sizes {
-    /// Units (bodies).
-    pub units: usize,
-    /// Hex8 elements.
-    pub elements: usize,
-    /// Nodes.
-    pub nodes: usize,
-    /// Unknowns; of a run those that were solved.
-    pub dofs: usize,
-    /// Contact points.
-    pub contact_points: usize,
-}
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -39,12 +39,13 @@ pub mod vtkhdf;
 pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
+pub use crate::model::sizes::Sizes;
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 pub use directory::{OutputError, RunDirectory};
 pub use frame::{
-    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Sizes,
-    Status, Summary,
+    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Status,
+    Summary,
 };
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;

@@ -7,11 +7,11 @@ use miette::Diagnostic;
 
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
-use super::history::fixed_columns;
 use super::vtkhdf::read::FieldsFile;
 use super::{Curve, HistoryRow, StepOfCurve, SummaryFile};
 use crate::files;
 use crate::model::Deck;
+use crate::model::columns::FIXED;
 
 /// Longest text that is read: ten million rows of a history have less.
 const MOST_TEXT: u64 = 1 << 32;
@@ -73,7 +73,7 @@ pub struct ReadHistory {
     pub rows: Vec<HistoryRow>,
     /// Columns of the probes.
     pub probes: Vec<String>,
-    /// What steps are to the load-displacement curve, as the run counts them; nothing where the folder has no deck.
+    /// The part of each step in the load-displacement curve, as the run counts them; none where the folder has no deck.
     /// `[step]`
     pub steps: Option<Vec<StepOfCurve>>,
 }
@@ -222,17 +222,16 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     let header = reader
         .headers()
         .map_err(|e| content(Some(1), e.to_string()))?;
-    let fixed = fixed_columns();
-    if header.len() < fixed.len() || !header.iter().zip(&fixed).all(|(a, b)| a == b) {
+    if header.len() < FIXED.len() || !header.iter().zip(FIXED).all(|(a, b)| a == b) {
         return Err(content(
             Some(1),
             "the columns are not those of a history".to_owned(),
         ));
     }
-    let probes = header.iter().skip(fixed.len()).map(str::to_owned).collect();
+    let probes = header.iter().skip(FIXED.len()).map(str::to_owned).collect();
     let header = header
         .iter()
-        .take(fixed.len())
+        .take(FIXED.len())
         .collect::<csv::StringRecord>();
     let mut history = ReadHistory {
         rows: Vec::new(),
@@ -243,11 +242,11 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
         let record =
             record.map_err(|e| content(e.position().map(csv::Position::line), e.to_string()))?;
         let line = record.position().map(csv::Position::line);
-        let first: csv::StringRecord = record.iter().take(fixed.len()).collect();
+        let first: csv::StringRecord = record.iter().take(FIXED.len()).collect();
         let mut row: HistoryRow = first
             .deserialize(Some(&header))
             .map_err(|e| content(line, e.to_string()))?;
-        for value in record.iter().skip(fixed.len()) {
+        for value in record.iter().skip(FIXED.len()) {
             let value = value
                 .parse()
                 .map_err(|_| content(line, format!("{value} is no number")))?;
@@ -258,7 +257,8 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     Ok(history)
 }
 
-/// What the steps of a deck are to the load-displacement curve: part of it are those that drive, or load where none drives.
+/// The part of each step of a deck in the load-displacement curve: it has the steps that drive, or those that load if none
+/// drives.
 /// `[step]`
 fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     let deck: toml::Table = deck.parse().ok()?;

@@ -1,10 +1,10 @@
 //! Ranges of `[[steps.loads]]`, `amplitude` and `cycles`.
 
 use super::Checks;
+use crate::model::columns::FIXED;
 use crate::model::deck::{DeckAmplitude, DeckLoad, DeckProbe, DeckProcedure, DeckStep, StepKind};
 use crate::model::keys;
 use crate::model::quantity::{Number, Quantity};
-use crate::results::history;
 
 impl Checks<'_> {
     /// Loads of all steps: each is said where it acts once, and stays of its kind.
@@ -35,7 +35,6 @@ impl Checks<'_> {
 
     /// Names make columns, each once.
     fn columns_of_loads(&mut self, first: &[(String, &DeckLoad)]) {
-        let fixed = history::fixed_columns();
         let mut taken: Vec<String> = self.deck.probes.iter().map(DeckProbe::column).collect();
         for (path, load) in first {
             let (path, name) = (format!("{path}.name"), &load.name);
@@ -47,7 +46,7 @@ impl Checks<'_> {
                 "a letter, then letters, digits, - and _",
             );
             for column in load.columns() {
-                let again = taken.contains(&column) || fixed.contains(&column);
+                let again = taken.contains(&column) || FIXED.contains(&column.as_str());
                 self.require(
                     !again,
                     &path,

@@ -1,9 +1,9 @@
 //! Ranges of `[[probes]]`.
 
 use super::Checks;
+use crate::model::columns::FIXED;
 use crate::model::deck::DeckProbe;
 use crate::model::keys;
-use crate::results::history;
 
 impl Checks<'_> {
     pub(super) fn probes(&mut self) {
@@ -11,7 +11,6 @@ impl Checks<'_> {
         if deck.probes.is_empty() {
             return;
         }
-        let fixed = history::fixed_columns();
         let columns: Vec<String> = deck.probes.iter().map(DeckProbe::column).collect();
         for (i, (probe, column)) in deck.probes.iter().zip(&columns).enumerate() {
             let path = format!("probes.{i}");
@@ -24,7 +23,7 @@ impl Checks<'_> {
                 "a letter, then letters, digits, - and _",
             );
             self.require(
-                !columns[..i].contains(column) && !fixed.contains(column),
+                !columns[..i].contains(column) && !FIXED.contains(&column.as_str()),
                 &format!("{path}.name"),
                 || format!("there are two columns named `{column}`"),
                 "give each probe a name of its own",
