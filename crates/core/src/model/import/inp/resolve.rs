@@ -1,13 +1,17 @@
-//! From what an `.inp` says to a mesh: instances placed, labels and names looked up.
+//! From an `.inp` to a mesh: instances are placed, labels and names looked up.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+mod left_out;
+mod surfaces;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::super::{ImportedMesh, MOST_ELEMENTS, MOST_NODES, Place, Section, Wrong};
-use super::raw::{Instance, Member, Node, Raw, Scope, Set, Surface};
-use super::reader::instead_of;
+use super::raw::{Instance, Member, Node, Raw, Scope, Set};
 use crate::model::hexahedron::norm;
 use crate::model::keys::nearest;
 use crate::model::scene::turned;
+use left_out::{leave_others_out, leave_parts_out, notes};
+use surfaces::surfaces;
 
 /// Sets of sets of sets … deeper than this go round in a circle.
 const DEEPEST: usize = 32;
@@ -107,40 +111,6 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
     mesh.materials = raw.materials;
     mesh.take_unused_nodes_out();
     Ok(mesh)
-}
-
-/// What was read as something else, and what was not read at all.
-fn notes(raw: &Raw) -> Vec<String> {
-    let mut notes = Vec::new();
-    let types: Vec<&str> = raw.types.keys().map(String::as_str).collect();
-    if !types.is_empty() && types != ["C3D8I"] {
-        notes.push(format!(
-            "{} are read as hex8 of the deck's element.formulation: b-bar is nearest to C3D8, incompatible to \
-             C3D8I; none has reduced integration",
-            types.join(", ")
-        ));
-    }
-    if let Some((count, place)) = raw.long {
-        notes.push(format!(
-            "{count} hexahedra have more labels on their line than those of eight nodes, which are taken; the others are \
-             left out (the first is at line {})",
-            place.line
-        ));
-    }
-    for material in &raw.materials {
-        if let Some(why) = &material.unusable {
-            notes.push(format!(
-                "material {} is left out: {why}; write it in the deck where it is used",
-                material.name
-            ));
-        }
-    }
-    if !raw.skipped.is_empty() {
-        let each = |(name, place): (&String, &Place)| format!("*{name} (line {})", place.line);
-        let skipped: Vec<String> = raw.skipped.iter().map(each).collect();
-        notes.push(format!("not read: {}", skipped.join(", ")));
-    }
-    notes
 }
 
 fn unknown_part(raw: &Raw, instance: &Instance) -> Wrong {
@@ -474,180 +444,6 @@ fn unknown<'a>(
     Wrong::new(place, format!("there is no {kind} named {name}"), help)
 }
 
-/// Looks up the surfaces of all frames. What of them is not there is noted: nobody may need it.
-fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
-    let any = |f: &Frame<'_>| f.scopes.iter().any(|s| !s.surfaces.is_empty());
-    if !frames.iter().any(any) {
-        return Ok(());
-    }
-    // A mesh with sides of three elements is refused when it is checked.
-    let outside = mesh.exterior().unwrap_or_default();
-    for (at, frame) in frames.iter().enumerate() {
-        for surface in frame.scopes.iter().flat_map(|s| &s.surfaces) {
-            let name = format!("{}{}", prefix(frame.name.as_deref()), surface.name);
-            let (sides, nodes) = sides(frames, at, surface, mesh, &outside, &name)?;
-            if sides.is_empty() {
-                left_without_sides(mesh, name, nodes);
-                continue;
-            }
-            let mut all = mesh.surfaces.remove(&name).unwrap_or_default();
-            all.extend(sides);
-            all.sort_unstable();
-            all.dedup();
-            mesh.surfaces.insert(name, all);
-        }
-    }
-    Ok(())
-}
-
-/// A surface that has no side of a hexahedron: a set of nodes, if it has nodes.
-fn left_without_sides(mesh: &mut ImportedMesh, name: String, mut nodes: Vec<u32>) {
-    if nodes.is_empty() {
-        mesh.notes.push(format!(
-            "surface {name} is left out: none of its elements is a hexahedron"
-        ));
-        return;
-    }
-    mesh.notes.push(format!(
-        "surface {name} of nodes is read as a set of nodes: no side of an element has all of its nodes in it"
-    ));
-    nodes.sort_unstable();
-    nodes.dedup();
-    mesh.node_sets.entry(name).or_insert(nodes);
-}
-
-/// Sides of elements that a surface stands for, and its nodes, if it is one of nodes.
-type Found = (Vec<(u32, u8)>, Vec<u32>);
-
-/// Looks up what a surface stands for.
-fn sides(
-    frames: &[Frame<'_>],
-    at: usize,
-    surface: &Surface,
-    mesh: &mut ImportedMesh,
-    outside: &[(u32, u8)],
-    name: &str,
-) -> Result<Found, Wrong> {
-    let mut all = Vec::new();
-    let mut nodes = Vec::new();
-    let mut absent = None;
-    let kind = if surface.of_nodes { NODES } else { ELEMENTS };
-    for (member, side, place) in &surface.members {
-        let mut found = Vec::new();
-        one(
-            frames,
-            at,
-            kind,
-            member,
-            *place,
-            mesh,
-            0,
-            &mut found,
-            &mut absent,
-        )?;
-        match side {
-            // Sides of elements that are not read have other names.
-            Some(_) if found.is_empty() => {}
-            Some(side) => {
-                let side = number_of(side, surface, *place)?;
-                all.extend(found.into_iter().map(|e| (e, side)));
-            }
-            None if surface.of_nodes => nodes.extend(found),
-            None => {
-                found.sort_unstable();
-                let of_set = |(e, _): &&(u32, u8)| found.binary_search(e).is_ok();
-                all.extend(outside.iter().filter(of_set));
-            }
-        }
-    }
-    if let Some((label, count)) = absent {
-        let what = if surface.of_nodes {
-            "nodes"
-        } else {
-            "elements"
-        };
-        mesh.notes.push(format!(
-            "surface {name}: {count} of its {what} are not there (the first is {label})"
-        ));
-    }
-    if surface.of_nodes {
-        all = mesh.sides_between(&nodes, outside);
-    }
-    Ok((all, nodes))
-}
-
-/// The side of a hexahedron from 0, S1 to S6 as it is written.
-fn number_of(side: &str, surface: &Surface, place: Place) -> Result<u8, Wrong> {
-    match side
-        .strip_prefix('S')
-        .and_then(super::super::numbers::label)
-    {
-        Some(n @ 1..=6) => Ok(n as u8 - 1),
-        _ => Err(Wrong::new(
-            place,
-            format!(
-                "surface {}: `{side}` is no side of a hexahedron",
-                surface.name
-            ),
-            "its sides are S1 to S6",
-        )),
-    }
-}
-
-/// Notes elements of types that are not read, a line a type, and remembers their labels.
-fn leave_others_out(mesh: &mut ImportedMesh, frames: &mut [Frame<'_>]) {
-    let mut of_hexahedra = vec![false; mesh.nodes.len()];
-    for n in mesh.elements.iter().flatten() {
-        of_hexahedra[*n as usize] = true;
-    }
-    // By type: how many, how many of them have nodes in common with hexahedra, the first.
-    let mut kinds: BTreeMap<&str, (usize, usize, u64, Place)> = BTreeMap::new();
-    for frame in frames {
-        for other in frame.scopes.iter().flat_map(|s| &s.others) {
-            frame.others.insert(other.label);
-            let kind = kinds.entry(&other.kind);
-            let (count, joined, ..) = kind.or_insert((0, 0, other.label, other.place));
-            *count += 1;
-            let indices = other
-                .nodes
-                .iter()
-                .filter_map(|n| frame.labels[NODES].get(n));
-            let mut shared = indices.map(|n| of_hexahedra[*n as usize]);
-            *joined += usize::from(shared.any(|shared| shared));
-        }
-    }
-    for (kind, (count, joined, first, place)) in kinds {
-        let joined = match joined {
-            0 => String::new(),
-            joined => format!(", {joined} of them with nodes of hexahedra"),
-        };
-        mesh.notes.push(format!(
-            "{count} elements of the type {kind} are left out{joined} (the first is {first}, line {}): {}",
-            place.line,
-            instead_of(kind)
-        ));
-        *mesh.left_out.entry(kind.to_owned()).or_default() += count;
-    }
-}
-
-/// Notes parts that stand nowhere.
-fn leave_parts_out(mesh: &mut ImportedMesh, raw: &Raw) {
-    let placed = raw.instances.iter().map(|i| i.part.to_uppercase());
-    let placed: BTreeSet<String> = placed.collect();
-    let unused: Vec<&str> = raw
-        .parts
-        .keys()
-        .map(String::as_str)
-        .filter(|name| !placed.contains(*name))
-        .collect();
-    if !unused.is_empty() {
-        mesh.notes.push(format!(
-            "no *INSTANCE puts them anywhere, so these parts are left out: {}",
-            unused.join(", ")
-        ));
-    }
-}
-
 /// Looks up which elements are of which material.
 fn sections(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
     for (at, frame) in frames.iter().enumerate() {
@@ -675,46 +471,4 @@ fn sections(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> 
         }
     }
     Ok(())
-}
-
-impl ImportedMesh {
-    /// Takes out nodes of no element: reference points, construction points. They would hang free.
-    pub(in super::super) fn take_unused_nodes_out(&mut self) {
-        let mut used = vec![false; self.nodes.len()];
-        for n in self.elements.iter().flatten() {
-            used[*n as usize] = true;
-        }
-        let unused: Vec<u64> = (0..used.len())
-            .filter(|n| !used[*n])
-            .map(|n| self.node_labels[n])
-            .collect();
-        let Some(first) = unused.first() else {
-            return;
-        };
-        self.notes.push(format!(
-            "{} nodes belong to no element and are left out (the first is {first})",
-            unused.len()
-        ));
-        let mut to = vec![u32::MAX; used.len()];
-        let mut next = 0;
-        for (n, used) in used.iter().enumerate() {
-            if *used {
-                to[n] = next;
-                self.nodes[next as usize] = self.nodes[n];
-                self.node_labels[next as usize] = self.node_labels[n];
-                next += 1;
-            }
-        }
-        self.nodes.truncate(next as usize);
-        self.node_labels.truncate(next as usize);
-        for n in self.elements.iter_mut().flatten() {
-            *n = to[*n as usize];
-        }
-        for set in self.node_sets.values_mut() {
-            set.retain(|n| to[*n as usize] != u32::MAX);
-            for n in set {
-                *n = to[*n as usize];
-            }
-        }
-    }
 }
