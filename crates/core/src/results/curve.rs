@@ -17,24 +17,24 @@ pub struct Curve {
     kinetic: f64,
 }
 
-/// What a step is to the curve.
+/// The part of a step in the curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepOfCurve {
-    /// It is part of the curve.
+    /// Its increments are points of the curve.
     pub driven: bool,
-    /// It asks for equilibria (procedure `auto`): what moves in it is on the way from one to the next.
+    /// It asks for equilibria (procedure `auto`): inertia only leads from one to the next.
     pub seeks_equilibrium: bool,
 }
 
-/// Kinetic energy over what solids and interfaces have taken below which nothing moves any more [-].
+/// Kinetic energy below which all bodies are at rest, over the energy that solids and interfaces have taken [-].
 pub const QUIET: f64 = 1e-3;
-/// Growth of the kinetic energy within an increment that is the beginning of a motion [-].
+/// Growth of the kinetic energy within an increment by which a motion begins [-].
 const GROWS: f64 = 1.2;
-/// Part of [`QUIET`] below which what grows is the noise of the tolerance.
+/// Part of [`QUIET`] below which a growth is noise of the tolerance.
 const BEGINS: f64 = 0.01;
 
-/// Whether bodies move, or begin to, at the end of an increment: from the kinetic energy there and before it, over what
-/// solids and interfaces have taken (all in one unit).
+/// Whether bodies move, or begin to, at the end of an increment: `kinetic` and `before` are the kinetic energies at its end
+/// and at its start, `taken` the energy that solids and interfaces have taken (all in one unit).
 pub fn is_moving(kinetic: f64, before: f64, taken: f64) -> bool {
     kinetic >= QUIET * taken && kinetic > 0.0
         || kinetic > GROWS * before && kinetic > BEGINS * QUIET * taken
@@ -110,21 +110,22 @@ impl Curve {
         self.points.last().map(|p| p.0)
     }
 
-    /// Whether the force of an increment may be a peak: an equilibrium, or all of them are in motion.
-    fn counts(&self, index: usize) -> bool {
-        !self.moving[index] || self.moving.iter().all(|moving| *moving)
+    /// Increments whose force may be a peak: those in equilibrium, or all if there are none.
+    fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
+        let all = self.moving.iter().all(|moving| *moving);
+        let points = self.points.iter().enumerate();
+        points.filter(move |(index, _)| all || !self.moving[*index])
     }
 
     /// The largest force along the motion: of s F with s = sign(d − d₀), so that a wall driven
-    /// towards −x has a peak as well. The earliest if several are equal; none if nothing moved. What `auto` carries by
-    /// inertia from an equilibrium to the next has none.
+    /// towards −x has a peak as well. The earliest if several are equal; none if nothing moved. Increments
+    /// that `auto` carries by inertia from an equilibrium to the next do not count.
     pub fn peak(&self) -> Option<Peak> {
         let mut best: Option<(f64, Peak)> = None;
-        for (index, &(displacement, force)) in self.points.iter().enumerate() {
+        for (index, &(displacement, force)) in self.candidates() {
             let travel = displacement - self.start.0;
             let along = travel.signum() * force;
-            let counts = travel != 0.0 && self.counts(index);
-            if counts && best.is_none_or(|(most, _)| along > most) {
+            if travel != 0.0 && best.is_none_or(|(most, _)| along > most) {
                 best = Some((
                     along,
                     Peak {
@@ -162,8 +163,9 @@ impl Curve {
     pub fn opposite_peak(&self) -> Option<Peak> {
         let peak = self.peak()?;
         let side = (peak.displacement - self.start.0).signum();
-        let there = self.points.iter().enumerate();
-        let there = there.filter(|(i, p)| side * (p.0 - self.start.0) < 0.0 && self.counts(*i));
+        let there = self
+            .candidates()
+            .filter(|(_, p)| side * (p.0 - self.start.0) < 0.0);
         let most = there.max_by(|a, b| (-side * a.1.1).total_cmp(&(-side * b.1.1)));
         most.map(|(index, &(displacement, force))| Peak {
             index,
@@ -454,7 +456,7 @@ mod tests {
 
     #[test]
     fn what_begins_to_move_moves() {
-        // Kinetic energy now and before, of what has taken 1.
+        // Kinetic energies at the end and at the start, over 1 that was taken.
         assert!(is_moving(QUIET, QUIET, 1.0));
         assert!(is_moving(1e-4, 0.0, 1.0) && is_moving(1e-4, 8e-5, 1.0));
         // Evenly, slower and slower, or by rounding.

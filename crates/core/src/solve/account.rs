@@ -109,7 +109,7 @@ impl Newton<'_> {
     }
 }
 
-/// What an increment adds to the energies, and the forces from outside that its end has.
+/// Energies at the end of an increment, and the forces from outside there.
 pub(super) struct Account {
     /// Energies at its end.
     pub(super) energies: Energies,

@@ -49,7 +49,7 @@ pub enum RunError {
     },
 }
 
-/// Factor of a refused increment (lessons: 0.4).
+/// Factor of a refused increment (docs/solver.md, "Start, line search, cut").
 pub(super) const CUT: f64 = 0.4;
 
 /// Runs a model from rest through all its steps.
@@ -413,7 +413,7 @@ impl<'m> Run<'m> {
         if course.ladder.descend(report, moves, forth.0, forth.1) {
             if leg.method.has_inertia() {
                 self.bring_to_rest();
-                // What moved by inertia says nothing of the next increment, but may move on.
+                // The last increment is no guess of the next one. Its motion may go on.
                 self.state.moved = self.state.last.take();
             }
             if leg.method.follows_path() {

@@ -21,8 +21,8 @@ impl Run<'_> {
         }
     }
 
-    /// Inertia takes over from statics: what the last increment moved goes on at its rate, so that the drive need not set
-    /// it in motion anew. A jump to another equilibrium is no motion.
+    /// Gives the bodies the velocities of the last increment when inertia takes over from statics. From rest, the drive would
+    /// have to set them in motion, by a force that no equilibrium has. A jump to another equilibrium is no motion.
     pub(super) fn carry_momentum(&mut self, sense: f64) {
         let (state, mass) = (&mut self.state, &self.system.mass);
         let forth = |last: &&LastIncrement| sense * last.load > 0.0 && last.dt > 0.0;
@@ -35,7 +35,7 @@ impl Run<'_> {
         if state.energies.kinetic == 0.0 && kinetic < QUIET * state.energies.taken() {
             state.velocity = velocity;
             state.energies.kinetic = kinetic;
-            // Statics has taken it out, or never told of it.
+            // Statics has taken it out, or has never counted it.
             state.energies.numerical -= kinetic;
         }
     }

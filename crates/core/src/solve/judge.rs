@@ -17,11 +17,11 @@ pub(super) const GROW: f64 = 1.5;
 const MANY: usize = 10;
 /// Part of the elastic energy that a snap sets free.
 const RELEASE: f64 = 0.2;
-/// Damage in a first increment from which on a peak may lie within it [-].
+/// Least damage of a first increment that may hide a peak [-].
 const BREAKS: f64 = 0.005;
-/// Times the stiffness of the try before, if that has passed something.
+/// Stiffness over that of the try before, if that has passed a peak [-].
 const STIFFER: f64 = 1.05;
-/// Part of all work done that an increment may leave unaccounted for: half of what a run is warned for.
+/// Part of all work done that an increment may leave unaccounted for: half of that which a run may.
 const LOST: f64 = 5e-3;
 /// Part of the kinetic energy that a blow may give.
 const GAIN: f64 = 0.01;
@@ -114,7 +114,7 @@ impl Run<'_> {
             Method::Direct => shorter,
             // Inertia has an answer to every increment, however short.
             Method::QuasiStatic => possible,
-            // Paths have their own measure, blows their own scheme, and extrapolated solids leave what their error says.
+            // Paths have a measure of their own, blows a scheme, and extrapolated solids an error that is reported.
             _ => false,
         };
         if !watched {

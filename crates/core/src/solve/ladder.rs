@@ -302,8 +302,8 @@ impl Ladder {
         self.rungs.iter().position(|rung| rung.method == method)
     }
 
-    /// Back to the first method if the increment shows that the trouble has passed: whether anything still moves, and what
-    /// the increment added to the load, which is now `load`.
+    /// Back to the first method if the increment shows that the trouble has passed. `moves`: bodies still move; `added`: part of
+    /// the load that the increment added; `load`: the load now.
     pub fn descend(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
         if self.at == 0 {

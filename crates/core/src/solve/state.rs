@@ -51,7 +51,7 @@ impl Energies {
         }
     }
 
-    /// Whether bodies move, or begin to: the kinetic energy is much, or no longer next to nothing and growing since `before`.
+    /// Whether bodies move, or begin to, in the increment since `before`.
     pub fn moves_on(&self, before: &Self) -> bool {
         is_moving(self.kinetic, before.kinetic, self.taken())
     }
