@@ -25,7 +25,7 @@ fn gain(recording: &Recording) -> f64 {
 }
 
 fn velocity(model: &Model, recording: &Recording, block: &Block) -> [f64; 3] {
-    let dofs = wythe::system::DofMap::new(model);
+    let dofs = wythe::assembly::DofMap::new(model);
     let state = recording.states.last().unwrap();
     let nodes = block.nodes();
     [0, 1, 2].map(|i| {

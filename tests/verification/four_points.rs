@@ -6,6 +6,7 @@ mod common;
 use common::Random;
 use common::scene::{self, Face};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::pairs::stays_on;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
@@ -14,7 +15,6 @@ use wythe::contact::{
 };
 use wythe::model::Model;
 use wythe::solve::Clock;
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
 
 /// Size of the facets, and how far off the origin they are [mm].
 const SIZE: f64 = 25.0;

@@ -2,9 +2,9 @@
 
 use wythe_contact::{InterfaceLaw, frame_at};
 
+use super::boundary_facets::Skin;
 use super::deck::Deck;
 use super::scene::{Model, NamedMaterial};
-use super::skin::Skin;
 use super::{Mesh, hexahedron};
 use crate::error::ModelError;
 use crate::material::ElasticParameters;

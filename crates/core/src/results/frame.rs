@@ -7,7 +7,7 @@ use wythe_contact::{InterfaceHistory, InterfaceLaw};
 use crate::model::mirrored::MirrorPlane;
 use crate::model::{Model, symmetry};
 use crate::solve::{Checkpoint, Method, State};
-use crate::sym6;
+use crate::tensor;
 
 /// One row of `history.csv`. Field names are the column names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -126,7 +126,7 @@ pub struct Frame {
 impl Frame {
     /// Principal nominal stresses, the largest first [MPa]. `[element][3]`
     pub fn principal_stresses(&self) -> Vec<[f64; 3]> {
-        let of = |stress: &[f64; 6]| sym6::principal_values(&Vector6::from(*stress));
+        let of = |stress: &[f64; 6]| tensor::principal_values(&Vector6::from(*stress));
         self.stress.iter().map(of).collect()
     }
 }

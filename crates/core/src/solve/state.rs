@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, PointPair};
 
+use crate::assembly::{Poses, Touch};
 use crate::material::MaterialHistory;
 use crate::results::curve::is_moving;
-use crate::system::{Poses, Touch};
 
 /// Energies since the start [N mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -9,9 +9,9 @@
 //! their yield surface is told at the end.
 
 mod elastic;
+mod expand;
 mod leaning;
 mod part;
-mod unfold;
 
 use crate::model::Model;
 use crate::model::check::sizes;
@@ -20,8 +20,8 @@ use crate::model::scene::Fidelity;
 use crate::results::{Recorder, Sizes, Summary};
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
+use expand::{Places, Unfold};
 pub(super) use part::Part;
-use unfold::{Places, Unfold};
 
 /// What is solved instead of a model.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use super::Checks;
 use crate::model::deck::{DeckPlace, Names};
 use crate::model::keys;
 use crate::model::masonry;
-use crate::model::roll::Roll;
+use crate::model::name_registry::Roll;
 
 impl Checks<'_> {
     /// Names of blocks, faces, springs and probes, wherever they stand.
