@@ -4,7 +4,7 @@ use std::path::Path;
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use wythe::linear::{Backend, LinearSolver, Options, Pattern};
 use wythe::model::{Deck, Model};
-use wythe::solve::Clock;
+use wythe::state::Clock;
 
 /// A structurally symmetric matrix.
 pub struct Matrix {

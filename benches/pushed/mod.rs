@@ -4,8 +4,9 @@
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use wythe::linear::{Backend, LinearSolver};
 use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
-use wythe::solve::{Clock, State};
+use wythe::solve::Recorder;
+use wythe::state::{Clock, State};
+use wythe::state::{Frame, HistoryRow};
 
 /// Displacement of the top that the benches start from [mm].
 const PUSHED: f64 = 0.4;

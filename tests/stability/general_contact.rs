@@ -7,7 +7,7 @@ use common::inside::{penetration, positions};
 use common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure};
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 const E: f64 = 1e4;
 

@@ -7,7 +7,7 @@ use common::blocks::deck_and_model;
 use common::scene::{completed, run};
 use wythe::assembly::Contact;
 use wythe::model::Model;
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// A block of one element on one element, pressed, then pushed at its top.
 ///

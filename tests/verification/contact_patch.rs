@@ -9,7 +9,7 @@ use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
-use wythe::solve::{Clock, State};
+use wythe::state::{Clock, State};
 
 const SIDE: f64 = 120.0;
 const HEIGHT: f64 = 60.0;

@@ -10,8 +10,8 @@ use wythe::model::scene::{
     BeamMotion, Fidelity, Gravity, GroundMotion, Procedure, Rayleigh, Tangent,
 };
 use wythe::model::{Deck, Model};
-use wythe::results::HistoryRow;
 use wythe::solve::RunError;
+use wythe::state::HistoryRow;
 
 /// Of the mean nodal force: linear problems are solved to rounding by one iteration.
 const EXACT: f64 = 1e-8;

@@ -14,7 +14,7 @@ use wythe::contact::{
     extend, write_stiffness, write_symmetric,
 };
 use wythe::model::Model;
-use wythe::solve::Clock;
+use wythe::state::Clock;
 
 /// Size of the facets, and how far off the origin they are [mm].
 const SIZE: f64 = 25.0;

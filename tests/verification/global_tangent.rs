@@ -11,7 +11,7 @@ use wythe::contact::{InterfaceLaw, PointStatus};
 use wythe::material::MaterialParameters;
 use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Formulation};
-use wythe::solve::{Clock, State};
+use wythe::state::{Clock, State};
 
 /// Two blocks of 60 × 40 × 20 mm, one on the other, 2 × 2 facets below and 3 × 2 above.
 fn two_blocks(material: &MaterialParameters, law: InterfaceLaw) -> Model {

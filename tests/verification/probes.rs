@@ -7,7 +7,7 @@ use common::blocks::{Bad, HEAD, deck, model, refuses};
 use common::scene::Recording;
 use wythe::model::Model;
 use wythe::model::scene::Fidelity;
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// A block is pushed over another on a dry joint; then both fly on.
 const SCENE: &str = r#"

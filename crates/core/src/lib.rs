@@ -16,5 +16,6 @@ pub mod model;
 pub mod point;
 pub mod results;
 pub mod solve;
+pub mod state;
 pub mod study;
 pub mod tensor;

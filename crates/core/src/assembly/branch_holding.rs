@@ -10,7 +10,7 @@ use wythe_contact::Loose;
 
 /// The branches of all points since an increment began.
 #[derive(Clone, Debug, Default)]
-pub struct LoosePoints {
+pub struct HeldBranches {
     /// On which of them each point is. `[point]`
     pub now: Vec<Loose>,
     /// Those between which and another it has changed twice since the increment began. `[point]`
@@ -21,7 +21,7 @@ pub struct LoosePoints {
     before: Vec<Loose>,
 }
 
-impl LoosePoints {
+impl HeldBranches {
     /// Begins an increment: nothing has changed yet.
     pub fn start(&mut self) {
         self.before.clear();
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn what_goes_forth_and_back_is_held_to_the_end_of_the_increment() {
-        let mut points = LoosePoints::default();
+        let mut points = HeldBranches::default();
         points.resize(2);
         // The first iterate of an increment changes nothing.
         points.now = vec![[true, false, false], [false; 3]];

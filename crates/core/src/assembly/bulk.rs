@@ -14,7 +14,7 @@ use crate::material::{
     PointEnergy, TableError,
 };
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 /// How the solids answer within an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]

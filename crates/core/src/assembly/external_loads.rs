@@ -11,7 +11,7 @@ use crate::model::loads::LoadOn;
 
 /// Loads of a model.
 #[derive(Clone, Debug, Default)]
-pub struct Outside {
+pub struct ExternalLoads {
     /// What a value does. `[load]`
     acts: Vec<LoadOn>,
     /// Facets under follower pressure.
@@ -28,7 +28,7 @@ struct Pressed {
     share: f64,
 }
 
-impl Outside {
+impl ExternalLoads {
     /// Prepares the loads of a model.
     pub fn new(model: &Model) -> Self {
         let mut outside = Self::default();

@@ -20,7 +20,7 @@ use super::contact::Contact;
 use crate::assembly::Trial;
 use crate::material::MaterialHistory;
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 /// Parts of an increment at which its work is looked at: finely at its start, where a bond breaks that a long increment
 /// tears.

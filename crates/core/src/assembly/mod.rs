@@ -23,21 +23,20 @@ pub use bulk::{Bulk, Solids};
 pub use contact::Contact;
 pub use damping::StiffnessDamping;
 pub use dofs::{DofMap, Equations};
-pub use external_loads::Outside;
-pub use general::{General, Kind, Live, Touch};
+pub use external_loads::ExternalLoads;
+pub use general::{General, Live};
 pub use increment_work::{PARTS, Works};
 pub use mass::Mass;
 pub use pattern::Gather;
 pub use springs::Springs;
 pub use steered::Steered;
-pub use stiffness_reuse::{PointPose, Poses};
 pub use trial::{Awake, STIFFEST_UNDER_LOADS, Trial};
 
 use crate::linear::{Analysis, Backend, LinearError, LinearSolver, Options, Pattern};
 use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
-use crate::solve::State;
+use crate::state::{Poses, State};
 use pattern::CELL;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wythe_contact::PointPair;
@@ -82,7 +81,7 @@ pub struct System {
     /// Springs to the ground.
     pub springs: Springs,
     /// Loads with a name.
-    pub outside: Outside,
+    pub outside: ExternalLoads,
     /// Stiffness along the displacement that steers the load of a step, where one does.
     pub steered: Option<Steered>,
     /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
@@ -119,7 +118,7 @@ impl System {
             bulk,
             contact: Contact::new(model),
             springs: Springs::new(model),
-            outside: Outside::new(model),
+            outside: ExternalLoads::new(model),
             steered: None,
             rounding_force: crate::model::rounding::force(model),
             gather: None,
@@ -151,7 +150,7 @@ impl System {
             last: None,
             moved: None,
             largest_mean_force: 0.0,
-            energies: crate::solve::state::Energies::default(),
+            energies: crate::state::Energies::default(),
             fell: false,
             wants_double: false,
         };
@@ -368,7 +367,7 @@ impl System {
         trial: &mut Trial,
         q: &[f64],
         setting: Evaluation,
-        clock: &mut crate::solve::Clock,
+        clock: &mut crate::state::Clock,
     ) -> Result<(), (usize, LocalFailure)> {
         let nodes = self.bulk.reference.len();
         let n_elements = self.bulk.elements.len();

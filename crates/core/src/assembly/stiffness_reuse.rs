@@ -9,8 +9,8 @@
 //!
 //! These places are part of the state, so that a run which is resumed goes the same way.
 
+use crate::state::{PointPose, Poses};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use wythe_contact::surface::weights_at;
 use wythe_contact::{PointPair, PointStatus, Symmetric, frame_at};
 
@@ -31,26 +31,6 @@ const AT_COMMIT: f64 = 0.5;
 /// over a wall (a tenth to a third of J7D's points) no part of the factorisation stays, and the iterates need the growth of
 /// all (J7D to 3.3 mm 286 solves instead of 269). Of a façade with one crack a hundredth slides.
 const FEW: f64 = 0.05;
-
-/// Where the stiffness of elements and points is taken. Empty: where they are.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Poses {
-    /// Positions of the corners [mm]. `[element][node][xyz]`
-    pub solids: Vec<[[f64; 3]; 8]>,
-    /// Feet and frames. `[slave facet][point]`
-    pub points: Vec<PointPose>,
-    /// Whether so few points slide that the others keep their numerical stiffness for it.
-    pub steady: bool,
-}
-
-/// Foot of a contact point on its master facet, and the frame there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PointPose {
-    /// Facet and foot.
-    pub pair: PointPair,
-    /// n, t₁, t₂.
-    pub frame: [[f64; 3]; 3],
-}
 
 /// What the cells of a slave facet hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -23,7 +23,7 @@ use super::contact::{Contact, Soft, total_gap};
 use super::{System, Trial};
 use crate::assembly::DofMap;
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 /// Most steps of conjugate gradients: BᵀA B is a mass matrix, each step halves what is left.
 const STEPS: usize = 60;

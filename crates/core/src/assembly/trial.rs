@@ -1,11 +1,11 @@
 //! Scratch of one increment, and how the tractions of its iterates follow one another.
 
-use super::branch_holding::LoosePoints;
+use super::branch_holding::HeldBranches;
 use super::bulk::Marks;
 use super::general::Live;
 use super::stiffness_reuse::Held;
 use crate::material::{MaterialHistory, PointEnergy};
-use crate::solve::State;
+use crate::state::State;
 use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
 
 /// Largest factor of the numerical stiffness [-].
@@ -87,7 +87,7 @@ pub struct Trial {
     /// Positions there [mm], none where points were paired anew since. `[node]`
     pub(super) seen_at: Vec<[f64; 3]>,
     /// Points on branches without stiffness (shifted penalty).
-    pub loose: LoosePoints,
+    pub loose: HeldBranches,
     /// What each point did in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].

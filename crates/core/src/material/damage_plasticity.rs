@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-use super::band::{Curves, Extent, Ladder};
+use super::band::{BandWidths, Curves, Extent};
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
 use super::return_map::{Point, TrialStress, weight};
@@ -362,7 +362,7 @@ impl DamagePlasticity {
     /// directions of the step (which are those of its trial stress), held once it softens (theory A.8). The
     /// tangent of the step in which it begins to takes them as given.
     fn bands(&self, directions: &[Vector3<f64>; 3], old: &MaterialHistory) -> [f64; 2] {
-        let band = |of: &Ladder, kappa: f64, held: f64, n: &Vector3<f64>| {
+        let band = |of: &BandWidths, kappa: f64, held: f64, n: &Vector3<f64>| {
             if kappa > of.onset {
                 held
             } else {

@@ -20,7 +20,7 @@ pub struct SharpEdge {
 
 /// Faces and sharp edges of all bodies, body by body.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Skin {
+pub struct BoundaryFacets {
     /// Nodes of each facet, counter-clockwise from outside. `[facet][corner]`
     pub facets: Vec<[u32; 4]>,
     /// Body of each facet, ascending. `[facet]`
@@ -35,7 +35,7 @@ pub struct Skin {
 /// face that is meshed, or curved, and nodes find it.
 const SHARP: f64 = 0.02;
 
-impl Skin {
+impl BoundaryFacets {
     /// Of a mesh, whose `unit` is the body of each element.
     pub fn of(mesh: &Mesh) -> Self {
         // (body, corners sorted) → how often, and by which element first.
@@ -156,7 +156,7 @@ mod tests {
     fn a_block_has_six_faces_and_twelve_edges_however_it_is_meshed() {
         for cells in [[1, 1, 1], [3, 2, 4]] {
             let mesh = blocks(&[([0.0; 3], cells)]);
-            let skin = Skin::of(&mesh);
+            let skin = BoundaryFacets::of(&mesh);
             let [a, b, c] = cells;
             assert_eq!(skin.facets.len(), 2 * (a * b + b * c + c * a));
             assert_eq!(skin.edges.len(), 4 * (a + b + c));
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn bodies_that_touch_keep_their_skins_and_one_of_two_blocks_has_no_inner_face() {
         let mut mesh = blocks(&[([0.0; 3], [2, 1, 1]), ([2.0, 0.0, 0.0], [1, 1, 1])]);
-        let skin = Skin::of(&mesh);
+        let skin = BoundaryFacets::of(&mesh);
         assert_eq!((skin.facets.len(), skin.edges.len()), (10 + 6, 16 + 12));
         assert!(skin.body.is_sorted());
         // An L of three cells: the edge in its inner corner is not sharp.
@@ -186,7 +186,7 @@ mod tests {
         mesh.elements.pop();
         mesh.unit.pop();
         mesh.course.pop();
-        let skin = Skin::of(&mesh);
+        let skin = BoundaryFacets::of(&mesh);
         assert_eq!(skin.facets.len(), 14);
         // 18 edges outside, of which the inner corner is one; its y edges: 5 sharp ones.
         let along_y = skin.edges.iter().filter(|e| {

@@ -34,7 +34,7 @@ struct Brought {
 /// All bodies in the order in which they are laid, by name: units of walls, blocks of the deck with their
 /// copies, imported bodies, then the arch: voussoirs, left springing, right springing.
 #[derive(Debug, Default)]
-pub(super) struct Roll {
+pub(super) struct NameRegistry {
     /// Bodies that a name stands for.
     bodies: HashMap<String, Range<usize>>,
     /// Units at each side of a wall, by the name of the wall. `[face]`
@@ -50,7 +50,7 @@ pub(super) struct Roll {
 /// More names than these are a slip, refused elsewhere.
 const MOST_NAMES: f64 = 1e6;
 
-impl Roll {
+impl NameRegistry {
     /// Calls all names of a deck, with an error for each that is there twice; none if there are far too
     /// many. `imports`: none if their files are not read.
     pub(super) fn call(

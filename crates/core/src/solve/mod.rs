@@ -11,13 +11,12 @@
 mod dynamics;
 mod fidelity;
 mod increment;
-mod method;
+
+mod recorder;
 mod restart;
-pub mod state;
 mod stepping;
 
-pub use increment::outcome::Clock;
-pub use method::Method;
+pub use recorder::Recorder;
 pub use restart::checkpoint::{Checkpoint, CheckpointError, resume};
-pub use state::State;
+
 pub use stepping::run::{RunError, run};

@@ -13,7 +13,7 @@ use crate::assembly::pattern::CELL;
 use crate::assembly::stiffness_reuse::Joint;
 use crate::assembly::{Evaluation, Trial};
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 /// Facets of a task: some ten microseconds, which outweigh its scheduling.
 const GROUP: usize = 16;

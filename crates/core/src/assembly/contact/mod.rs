@@ -23,7 +23,7 @@ use super::numerical_stiffness::{FIRM, WELL_WITHIN, numerical_stiffness};
 use super::trial::{STIFFEST, Trial};
 use crate::model::Model;
 use crate::model::scene::ContactPoints;
-use crate::solve::State;
+use crate::state::State;
 
 /// Reach of contact across a gap, over the mean edge of the facets, where the deck has no
 /// `search_radius`. A point that opens wider is free; the search finds it again when it closes.

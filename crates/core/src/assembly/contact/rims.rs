@@ -12,7 +12,7 @@ use wythe_contact::{PointPair, extend, frame_at};
 use super::Contact;
 use crate::assembly::Trial;
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 /// Rounding of the parameters of a point at the end of its part of a facet [-].
 const ROUNDING: f64 = 1e-9;

@@ -5,7 +5,7 @@ use wythe_contact::{PointPair, extend};
 use super::Contact;
 use crate::assembly::Trial;
 use crate::model::Model;
-use crate::solve::State;
+use crate::state::State;
 
 impl Contact {
     /// What the trapezoidal rule makes of points that open, close or change their facet in the increment that

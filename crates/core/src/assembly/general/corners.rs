@@ -6,7 +6,8 @@ use wythe_contact::{Entry, Place, entry, extend, surface};
 
 use super::edges::END;
 use super::live::{Live, Start};
-use super::{General, Kind, LOST, NEAR, STAY, Touch};
+use super::{General, LOST, NEAR, STAY};
+use crate::state::{Kind, Touch};
 
 /// A face is come upon by a corner of which a face looks at it by this much (cosine).
 const FACING: f64 = -0.1;

@@ -6,8 +6,9 @@ use wythe_contact::edges::{between, crossing, crossing_along, point_on};
 use wythe_contact::{Entry, Place, entry};
 
 use super::live::{Live, Start};
-use super::{General, Kind, NEAR, Touch};
+use super::{General, NEAR};
 use crate::model::boundary_facets::SharpEdge;
+use crate::state::{Kind, Touch};
 
 /// How far the common normal of two edges may lie outside the angle between the faces of each (sine).
 const SLACK: f64 = 0.02;

@@ -4,11 +4,12 @@ use rayon::prelude::*;
 use wythe_contact::stencil::PointStiffness;
 use wythe_contact::{InterfaceHistory, PointStatus, Shift, write_stiffness};
 
+use super::General;
 use super::live::{Live, Sight};
-use super::{General, Touch};
 use crate::assembly::numerical_stiffness::{FIRM, WELL_WITHIN};
 use crate::assembly::pattern::CELL;
 use crate::assembly::{Evaluation, Trial};
+use crate::state::Touch;
 
 /// What a touch gives to its cell.
 struct Share {

@@ -6,7 +6,8 @@ use wythe_contact::{
     surface, to_frame,
 };
 
-use super::{General, Kind, Touch};
+use super::General;
+use crate::state::{Kind, Touch};
 
 /// How a new touch began.
 #[derive(Clone, Copy, Debug)]

@@ -13,15 +13,15 @@ mod live;
 
 use std::collections::{HashMap, HashSet};
 
+use crate::state::{Kind, Touch};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use wythe_contact::{InterfaceHistory, InterfaceLaw, Part, Surface, corner_points};
+use wythe_contact::{InterfaceLaw, Part, Surface, corner_points};
 
 use super::{Contact, Mass, Trial};
 use crate::model::Model;
 use crate::model::general::{GeneralContact, shortest_side};
-use crate::solve::State;
+use crate::state::State;
 use broad::Nearby;
 use corners::Watch;
 pub use live::Live;
@@ -36,42 +36,6 @@ const FLUSH: f64 = 1e-3;
 const LOST: f64 = 0.1;
 /// How far beyond the rim of its facet a corner stays on it (of the half facet).
 const STAY: f64 = 1e-3;
-
-/// How two bodies touch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Kind {
-    /// A node on a facet.
-    Corner,
-    /// An edge across another.
-    Edges,
-}
-
-/// A place where two bodies touch, as a commit leaves it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Touch {
-    /// How.
-    pub kind: Kind,
-    /// The node, or the first edge.
-    pub first: u32,
-    /// The facet that it is on, or the second edge.
-    pub second: u32,
-    /// Facets of the first and of the second body between which the forces act.
-    pub facets: [u32; 2],
-    /// Foot on the facet, or where each edge is crossed [-].
-    pub at: [f64; 2],
-    /// Area that it stands for [mm²].
-    pub area: f64,
-    /// Gap at which contact begins [mm]: 0, or how deep it was found (negative).
-    pub offset: f64,
-    /// History of the law.
-    pub history: InterfaceHistory,
-}
-
-impl Touch {
-    fn key(&self) -> (Kind, u32, u32) {
-        (self.kind, self.first, self.second)
-    }
-}
 
 /// Surfaces of all bodies and what is near what.
 #[derive(Clone, Debug, Default)]

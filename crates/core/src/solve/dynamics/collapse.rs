@@ -12,13 +12,14 @@ use crate::assembly::System;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure};
-use crate::results::curve::QUIET;
-use crate::results::{Fall, FallenBody, Recorder, Status};
-use crate::solve::method::Method;
-use crate::solve::state::State;
+use crate::solve::Recorder;
 use crate::solve::stepping::history_row::drives;
 use crate::solve::stepping::run::Run;
-use crate::solve::stepping::step_run::Course;
+use crate::solve::stepping::step_run::StepRun;
+use crate::state::Method;
+use crate::state::QUIET;
+use crate::state::State;
+use crate::state::{Fall, FallenBody, Status};
 
 /// Part of the mass that falls when a step that drives ends.
 const MOST: f64 = 0.5;
@@ -30,7 +31,7 @@ const NAMED: f64 = 0.5;
 
 /// The last equilibrium before inertia took over.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(in crate::solve) struct Departure {
+pub(in crate::solve) struct LastEquilibrium {
     step: usize,
     load_factor: f64,
     /// Displacements there [mm]. `[slot]`
@@ -41,7 +42,7 @@ pub(in crate::solve) struct Departure {
     hastens: bool,
 }
 
-impl Departure {
+impl LastEquilibrium {
     /// Whether it is of the model of a state.
     pub(in crate::solve) fn fits(&self, state: &State) -> bool {
         self.q.len() == state.q.len() && self.spring_ends.len() == state.spring_ends.len()
@@ -71,7 +72,7 @@ impl Moved {
 impl Run<'_> {
     /// Inertia takes over from an equilibrium.
     pub(in crate::solve) fn depart(&mut self, step: usize, load_factor: f64) {
-        self.departure = Some(Departure {
+        self.last_equilibrium = Some(LastEquilibrium {
             step,
             load_factor,
             q: self.state.q.clone(),
@@ -84,23 +85,23 @@ impl Run<'_> {
     /// `before` [N mm].
     pub(in crate::solve) fn collapses(
         &mut self,
-        course: &Course,
+        step_run: &StepRun,
         method: Method,
         before: f64,
     ) -> bool {
-        let is_auto = course.step.procedure == Procedure::Auto;
+        let is_auto = step_run.step.procedure == Procedure::Auto;
         if !is_auto || method != Method::QuasiStatic {
             return false;
         }
         let energies = self.state.energies;
-        let Some(departure) = &mut self.departure else {
+        let Some(last_equilibrium) = &mut self.last_equilibrium else {
             return false;
         };
-        departure.hastens = energies.kinetic > before;
+        last_equilibrium.hastens = energies.kinetic > before;
         if energies.moving() <= QUIET {
             return false;
         }
-        let Some((bodies, driven)) = self.moved(course.index) else {
+        let Some((bodies, driven)) = self.moved(step_run.index) else {
             return false;
         };
         let falls = |body: &Moved| body.way() > body.edge + driven;
@@ -109,25 +110,29 @@ impl Run<'_> {
             bodies.map(|body| body.mass).sum()
         };
         let fallen = mass(&falls);
-        let collapsed = if drives(course.step) {
+        let collapsed = if drives(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
             fallen > 0.0
         };
         if collapsed {
             self.summary.status = Status::Collapsed;
-            self.summary.fall = self.fall(course.index, &bodies, driven);
+            self.summary.fall = self.fall(step_run.index, &bodies, driven);
         }
         collapsed
     }
 
     /// Tells of a collapse while the run goes.
-    pub(in crate::solve) fn tell_collapse(&mut self, course: &Course, recorder: &mut dyn Recorder) {
+    pub(in crate::solve) fn tell_collapse(
+        &mut self,
+        step_run: &StepRun,
+        recorder: &mut dyn Recorder,
+    ) {
         let text = format!(
             "step {} ({}) ends at {}: no equilibrium is left, bodies fall",
-            course.index,
-            course.step.name,
-            course.progress()
+            step_run.index,
+            step_run.step.name,
+            step_run.progress()
         );
         recorder.note(&text);
         self.summary.log.push(text);
@@ -142,7 +147,9 @@ impl Run<'_> {
         if self.summary.status != Status::Completed || energies.moving() <= QUIET {
             return;
         }
-        let (Some(departure), Some((bodies, driven))) = (&self.departure, self.moved(last)) else {
+        let (Some(last_equilibrium), Some((bodies, driven))) =
+            (&self.last_equilibrium, self.moved(last))
+        else {
             return;
         };
         let drives = drives(&self.model.steps[last]);
@@ -152,7 +159,7 @@ impl Run<'_> {
         if drives && !any {
             return;
         }
-        if !drives && any && departure.hastens {
+        if !drives && any && last_equilibrium.hastens {
             self.summary.status = Status::Collapsed;
         }
         self.summary.fall = self.fall(last, &bodies, driven);
@@ -161,9 +168,9 @@ impl Run<'_> {
     /// What the bodies have done since the last equilibrium, and how far anything was driven [mm]; nothing where inertia did
     /// not take over. `[unit]`
     fn moved(&self, step: usize) -> Option<(Vec<Moved>, f64)> {
-        let departure = self.departure.as_ref()?;
+        let last_equilibrium = self.last_equilibrium.as_ref()?;
         let (state, dofs) = (&self.state, &self.system.dofs);
-        let ways = state.q.iter().zip(&departure.q);
+        let ways = state.q.iter().zip(&last_equilibrium.q);
         let dq: Vec<f64> = ways.map(|(now, then)| now - then).collect();
         let mut u = vec![[0.0; 3]; self.model.mesh.nodes.len()];
         dofs.spread(&dq, &mut u);
@@ -175,7 +182,7 @@ impl Run<'_> {
                 }
             }
         }
-        for (now, then) in state.spring_ends.iter().zip(&departure.spring_ends) {
+        for (now, then) in state.spring_ends.iter().zip(&last_equilibrium.spring_ends) {
             driven = driven.max(length([0, 1, 2].map(|i| now[i] - then[i])));
         }
         Some((moved(self.model, &self.system, &u), driven))
@@ -183,7 +190,7 @@ impl Run<'_> {
 
     /// The bodies that moved most, those that moved farther than half as far.
     fn fall(&self, step: usize, bodies: &[Moved], driven: f64) -> Option<Fall> {
-        let departure = self.departure.as_ref()?;
+        let last_equilibrium = self.last_equilibrium.as_ref()?;
         let most = bodies.iter().map(Moved::way).fold(0.0, f64::max);
         let named = |body: &Moved| body.way() >= (NAMED * most).max(driven) && body.way() > 0.0;
         let down = self.down(step);
@@ -198,9 +205,9 @@ impl Run<'_> {
             .collect();
         named.sort_by(|a, b| b.moved_mm.total_cmp(&a.moved_mm));
         Some(Fall {
-            step: departure.step,
-            step_name: self.model.steps[departure.step].name.clone(),
-            load_factor: departure.load_factor,
+            step: last_equilibrium.step,
+            step_name: self.model.steps[last_equilibrium.step].name.clone(),
+            load_factor: last_equilibrium.load_factor,
             kinetic_energy_J: 1e-3 * self.state.energies.kinetic,
             bodies: named,
         })

@@ -29,8 +29,8 @@
 
 use crate::assembly::{Equations, Mass, StiffnessDamping, System, Trial};
 use crate::model::scene::{BeamMotion, Procedure, Rayleigh, Step};
-use crate::solve::method::Method;
-use crate::solve::state::State;
+use crate::state::Method;
+use crate::state::State;
 
 /// One time integration scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]

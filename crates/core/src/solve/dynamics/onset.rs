@@ -1,15 +1,15 @@
 //! Where a run begins to move, comes to rest, and has fallen.
 
 use crate::model::scene::{BeamMotion, Step};
-use crate::results::curve::QUIET;
-use crate::solve::state::LastIncrement;
 use crate::solve::stepping::explain;
 use crate::solve::stepping::run::Run;
+use crate::state::LastIncrement;
+use crate::state::QUIET;
 
 impl Run<'_> {
     /// Statics brings to rest what moved.
     pub(in crate::solve) fn bring_to_rest(&mut self) {
-        self.departure = None;
+        self.last_equilibrium = None;
         let state = &mut self.state;
         state.energies.numerical += std::mem::take(&mut state.energies.kinetic);
         for rates in [

@@ -6,8 +6,10 @@ use wythe_contact::{PointPair, frame_at};
 use crate::assembly::System;
 use crate::model::Model;
 use crate::model::mirrored::{Half, Images};
-use crate::results::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, Recorder};
-use crate::solve::{Checkpoint, State};
+use crate::solve::Checkpoint;
+use crate::solve::Recorder;
+use crate::state::State;
+use crate::state::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame};
 
 /// Where each thing of the whole is in the half, and whether it is seen in the plane.
 #[derive(Clone, Debug)]

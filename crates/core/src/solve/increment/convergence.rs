@@ -4,7 +4,7 @@ use super::external_forces::Loads;
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
 use crate::model::scene::Step;
-use crate::solve::state::State;
+use crate::state::State;
 
 /// Largest root mean square of the out-of-balance forces, over the mean nodal force: a bound on what
 /// they may add up to, however loose the tolerance of a single one. The extrapolation of solids is

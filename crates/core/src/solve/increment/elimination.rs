@@ -17,7 +17,7 @@ use super::outcome::Refusal;
 use crate::assembly::{Evaluation, Solids, System, Trial};
 use crate::linear::Region;
 use crate::model::scene::Fidelity;
-use crate::solve::state::State;
+use crate::state::State;
 
 /// Part of the sum of squares of the out-of-balance forces that is found at few nodes.
 const SHARE: f64 = 0.8;

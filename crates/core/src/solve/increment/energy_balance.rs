@@ -14,8 +14,8 @@
 
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
-use crate::solve::method::Method;
-use crate::solve::state::{Energies, State};
+use crate::state::Method;
+use crate::state::{Energies, State};
 
 /// Part of the energy taken so far that is much to be left open: a quarter of what an energy balance is
 /// asked to close to.

@@ -3,7 +3,7 @@
 
 use crate::assembly::System;
 use crate::model::scene::{BeamMotion, Step};
-use crate::solve::state::State;
+use crate::state::State;
 
 /// Loads at a moment of a step.
 #[derive(Clone, Debug)]

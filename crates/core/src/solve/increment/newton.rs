@@ -14,19 +14,20 @@ use super::direction::Factors;
 use super::energy_balance::pursuit;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
-use super::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
+use super::outcome::{Attempt, Outcome, Refusal, Report, Solves};
 use super::traction_patterns::Pause;
 use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use crate::linear::LinearSolver;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
 use crate::solve::dynamics::integration::Motion;
-use crate::solve::method::Method;
-use crate::solve::state::State;
-use crate::solve::stepping::fallback::Rung;
+use crate::solve::stepping::fallback::MethodChoice;
 use crate::solve::stepping::path::Advance;
 use crate::solve::stepping::relaxation::Dashpots;
 use crate::solve::stepping::step_size::Increment;
+use crate::state::Clock;
+use crate::state::Method;
+use crate::state::State;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -128,11 +129,17 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Goes on by the method of `rung`. With inertia the state gets the velocities and accelerations that what is
+    /// Goes on by the method of `choice`. With inertia the state gets the velocities and accelerations that what is
     /// driven has from here on.
-    pub fn adopt(&mut self, rung: Rung, system: &mut System, state: &mut State, trial: &mut Trial) {
+    pub fn adopt(
+        &mut self,
+        choice: MethodChoice,
+        system: &mut System,
+        state: &mut State,
+        trial: &mut Trial,
+    ) {
         let before = self.backend();
-        (self.method, self.tangent) = (rung.method, rung.tangent);
+        (self.method, self.tangent) = (choice.method, choice.tangent);
         if self.backend() != before {
             self.linear = None;
         }

@@ -5,8 +5,8 @@ use super::newton::{Newton, along};
 use super::outcome::Refusal;
 use crate::assembly::{Evaluation, System, Trial};
 use crate::model::scene::BeamMotion;
-use crate::solve::state::State;
 use crate::solve::stepping::path::Advance;
+use crate::state::State;
 
 impl Newton<'_> {
     /// How what is prescribed moves with the load [mm]. `[slot]`

@@ -3,8 +3,8 @@
 use super::newton::{Newton, timed};
 use super::outcome::{Attempt, Refusal, Solves};
 use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, System, Trial};
-use crate::solve::state::State;
 use crate::solve::stepping::path::Advance;
+use crate::state::State;
 
 /// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
 /// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.

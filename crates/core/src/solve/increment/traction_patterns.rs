@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::newton::{Newton, timed};
 use super::outcome::{Attempt, Refusal, Report, Solves};
 use crate::assembly::{Evaluation, System, Trial};
-use crate::solve::state::State;
+use crate::state::State;
 
 /// Largest change of the work of sliding points that may be left to patterns of tractions, over the work
 /// that the increment turns over.

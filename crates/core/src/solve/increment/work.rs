@@ -2,7 +2,7 @@
 
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
-use crate::solve::state::{Energies, State};
+use crate::state::{Energies, State};
 
 impl Newton<'_> {
     /// Work that the loads of the step do along the last increment, for each unit of the load factor [N mm].

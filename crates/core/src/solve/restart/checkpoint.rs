@@ -5,12 +5,12 @@
 //! | displacements, rates, histories, pairs, energies | [`State`] |
 //! | where candidates of contact were last searched: they are the pattern, and with it the order of elimination | `searched_at` |
 //! | how far the step has come, the size of the next increment | `Schedule`, `row` of its amplitude |
-//! | by which method, and what it must show before it is left | `Ladder` |
-//! | by what the path is measured | `Trail` |
-//! | what a step counts its loads and drives from | `Starts` |
-//! | what increments leave open for the next ones | `Carried`, [`State`]'s energies |
+//! | by which method, and what it must show before it is left | `Fallback` |
+//! | by what the path is measured | `PathMeasure` |
+//! | what a step counts its loads and drives from | `StepStart` |
+//! | what increments leave open for the next ones | `CarriedOver`, [`State`]'s energies |
 //! | where beyond a snap equilibrium was found, what ends the step early, whether a peak is near | `beyond`, `Watch`, `stopped`, `Crest` |
-//! | the last equilibrium, while inertia acts in place of statics | `Departure` |
+//! | the last equilibrium, while inertia acts in place of statics | `LastEquilibrium` |
 //! | what is told at the end | summary, clock, snaps, swings, energies |
 //!
 //! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the
@@ -21,25 +21,26 @@ use std::cell::OnceCell;
 use serde::{Deserialize, Serialize};
 
 use super::fingerprint::Fingerprint;
-use super::restart_data::{Carried, Starts};
+use super::restart_data::{CarriedOver, StepStart};
 use crate::assembly::Trial;
 use crate::model::Model;
 use crate::model::scene::{Fidelity, Step};
-use crate::results::{Recorder, Summary};
-use crate::solve::dynamics::collapse::Departure;
-use crate::solve::fidelity::{Instead, Part, Reached};
+use crate::solve::Recorder;
+use crate::solve::dynamics::collapse::LastEquilibrium;
+use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::increment::outcome::Clock;
-use crate::solve::state::State;
 use crate::solve::stepping::counts::{Snaps, Swings};
 use crate::solve::stepping::energy_watch::EnergyWatch;
-use crate::solve::stepping::fallback::Ladder;
-use crate::solve::stepping::path::Trail;
+use crate::solve::stepping::fallback::Fallback;
+use crate::solve::stepping::path::PathMeasure;
 use crate::solve::stepping::peak_control::PeakWatch;
 use crate::solve::stepping::run::{Run, RunError, steered};
-use crate::solve::stepping::step_run::Course;
+use crate::solve::stepping::step_run::StepRun;
 use crate::solve::stepping::step_size::Schedule;
 use crate::solve::stepping::stop::Watch;
+use crate::state::Clock;
+use crate::state::State;
+use crate::state::Summary;
 
 /// All that [`resume`] needs, taken after a commit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -48,14 +49,14 @@ pub struct Checkpoint {
     state: State,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
-    course: Mark,
+    step_run: Mark,
     summary: Summary,
     clock: Clock,
     output_seconds: f64,
     snaps: Snaps,
     swings: Swings,
     energy_watch: EnergyWatch,
-    departure: Option<Departure>,
+    last_equilibrium: Option<LastEquilibrium>,
     /// How far elastic solids have gone, in place of others.
     pub(in crate::solve) reached: Reached,
 }
@@ -64,11 +65,11 @@ pub struct Checkpoint {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Mark {
     index: usize,
-    starts: Starts,
-    carried: Carried,
+    starts: StepStart,
+    carried: CarriedOver,
     schedule: Schedule,
-    ladder: Ladder,
-    trail: Trail,
+    fallback: Fallback,
+    path_measure: PathMeasure,
     row: usize,
     load: f64,
     beyond: Option<f64>,
@@ -127,8 +128,8 @@ fn resume_part(
     checkpoint.check(model)?;
     // On a thread of the pool, as a run from the start.
     rayon::scope(|_| {
-        let (run, course) = Run::rejoin(model, part, checkpoint)?;
-        run.finish(Some(course), recorder)
+        let (run, step_run) = Run::rejoin(model, part, checkpoint)?;
+        run.finish(Some(step_run), recorder)
     })
 }
 
@@ -140,7 +141,7 @@ impl Checkpoint {
 
     /// The step that the last of them belongs to, from 0.
     pub fn step(&self) -> usize {
-        self.course.index
+        self.step_run.index
     }
 
     /// Step time since the start of the run [s].
@@ -150,15 +151,15 @@ impl Checkpoint {
 
     /// Whether nothing is left to do of `model`.
     pub fn is_the_end_of(&self, model: &Model) -> bool {
-        let (course, last) = (&self.course, model.steps.last());
-        let stopped = last.is_some_and(|step| course.is_stopped_in(step));
-        course.index + 1 == model.steps.len() && (stopped || course.schedule.next().is_none())
+        let (step_run, last) = (&self.step_run, model.steps.last());
+        let stopped = last.is_some_and(|step| step_run.is_stopped_in(step));
+        step_run.index + 1 == model.steps.len() && (stopped || step_run.schedule.next().is_none())
     }
 
     /// What was solved instead of `model`: no half of it, if the run began with the whole.
-    fn instead_of(&self, model: &Model) -> Option<Instead> {
+    fn instead_of(&self, model: &Model) -> Option<Reduction> {
         let whole = model.fidelity == Fidelity::Auto && self.model.is_but_for_steps(model);
-        if whole { None } else { Instead::of(model) }
+        if whole { None } else { Reduction::of(model) }
     }
 
     /// Whether `model` can go on from here.
@@ -184,16 +185,16 @@ impl Checkpoint {
         if let Some(last) = model.steps.last() {
             self.model.end_with(last);
         }
-        if self.course.index + 1 != model.steps.len() {
+        if self.step_run.index + 1 != model.steps.len() {
             return;
         }
-        let course = &mut self.course;
-        course.load *= part;
-        course.beyond = course.beyond.map(|load| part * load);
-        course.schedule.lengthen(part);
-        course.ladder.lengthen(part);
-        course.trail.lengthen(part);
-        course.peak.lengthen(part);
+        let step_run = &mut self.step_run;
+        step_run.load *= part;
+        step_run.beyond = step_run.beyond.map(|load| part * load);
+        step_run.schedule.lengthen(part);
+        step_run.fallback.lengthen(part);
+        step_run.path_measure.lengthen(part);
+        step_run.peak.lengthen(part);
         if let Some(last) = &mut self.state.last {
             last.load *= part;
         }
@@ -204,45 +205,45 @@ impl<'m> Run<'m> {
     /// Offers the recorder a checkpoint, between two increments. `last` if no increment follows.
     pub(in crate::solve) fn offer(
         &mut self,
-        course: &Course<'m>,
+        step_run: &StepRun<'m>,
         last: bool,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
         let start = std::time::Instant::now();
-        recorder.checkpoint(last, &|| self.checkpoint(course))?;
+        recorder.checkpoint(last, &|| self.checkpoint(step_run))?;
         self.output_seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
 
-    fn checkpoint(&self, course: &Course<'m>) -> Checkpoint {
+    fn checkpoint(&self, step_run: &StepRun<'m>) -> Checkpoint {
         let model = self.fingerprint.get_or_init(|| Fingerprint::of(self.model));
         Checkpoint {
             model: model.clone(),
             state: self.state.clone(),
             searched_at: self.system.contact.searched_at().to_vec(),
-            course: Mark {
-                index: course.index,
-                starts: course.newton.starts(),
-                carried: course.newton.carried(),
-                schedule: course.schedule.clone(),
-                ladder: course.ladder.clone(),
-                trail: course.trail.clone(),
-                row: course.row,
-                load: course.load,
-                beyond: course.beyond,
-                watch: course.watch.clone(),
-                peak: course.peak,
-                relaxations: course.relaxations,
-                damage_rate: course.damage_rate,
-                stopped: course.stopped,
+            step_run: Mark {
+                index: step_run.index,
+                starts: step_run.newton.starts(),
+                carried: step_run.newton.carried(),
+                schedule: step_run.schedule.clone(),
+                fallback: step_run.fallback.clone(),
+                path_measure: step_run.path_measure.clone(),
+                row: step_run.row,
+                load: step_run.load,
+                beyond: step_run.beyond,
+                watch: step_run.watch.clone(),
+                peak: step_run.peak,
+                relaxations: step_run.relaxations,
+                damage_rate: step_run.damage_rate,
+                stopped: step_run.stopped,
             },
             summary: self.summary.clone(),
-            clock: self.clock + course.newton.clock,
+            clock: self.clock + step_run.newton.clock,
             output_seconds: self.output_seconds,
             snaps: self.snaps,
             swings: self.swings,
             energy_watch: self.energy_watch,
-            departure: self.departure.clone(),
+            last_equilibrium: self.last_equilibrium.clone(),
             reached: Reached::default(),
         }
     }
@@ -252,12 +253,12 @@ impl<'m> Run<'m> {
         model: &'m Model,
         part: &Part,
         checkpoint: Checkpoint,
-    ) -> Result<(Self, Course<'m>), RunError> {
+    ) -> Result<(Self, StepRun<'m>), RunError> {
         let mut run = Self::new(model, part)?;
         let Checkpoint {
             state,
             searched_at,
-            course: mark,
+            step_run: mark,
             ..
         } = checkpoint;
         let unfit = |what| Err(CheckpointError::Unfit(what).into());
@@ -287,33 +288,33 @@ impl<'m> Run<'m> {
             return unfit("the step began with other sizes");
         }
         let has_mass = run.massless(step).is_none();
-        let Some(ladder) = mark.ladder.of_step(model, step, has_mass) else {
+        let Some(fallback) = mark.fallback.of_step(model, step, has_mass) else {
             return unfit("the step has other methods");
         };
         if mark.row >= step.branches() {
             return unfit("the amplitude of the step has fewer rows");
         }
         let branch = step.branch(mark.row);
-        newton.rejoin(ladder.rung(), branch.slope(), &run.system, &run.state);
-        let mut course = Course::new(newton, ladder, mark.index, step);
-        course.steer(model, &run.system);
-        course.schedule = mark.schedule.within(step.increments);
-        let Some(trail) = mark.trail.of_step(&course.trail, slots) else {
+        newton.rejoin(fallback.choice(), branch.slope(), &run.system, &run.state);
+        let mut step_run = StepRun::new(newton, fallback, mark.index, step);
+        step_run.steer(model, &run.system);
+        step_run.schedule = mark.schedule.within(step.increments);
+        let Some(path_measure) = mark.path_measure.of_step(&step_run.path_measure, slots) else {
             return unfit("the path is measured by other sizes");
         };
-        course.trail = trail;
-        (course.load, course.beyond) = (mark.load, mark.beyond);
-        (course.row, course.branch) = (mark.row, branch);
-        course.peak = mark.peak;
-        course.relaxations = mark.relaxations;
-        course.damage_rate = mark.damage_rate;
-        course.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
-        match (&mut course.watch, &mark.watch) {
+        step_run.path_measure = path_measure;
+        (step_run.load, step_run.beyond) = (mark.load, mark.beyond);
+        (step_run.row, step_run.branch) = (mark.row, branch);
+        step_run.peak = mark.peak;
+        step_run.relaxations = mark.relaxations;
+        step_run.damage_rate = mark.damage_rate;
+        step_run.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
+        match (&mut step_run.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),
             (None, None) => {}
             _ => return unfit("the step drives something else"),
         }
-        course.stopped = stopped;
+        step_run.stopped = stopped;
         run.summary = Summary {
             threads: run.summary.threads,
             mirror_planes: run.summary.mirror_planes,
@@ -323,9 +324,9 @@ impl<'m> Run<'m> {
         run.output_seconds = checkpoint.output_seconds;
         (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
         run.energy_watch = checkpoint.energy_watch;
-        run.departure = checkpoint.departure;
+        run.last_equilibrium = checkpoint.last_equilibrium;
         if run
-            .departure
+            .last_equilibrium
             .as_ref()
             .is_some_and(|from| !from.fits(&run.state))
         {
@@ -333,7 +334,7 @@ impl<'m> Run<'m> {
         }
         run.trial = Trial::default();
         run.fingerprint = OnceCell::from(checkpoint.model);
-        Ok((run, course))
+        Ok((run, step_run))
     }
 }
 
@@ -352,7 +353,7 @@ fn same_sizes(a: &State, b: &State) -> bool {
         let points = [s.material.len(), s.interface.len(), s.pairs.len()];
         (slots.map(Vec::len), springs, points)
     };
-    let fits = |last: &crate::solve::state::LastIncrement| {
+    let fits = |last: &crate::state::LastIncrement| {
         last.dq.len() == b.q.len() && last.dtraction.len() == b.interface.len()
     };
     sizes(a) == sizes(b) && a.last.as_ref().is_none_or(fits)

@@ -6,12 +6,12 @@ use crate::assembly::System;
 use crate::solve::dynamics::integration::Motion;
 use crate::solve::increment::newton::Newton;
 use crate::solve::increment::traction_patterns::Pause;
-use crate::solve::state::State;
-use crate::solve::stepping::fallback::Rung;
+use crate::solve::stepping::fallback::MethodChoice;
+use crate::state::State;
 
 /// What a step counts its loads and drives from.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Starts {
+pub struct StepStart {
     /// Displacements when the step began [mm]. `[slot]`
     q: Vec<f64>,
     /// Ends of the springs then [mm]. `[spring][xyz]`
@@ -24,7 +24,7 @@ pub struct Starts {
 
 /// What the last commit left to the next increments.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Carried {
+pub struct CarriedOver {
     /// Out of balance [N]. `[equation]`
     left: Vec<f64>,
     /// When patterns of tractions are settled.
@@ -33,8 +33,8 @@ pub struct Carried {
 
 impl Newton<'_> {
     /// What the step counts from.
-    pub fn starts(&self) -> Starts {
-        Starts {
+    pub fn starts(&self) -> StepStart {
+        StepStart {
             q: self.q_start.clone(),
             spring_ends: self.ends_start.clone(),
             applied: self.loads.applied_start.clone(),
@@ -43,7 +43,7 @@ impl Newton<'_> {
     }
 
     /// Counts from where the step once began; false if that was in another model.
-    pub fn begin_from(&mut self, starts: Starts) -> bool {
+    pub fn begin_from(&mut self, starts: StepStart) -> bool {
         let sizes = [starts.q.len(), starts.applied.len()];
         let fits = sizes == [self.q.len(); 2]
             && starts.spring_ends.len() == self.ends_start.len()
@@ -60,15 +60,15 @@ impl Newton<'_> {
     }
 
     /// What the last commit leaves to the next increments.
-    pub fn carried(&self) -> Carried {
-        Carried {
+    pub fn carried(&self) -> CarriedOver {
+        CarriedOver {
             left: self.left.clone(),
             pause: self.pause,
         }
     }
 
     /// Takes over what the last commit left; false if that was in another model.
-    pub fn carry_on(&mut self, carried: Carried) -> bool {
+    pub fn carry_on(&mut self, carried: CarriedOver) -> bool {
         if carried.left.len() != self.left.len() {
             return false;
         }
@@ -77,8 +77,8 @@ impl Newton<'_> {
     }
 
     /// Goes on by the method, the tangents and the rate that led to `state`.
-    pub fn rejoin(&mut self, rung: Rung, slope: f64, system: &System, state: &State) {
-        (self.method, self.tangent) = (rung.method, rung.tangent);
+    pub fn rejoin(&mut self, choice: MethodChoice, slope: f64, system: &System, state: &State) {
+        (self.method, self.tangent) = (choice.method, choice.tangent);
         self.slope = slope;
         self.motion = Motion::new(self.step, self.method, system, &self.equations, slope);
         if let Some(motion) = &mut self.motion {

@@ -5,11 +5,11 @@ use wythe_contact::InterfaceHistory;
 use super::history_row::drives;
 use super::peak_control::{AT_REST, Passage};
 use super::run::{CUT, Run};
-use super::step_run::{Course, Leg};
+use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Procedure;
 use crate::solve::increment::newton::IMBALANCE;
 use crate::solve::increment::outcome::{Refusal, Report};
-use crate::solve::method::Method;
+use crate::state::Method;
 
 /// Largest growth of an increment.
 pub(in crate::solve) const GROW: f64 = 1.5;
@@ -65,52 +65,64 @@ impl Run<'_> {
 
     /// Whether to try the increment that the trial ends again, smaller, because bodies meet or part in
     /// it; or, where it is small, by backward Euler, if HHT has made energy of the blow.
-    pub(in crate::solve) fn try_as_shock(&self, course: &mut Course, leg: Leg) -> bool {
-        let dynamic = leg.method == Method::Dynamic;
-        let carried = leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
+    pub(in crate::solve) fn try_as_shock(
+        &self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+    ) -> bool {
+        let dynamic = request.method == Method::Dynamic;
+        let carried =
+            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
         if !(dynamic || carried) {
             return false;
         }
         let (_, met, parted) = self.touches_changed();
         if !self.is_shock() {
             // A few of many that meet are no blow to all, but HHT makes energy of them, too.
-            return met + parted > 0 && self.makes_energy(course, dynamic);
+            return met + parted > 0 && self.makes_energy(step_run, dynamic);
         }
-        let smallest = course.ladder.floor().max(course.step.increments.min / CUT);
-        if leg.increment.size > smallest {
-            return course.schedule.cut(leg.increment, CUT).is_ok();
+        let smallest = step_run
+            .fallback
+            .floor()
+            .max(step_run.step.increments.min / CUT);
+        if request.increment.size > smallest {
+            return step_run.schedule.cut(request.increment, CUT).is_ok();
         }
-        self.makes_energy(course, dynamic)
+        self.makes_energy(step_run, dynamic)
     }
 
     /// Whether HHT has made energy of the increment that the trial ends, and backward Euler is yet to be
     /// tried.
-    fn makes_energy(&self, course: &mut Course, dynamic: bool) -> bool {
+    fn makes_energy(&self, step_run: &mut StepRun, dynamic: bool) -> bool {
         let (system, state, trial) = (&self.system, &self.state, &self.trial);
-        let taken = course.newton.numerical_dissipation(system, state, trial);
+        let taken = step_run.newton.numerical_dissipation(system, state, trial);
         let makes_energy = dynamic && taken < -GAIN * state.energies.kinetic;
-        let motion = course.newton.motion();
+        let motion = step_run.newton.motion();
         motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }
 
     /// What is wrong with an equilibrium far from the last one that the trial ends in, if it is.
-    pub(in crate::solve) fn jump(&self, course: &Course, leg: Leg) -> Option<Refusal> {
-        match leg.method {
-            Method::Static if self.is_snap(course) => Some(Refusal::Snap),
-            Method::Dissipation if self.is_leap(course) => Some(Refusal::Leap),
-            _ => self.energy_lost(course, leg).map(Refusal::Energy),
+    pub(in crate::solve) fn jump(
+        &self,
+        step_run: &StepRun,
+        request: IncrementRequest,
+    ) -> Option<Refusal> {
+        match request.method {
+            Method::Static if self.is_snap(step_run) => Some(Refusal::Snap),
+            Method::Dissipation if self.is_leap(step_run) => Some(Refusal::Leap),
+            _ => self.energy_lost(step_run, request).map(Refusal::Energy),
         }
     }
 
     /// Part of all work done that the increment that the trial ends does not account for, if that is much and a shorter
     /// increment or another method may do better.
-    fn energy_lost(&self, course: &Course, leg: Leg) -> Option<f64> {
-        let jumps = leg.method == Method::Static && course.step.procedure == Procedure::Auto;
-        let size = leg.increment.size;
-        let possible = CUT * size >= course.step.increments.min;
-        let shorter = possible && !course.ladder.is_small(size);
-        let watched = match leg.method {
-            Method::Static => shorter || (jumps && !course.ladder.is_last()),
+    fn energy_lost(&self, step_run: &StepRun, request: IncrementRequest) -> Option<f64> {
+        let jumps = request.method == Method::Static && step_run.step.procedure == Procedure::Auto;
+        let size = request.increment.size;
+        let possible = CUT * size >= step_run.step.increments.min;
+        let shorter = possible && !step_run.fallback.is_small(size);
+        let watched = match request.method {
+            Method::Static => shorter || (jumps && !step_run.fallback.is_last()),
             Method::Direct => shorter,
             // Inertia has an answer to every increment, however short.
             Method::QuasiStatic => possible,
@@ -121,7 +133,7 @@ impl Run<'_> {
             return None;
         }
         let (state, trial) = (&self.state, &self.trial);
-        let taken = course.newton.taken(&self.system, state, trial);
+        let taken = step_run.newton.taken(&self.system, state, trial);
         let work = self
             .energy_watch
             .work()
@@ -134,14 +146,14 @@ impl Run<'_> {
     /// has jumped is refused for that.
     pub(in crate::solve) fn go_back_to_peak(
         &self,
-        course: &mut Course,
-        leg: Leg,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
         report: Report,
     ) -> bool {
-        let size = self.passed_peak(course, leg, report);
-        match size.filter(|_| self.jump(course, leg).is_none()) {
+        let size = self.passed_peak(step_run, request, report);
+        match size.filter(|_| self.jump(step_run, request).is_none()) {
             Some(size) => {
-                course.schedule.resume(size);
+                step_run.schedule.resume(size);
                 true
             }
             None => false,
@@ -149,35 +161,42 @@ impl Run<'_> {
     }
 
     /// Size of another try of the increment that the trial ends, if that has passed over a peak unseen.
-    fn passed_peak(&self, course: &mut Course, leg: Leg, report: Report) -> Option<f64> {
-        let part = course.step.increments.peak;
-        if leg.method.follows_path() || leg.method.has_inertia() || part >= 1.0 {
+    fn passed_peak(
+        &self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        report: Report,
+    ) -> Option<f64> {
+        let part = step_run.step.increments.peak;
+        if request.method.follows_path() || request.method.has_inertia() || part >= 1.0 {
             return None;
         }
-        let passage = self.passage(course, leg, report)?;
-        if let (Some(start), None) = (course.peak.begins_at(), passage.linear) {
-            let again = self.breaks_at_once(course, [start, passage.force], passage.size);
+        let passage = self.passage(step_run, request, report)?;
+        if let (Some(start), None) = (step_run.peak.begins_at(), passage.linear) {
+            let again = self.breaks_at_once(step_run, [start, passage.force], passage.size);
             let size = CUT * passage.size;
-            return (again && size >= course.step.increments.min).then_some(size);
+            return (again && size >= step_run.step.increments.min).then_some(size);
         }
-        let end = leg.increment.end();
-        let size = course.peak.passed(end, passage.force, part).or_else(|| {
-            let dt = leg.increment.size * course.step.duration;
+        let end = request.increment.end();
+        let size = step_run.peak.passed(end, passage.force, part).or_else(|| {
+            let dt = request.increment.size * step_run.step.duration;
             let (system, trial) = (&self.system, &self.trial);
             let work = || system.work_between(self.model, &self.state, trial, dt);
-            course.peak.hides(&passage, part, &mut course.tried, work)
+            step_run
+                .peak
+                .hides(&passage, part, &mut step_run.tried, work)
         });
-        size.filter(|size| *size >= course.step.increments.min)
+        size.filter(|size| *size >= step_run.step.increments.min)
     }
 
     /// Whether a first increment of unknown stiffness, from no force to one, may hide a peak: something is damaged
     /// in it, and a shorter try was stiffer than the one before, or there was none.
-    fn breaks_at_once(&self, course: &mut Course, [start, end]: [f64; 2], size: f64) -> bool {
+    fn breaks_at_once(&self, step_run: &mut StepRun, [start, end]: [f64; 2], size: f64) -> bool {
         if start.abs() > AT_REST * end.abs() || !self.is_damaged() {
             return false;
         }
         let secant = (end - start).abs() / size;
-        let before = course.tried.replace(secant);
+        let before = step_run.tried.replace(secant);
         before.is_none_or(|before| secant > STIFFER * before)
     }
 
@@ -194,10 +213,15 @@ impl Run<'_> {
     }
 
     /// The increment that the trial ends, as a peak is looked for within it; none where nothing is driven or steered.
-    fn passage(&self, course: &Course, leg: Leg, report: Report) -> Option<Passage> {
-        let size = leg.increment.size;
-        let passage = if course.control.is_some() {
-            let work = course
+    fn passage(
+        &self,
+        step_run: &StepRun,
+        request: IncrementRequest,
+        report: Report,
+    ) -> Option<Passage> {
+        let size = request.increment.size;
+        let passage = if step_run.control.is_some() {
+            let work = step_run
                 .newton
                 .work_of_loads(&self.system, &self.state, &self.trial.x);
             Passage {
@@ -206,12 +230,12 @@ impl Run<'_> {
                 by_work: 1.0 / work,
                 linear: None,
             }
-        } else if drives(course.step) {
-            let way = self.driven_way(course);
-            let rise = self.linear_rise(course);
+        } else if drives(step_run.step) {
+            let way = self.driven_way(step_run);
+            let rise = self.linear_rise(step_run);
             Passage {
                 size,
-                force: 1e-3 * self.driving_force(course),
+                force: 1e-3 * self.driving_force(step_run),
                 by_work: 1e-3 / way,
                 linear: rise.map(|rise| 1e-3 * rise / size),
             }
@@ -223,8 +247,8 @@ impl Run<'_> {
 
     /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
     /// and the path there can be followed instead: much of the elastic energy is gone.
-    fn is_snap(&self, course: &Course) -> bool {
-        if !course.ladder.prefers_paths() {
+    fn is_snap(&self, step_run: &StepRun) -> bool {
+        if !step_run.fallback.prefers_paths() {
             return false;
         }
         let (system, trial) = (&self.system, &self.trial);
@@ -233,14 +257,14 @@ impl Run<'_> {
         let before = self.state.energies.elastic;
         let released = stored < (1.0 - RELEASE) * before;
         // What goes back to what loads and drives is set free by nothing.
-        released && stored < (1.0 - RELEASE) * before + self.work_done(course, &springs).min(0.0)
+        released && stored < (1.0 - RELEASE) * before + self.work_done(step_run, &springs).min(0.0)
     }
 
     /// Work done on the bodies in the increment that the trial ends, by the trapezoidal rule [N mm].
-    fn work_done(&self, course: &Course, springs: &[[f64; 3]]) -> f64 {
+    fn work_done(&self, step_run: &StepRun, springs: &[[f64; 3]]) -> f64 {
         let (state, trial) = (&self.state, &self.trial);
         let forces = state.force.iter().zip(&trial.force);
-        let ways = course.newton.q().iter().zip(&state.q);
+        let ways = step_run.newton.q().iter().zip(&state.q);
         let work =
             |((f0, f1), (q, start)): ((&f64, &f64), (&f64, &f64))| 0.5 * (f0 + f1) * (q - start);
         let mut sum: f64 = forces.zip(ways).map(work).sum();
@@ -254,15 +278,15 @@ impl Run<'_> {
     }
 
     /// Whether the increment that the trial ends has left the path that it should follow.
-    fn is_leap(&self, course: &Course) -> bool {
-        let (q, last) = (course.newton.q(), &self.state.q);
+    fn is_leap(&self, step_run: &StepRun) -> bool {
+        let (q, last) = (step_run.newton.q(), &self.state.q);
         let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
-        course.trail.is_left_by(&dq)
+        step_run.path_measure.is_left_by(&dq)
     }
 }
 
 /// How much larger the next increment may be; extrapolated solids are not pursued below `floor`.
-pub(in crate::solve) fn growth(leg: Leg, report: Report, floor: f64) -> f64 {
+pub(in crate::solve) fn growth(request: IncrementRequest, report: Report, floor: f64) -> f64 {
     let by_iterations = if report.iterations > 2 * MANY {
         0.7
     } else if report.iterations > MANY {
@@ -275,7 +299,7 @@ pub(in crate::solve) fn growth(leg: Leg, report: Report, floor: f64) -> f64 {
         .sqrt()
         .clamp(0.3, GROW);
     // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
-    by_iterations.min(by_error.max((floor / leg.increment.size).min(1.0)))
+    by_iterations.min(by_error.max((floor / request.increment.size).min(1.0)))
 }
 
 /// How much larger an increment with inertia may be than the last one, in which the kinetic energy

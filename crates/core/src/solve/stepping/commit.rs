@@ -2,11 +2,12 @@
 
 use super::run::{Run, RunError};
 use crate::model::scene::Step;
-use crate::results::{HistoryRow, Recorder};
+use crate::solve::Recorder;
 use crate::solve::increment::newton::Newton;
 use crate::solve::increment::outcome::Report;
-use crate::solve::method::Method;
-use crate::solve::state::LastIncrement;
+use crate::state::HistoryRow;
+use crate::state::LastIncrement;
+use crate::state::Method;
 use std::time::Instant;
 use wythe_contact::PointStatus;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::results::HistoryRow;
+use crate::state::HistoryRow;
 
 /// The increments in which a unit snapped.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::results::{EnergyBalance, HistoryRow};
-use crate::solve::method::Method;
+use crate::state::Method;
+use crate::state::{EnergyBalance, HistoryRow};
 
 /// Part of the work done that may be left open before it is told.
 const BOUND: f64 = 0.01;

@@ -1,13 +1,13 @@
 //! Lost convergence in words: where, why, and what to try.
 
-use super::step_run::Leg;
+use super::step_run::IncrementRequest;
 use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
-use crate::results::Lost;
 use crate::solve::fidelity::Part;
 use crate::solve::increment::convergence::{IMBALANCE, WORK};
 use crate::solve::increment::outcome::Refusal;
+use crate::state::Lost;
 
 /// Why the run ends in `step`, whose increment was cut as far as the deck allows: all of it with what to try, and place and
 /// reason by themselves.
@@ -15,7 +15,7 @@ pub(in crate::solve) fn explain(
     model: &Model,
     part: &Part,
     step: usize,
-    leg: Leg,
+    request: IncrementRequest,
     done: f64,
     refusal: &Refusal,
 ) -> (String, Lost) {
@@ -25,8 +25,8 @@ pub(in crate::solve) fn explain(
     let why = why(model, part, of, refusal);
     let told = format!(
         "step {step} ({name}), at {done}, an increment of {:.2e} of the step, {}: {why}; try {}",
-        leg.increment.size,
-        leg.method.name(),
+        request.increment.size,
+        request.method.name(),
         advice(model, step, refusal)
     );
     let place = format!("{done} of step {step} ({name})");

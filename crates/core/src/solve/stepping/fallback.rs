@@ -15,7 +15,7 @@
 //! ```
 //!
 //! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
-//! inertia at once. Every other procedure is a ladder of one rung.
+//! inertia at once. Every other procedure is a fallback of one choice.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
 use crate::solve::increment::newton::IMBALANCE;
 use crate::solve::increment::outcome::{Refusal, Report};
-use crate::solve::method::Method;
+use crate::state::Method;
 
 /// Part of the first increment below which static increments are not cut before another method is
 /// tried.
@@ -48,14 +48,14 @@ pub enum Answer {
     /// A smaller increment.
     Cut,
     /// The next method.
-    Climb,
+    NextMethod,
     /// Nothing is left to try.
     GiveUp,
 }
 
 /// A method and its tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Rung {
+pub struct MethodChoice {
     /// What solves the increments.
     pub method: Method,
     /// With which matrices.
@@ -64,8 +64,8 @@ pub struct Rung {
 
 /// The methods of a step, the one that is used now, and what it must show before it is left.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Ladder {
-    rungs: Vec<Rung>,
+pub struct Fallback {
+    choices: Vec<MethodChoice>,
     at: usize,
     /// Size of increments below which statics gives up.
     floor: f64,
@@ -80,19 +80,19 @@ pub struct Ladder {
     passed_over: usize,
     /// Whether statics was left for a snap.
     snaps: bool,
-    /// How many rungs stand before the first that is for trouble, and refusals in a row on the first.
+    /// How many choices stand before the first that is for trouble, and refusals in a row on the first.
     statics: usize,
     stalls: usize,
 }
 
-impl Ladder {
-    /// The ladder of a step; `all_has_mass` if inertia could act.
+impl Fallback {
+    /// The fallback of a step; `all_has_mass` if inertia could act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
         let softens = model
             .materials
             .iter()
             .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
-        let own = |method| Rung {
+        let own = |method| MethodChoice {
             method,
             // Extrapolated solids are linear: their tangent is their secant.
             tangent: if method == Method::Implex {
@@ -101,44 +101,44 @@ impl Ladder {
                 step.tangent
             },
         };
-        let mut rungs = vec![own(Method::of(step.procedure))];
+        let mut choices = vec![own(Method::of(step.procedure))];
         if step.procedure == Procedure::Auto {
             let path = own(Method::Dissipation);
             if softens {
                 if step.tangent == Tangent::Secant {
-                    rungs.push(Rung {
+                    choices.push(MethodChoice {
                         method: Method::Static,
                         tangent: Tangent::Consistent,
                     });
                 }
-                rungs.push(path);
+                choices.push(path);
                 if step.tangent == Tangent::Secant {
-                    rungs.push(Rung {
+                    choices.push(MethodChoice {
                         tangent: Tangent::Consistent,
                         ..path
                     });
                 }
-                rungs.push(own(Method::Implex));
+                choices.push(own(Method::Implex));
             }
             if step.tangent != Tangent::Direct {
-                rungs.push(Rung {
+                choices.push(MethodChoice {
                     method: Method::Direct,
                     tangent: Tangent::Direct,
                 });
             }
             if !softens {
-                rungs.push(path);
+                choices.push(path);
             }
             if all_has_mass {
-                rungs.push(own(Method::QuasiStatic));
+                choices.push(own(Method::QuasiStatic));
             }
-            rungs.push(own(Method::Static));
+            choices.push(own(Method::Static));
         }
-        let statics = rungs.iter().take_while(|r| r.method == Method::Static);
+        let statics = choices.iter().take_while(|r| r.method == Method::Static);
         Self {
             statics: statics.count().max(1),
             stalls: 0,
-            rungs,
+            choices,
             at: 0,
             floor: FLOOR * step.increments.initial,
             calm: 0,
@@ -151,12 +151,12 @@ impl Ladder {
         }
     }
 
-    /// Where this ladder was, as that of a step; none if the step has other methods.
+    /// Where this fallback was, as that of a step; none if the step has other methods.
     pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
-        let Self { rungs, floor, .. } = Self::new(model, step, all_has_mass);
-        let fits = self.rungs == rungs
-            && self.at < rungs.len()
-            && (1..=rungs.len()).contains(&self.statics);
+        let Self { choices, floor, .. } = Self::new(model, step, all_has_mass);
+        let fits = self.choices == choices
+            && self.at < choices.len()
+            && (1..=choices.len()).contains(&self.statics);
         fits.then_some(Self { floor, ..self })
     }
 
@@ -183,17 +183,17 @@ impl Ladder {
 
     /// The method of now.
     pub fn method(&self) -> Method {
-        self.rung().method
+        self.choice().method
     }
 
     /// The method of now with its tangents.
-    pub fn rung(&self) -> Rung {
-        self.rungs[self.at]
+    pub fn choice(&self) -> MethodChoice {
+        self.choices[self.at]
     }
 
     /// Whether nothing is left to try but what `auto` ends with.
     pub fn is_last(&self) -> bool {
-        self.at > 0 && self.at + 1 == self.rungs.len()
+        self.at > 0 && self.at + 1 == self.choices.len()
     }
 
     /// Whether statics is the method of now, before anything else was tried, and solids may snap.
@@ -209,7 +209,7 @@ impl Ladder {
     /// What follows from the refusal of an increment of this size; `spent` if its path cannot be cut
     /// further.
     pub fn refused(&mut self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
-        let higher = self.at + 1 < self.rungs.len();
+        let higher = self.at + 1 < self.choices.len();
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
@@ -222,7 +222,7 @@ impl Ladder {
             _ => false,
         };
         match (enough, higher) {
-            (true, true) => Answer::Climb,
+            (true, true) => Answer::NextMethod,
             (true, false) if spent => Answer::GiveUp,
             _ => Answer::Cut,
         }
@@ -255,9 +255,9 @@ impl Ladder {
         };
         if self.method() == Method::Dissipation {
             let again = self
-                .rungs
+                .choices
                 .get(self.at + 1)
-                .is_some_and(|rung| rung.method == Method::Dissipation);
+                .is_some_and(|choice| choice.method == Method::Dissipation);
             // What nothing holds any more is beyond every path.
             let comes_loose = wanted.is_some() && *refusal != Refusal::Snap;
             if self.snaps && !comes_loose {
@@ -265,7 +265,7 @@ impl Ladder {
                 self.at = if again {
                     self.at + 1
                 } else {
-                    self.rungs.len() - 1
+                    self.choices.len() - 1
                 };
                 self.calm = 0;
                 return;
@@ -273,9 +273,9 @@ impl Ladder {
             self.passed_over = 2 << self.lost.min(MOST_LOST);
             self.lost += 1;
         }
-        let last = self.rungs.len() - 1;
+        let last = self.choices.len() - 1;
         let mut next = (self.at + 1).min(last);
-        if self.rungs[next].method == Method::Dissipation
+        if self.choices[next].method == Method::Dissipation
             && wanted.is_none()
             && self.passed_over > 0
         {
@@ -283,23 +283,25 @@ impl Ladder {
             next += 1;
         }
         // A path of consistent tangents is for snaps: elsewhere extrapolation is cheaper.
-        while self.rungs[next].method == Method::Dissipation
-            && self.rungs[next - 1].method == Method::Dissipation
+        while self.choices[next].method == Method::Dissipation
+            && self.choices[next - 1].method == Method::Dissipation
         {
             next += 1;
         }
-        self.at = wanted.map_or(next, |rung| rung.max(next));
+        self.at = wanted.map_or(next, |choice| choice.max(next));
         self.calm = 0;
     }
 
-    /// The rung with inertia.
+    /// The choice with inertia.
     fn inertia(&self) -> Option<usize> {
         self.place(Method::QuasiStatic)
     }
 
-    /// The first rung of a method.
+    /// The first choice of a method.
     fn place(&self, method: Method) -> Option<usize> {
-        self.rungs.iter().position(|rung| rung.method == method)
+        self.choices
+            .iter()
+            .position(|choice| choice.method == method)
     }
 
     /// Back to the first method if the increment shows that the trouble has passed. `moves`: bodies still move; `added`: part of

@@ -4,7 +4,7 @@ use nalgebra::Vector6;
 
 use super::run::Run;
 use crate::material::{ElasticParameters, MaterialHistory};
-use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 use crate::tensor;
 
 impl Run<'_> {

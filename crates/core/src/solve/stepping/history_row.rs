@@ -2,7 +2,7 @@
 
 use super::probes::probes;
 use super::run::Run;
-use super::step_run::Course;
+use super::step_run::StepRun;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, HeldBy, Step};
@@ -82,15 +82,15 @@ impl Run<'_> {
     }
 
     /// Force of what a step drives, along its drive, in the increment that the trial ends [N].
-    pub(in crate::solve) fn driving_force(&self, course: &Course) -> f64 {
+    pub(in crate::solve) fn driving_force(&self, step_run: &StepRun) -> f64 {
         let (system, trial) = (&self.system, &self.trial);
-        match self.driven_beam(course.index) {
+        match self.driven_beam(step_run.index) {
             Some((beam, direction)) => {
                 let slot = system.dofs.beam_slot(beam, direction);
                 let sense = sense_of_beam(&self.model.steps, beam, direction);
-                along(sense, course.newton.applied(system, trial, slot))
+                along(sense, step_run.newton.applied(system, trial, slot))
             }
-            None => self.driven_end(course.index).map_or(0.0, |(s, i)| {
+            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
                 let sense = sense_of_spring(&self.model.steps, s, i);
                 along(sense, system.spring_forces(trial)[s][i])
             }),
@@ -98,15 +98,15 @@ impl Run<'_> {
     }
 
     /// How far the drive of a step goes, along itself, in the increment that the trial ends [mm].
-    pub(in crate::solve) fn driven_way(&self, course: &Course) -> f64 {
+    pub(in crate::solve) fn driven_way(&self, step_run: &StepRun) -> f64 {
         let (system, trial, steps) = (&self.system, &self.trial, &self.model.steps);
-        match self.driven_beam(course.index) {
+        match self.driven_beam(step_run.index) {
             Some((beam, direction)) => {
                 let slot = system.dofs.beam_slot(beam, direction);
                 let sense = sense_of_beam(steps, beam, direction);
-                along(sense, course.newton.q()[slot] - self.state.q[slot])
+                along(sense, step_run.newton.q()[slot] - self.state.q[slot])
             }
-            None => self.driven_end(course.index).map_or(0.0, |(s, i)| {
+            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
                 let way = trial.spring_ends[s][i] - self.state.spring_ends[s][i];
                 along(sense_of_spring(steps, s, i), way)
             }),
@@ -115,11 +115,11 @@ impl Run<'_> {
 
     /// Rise of the driving force by the tangent at the start of the increment that the trial ends [N], if the increment began
     /// with that tangent and drives a face.
-    pub(in crate::solve) fn linear_rise(&self, course: &Course) -> Option<f64> {
-        let (beam, direction) = self.driven_beam(course.index)?;
+    pub(in crate::solve) fn linear_rise(&self, step_run: &StepRun) -> Option<f64> {
+        let (beam, direction) = self.driven_beam(step_run.index)?;
         let slot = self.system.dofs.beam_slot(beam, direction);
         let sense = sense_of_beam(&self.model.steps, beam, direction);
-        let forces = course.newton.linear_forces()?;
+        let forces = step_run.newton.linear_forces()?;
         Some(along(sense, forces[slot]))
     }
 

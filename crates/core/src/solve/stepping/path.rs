@@ -32,7 +32,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::{System, Trial};
-use crate::solve::method::Method;
+use crate::state::Method;
 
 /// How far an increment goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +79,7 @@ impl Advance<'_> {
 
 /// The increment behind, by which the next one along the path is measured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Trail {
+pub struct PathMeasure {
     method: Method,
     /// c, or the way behind [mm]. `[slot]`
     gradient: Vec<f64>,
@@ -106,7 +106,7 @@ const LEAP: f64 = 2.0;
 /// Cuts after which a path is given up.
 const CUTS: usize = 6;
 
-impl Trail {
+impl PathMeasure {
     /// Nothing behind yet; nodes move by no more than `most` [mm] in an increment, whose size is no more
     /// than `largest`.
     pub fn new(most: f64, largest: f64) -> Self {
@@ -173,7 +173,7 @@ impl Trail {
         self.method == Method::Dissipation && dq.iter().any(|u| u.abs() > LEAP * self.most)
     }
 
-    /// This trail in a step that began with the trail `first`; none if it does not measure `slots` of
+    /// This measure in a step that began with the measure `first`; none if it does not measure `slots` of
     /// displacements.
     pub fn of_step(self, first: &Self, slots: usize) -> Option<Self> {
         let fits = self.gradient.is_empty() || self.gradient.len() == slots;

@@ -4,7 +4,7 @@ use crate::assembly::DofMap;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
 use crate::model::deck::ProbeQuantity;
-use crate::solve::State;
+use crate::state::State;
 
 /// Values of the probes at the last commit [mm, mm/s]. `[probe]`
 pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> Vec<f64> {

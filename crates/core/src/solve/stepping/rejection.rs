@@ -3,10 +3,11 @@
 use super::explain;
 use super::fallback::Answer;
 use super::run::{CUT, Run};
-use super::step_run::{Course, Leg};
-use crate::results::{Recorder, Status};
+use super::step_run::{IncrementRequest, StepRun};
+use crate::solve::Recorder;
 use crate::solve::increment::outcome::Refusal;
-use crate::solve::method::Method;
+use crate::state::Method;
+use crate::state::Status;
 
 /// Of an increment that was refused, the part that is tried first along the path.
 const GUESS: f64 = 0.1;
@@ -15,94 +16,109 @@ impl Run<'_> {
     /// Chooses what to try after a refusal; false if nothing is left.
     pub(in crate::solve) fn refuse(
         &mut self,
-        course: &mut Course,
-        leg: Leg,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
         refusal: &Refusal,
         recorder: &mut dyn Recorder,
     ) -> bool {
-        let on_path = leg.method.follows_path();
-        let method = course.ladder.method();
-        if method.follows_path() && course.trail.leads(method) && !on_path {
+        let on_path = request.method.follows_path();
+        let method = step_run.fallback.method();
+        if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
             // The rest of the step in one: the path goes on instead.
-            course.end_refused = true;
+            step_run.end_refused = true;
             return true;
         }
         let spent = if on_path {
-            !course.trail.cut(CUT)
+            !step_run.path_measure.cut(CUT)
         } else {
             false
         };
-        let size = leg.increment.size;
+        let size = request.increment.size;
         if *refusal == Refusal::Snap {
-            course.beyond = Some(leg.increment.end());
+            step_run.beyond = Some(request.increment.end());
         }
-        if course.ladder.is_last() && course.beyond.take().is_some() {
+        if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
             // Not even there: over it in increments as large as may be.
-            course.schedule.resume(course.step.increments.max);
+            step_run.schedule.resume(step_run.step.increments.max);
             return true;
         }
-        let mut answer = course.ladder.refused(refusal, size, spent);
-        if method.follows_path() && !on_path && course.ladder.is_small(size) {
+        let mut answer = step_run.fallback.refused(refusal, size, spent);
+        if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
             // Nothing has dissipated yet, and nothing is found before something does.
-            if self.guess(course, method, size) {
+            if self.guess(step_run, method, size) {
                 return true;
             }
         }
-        if answer == Answer::Cut && !on_path && course.schedule.cut(leg.increment, CUT).is_err() {
-            answer = course.ladder.refused(refusal, size, true);
+        if answer == Answer::Cut
+            && !on_path
+            && step_run.schedule.cut(request.increment, CUT).is_err()
+        {
+            answer = step_run.fallback.refused(refusal, size, true);
         }
         match answer {
             Answer::Cut => true,
-            Answer::Climb => {
+            Answer::NextMethod => {
                 let why = format!(
                     "{}: {}",
-                    leg.method.name(),
-                    explain::why(self.model, &self.part, course.step, refusal)
+                    request.method.name(),
+                    explain::why(self.model, &self.part, step_run.step, refusal)
                 );
                 loop {
-                    course.ladder.climb(refusal, course.sense() * course.load);
-                    let next = course.ladder.method();
+                    step_run
+                        .fallback
+                        .climb(refusal, step_run.sense() * step_run.load);
+                    let next = step_run.fallback.method();
                     // Where loads stay there is no path of theirs.
-                    let stays = course.branch.slope() == 0.0;
+                    let stays = step_run.branch.slope() == 0.0;
                     if !next.follows_path()
-                        || (!stays && course.trail.leads(next))
-                        || (!stays && self.guess(course, next, size))
+                        || (!stays && step_run.path_measure.leads(next))
+                        || (!stays && self.guess(step_run, next, size))
                     {
                         break;
                     }
                 }
-                self.adopt(course);
-                match course.ladder.method() {
+                self.adopt(step_run);
+                match step_run.fallback.method() {
                     Method::QuasiStatic => {
-                        self.depart(course.index, course.load);
-                        self.carry_momentum(course.sense());
+                        self.depart(step_run.index, step_run.load);
+                        self.carry_momentum(step_run.sense());
                         self.state.last = None;
-                        course.schedule.resume(size.min(course.ladder.floor()));
+                        step_run
+                            .schedule
+                            .resume(size.min(step_run.fallback.floor()));
                     }
                     // Its equations are linear: whatever cut the increment is not their trouble.
-                    Method::Implex => course.schedule.resume(size.max(course.ladder.floor())),
+                    Method::Implex => step_run
+                        .schedule
+                        .resume(size.max(step_run.fallback.floor())),
                     // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
-                    Method::Static if course.ladder.is_last() => {
-                        let beyond = course.beyond.map(|at| at - course.schedule.done());
-                        let jump = beyond.unwrap_or(course.step.increments.max);
-                        course.schedule.resume(jump);
+                    Method::Static if step_run.fallback.is_last() => {
+                        let beyond = step_run.beyond.map(|at| at - step_run.schedule.done());
+                        let jump = beyond.unwrap_or(step_run.step.increments.max);
+                        step_run.schedule.resume(jump);
                     }
-                    method if method.follows_path() => course.trail.mend(),
+                    method if method.follows_path() => step_run.path_measure.mend(),
                     _ => {}
                 }
-                self.note(course, &why, recorder);
+                self.note(step_run, &why, recorder);
                 true
             }
             Answer::GiveUp => {
-                self.summary.iterations += course.solves;
-                self.tally(&course.newton);
+                self.summary.iterations += step_run.solves;
+                self.tally(&step_run.newton);
                 self.summary.status = Status::NotConverged;
-                let done = match course.step.amplitude {
-                    None => course.load,
-                    Some(_) => course.schedule.done(),
+                let done = match step_run.step.amplitude {
+                    None => step_run.load,
+                    Some(_) => step_run.schedule.done(),
                 };
-                let told =
-                    explain::explain(self.model, &self.part, course.index, leg, done, refusal);
+                let told = explain::explain(
+                    self.model,
+                    &self.part,
+                    step_run.index,
+                    request,
+                    done,
+                    refusal,
+                );
                 (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
                 false
             }
@@ -113,22 +129,22 @@ impl Run<'_> {
     /// dissipated in it.
     pub(in crate::solve) fn guess(
         &mut self,
-        course: &mut Course,
+        step_run: &mut StepRun,
         method: Method,
         size: f64,
     ) -> bool {
-        let q = course.newton.q();
+        let q = step_run.newton.q();
         let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
         let (system, trial) = (&self.system, &self.trial);
-        course
-            .trail
+        step_run
+            .path_measure
             .learn(method, system, trial, &dq, (size, 0.0), GUESS)
     }
 
     /// Counts a refused or repeated increment.
-    pub(in crate::solve) fn cut_back(&mut self, course: &mut Course) {
-        course.cutbacks += 1;
-        course.repeat = false;
+    pub(in crate::solve) fn cut_back(&mut self, step_run: &mut StepRun) {
+        step_run.cutbacks += 1;
+        step_run.repeat = false;
         self.summary.cutbacks += 1;
     }
 }

@@ -23,15 +23,15 @@
 
 use super::path::Advance;
 use super::run::Run;
-use super::step_run::{Course, Leg};
+use super::step_run::{IncrementRequest, StepRun};
 use super::step_size::Increment;
 use crate::assembly::{Equations, System};
 use crate::model::Model;
 use crate::model::scene::Procedure;
-use crate::results::Recorder;
+use crate::solve::Recorder;
 use crate::solve::increment::convergence::Balance;
 use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
-use crate::solve::method::Method;
+use crate::state::Method;
 
 /// The dashpots of one sub-increment.
 #[derive(Clone, Debug)]
@@ -121,66 +121,66 @@ const CAUTIOUS: usize = 2;
 const FALLS: f64 = 0.9;
 
 impl Run<'_> {
-    /// Carries the structure from the last commit over a snap within the refused increment of `leg` to the next equilibrium.
-    /// The trial holds it then, with the leg to commit it by; none if there is no equilibrium near, and the state is as before.
+    /// Carries the structure from the last commit over a snap within the refused increment of `request` to the next equilibrium.
+    /// The trial holds it then, with the request to commit it by; none if there is no equilibrium near, and the state is as before.
     pub(in crate::solve) fn relax(
         &mut self,
-        course: &mut Course,
-        leg: Leg,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
         recorder: &mut dyn Recorder,
-    ) -> Option<(Leg, Report)> {
-        let (saved, carried) = (self.state.clone(), course.newton.carried());
-        let (load, increments) = (course.load, self.state.increments);
-        course.newton.dashpots = Some(Dashpots::new(self.model, &self.system));
-        let found = self.relax_in_steps(course, leg, recorder);
+    ) -> Option<(IncrementRequest, Report)> {
+        let (saved, carried) = (self.state.clone(), step_run.newton.carried());
+        let (load, increments) = (step_run.load, self.state.increments);
+        step_run.newton.dashpots = Some(Dashpots::new(self.model, &self.system));
+        let found = self.relax_in_steps(step_run, request, recorder);
         if found.is_some() {
             self.state.increments = increments;
         } else {
             self.state = saved;
-            course.newton.carry_on(carried);
-            course.newton.dashpots = None;
-            course.load = load;
+            step_run.newton.carry_on(carried);
+            step_run.newton.dashpots = None;
+            step_run.load = load;
         }
         found
     }
 
     fn relax_in_steps(
         &mut self,
-        course: &mut Course,
-        leg: Leg,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
         recorder: &mut dyn Recorder,
-    ) -> Option<(Leg, Report)> {
-        let mut leg = Leg {
+    ) -> Option<(IncrementRequest, Report)> {
+        let mut request = IncrementRequest {
             method: Method::Relaxation,
-            ..leg
+            ..request
         };
         let reach = self.system.contact.reach();
         let mut start = self.state.q.clone();
         let (mut factor, mut loads, mut slowly) = (FIRST, true, 0_usize);
         let mut last_force = f64::INFINITY;
         for _ in 0..MOST {
-            let (before, time, index) = (course.solves, self.state.time, course.index);
+            let (before, time, index) = (step_run.solves, self.state.time, step_run.index);
             let mut tell = |count| recorder.progress(index, time, before + count);
-            let newton = &mut course.newton;
+            let newton = &mut step_run.newton;
             if let Some(dashpots) = &mut newton.dashpots {
                 (dashpots.factor, dashpots.loads) = (factor, loads);
             }
             let load_end = if loads {
-                course.branch.factor(leg.increment.end())
+                step_run.branch.factor(request.increment.end())
             } else {
-                course.load
+                step_run.load
             };
-            let part = if loads { course.part(&leg) } else { 0.0 };
-            let steers = course.step.procedure == Procedure::DisplacementControl;
-            let control = course.control.as_ref().filter(|_| steers);
+            let part = if loads { step_run.part(&request) } else { 0.0 };
+            let steers = step_run.step.procedure == Procedure::DisplacementControl;
+            let control = step_run.control.as_ref().filter(|_| steers);
             let attempt = Attempt {
-                increment: leg.increment,
-                load: course.load,
+                increment: request.increment,
+                load: step_run.load,
                 load_end,
                 repeat: true,
                 advance: control.map_or(Advance::Load, |control| control.along(part)),
             };
-            let outcome = course.newton.converge(
+            let outcome = step_run.newton.converge(
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
@@ -190,7 +190,7 @@ impl Run<'_> {
             let report = match outcome {
                 Outcome::Converged(report) => report,
                 Outcome::Refused(_, spent) => {
-                    course.solves += spent;
+                    step_run.solves += spent;
                     factor *= STIFFER;
                     slowly = CAUTIOUS;
                     if factor > STIFFEST {
@@ -199,24 +199,31 @@ impl Run<'_> {
                     continue;
                 }
             };
-            let forces = course.newton.dashpot_forces();
-            let scale = course.newton.scale(&self.system, &self.state, &self.trial);
+            let forces = step_run.newton.dashpot_forces();
+            let scale = step_run
+                .newton
+                .scale(&self.system, &self.state, &self.trial);
             let balance = Balance::new(&forces, scale);
-            if balance.holds(AT_REST, course.step.tolerance.residual) {
-                return Some((leg, report));
+            if balance.holds(AT_REST, step_run.step.tolerance.residual) {
+                return Some((request, report));
             }
-            course.solves += report.iterations;
-            let added = report.load_factor - course.load;
-            self.commit(&mut course.newton, course.step, leg.increment.size, added);
-            course.load = report.load_factor;
+            step_run.solves += report.iterations;
+            let added = report.load_factor - step_run.load;
+            self.commit(
+                &mut step_run.newton,
+                step_run.step,
+                request.increment.size,
+                added,
+            );
+            step_run.load = report.load_factor;
             if loads {
                 self.state.last = None;
                 start.clone_from(&self.state.q);
             } else if let Some(last) = &mut self.state.last {
                 last.dt = 1.0 / factor;
             }
-            leg.increment = Increment {
-                start: leg.increment.end(),
+            request.increment = Increment {
+                start: request.increment.end(),
                 size: 0.0,
             };
             loads = false;

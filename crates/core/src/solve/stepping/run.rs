@@ -5,23 +5,26 @@ use std::cell::OnceCell;
 use super::acceptance::{GROW, growth, resolving};
 use super::counts::{Snaps, Swings};
 use super::energy_watch::EnergyWatch;
-use super::fallback::Ladder;
-use super::step_run::{Course, Leg};
+use super::fallback::Fallback;
+use super::step_run::{IncrementRequest, StepRun};
 use super::stop::Watch;
 use crate::assembly::bulk::BulkError;
 use crate::assembly::{Steered, System, Trial};
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
-use crate::results::curve::QUIET;
-use crate::results::{Recorder, Sizes, Status, Summary};
-use crate::solve::dynamics::collapse::Departure;
-use crate::solve::fidelity::{Instead, Part, Reached};
+use crate::model::sizes::Sizes;
+use crate::solve::Recorder;
+use crate::solve::dynamics::collapse::LastEquilibrium;
+use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::increment::outcome::{Attempt, Clock, Outcome, Refusal, Report, Solves};
-use crate::solve::method::Method;
+use crate::solve::increment::outcome::{Attempt, Outcome, Refusal, Report, Solves};
 use crate::solve::restart::checkpoint::CheckpointError;
 use crate::solve::restart::fingerprint::Fingerprint;
-use crate::solve::state::State;
+use crate::state::Clock;
+use crate::state::Method;
+use crate::state::QUIET;
+use crate::state::State;
+use crate::state::{Status, Summary};
 
 /// A run that could not begin, or could not be recorded.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +65,7 @@ pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunErr
 
 /// Runs a model that is this part of what is shown.
 fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
-    if let Some(instead) = Instead::of(model) {
+    if let Some(instead) = Reduction::of(model) {
         return instead.show(model, part, recorder, Reached::default(), run_part);
     }
     if let Some(told) = part.told() {
@@ -87,7 +90,7 @@ pub(in crate::solve) struct Run<'m> {
     pub(in crate::solve) swings: Swings,
     pub(in crate::solve) energy_watch: EnergyWatch,
     /// Where inertia took over from statics, while it acts.
-    pub(in crate::solve) departure: Option<Departure>,
+    pub(in crate::solve) last_equilibrium: Option<LastEquilibrium>,
     /// Of the model, when the first checkpoint wants it.
     pub(in crate::solve) fingerprint: OnceCell<Fingerprint>,
 }
@@ -122,7 +125,7 @@ impl<'m> Run<'m> {
             snaps: Snaps::default(),
             swings: Swings::default(),
             energy_watch: EnergyWatch::default(),
-            departure: None,
+            last_equilibrium: None,
             fingerprint: OnceCell::new(),
         })
     }
@@ -130,19 +133,19 @@ impl<'m> Run<'m> {
     /// All steps, or the rest of one in progress and those after it.
     pub(in crate::solve) fn finish(
         mut self,
-        course: Option<Course<'m>>,
+        step_run: Option<StepRun<'m>>,
         recorder: &mut dyn Recorder,
     ) -> Result<Summary, RunError> {
         // A run that was killed between its collapse and its summary.
         let (mut next, mut go_on) = (0, self.summary.status != Status::Collapsed);
-        if let (Some(course), true) = (course, go_on) {
-            next = course.index + 1;
-            go_on = self.walk(course, recorder)?;
+        if let (Some(step_run), true) = (step_run, go_on) {
+            next = step_run.index + 1;
+            go_on = self.walk(step_run, recorder)?;
         }
         while go_on && next < self.model.steps.len() {
-            let course = self.begin(next)?;
+            let step_run = self.begin(next)?;
             next += 1;
-            go_on = self.walk(course, recorder)?;
+            go_on = self.walk(step_run, recorder)?;
         }
         self.tell_what_moves();
         self.summary.warnings.extend(self.snaps.warning());
@@ -154,93 +157,97 @@ impl<'m> Run<'m> {
     /// A step to its end; false if the run ends here.
     fn walk(
         &mut self,
-        mut course: Course<'m>,
+        mut step_run: StepRun<'m>,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        while let Some(leg) = course.next() {
-            let (before, time) = (course.solves, self.state.time);
-            let index = course.index;
-            let part = course.part(&leg);
+        while let Some(request) = step_run.next() {
+            let (before, time) = (step_run.solves, self.state.time);
+            let index = step_run.index;
+            let part = step_run.part(&request);
             let mut tell = |count| recorder.progress(index, time, before + count);
-            let outcome = course.newton.converge(
+            let outcome = step_run.newton.converge(
                 &mut self.system,
                 &self.state,
                 &mut self.trial,
                 Attempt {
-                    increment: leg.increment,
-                    load: course.load,
-                    load_end: course.branch.factor(leg.increment.end()),
-                    repeat: course.repeat,
-                    advance: leg.advance(&course.trail, course.control.as_ref(), part),
+                    increment: request.increment,
+                    load: step_run.load,
+                    load_end: step_run.branch.factor(request.increment.end()),
+                    repeat: step_run.repeat,
+                    advance: request.advance(
+                        &step_run.path_measure,
+                        step_run.control.as_ref(),
+                        part,
+                    ),
                 },
                 Solves::new(&mut tell),
             );
             let go_on = match outcome {
                 Outcome::Converged(report)
-                    if self.try_as_shock(&mut course, leg)
-                        || self.go_back_to_peak(&mut course, leg, report) =>
+                    if self.try_as_shock(&mut step_run, request)
+                        || self.go_back_to_peak(&mut step_run, request, report) =>
                 {
-                    course.solves += report.iterations;
-                    self.cut_back(&mut course);
+                    step_run.solves += report.iterations;
+                    self.cut_back(&mut step_run);
                     true
                 }
-                Outcome::Converged(report) => match self.jump(&course, leg) {
-                    None => self.accept(&mut course, leg, report, recorder)?,
+                Outcome::Converged(report) => match self.jump(&step_run, request) {
+                    None => self.accept(&mut step_run, request, report, recorder)?,
                     Some(refusal) => {
-                        course.solves += report.iterations;
-                        self.cut_back(&mut course);
-                        self.relax_or_refuse(&mut course, leg, &refusal, recorder)?
+                        step_run.solves += report.iterations;
+                        self.cut_back(&mut step_run);
+                        self.relax_or_refuse(&mut step_run, request, &refusal, recorder)?
                     }
                 },
                 Outcome::Refused(refusal, spent) => {
-                    course.solves += spent;
-                    self.cut_back(&mut course);
-                    self.relax_or_refuse(&mut course, leg, &refusal, recorder)?
+                    step_run.solves += spent;
+                    self.cut_back(&mut step_run);
+                    self.relax_or_refuse(&mut step_run, request, &refusal, recorder)?
                 }
             };
             if !go_on {
                 return Ok(false);
             }
         }
-        self.clock = self.clock + course.newton.clock;
-        Ok(self.keeps_symmetry(&course, recorder))
+        self.clock = self.clock + step_run.newton.clock;
+        Ok(self.keeps_symmetry(&step_run, recorder))
     }
 
     /// Relaxes the structure over a snap, or chooses what to try after a refusal; false if the run ends here.
     fn relax_or_refuse(
         &mut self,
-        course: &mut Course<'m>,
-        leg: Leg,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
         refusal: &Refusal,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        course.refusals += 1;
-        let size = leg.increment.size;
+        step_run.refusals += 1;
+        let size = request.increment.size;
         let unsolved = !matches!(refusal, Refusal::Snap | Refusal::Linear { .. });
-        if unsolved && course.ladder.may_snap() && course.step.procedure == Procedure::Auto {
-            self.bound_damage(course);
+        if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {
+            self.bound_damage(step_run);
         }
-        if may_relax(course, leg, refusal) {
-            match self.relax(course, leg, recorder) {
-                Some(relaxed) => return self.accept_relaxed(course, leg, relaxed, recorder),
-                None => course.relaxes_below = RELAX_AGAIN * size,
+        if may_relax(step_run, request, refusal) {
+            match self.relax(step_run, request, recorder) {
+                Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
+                None => step_run.relaxes_below = RELAX_AGAIN * size,
             }
         }
-        Ok(self.refuse(course, leg, refusal, recorder))
+        Ok(self.refuse(step_run, request, refusal, recorder))
     }
 
     /// From here on the damage of a point has a largest rate, unless a viscosity holds it back.
-    fn bound_damage(&mut self, course: &mut Course<'m>) {
-        let step = course.step;
+    fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
+        let step = step_run.step;
         if step.viscosity == 0.0 {
-            course.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
-            self.system.bulk.stabilise(0.0, course.damage_rate);
+            step_run.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
+            self.system.bulk.stabilise(0.0, step_run.damage_rate);
         }
     }
 
     /// Takes the bound on the rate of damage away where it holds nothing back any more.
-    fn free_damage(&mut self, course: &mut Course<'m>) {
-        if course.damage_rate.is_infinite() {
+    fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
+        if step_run.damage_rate.is_infinite() {
             return;
         }
         let points = self.state.material.iter();
@@ -248,29 +255,29 @@ impl<'m> Run<'m> {
             .map(|h| h.damage - h.viscous_damage)
             .fold(0.0, f64::max);
         if lag <= SETTLED {
-            course.damage_rate = f64::INFINITY;
+            step_run.damage_rate = f64::INFINITY;
             self.system
                 .bulk
-                .stabilise(course.step.viscosity, f64::INFINITY);
+                .stabilise(step_run.step.viscosity, f64::INFINITY);
         }
     }
 
-    /// Commits the end of a relaxation that `leg` began.
+    /// Commits the end of a relaxation that `request` began.
     fn accept_relaxed(
         &mut self,
-        course: &mut Course<'m>,
-        leg: Leg,
-        (last, report): (Leg, Report),
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        (last, report): (IncrementRequest, Report),
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        course.resumes_at = Some(GROW * leg.increment.size);
-        let go_on = self.accept(course, last, report, recorder)?;
-        course.newton.dashpots = None;
+        step_run.resumes_at = Some(GROW * request.increment.size);
+        let go_on = self.accept(step_run, last, report, recorder)?;
+        step_run.newton.dashpots = None;
         Ok(go_on)
     }
 
     /// Prepares a step.
-    fn begin(&mut self, index: usize) -> Result<Course<'m>, RunError> {
+    fn begin(&mut self, index: usize) -> Result<StepRun<'m>, RunError> {
         let model = self.model;
         let step = &model.steps[index];
         self.system.steered = steered(model, step);
@@ -285,159 +292,172 @@ impl<'m> Run<'m> {
                 place: place.clone(),
             });
         }
-        let mut ladder = Ladder::new(model, step, massless.is_none());
+        let mut fallback = Fallback::new(model, step, massless.is_none());
         if self.state.energies.moving() > QUIET {
-            // What the ladder has set in motion falls on.
-            ladder.go_on_moving();
-            if self.departure.is_none() {
+            // What the fallback has set in motion falls on.
+            fallback.go_on_moving();
+            if self.last_equilibrium.is_none() {
                 self.depart(index, 0.0);
             }
         }
-        let mut course = Course::new(newton, ladder, index, step);
-        course.steer(model, &self.system);
+        let mut step_run = StepRun::new(newton, fallback, index, step);
+        step_run.steer(model, &self.system);
         let [displacement, force] = self.watched(index);
-        course.watch = Watch::new(&model.steps, step, displacement, self.part.wholes());
-        course.see(force);
+        step_run.watch = Watch::new(&model.steps, step, displacement, self.part.wholes());
+        step_run.see(force);
         if step.procedure.has_inertia() {
             self.set_in_motion(index);
-        } else if !course.ladder.method().has_inertia() {
+        } else if !step_run.fallback.method().has_inertia() {
             self.bring_to_rest();
         }
-        self.adopt(&mut course);
+        self.adopt(&mut step_run);
         // The boundary conditions change: the last increment says nothing of the next.
         (self.state.last, self.state.moved) = (None, None);
         self.state.wants_double = false;
-        Ok(course)
+        Ok(step_run)
     }
 
-    /// Goes on by the method of the ladder.
-    pub(in crate::solve) fn adopt(&mut self, course: &mut Course) {
-        let rung = course.ladder.rung();
-        course
+    /// Goes on by the method of the fallback.
+    pub(in crate::solve) fn adopt(&mut self, step_run: &mut StepRun) {
+        let choice = step_run.fallback.choice();
+        step_run
             .newton
-            .adopt(rung, &mut self.system, &mut self.state, &mut self.trial);
+            .adopt(choice, &mut self.system, &mut self.state, &mut self.trial);
     }
 
     /// Commits an increment and chooses the next; false if the run should stop.
     fn accept(
         &mut self,
-        course: &mut Course<'m>,
-        leg: Leg,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
         report: Report,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        let solves = course.solves + report.iterations;
-        let size = leg.increment.size;
-        let added = report.load_factor - course.load;
+        let solves = step_run.solves + report.iterations;
+        let size = request.increment.size;
+        let added = report.load_factor - step_run.load;
         let before = self.state.energies;
-        if let Some(motion) = course.newton.motion() {
+        if let Some(motion) = step_run.newton.motion() {
             motion.end_shock();
         }
-        let dq = self.commit(&mut course.newton, course.step, size, added);
-        course.load = report.load_factor;
-        let (index, cuts) = (course.index, course.cutbacks);
-        let row = self.row(index, leg.method, report, leg.increment.end(), solves, cuts);
+        let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
+        step_run.load = report.load_factor;
+        let (index, cuts) = (step_run.index, step_run.cutbacks);
+        let row = self.row(
+            index,
+            request.method,
+            report,
+            request.increment.end(),
+            solves,
+            cuts,
+        );
         self.energy_watch.add(&row);
-        match leg.method {
-            // What the ladder leaves to inertia moves; what is to be quasi-static should not.
-            Method::QuasiStatic if course.step.procedure == Procedure::QuasiStatic => {
+        match request.method {
+            // What the fallback leaves to inertia moves; what is to be quasi-static should not.
+            Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
                 self.swings.add(&row);
             }
-            Method::Implex if course.step.procedure == Procedure::Auto => self.snaps.add(&row),
+            Method::Implex if step_run.step.procedure == Procedure::Auto => self.snaps.add(&row),
             Method::QuasiStatic => self.mark_what_fell(),
             _ => {}
         }
-        let collapsed = self.collapses(course, leg.method, before.kinetic);
-        let growth = growth(leg, report, course.ladder.floor());
-        if leg.method.follows_path() {
-            course.schedule.reach(course.branch.time(course.load));
-        } else if leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto {
+        let collapsed = self.collapses(step_run, request.method, before.kinetic);
+        let growth = growth(request, report, step_run.fallback.floor());
+        if request.method.follows_path() {
+            step_run.schedule.reach(step_run.branch.time(step_run.load));
+        } else if request.method == Method::QuasiStatic
+            && step_run.step.procedure == Procedure::Auto
+        {
             let hurry = self.state.energies.kinetic / before.kinetic;
-            course
+            step_run
                 .schedule
-                .accept(leg.increment, growth.min(resolving(hurry)));
+                .accept(request.increment, growth.min(resolving(hurry)));
         } else {
-            course.schedule.accept(leg.increment, growth);
+            step_run.schedule.accept(request.increment, growth);
         }
-        self.free_damage(course);
-        course.relaxations = if leg.method == Method::Relaxation {
-            course.relaxations + 1
+        self.free_damage(step_run);
+        step_run.relaxations = if request.method == Method::Relaxation {
+            step_run.relaxations + 1
         } else {
             0
         };
-        if let Some(size) = course.resumes_at.take() {
+        if let Some(size) = step_run.resumes_at.take() {
             // What moved in pseudo-time says nothing of the next increment.
-            course.schedule.resume(size);
-            course.trail.forget();
-            course.peak.forget();
+            step_run.schedule.resume(size);
+            step_run.path_measure.forget();
+            step_run.peak.forget();
             self.state.last = None;
-        } else if let Some(measure) = course.measured_by() {
+        } else if let Some(measure) = step_run.measured_by() {
             let share = self.state.energies.dissipated_share(&before);
             let dissipates = measure == Method::ArcLength || share > SHARE;
             let (system, trial) = (&self.system, &self.trial);
             if !dissipates
-                || !course
-                    .trail
+                || !step_run
+                    .path_measure
                     .learn(measure, system, trial, &dq, (size, added), growth)
             {
-                course.trail.forget();
+                step_run.path_measure.forget();
             }
         }
-        let seen = self.watched(course.index);
-        let carried = leg.method == Method::QuasiStatic && course.step.procedure == Procedure::Auto;
+        let seen = self.watched(step_run.index);
+        let carried =
+            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
         let moves = self.state.energies.moves_on(&before);
         let swings = carried && moves;
-        let why = course
+        let why = step_run
             .watch
             .as_mut()
             .and_then(|watch| watch.take(seen, swings));
-        course.see(seen[1]);
-        course.resolve_peak();
-        let whole = course.is_whole();
+        step_run.see(seen[1]);
+        step_run.resolve_peak();
+        let whole = step_run.is_whole();
         let end = whole || why.is_some() || collapsed;
         if let (Some(why), false) = (&why, whole) {
-            self.stop(course, why, recorder);
+            self.stop(step_run, why, recorder);
         }
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        (course.cutbacks, course.solves) = (0, 0);
-        (course.refusals, course.relaxes_below) = (0, f64::INFINITY);
-        (course.repeat, course.end_refused, course.tried) = (true, false, None);
-        let done = course.schedule.done();
-        if leg.method == Method::Static || course.beyond.is_some_and(|beyond| beyond <= done) {
-            course.beyond = None;
+        (step_run.cutbacks, step_run.solves) = (0, 0);
+        (step_run.refusals, step_run.relaxes_below) = (0, f64::INFINITY);
+        (step_run.repeat, step_run.end_refused, step_run.tried) = (true, false, None);
+        let done = step_run.schedule.done();
+        if request.method == Method::Static || step_run.beyond.is_some_and(|beyond| beyond <= done)
+        {
+            step_run.beyond = None;
         }
-        let sense = course.sense();
-        let forth = (sense * added, sense * course.load);
-        if course.ladder.descend(report, moves, forth.0, forth.1) {
-            if leg.method.has_inertia() {
+        let sense = step_run.sense();
+        let forth = (sense * added, sense * step_run.load);
+        if step_run.fallback.descend(report, moves, forth.0, forth.1) {
+            if request.method.has_inertia() {
                 self.bring_to_rest();
                 // The last increment is no guess of the next one. Its motion may go on.
                 self.state.moved = self.state.last.take();
             }
-            if leg.method.follows_path() {
+            if request.method.follows_path() {
                 // The pace of the path is none of the load.
-                let pace = forth.0 / course.branch.slope().abs();
-                course.schedule.resume(pace.max(course.ladder.floor()));
+                let pace = forth.0 / step_run.branch.slope().abs();
+                step_run
+                    .schedule
+                    .resume(pace.max(step_run.fallback.floor()));
                 self.state.last = None;
             }
-            self.adopt(course);
-            let why = format!("{} has passed the trouble", leg.method.name());
-            self.note(course, &why, recorder);
+            self.adopt(step_run);
+            let why = format!("{} has passed the trouble", request.method.name());
+            self.note(step_run, &why, recorder);
         }
         let mut keeps_symmetry = true;
         if collapsed {
-            self.tell_collapse(course, recorder);
+            self.tell_collapse(step_run, recorder);
         }
-        if !end && course.is_at_row() {
-            keeps_symmetry = self.keeps_symmetry(course, recorder);
-            self.turn(course);
+        if !end && step_run.is_at_row() {
+            keeps_symmetry = self.keeps_symmetry(step_run, recorder);
+            self.turn(step_run);
         }
-        self.tally(&course.newton);
-        let all_done = collapsed || (end && course.index + 1 == self.model.steps.len());
-        self.offer(course, all_done || !keep || !keeps_symmetry, recorder)?;
-        self.tally(&course.newton);
+        self.tally(&step_run.newton);
+        let all_done = collapsed || (end && step_run.index + 1 == self.model.steps.len());
+        self.offer(step_run, all_done || !keep || !keeps_symmetry, recorder)?;
+        self.tally(&step_run.newton);
         if !keep && !collapsed {
             self.summary.status = Status::Interrupted;
             "stopped by the user".clone_into(&mut self.summary.message);
@@ -446,14 +466,14 @@ impl<'m> Run<'m> {
     }
 
     /// Goes on along the next branch of the amplitude.
-    fn turn(&mut self, course: &mut Course<'m>) {
-        let before = course.branch.slope();
+    fn turn(&mut self, step_run: &mut StepRun<'m>) {
+        let before = step_run.branch.slope();
         self.state.moved = None;
-        course.row += 1;
-        course.branch = course.step.branch(course.row);
-        course.schedule.turn(course.branch);
-        let slope = course.branch.slope();
-        course
+        step_run.row += 1;
+        step_run.branch = step_run.step.branch(step_run.row);
+        step_run.schedule.turn(step_run.branch);
+        let slope = step_run.branch.slope();
+        step_run
             .newton
             .turn(slope, &mut self.system, &mut self.state, &mut self.trial);
         if before * slope > 0.0 {
@@ -465,42 +485,42 @@ impl<'m> Run<'m> {
         }
         // Where loads turn round the last increment says nothing of the next.
         self.state.last = None;
-        course.trail.forget();
-        course.peak.forget();
-        course.see(self.watched(course.index)[1]);
-        course.schedule.begin_small();
-        course.beyond = None;
-        if course.ladder.turn() {
-            self.adopt(course);
+        step_run.path_measure.forget();
+        step_run.peak.forget();
+        step_run.see(self.watched(step_run.index)[1]);
+        step_run.schedule.begin_small();
+        step_run.beyond = None;
+        if step_run.fallback.turn() {
+            self.adopt(step_run);
         }
     }
 
     /// Tells of a change of method.
     pub(in crate::solve) fn note(
         &mut self,
-        course: &Course,
+        step_run: &StepRun,
         why: &str,
         recorder: &mut dyn Recorder,
     ) {
         let text = format!(
             "step {} ({}), {}: {why}; goes on by {}",
-            course.index,
-            course.step.name,
-            course.progress(),
-            course.ladder.method().name()
+            step_run.index,
+            step_run.step.name,
+            step_run.progress(),
+            step_run.fallback.method().name()
         );
         recorder.note(&text);
         self.summary.log.push(text);
     }
 
     /// Ends a step before its loads are whole, as the deck has it.
-    fn stop(&mut self, course: &mut Course, why: &str, recorder: &mut dyn Recorder) {
-        course.stopped = true;
+    fn stop(&mut self, step_run: &mut StepRun, why: &str, recorder: &mut dyn Recorder) {
+        step_run.stopped = true;
         let text = format!(
             "step {} ({}) ends at {}: {why}",
-            course.index,
-            course.step.name,
-            course.progress()
+            step_run.index,
+            step_run.step.name,
+            step_run.progress()
         );
         recorder.note(&text);
         self.summary.log.push(text);
@@ -540,21 +560,23 @@ pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
 }
 
 /// Whether a relaxation may lead over the trouble that an increment was refused for.
-fn may_relax(course: &Course, leg: Leg, refusal: &Refusal) -> bool {
-    let applies = match course.step.procedure {
-        Procedure::Auto => course.ladder.may_snap(),
+fn may_relax(step_run: &StepRun, request: IncrementRequest, refusal: &Refusal) -> bool {
+    let applies = match step_run.step.procedure {
+        Procedure::Auto => step_run.fallback.may_snap(),
         Procedure::DisplacementControl => true,
         _ => false,
     };
-    let size = leg.increment.size;
+    let size = request.increment.size;
     let stuck = match refusal {
         // The path of a clear snap-back is followed, where that is possible.
-        Refusal::Snap => course.relaxations == 0 && !course.ladder.prefers_paths(),
+        Refusal::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
         Refusal::Linear { .. } => false,
         // One right behind another creeps: walls 13, 27 and 35 of the zoo took up to three times as many solves.
-        _ => course.relaxations == 0 && (course.refusals > 1 || course.ladder.is_small(size)),
+        _ => {
+            step_run.relaxations == 0 && (step_run.refusals > 1 || step_run.fallback.is_small(size))
+        }
     };
-    applies && stuck && size < course.relaxes_below
+    applies && stuck && size < step_run.relaxes_below
 }
 
 /// Part of the size of an increment whose relaxation led nowhere below which another one is tried.

@@ -1,9 +1,9 @@
-//! The course of one step: which increment comes next, and by which method.
+//! One step in progress: which increment comes next, and by which method.
 
 use super::explain::progress;
-use super::fallback::Ladder;
+use super::fallback::Fallback;
 use super::history_row::drives;
-use super::path::{Advance, Trail};
+use super::path::{Advance, PathMeasure};
 use super::peak_control::PeakWatch;
 use super::step_size::{Increment, Schedule};
 use super::stop::Watch;
@@ -12,16 +12,16 @@ use crate::model::Model;
 use crate::model::amplitude::Branch;
 use crate::model::scene::{Procedure, Step};
 use crate::solve::increment::newton::Newton;
-use crate::solve::method::Method;
+use crate::state::Method;
 
 /// A step in progress.
-pub(in crate::solve) struct Course<'m> {
+pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) index: usize,
     pub(in crate::solve) step: &'m Step,
     pub(in crate::solve) newton: Newton<'m>,
     pub(in crate::solve) schedule: Schedule,
-    pub(in crate::solve) ladder: Ladder,
-    pub(in crate::solve) trail: Trail,
+    pub(in crate::solve) fallback: Fallback,
+    pub(in crate::solve) path_measure: PathMeasure,
     pub(in crate::solve) control: Option<Steering>,
     /// Which branch of the amplitude, and what it is.
     pub(in crate::solve) row: usize,
@@ -77,33 +77,33 @@ impl Steering {
 
 /// One increment to be tried.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::solve) struct Leg {
+pub(in crate::solve) struct IncrementRequest {
     pub(in crate::solve) method: Method,
     /// Part of the step's time, which is that of its loads where these are prescribed.
     pub(in crate::solve) increment: Increment,
 }
 
-impl Leg {
-    /// How far the leg goes. Where a displacement steers the load, that goes by `part` of its way.
+impl IncrementRequest {
+    /// How far the request goes. Where a displacement steers the load, that goes by `part` of its way.
     pub(in crate::solve) fn advance<'a>(
         &self,
-        trail: &'a Trail,
+        path_measure: &'a PathMeasure,
         control: Option<&'a Steering>,
         part: f64,
     ) -> Advance<'a> {
         match (self.method, control) {
             (Method::DisplacementControl, Some(control)) => control.along(part),
-            (method, _) if method.follows_path() => trail.advance(),
+            (method, _) if method.follows_path() => path_measure.advance(),
             _ => Advance::Load,
         }
     }
 }
 
-impl<'m> Course<'m> {
+impl<'m> StepRun<'m> {
     /// A step that has not begun to move.
     pub(in crate::solve) fn new(
         newton: Newton<'m>,
-        ladder: Ladder,
+        fallback: Fallback,
         index: usize,
         step: &'m Step,
     ) -> Self {
@@ -112,8 +112,8 @@ impl<'m> Course<'m> {
             step,
             newton,
             schedule: Schedule::new(step.increments, step.branch(0).to[0]),
-            ladder,
-            trail: Trail::new(
+            fallback,
+            path_measure: PathMeasure::new(
                 step.increments.max * step.steepest() * longest_drive(step),
                 step.increments.max,
             ),
@@ -158,9 +158,9 @@ impl<'m> Course<'m> {
         });
     }
 
-    /// Part of what a step drives and loads that a leg adds, where that is prescribed.
-    pub(in crate::solve) fn part(&self, leg: &Leg) -> f64 {
-        let (start, size) = (leg.increment.start, leg.increment.size);
+    /// Part of what a step drives and loads that a request adds, where that is prescribed.
+    pub(in crate::solve) fn part(&self, request: &IncrementRequest) -> f64 {
+        let (start, size) = (request.increment.start, request.increment.size);
         match self.step.amplitude {
             None => size,
             Some(_) => self.branch.factor(start + size) - self.branch.factor(start),
@@ -180,7 +180,7 @@ impl<'m> Course<'m> {
 
     /// Shortens the next increment where it would pass over a peak unseen.
     pub(in crate::solve) fn resolve_peak(&mut self) {
-        let method = self.ladder.method();
+        let method = self.fallback.method();
         // What follows a path measures itself, and what swings has peaks of its own.
         if method.follows_path() || method.has_inertia() {
             return;
@@ -216,27 +216,27 @@ impl<'m> Course<'m> {
     }
 
     /// The increment to try now; none when the step is done.
-    pub(in crate::solve) fn next(&self) -> Option<Leg> {
+    pub(in crate::solve) fn next(&self) -> Option<IncrementRequest> {
         if self.stopped {
             return None;
         }
         let increment = self.schedule.next()?;
-        let method = self.ladder.method();
+        let method = self.fallback.method();
         if !method.follows_path() {
-            return Some(Leg { method, increment });
+            return Some(IncrementRequest { method, increment });
         }
-        if !self.trail.leads(method) {
-            return Some(Leg {
+        if !self.path_measure.leads(method) {
+            return Some(IncrementRequest {
                 method: Method::Static,
                 increment,
             });
         }
         let start = self.branch.time(self.load);
-        let (size, adds) = self.trail.next();
+        let (size, adds) = self.path_measure.next();
         let (sense, [end, most]) = (self.sense(), self.branch.to);
         // The rest of the step, or of a branch, by its loads, so that it ends there.
         if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_refused {
-            return Some(Leg {
+            return Some(IncrementRequest {
                 method: Method::Static,
                 increment: Increment {
                     start,
@@ -244,7 +244,7 @@ impl<'m> Course<'m> {
                 },
             });
         }
-        Some(Leg {
+        Some(IncrementRequest {
             method,
             increment: Increment { start, size },
         })
@@ -252,7 +252,7 @@ impl<'m> Course<'m> {
 
     /// Where the way behind is to be measured, by what.
     pub(in crate::solve) fn measured_by(&self) -> Option<Method> {
-        match (self.ladder.method(), self.step.procedure) {
+        match (self.fallback.method(), self.step.procedure) {
             (Method::ArcLength, _) => Some(Method::ArcLength),
             (Method::Dissipation, _) | (_, Procedure::Auto) => Some(Method::Dissipation),
             _ => None,

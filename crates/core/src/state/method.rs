@@ -2,7 +2,7 @@
 
 use crate::model::scene::Procedure;
 
-/// What solves an increment: the procedure of its step, or a rung of the ladder.
+/// What solves an increment: the procedure of its step, or a choice of the fallback.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {

@@ -1,73 +1,29 @@
-//! What a run changes, and no more than that: exactly one checkpoint.
+//! State of a run: all that an increment changes for good, its energies, and the rows and fields that show it.
+
+mod clock;
+mod energies;
+mod energy_balance;
+mod frame;
+mod history_row;
+mod method;
+mod pose;
+mod summary;
+mod touch;
 
 use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, PointPair};
 
-use crate::assembly::{Poses, Touch};
 use crate::material::MaterialHistory;
-use crate::results::curve::is_moving;
 
-/// Energies since the start [N mm].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energies {
-    /// Work of reactions, loads, gravity and the ground, and the energy of initial velocities.
-    pub external: f64,
-    /// Elastic energy of solids and interfaces now.
-    pub elastic: f64,
-    /// Plastic work and damage of the solids.
-    pub plastic_damage: f64,
-    /// Dissipation of the interfaces.
-    pub interface: f64,
-    /// Viscous dissipation.
-    pub viscous: f64,
-    /// Kinetic energy now, relative to the ground.
-    pub kinetic: f64,
-    /// Work of the Rayleigh damping, and of the dashpots of relaxations.
-    pub damping: f64,
-    /// What the time integration has taken out.
-    pub numerical: f64,
-    /// What increments in equilibrium have left open: taken beyond the work done.
-    #[serde(default)]
-    pub leaked: f64,
-}
-
-impl Energies {
-    /// What solids and interfaces have taken [N mm].
-    pub fn taken(&self) -> f64 {
-        self.elastic + self.plastic_damage + self.interface + self.viscous
-    }
-
-    /// Work done that is not accounted for [N mm].
-    pub fn open(&self) -> f64 {
-        self.external - self.taken() - self.kinetic - self.damping - self.numerical
-    }
-
-    /// Kinetic energy over what solids and interfaces have taken [-].
-    pub fn moving(&self) -> f64 {
-        if self.kinetic > 0.0 {
-            self.kinetic / self.taken()
-        } else {
-            0.0
-        }
-    }
-
-    /// Whether bodies move, or begin to, in the increment since `before`.
-    pub fn moves_on(&self, before: &Self) -> bool {
-        is_moving(self.kinetic, before.kinetic, self.taken())
-    }
-
-    /// What was dissipated since `before`, over that and the change of the elastic energy [-].
-    pub fn dissipated_share(&self, before: &Self) -> f64 {
-        let sum = |e: &Self| e.plastic_damage + e.interface + e.viscous;
-        let dissipated = sum(self) - sum(before);
-        let stored = (self.elastic - before.elastic).abs();
-        if dissipated > 0.0 {
-            dissipated / (dissipated + stored)
-        } else {
-            0.0
-        }
-    }
-}
+pub use clock::Clock;
+pub use energies::{Energies, QUIET, is_moving};
+pub use energy_balance::EnergyBalance;
+pub use frame::{Frame, InterfaceFrame, InterfaceState};
+pub use history_row::HistoryRow;
+pub use method::Method;
+pub use pose::{PointPose, Poses};
+pub use summary::{Fall, FallenBody, Lost, Status, Summary};
+pub use touch::{Kind, Touch};
 
 /// The last committed increment: what extrapolation starts from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
