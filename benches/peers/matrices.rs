@@ -2,8 +2,9 @@
 
 use std::path::Path;
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::deck::Deck;
 use wythe::linear::{Backend, LinearSolver, Options, Pattern};
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::state::Clock;
 
 /// A structurally symmetric matrix.

@@ -2,8 +2,9 @@
 //! open and slide, some points of the mortar have yielded. What the benches of the system start from.
 
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::deck::Deck;
 use wythe::linear::{Backend, LinearSolver};
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::solve::Recorder;
 use wythe::state::{Clock, State};
 use wythe::state::{Frame, HistoryRow};

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::Status;
 
 use super::scene::{Recording, run};

@@ -6,7 +6,8 @@ mod common;
 use std::path::Path;
 
 use common::scene;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::Status;
 
 /// Displacement [mm] and force [kN].

@@ -6,8 +6,9 @@ mod common;
 use common::blocks;
 use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
 use wythe::contact::InterfaceLaw;
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
-use wythe::model::{Deck, Model};
 
 const MU: f64 = 0.4;
 

@@ -6,7 +6,8 @@ mod common;
 use std::path::Path;
 
 use common::scene::{Recording, run};
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::Status;
 
 /// Runs an example and checks what holds of every run: it completes, each increment is in balance,

@@ -4,7 +4,8 @@
 mod common;
 
 use common::scene::{completed, gap, run};
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::{HistoryRow, Status};
 
 fn built(text: &str) -> Result<Model, wythe::error::ModelError> {

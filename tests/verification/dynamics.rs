@@ -6,10 +6,11 @@ mod common;
 use common::blocks;
 use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
 use wythe::assembly::{Bulk, DofMap, Mass};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::{
     BeamMotion, Fidelity, Gravity, GroundMotion, Procedure, Rayleigh, Tangent,
 };
-use wythe::model::{Deck, Model};
 use wythe::solve::RunError;
 use wythe::state::HistoryRow;
 

@@ -6,7 +6,8 @@ mod common;
 use std::path::Path;
 
 use common::scene;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::{HistoryRow, Summary};
 
 /// An example with `fidelity` and these overrides.

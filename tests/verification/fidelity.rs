@@ -6,10 +6,11 @@ mod common;
 use common::blocks::{deck, deck_and_model};
 use common::halves::{WALL, apart, both, quantities};
 use common::scene::{self, Recording, completed};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 use wythe::model::mirrored::{MirrorPlane, mirror_planes};
 use wythe::model::scene::{Fidelity, Procedure};
 use wythe::model::sizes::Sizes;
-use wythe::model::{Deck, Model, check};
 use wythe::state::{Frame, HistoryRow, Status};
 
 /// Facets are not cut into parts.

@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::solve;
 use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow};

@@ -6,7 +6,8 @@ mod common;
 use common::Random;
 use common::scene::{self, Recording, completed};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::Clock;
 
 fn model(text: &str) -> Model {

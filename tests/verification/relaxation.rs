@@ -4,7 +4,8 @@
 mod common;
 
 use common::scene::completed;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::state::HistoryRow;
 use wythe::state::Method;
 

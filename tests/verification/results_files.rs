@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use wythe_core::material::{ElasticParameters, MaterialParameters};
-use wythe_core::model::deck::ProbeQuantity;
 use wythe_core::model::probes::Probe;
+use wythe_core::model::probes::ProbeQuantity;
 use wythe_core::model::scene::{
     BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
     NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use common::Random;
 use common::scene::{self, Face, Recording};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::mirrored::mirror_planes;
 use wythe::model::scene::{Fidelity, Gravity};
-use wythe::model::{Deck, Model};
 use wythe::results::checkpoint::CheckpointFile;
 use wythe::solve;
 use wythe::solve::Checkpoint;

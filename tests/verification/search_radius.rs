@@ -1,7 +1,8 @@
 //! The reach of contact across a gap: within it a joint carries, beyond it the bond is gone.
 
 use std::io;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow, Status};
 

@@ -5,6 +5,7 @@
 
 pub mod assembly;
 pub mod command;
+pub mod deck;
 pub mod element;
 pub mod error;
 pub mod experiment;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::arguments::Progress;
 use std::path::PathBuf;
-use wythe_core::model::Deck;
+use wythe_core::deck::Deck;
 use wythe_core::model::sizes::Sizes;
 use wythe_core::state::{InterfaceFrame, InterfaceState};
 

@@ -1,56 +1,20 @@
-//! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
+//! The frozen [`Model`] of a scene: mesh, bodies, joints, supports, loads and steps. It knows no TOML.
 
-mod amount;
 pub mod amplitude;
-mod arch;
-mod beams;
-mod bodies;
-pub mod body;
+pub mod axis;
 pub mod boundary_facets;
-mod build;
-pub mod check;
 pub mod columns;
-mod contradictions;
-pub mod deck;
-mod findings;
 pub mod general;
-mod gravity;
-mod held;
 pub mod hexahedron;
-pub mod import;
-mod imported;
-mod joint;
-pub mod keys;
-mod loading;
 pub mod loads;
-mod magnitudes;
-pub mod masonry;
-mod meeting;
 pub mod mesh;
 pub mod mirrored;
-mod mirrors;
-mod name_registry;
-mod overlap;
-mod overrides;
-mod pairing;
 pub mod probes;
-pub mod quantity;
-mod rigid;
 pub(crate) mod rounding;
-pub mod scatter;
 pub mod scene;
-pub mod schema;
 pub mod sizes;
-pub(crate) mod source;
 pub mod surfaces;
 pub(crate) mod symmetry;
-mod tables;
-pub mod templates;
-mod touch;
-mod unit;
-mod wall_defaults;
 
-pub use check::{CheckReport, check};
-pub use deck::{Deck, MOST_BYTES};
 pub use mesh::Mesh;
 pub use scene::Model;

@@ -16,9 +16,10 @@ use super::{
     Curve, HistoryWriter, McapWriter, StepOfCurve, SummaryFile, VtkHdfWriter, elevation, plot,
     usage,
 };
+use crate::deck::Deck;
 use crate::files::{self, write_whole};
+use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
-use crate::model::{Deck, Model};
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::EnergyBalance;

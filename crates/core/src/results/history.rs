@@ -141,8 +141,8 @@ fn header(model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::deck::ProbeQuantity;
     use crate::model::probes::Probe;
+    use crate::model::probes::ProbeQuantity;
     use crate::results::fake;
 
     const HEADER: &str = "increment,step,time,displacement_mm,force_kN,reaction_kN,iterations,\

@@ -9,8 +9,8 @@ use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::vtkhdf::read::FieldsFile;
 use super::{Curve, StepOfCurve, SummaryFile};
+use crate::deck::Deck;
 use crate::files;
-use crate::model::Deck;
 use crate::model::columns::FIXED;
 use crate::state::HistoryRow;
 

@@ -18,10 +18,11 @@ use super::vtkhdf::read::FieldsFile;
 use super::{
     HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder, VtkHdfWriter,
 };
+use crate::deck::Deck;
+use crate::deck::schema::DeckChange;
 use crate::error::{DeckError, ModelError};
 use crate::files::{Extent, NewFile};
-use crate::model::deck::DeckChange;
-use crate::model::{Deck, Model};
+use crate::model::Model;
 use crate::solve::{Checkpoint, CheckpointError};
 use crate::state::{Frame, HistoryRow, Status};
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector6;
 use wythe_contact::{InterfaceHistory, InterfaceLaw};
 
-use crate::model::symmetry;
+use crate::model::symmetry::is_mirrored;
 use crate::tensor;
 
 /// Fields of one output increment.
@@ -89,7 +89,7 @@ impl InterfaceState {
             (true, true) => Self::FailedOpen,
             (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
             // Its slip is the other side's too: nothing slides on anything.
-            (true, false) if law.is_dry() && symmetry::is_mirrored(law) => Self::Intact,
+            (true, false) if law.is_dry() && is_mirrored(law) => Self::Intact,
             (true, false) => Self::FailedSliding,
             (false, _) if history.damage > 0.0 => Self::Softening,
             (false, _) => Self::Intact,
@@ -116,6 +116,7 @@ const FAILED: f64 = 0.99;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::symmetry::mirrored;
     use wythe_contact::Coupling;
 
     /// A joint cut at its middle opens and closes, and slides freely: that is not damage.
@@ -132,7 +133,7 @@ mod tests {
                 coupling,
                 ..InterfaceLaw::dry(0.75, 100.0, 40.0)
             };
-            let law = symmetry::mirrored(&whole);
+            let law = mirrored(&whole);
             let u_0 = law.f_t / law.normal_stiffness;
             let after = |opening: f64| {
                 let first = law.update([0.5 * opening, 0.1, 0.0], &law.virgin()).history;
@@ -152,7 +153,7 @@ mod tests {
                 InterfaceState::Softening
             );
         }
-        let law = symmetry::mirrored(&InterfaceLaw::dry(0.6, 50.0, 20.0));
+        let law = mirrored(&InterfaceLaw::dry(0.6, 50.0, 20.0));
         let pressed = law.update([-0.01, 0.1, 0.0], &law.virgin()).history;
         assert!(pressed.slip_max > 0.0);
         assert_eq!(InterfaceState::of(&law, &pressed), InterfaceState::Intact);

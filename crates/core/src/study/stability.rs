@@ -8,7 +8,8 @@ use super::judge::judge;
 use super::method::METHODS;
 use super::parallel::{on_one_thread, side_by_side};
 use super::run::{self, Nowhere, Watch};
-use crate::model::{Deck, Model};
+use crate::deck::Deck;
+use crate::model::Model;
 use crate::state::HistoryRow;
 
 /// How the atlas is run.

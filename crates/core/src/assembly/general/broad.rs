@@ -111,7 +111,8 @@ impl Nearby {
 mod tests {
     use super::*;
     use crate::assembly::System;
-    use crate::model::{Deck, Model};
+    use crate::deck::Deck;
+    use crate::model::Model;
 
     const DECK: &str = r#"
 format = 1

@@ -14,10 +14,10 @@ mod leaning;
 mod part;
 
 use crate::model::Model;
-use crate::model::check::sizes;
 use crate::model::mirrored::{MirrorPlane, halved};
 use crate::model::scene::Fidelity;
 use crate::model::sizes::Sizes;
+use crate::model::sizes::sizes;
 use crate::solve::Recorder;
 use crate::state::Summary;
 pub(super) use elastic::Reached;

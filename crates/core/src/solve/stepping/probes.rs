@@ -3,7 +3,7 @@
 use crate::assembly::DofMap;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
-use crate::model::deck::ProbeQuantity;
+use crate::model::probes::ProbeQuantity;
 use crate::state::State;
 
 /// Values of the probes at the last commit [mm, mm/s]. `[probe]`
