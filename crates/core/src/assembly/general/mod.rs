@@ -1,4 +1,4 @@
-//! General contact: any two bodies that meet, wherever they meet (docs/contact.md).
+//! General contact: any two bodies that meet, wherever they meet (docs/theory/contact.md).
 //!
 //! Two bodies with plane faces meet where a corner of one is on a face of the other, or where two edges
 //! cross; what lies flat on each other meets at the corners of the common area, which are such places. Each
