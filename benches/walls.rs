@@ -7,7 +7,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;
 use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow};
 
 struct Nothing;
 

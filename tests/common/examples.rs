@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::state::Status;
 
 use super::scene::{Recording, run};
 

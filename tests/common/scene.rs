@@ -10,8 +10,9 @@ use wythe::model::scene::{
     Tolerance,
 };
 use wythe::model::{Deck, Mesh, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
-use wythe::solve::State;
+use wythe::solve::Recorder;
+use wythe::state::State;
+use wythe::state::{Frame, HistoryRow, Status, Summary};
 
 /// Gravity [mm/s²].
 pub const G: f64 = 9810.0;

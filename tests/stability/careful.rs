@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::scene;
 use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// Displacement [mm] and force [kN].
 type Curve = Vec<[f64; 2]>;

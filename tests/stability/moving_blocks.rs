@@ -38,7 +38,7 @@ fn on_a_table(length: f64) -> (Model, Block) {
 
 /// Mean displacement and velocity in x of a block at each commit, with the time.
 fn way(model: &Model, recording: &Recording, block: &Block) -> Vec<[f64; 3]> {
-    let dofs = wythe::system::DofMap::new(model);
+    let dofs = wythe::assembly::DofMap::new(model);
     let nodes = block.nodes();
     let mean = |of: &[f64]| {
         let sum: f64 = nodes

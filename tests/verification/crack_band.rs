@@ -16,7 +16,7 @@ use wythe::material::{
 };
 use wythe::model::mesh::CORNERS;
 use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// Edges of a bed joint's element in the paper's walls [mm].
 const EDGES: [f64; 3] = [51.0, 49.0, 12.5];

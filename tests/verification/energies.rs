@@ -2,8 +2,10 @@
 
 use wythe::model::scene::Procedure;
 use wythe::model::{Deck, Model};
-use wythe::results::{Curve, EnergyBalance, Frame, HistoryRow, Recorder, StepOfCurve, Summary};
+use wythe::results::{Curve, StepOfCurve};
 use wythe::solve;
+use wythe::solve::Recorder;
+use wythe::state::{EnergyBalance, Frame, HistoryRow, Summary};
 
 #[derive(Default)]
 struct Energies {

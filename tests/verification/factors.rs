@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::scene;
 use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Summary};
+use wythe::state::{HistoryRow, Summary};
 
 /// An example with `fidelity` and these overrides.
 fn run(example: &str, fidelity: &str, overrides: &[(&str, &str)]) -> (Vec<HistoryRow>, Summary) {

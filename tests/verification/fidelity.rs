@@ -8,8 +8,9 @@ use common::halves::{WALL, apart, both, quantities};
 use common::scene::{self, Recording, completed};
 use wythe::model::mirrored::{MirrorPlane, mirror_planes};
 use wythe::model::scene::{Fidelity, Procedure};
+use wythe::model::sizes::Sizes;
 use wythe::model::{Deck, Model, check};
-use wythe::results::{Frame, HistoryRow, Sizes, Status};
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// Facets are not cut into parts.
 const WHOLE: &str = "[1, 1, 1]";

@@ -5,9 +5,9 @@ mod common;
 
 use common::Random;
 use common::scene::{self, Recording, completed};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::model::{Deck, Model};
-use wythe::solve::Clock;
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::state::Clock;
 
 fn model(text: &str) -> Model {
     let deck = Deck::from_str(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"));

@@ -8,7 +8,7 @@ use wythe::model::deck::ProbeQuantity;
 use wythe::model::probes::Probe;
 use wythe::model::scene::{Control, Gravity, Increments, Procedure, Step, Tangent};
 use wythe::model::{Deck, Model};
-use wythe::solve::Method;
+use wythe::state::Method;
 
 /// The bar of the atlas, with other steps.
 fn bar(steps: &str) -> Recording {

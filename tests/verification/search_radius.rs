@@ -2,7 +2,8 @@
 
 use std::io;
 use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Status};
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// Keeps displacement [mm] and force [kN] of every increment.
 #[derive(Default)]

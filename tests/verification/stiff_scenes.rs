@@ -7,7 +7,7 @@ use common::blocks::{Bad, deck as parsed, refuses};
 use common::examples::load;
 use common::scene::{rows, run};
 use wythe::model::{Deck, Model, check};
-use wythe::results::Status;
+use wythe::state::Status;
 
 const PIER: &str = include_str!("../../examples/66_rocking_pier.toml");
 

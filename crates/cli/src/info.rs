@@ -10,7 +10,8 @@ use wythe_core::results::directory::{
     CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
-use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use wythe_core::results::{ReadError, ReadHistory, RunFolder, SummaryFile};
+use wythe_core::state::Status;
 
 use crate::arguments::Info;
 use crate::failure::Failure;

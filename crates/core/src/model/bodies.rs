@@ -8,9 +8,9 @@ use super::hexahedron::{Corners, area_vector, norm};
 use super::imported::Imported;
 use super::masonry::{self, Masonry};
 use super::mirrors::Mirror;
+use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
-use super::roll::{Place, Roll};
 use super::scene::{HeldBy, Spring, Support, turned};
 use super::{Mesh, deck::Rotation};
 use crate::error::{Errors, ModelError, Warning};
@@ -35,7 +35,7 @@ pub(super) struct Bodies<'a> {
     /// What the author should know of imported files.
     pub(super) warnings: Vec<Warning>,
     /// Their names.
-    roll: Roll,
+    roll: NameRegistry,
     /// Velocity at the beginning [mm/s]; empty = rest. `[node]`
     pub(super) velocity: Vec<[f64; 3]>,
     /// What stands for the other half where planes of symmetry cut joints.
@@ -65,7 +65,7 @@ impl<'a> Bodies<'a> {
             walls: Vec::new(),
             brought: BTreeMap::new(),
             warnings: Vec::new(),
-            roll: Roll::default(),
+            roll: NameRegistry::default(),
             velocity: Vec::new(),
             mirrors: Vec::new(),
             named: Cell::new(0),
@@ -81,7 +81,7 @@ impl<'a> Bodies<'a> {
         if imports.len() < deck.imports.len() {
             return errors.end(bodies); // what they hold is not known
         }
-        if let Some((roll, twice)) = Roll::call(deck, &walls, Some(&imports)) {
+        if let Some((roll, twice)) = NameRegistry::call(deck, &walls, Some(&imports)) {
             bodies.roll = roll;
             for error in twice {
                 errors.push(error);
@@ -325,7 +325,7 @@ impl<'a> Bodies<'a> {
         }) as u16
     }
 
-    /// What the names at `path` stand for, see [`Roll::places`].
+    /// What the names at `path` stand for, see [`NameRegistry::places`].
     ///
     /// # Errors
     /// No such block or face.

@@ -7,7 +7,7 @@ use super::mirrored::{self, MirrorPlane};
 use super::scene::{BeamMotion, ContactPoints, Fidelity, Step, Tangent};
 use super::sizes::Sizes;
 use super::symmetry::{self, Plane};
-use super::{Model, across, rigid, scatter};
+use super::{Model, rigid, scatter, wall_defaults};
 use crate::error::Warning;
 use crate::material::uniaxial::snap_back;
 use crate::material::{MaterialHistory, MaterialParameters};
@@ -244,7 +244,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     for wall in masonry::lay_all(deck).unwrap_or_default() {
         notes.extend(wall_notes(deck, &wall));
     }
-    notes.extend(across::notes(deck));
+    notes.extend(wall_defaults::notes(deck));
     notes.extend(symmetry_note(deck));
     notes.extend(rigid_note(deck, model));
     notes.extend(beams_notes(deck, model));

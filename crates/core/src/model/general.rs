@@ -2,9 +2,9 @@
 
 use wythe_contact::{InterfaceLaw, frame_at};
 
+use super::boundary_facets::BoundaryFacets;
 use super::deck::Deck;
 use super::scene::{Model, NamedMaterial};
-use super::skin::Skin;
 use super::{Mesh, hexahedron};
 use crate::error::ModelError;
 use crate::material::ElasticParameters;
@@ -15,7 +15,7 @@ pub struct GeneralContact {
     /// Name of the interface in the deck.
     pub interface: String,
     /// Faces and sharp edges.
-    pub skin: Skin,
+    pub skin: BoundaryFacets,
     /// Friction μ [-].
     pub mu: f64,
     /// Normal and shear stiffness of the law behind each facet; of two that meet the softer one counts
@@ -36,7 +36,7 @@ impl GeneralContact {
         penalty: f64,
         given: Option<[f64; 2]>,
     ) -> Self {
-        let skin = Skin::of(mesh);
+        let skin = BoundaryFacets::of(mesh);
         let elastic: Vec<[f64; 2]> = skin
             .facets
             .iter()

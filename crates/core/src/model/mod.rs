@@ -1,12 +1,12 @@
 //! What is computed: the frozen [`Model`], and how it is made from a [`Deck`].
 
-mod across;
 mod amount;
 pub mod amplitude;
 mod arch;
 mod beams;
 mod bodies;
 pub mod body;
+pub mod boundary_facets;
 mod build;
 pub mod check;
 pub mod columns;
@@ -29,19 +29,18 @@ mod meeting;
 pub mod mesh;
 pub mod mirrored;
 mod mirrors;
+mod name_registry;
 mod overlap;
 mod overrides;
 mod pairing;
 pub mod probes;
 pub mod quantity;
 mod rigid;
-mod roll;
 pub(crate) mod rounding;
 pub mod scatter;
 pub mod scene;
 pub mod schema;
 pub mod sizes;
-pub mod skin;
 pub(crate) mod source;
 pub mod surfaces;
 pub(crate) mod symmetry;
@@ -49,6 +48,7 @@ mod tables;
 pub mod templates;
 mod touch;
 mod unit;
+mod wall_defaults;
 
 pub use check::{CheckReport, check};
 pub use deck::{Deck, MOST_BYTES};

@@ -3,8 +3,8 @@
 use super::bodies::Bodies;
 use super::deck::{Deck, DeckContact, Names};
 use super::hexahedron::{Face, area_vector, norm};
+use super::name_registry::Place;
 use super::overlap;
-use super::roll::Place;
 use super::touch;
 use crate::error::{Errors, ModelError};
 use std::collections::{HashMap, HashSet};

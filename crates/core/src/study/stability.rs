@@ -9,7 +9,7 @@ use super::method::METHODS;
 use super::parallel::{on_one_thread, side_by_side};
 use super::run::{self, Nowhere, Watch};
 use crate::model::{Deck, Model};
-use crate::results::HistoryRow;
+use crate::state::HistoryRow;
 
 /// How the atlas is run.
 #[derive(Clone, Debug)]

@@ -45,11 +45,11 @@ pub use wall::{
     Subdivision, Wall,
 };
 
-use super::across;
 use super::overrides;
 use super::quantity::Length;
 use super::scene::{ContactPoints, Fidelity, Formulation, Output};
 use super::source::Source;
+use super::wall_defaults;
 use crate::error::{DeckError, Errors, IoError, MOST_ERRORS, ModelError, printable};
 use crate::input;
 use crate::material::MaterialParameters;
@@ -255,7 +255,7 @@ impl Deck {
                 errors.extend(validate::validate(&deck, &form.broken));
             }
             if errors.is_empty() {
-                across::choose(&mut deck);
+                wall_defaults::choose(&mut deck);
                 return Ok(deck);
             }
         }

@@ -12,7 +12,7 @@ use crate::model::quantity::Quantity;
 
 /// A leaf of a course: units one after the other along the wall.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Row {
+pub struct CourseRow {
     /// Front and back of the leaf [mm].
     pub through: [f64; 2],
     /// Its units.
@@ -106,7 +106,7 @@ impl Sizes {
 ///
 /// # Errors
 /// Sizes that do not fit together.
-pub fn courses(wall: &Wall) -> Result<Vec<Vec<Row>>, Refusal> {
+pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let sizes = Sizes::of(wall);
     sizes.require_few()?;
     if wall.bond == Bond::Pattern && wall.pattern.iter().all(|c| c.leaves.is_empty()) {
@@ -149,11 +149,11 @@ fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
 }
 
 /// Leaves of these slots, one behind the other.
-fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<Row> {
+fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
     (0..count)
         .map(|leaf| {
             let front = f64::from(leaf) * (sizes.width + sizes.collar);
-            Row {
+            CourseRow {
                 through: [front, front + sizes.width],
                 slots: slots.to_vec(),
                 material: None,
@@ -241,7 +241,7 @@ fn with_headers(
     wall: &Wall,
     sizes: &Sizes,
     patterns: &[Vec<Slot>],
-) -> Result<Vec<Vec<Row>>, Refusal> {
+) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let every = wall.header_courses.map_or(0, |n| n as usize);
     let period = patterns.len().saturating_mul(every.max(1));
     // What would come after the last course is not there.
@@ -270,7 +270,7 @@ fn with_headers(
 }
 
 /// A course of headers with closers beside the quoins.
-fn headers(sizes: &Sizes) -> Result<Vec<Row>, Refusal> {
+fn headers(sizes: &Sizes) -> Result<Vec<CourseRow>, Refusal> {
     let (width, closer) = (sizes.width, sizes.closer()?);
     let end = width + closer + 2.0 * sizes.head;
     let middle = sizes.length - 2.0 * end;
@@ -286,19 +286,19 @@ fn headers(sizes: &Sizes) -> Result<Vec<Row>, Refusal> {
 }
 
 /// Units through the whole wall, which is one unit thick.
-fn one_row(sizes: &Sizes, slots: Vec<Slot>) -> Row {
+fn one_row(sizes: &Sizes, slots: Vec<Slot>) -> CourseRow {
     let header = |slot: Slot| Slot {
         header: true,
         ..slot
     };
-    Row {
+    CourseRow {
         through: [0.0, sizes.unit],
         slots: slots.into_iter().map(header).collect(),
         material: None,
     }
 }
 
-fn header_bond(sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
+fn header_bond(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let even = slots(filled(&[sizes.width], sizes.length, sizes)?, sizes.head);
     let half = (sizes.width - sizes.head) / 2.0;
     let mut odd = vec![half];
@@ -312,7 +312,7 @@ fn header_bond(sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
 }
 
 /// Two leaves of these stretchers within a wall one unit thick.
-fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<Row>, Refusal> {
+fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<CourseRow>, Refusal> {
     let collar = sizes.unit - 2.0 * sizes.width;
     if collar < -sizes.tolerance() {
         return Err(Refusal {
@@ -324,7 +324,7 @@ fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<Row>, Refusal> {
             help: "length of the unit = 2 times its thickness + a joint".to_owned(),
         });
     }
-    let row = |through| Row {
+    let row = |through| CourseRow {
         through,
         slots: slots.to_vec(),
         material: None,
@@ -333,7 +333,7 @@ fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<Row>, Refusal> {
     Ok(vec![front, row([sizes.unit - sizes.width, sizes.unit])])
 }
 
-fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
+fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let whole = two_leaves(sizes, &stack(sizes)?)?;
     let mut courses = vec![whole, headers(sizes)?];
     if wall.bond == Bond::EnglishCross {
@@ -347,7 +347,7 @@ fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
     Ok(courses)
 }
 
-fn flemish(sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
+fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let (unit, width, closer) = (sizes.unit, sizes.width, sizes.closer()?);
     let even = filled(&[unit, width], sizes.length, sizes)?;
     let end = width + closer + 2.0 * sizes.head;
@@ -379,12 +379,17 @@ fn flemish(sizes: &Sizes) -> Result<Vec<Vec<Row>>, Refusal> {
 ///
 /// # Errors
 /// A leaf that does not fill the length.
-fn written(wall: &Wall, sizes: &Sizes, k: usize, course: &DeckCourse) -> Result<Vec<Row>, Refusal> {
+fn written(
+    wall: &Wall,
+    sizes: &Sizes,
+    k: usize,
+    course: &DeckCourse,
+) -> Result<Vec<CourseRow>, Refusal> {
     let mut front = 0.0;
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<CourseRow> = Vec::new();
     for (l, leaf) in course.leaves.iter().enumerate() {
         let thickness = leaf.thickness.unwrap_or(wall.unit[1]).get();
-        let mut row = Row {
+        let mut row = CourseRow {
             through: [front, front + thickness],
             slots: Vec::new(),
             material: leaf.material.clone(),

@@ -4,7 +4,7 @@
 //! behind it, as far as there is a unit beyond. Where another wall passes through, the units that end there
 //! have the joint to it.
 
-use super::course::{Row, Sizes, courses};
+use super::course::{CourseRow, Sizes, courses};
 use super::openings;
 use crate::error::ModelError;
 use crate::model::deck::{Axis, Bond, Deck, Wall};
@@ -203,7 +203,7 @@ fn levels(wall: &Wall, sizes: &Sizes) -> Vec<(f64, f64)> {
 fn pieces(
     wall: &Wall,
     sizes: &Sizes,
-    rows: &[Row],
+    rows: &[CourseRow],
     k: u32,
     cuts: &[Cut],
 ) -> Result<Vec<Piece>, Refusal> {

@@ -10,7 +10,7 @@ mod plan;
 mod representative;
 mod symmetry;
 
-pub use course::{Row, Slot, courses};
+pub use course::{CourseRow, Slot, courses};
 pub use layout::{Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};

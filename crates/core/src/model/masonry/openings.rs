@@ -1,6 +1,6 @@
 //! Openings: what they and their lintels take out of the courses of a wall.
 
-use super::course::Row;
+use super::course::CourseRow;
 use super::layout::{Courses, Cut, Refusal};
 use crate::model::deck::{DeckLintel, DeckOpening, Wall};
 
@@ -97,7 +97,7 @@ fn require_within(wall: &Wall, opening: &DeckOpening, o: usize) -> Result<(), Re
 /// Lintels that begin in course `k`: opening, and how it lies.
 pub(super) fn lintels<'a>(
     wall: &'a Wall,
-    rows: &[Row],
+    rows: &[CourseRow],
     k: u32,
 ) -> impl Iterator<Item = (u32, [f64; 2], f64, &'a DeckLintel)> {
     let back = rows.iter().map(|r| r.through[1]).fold(0.0, f64::max);

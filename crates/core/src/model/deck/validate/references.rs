@@ -4,7 +4,7 @@ use super::Checks;
 use crate::model::deck::{DeckPlace, Names};
 use crate::model::keys;
 use crate::model::masonry;
-use crate::model::roll::Roll;
+use crate::model::name_registry::NameRegistry;
 
 impl Checks<'_> {
     /// Names of blocks, faces, springs and probes, wherever they stand.
@@ -33,7 +33,7 @@ impl Checks<'_> {
         let Ok(walls) = masonry::lay_all(deck) else {
             return;
         };
-        let Some((roll, twice)) = Roll::call(deck, &walls, None) else {
+        let Some((roll, twice)) = NameRegistry::call(deck, &walls, None) else {
             return; // far too many
         };
         self.errors.extend(twice);
@@ -69,7 +69,7 @@ impl Checks<'_> {
         }
     }
 
-    fn places(&mut self, roll: &Roll, path: &str, names: Option<&Names>, faces: bool) {
+    fn places(&mut self, roll: &NameRegistry, path: &str, names: Option<&Names>, faces: bool) {
         let Some(names) = names.filter(|_| !self.broken.holds(path)) else {
             return;
         };
