@@ -111,7 +111,7 @@ MORTAR: dict[str, list[Row]] = {
 
 
 def nodes(rows: Sequence[Row]) -> list[Node]:
-    """Strain, stress, effective stress, κ at the rows (damage-plasticity.md, eq. 10 and 11)."""
+    """Strain, stress, effective stress, κ at the rows (damage-plasticity.md, eq. 9)."""
     found = []
     for stress, inelastic, damage in rows:
         effective = stress / (1 - damage)
@@ -420,7 +420,7 @@ def corotational() -> None:
     bent = [(x + u, y + v) for (x, y), (u, v) in zip(square, local, strict=True)]
     mean = [sum(p[i] for p in bent) / 4 for i in (0, 1)]
     deformed = [(c * (x - mean[0]) - d * (y - mean[1]), d * (x - mean[0]) + c * (y - mean[1])) for x, y in bent]
-    # F = Σ x_a b_aᵀ at the centroid, R its rotation (hex8.md, eq. 7), in two dimensions.
+    # F = Σ x_a b_aᵀ at the centroid, R its rotation (hex8.md, eq. 6), in two dimensions.
     gradient = [(math.copysign(1 / 4, x) / 1.0, math.copysign(1 / 4, y) / 0.7) for x, y in square]
     f = [[sum(p[i] * b[j] for p, b in zip(deformed, gradient, strict=True)) for j in (0, 1)] for i in (0, 1)]
     turn = math.atan2(f[1][0] - f[0][1], f[0][0] + f[1][1])
