@@ -1,5 +1,5 @@
 //! Work that joints and solids do between the ends of an increment, where their gaps and strains go straight from one to
-//! the other (docs/solver.md, "Peaks").
+//! the other (docs/theory/procedures.md, eq. 15).
 //!
 //! An increment knows the tractions at its ends only. A bond that breaks within it has carried more in between:
 //!

@@ -1,6 +1,6 @@
 //! One increment: equilibrium by Newton's method with the energy line search.
 //!
-//! With the shifted penalty (docs/solver.md) the tractions of the last iterate enter the interface
+//! With the shifted penalty (docs/theory/equilibrium.md, eq. 6) the tractions of the last iterate enter the interface
 //! law, so that each iteration is one step of the fixed point and one Newton step of equilibrium at
 //! once. The increment is converged when the out-of-balance force is below the tolerance after the
 //! tractions were taken over: their change, as the nodes feel it, is then below it too.

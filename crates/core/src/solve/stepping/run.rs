@@ -52,7 +52,7 @@ pub enum RunError {
     },
 }
 
-/// Factor of a refused increment (docs/solver.md, "Start, line search, cut").
+/// Factor of a rejected increment (docs/theory/procedures.md, eq. 13).
 pub(in crate::solve) const CUT: f64 = 0.4;
 
 /// Runs a model from rest through all its steps.
@@ -547,7 +547,7 @@ impl<'m> Run<'m> {
 /// Damage that a bound on its rate holds back, at most, where a snap is over [-].
 const SETTLED: f64 = 0.02;
 
-/// Largest increments of a step in which the damage of a point may rise from 0 to 1, at least (docs/solver.md, "Snaps").
+/// Largest increments of a step in which the damage of a point may rise from 0 to 1, at least (docs/theory/procedures.md, eq. 9).
 const SNAPS_TAKE: f64 = 4.0;
 
 /// Stiffness along what steers the load of a step, which secant tangents want.
