@@ -140,11 +140,7 @@ class _Point:
 
         end = leaves(lambda t: self.law.yield_function(found(t)[0], *strengths), start)
         if row.pace:
-            done = solve_ivp(
-                lambda t, y: self._viscous_rates(row, t, found(t)[0], self.kt, self.kc, y),
-                (start, end), self.viscous, "DOP853", rtol=RTOL, atol=ATOL,
-            )  # fmt: skip
-            self.viscous = done.y[:, -1]
+            self._relax(row, start, end, lambda t: found(t)[0])
         self.stress, strain = found(end)
         self.free = self.free + self.material.E * strain
         return end
@@ -161,7 +157,8 @@ class _Point:
             now = rates(y)
             parts = [now.stress, [E * now.kt, E * now.kc], E * now.free]
             if row.pace:
-                parts.append(self._viscous_rates(row, t, y[:6], y[6] / E, y[7] / E, y[8 + n :]))
+                kappa = float(y[6] / E), float(y[7] / E)
+                parts.append(self._viscous_rates(row, t, y[:6], kappa, branch.signs, y[8 + n :]))
             return np.concatenate(parts)
 
         # Each event is positive on the piece and falls through zero at its end.
@@ -192,13 +189,40 @@ class _Point:
         self.drift = max(self.drift, abs(self.law.yield_function(self.stress, *self.strengths())))
         return float(done.t[-1])
 
-    def _viscous_rates(self, row: _Row, t: float, stress: Floats, kt: float, kc: float, viscous: Floats) -> Floats:
+    # ---- Viscosity ------------------------------------------------------------------------------------------
+
+    def _viscous_rates(
+        self,
+        row: _Row,
+        t: float,
+        stress: Floats,
+        kappa: tuple[float, float],
+        signs: Sequence[int],
+        viscous: Floats,
+    ) -> Floats:
         """Rates whose backward Euler step is (13): mu deps_v/dt = eps_p - eps_v, the same of d_v."""
         m = self.material
         plastic = row.strain + t * row.strain_rate - np.linalg.solve(m.stiffness, stress)
-        r = self.law.weight(np.linalg.eigvalsh(matrix(stress)))
-        d = 1.0 - self.law.integrity(r, *_at(m, kt, kc, 2))
+        r = self.law.weight(np.linalg.eigvalsh(matrix(stress)), signs)
+        d = 1.0 - self.law.integrity(r, *_at(m, *kappa, 2))
         return row.pace * (np.append(m.E * plastic, d) - viscous)
+
+    def _relax(self, row: _Row, start: float, end: float, stress: Callable[[float], Floats]) -> None:
+        """Viscous strain and damage while the point is elastic, in pieces between changes of sign."""
+        while start < end:
+            signs = np.where(np.linalg.eigvalsh(matrix(stress(start))) > 0.0, 1, -1)
+
+            def rates(t: float, y: Floats, signs: Floats = signs) -> Floats:
+                return self._viscous_rates(row, t, stress(t), (self.kt, self.kc), signs, y)
+
+            def changes_sign(t: float, _: Floats, signs: Floats = signs) -> float:
+                return float((np.linalg.eigvalsh(matrix(stress(t))) * signs).min() + BEYOND_ZERO)
+
+            changes_sign.terminal, changes_sign.direction = True, -1  # type: ignore[attr-defined]
+            done = solve_ivp(
+                rates, (start, end), self.viscous, "DOP853", events=changes_sign, rtol=RTOL, atol=ATOL
+            )
+            self.viscous, start = done.y[:, -1], float(done.t[-1])
 
 
 def _at(material: Material, kt: float, kc: float, which: int) -> tuple[float, float]:

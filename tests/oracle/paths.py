@@ -165,12 +165,11 @@ MATERIAL_CASES = [
         legs(*((24, 0, 0, 0, shear, 0, 0) for shear in (0.003, -0.003, 0.006, 0.0))),
     ),
     MaterialCase(
-        "cdp_mortar850_eff1_pressed_shear",
-        "shear in cycles under 0.5 MPa along y, no normal stress along x and z",
-        MORTAR_850,
+        "cdp_stone_eff1_pressed_shear",
+        "shear in cycles under 4 MPa along y, no normal stress along x and z",
+        STONE,
         legs(
-            (1, 0, -0.5, 0, 0, 0, 0),
-            *((n, 0, -0.5, 0, g, 0, 0) for n, g in ((24, 0.005), (36, -0.005), (36, 0.008))),
+            (1, 0, -4, 0, 0, 0, 0), *((n, 0, -4, 0, g, 0, 0) for n, g in ((24, 0.002), (36, -0.002), (36, 0.003)))
         ),
         ("xx", "yy", "zz"),
     ),

