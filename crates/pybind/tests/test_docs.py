@@ -1,4 +1,4 @@
-"""What docs/python.md and docs/studies.md show works, names everything, and leads somewhere."""
+"""The guides of docs/reference work, name everything, and their links lead somewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from helpers import ROOT, python
 from matplotlib import pyplot
 from test_names import NAMES
 
-GUIDE, STUDIES = ROOT / "docs" / "python.md", ROOT / "docs" / "studies.md"
+GUIDES = ROOT / "docs" / "reference"
+GUIDE, STUDIES = GUIDES / "python.md", GUIDES / "studies.md"
 TEXT = GUIDE.read_text(encoding="utf-8")
 
 

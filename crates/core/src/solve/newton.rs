@@ -197,7 +197,7 @@ impl<'m> Newton<'m> {
     }
 
     /// What of follower pressures a tangent holds: the secant one nothing, and stays symmetric and
-    /// positive definite (docs/decisions.md).
+    /// positive definite (docs/decisions/follower-pressure.md).
     pub(super) fn turning(&self) -> Turning {
         if self.tangent == Tangent::Secant {
             Turning::Ignored
