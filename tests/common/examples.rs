@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Status;
 
 use super::scene::{Recording, run};
 

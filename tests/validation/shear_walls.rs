@@ -6,8 +6,9 @@ mod common;
 use std::path::Path;
 
 use common::scene::{Recording, run};
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Status;
 
 /// Runs an example and checks what holds of every run: it completes, each increment is in balance,
 /// and the energies close.

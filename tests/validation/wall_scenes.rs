@@ -7,8 +7,8 @@ mod common;
 use common::examples::{completed, load};
 use common::scene::run;
 use wythe::model::Model;
-use wythe::results::{HistoryRow, Status};
-use wythe::solve::Method;
+use wythe::state::Method;
+use wythe::state::{HistoryRow, Status};
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {
     completed(name, overrides).1.rows

@@ -4,8 +4,9 @@
 mod common;
 
 use common::scene::{completed, gap, run};
-use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::{HistoryRow, Status};
 
 fn built(text: &str) -> Result<Model, wythe::error::ModelError> {
     Deck::from_str(text, "scene.toml")

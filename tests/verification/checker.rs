@@ -4,7 +4,8 @@
 mod common;
 
 use common::examples::{load, path};
-use wythe::model::{Deck, Model, check};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 
 /// Two elements through the thickness are too few for a wall that bends, and enough for one that is sheared.
 #[test]

@@ -5,11 +5,11 @@
 mod common;
 
 use common::scene::{self, Block, Face, How};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::InterfaceLaw;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
-use wythe::solve::{Clock, State};
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::state::{Clock, State};
 
 const SIDE: f64 = 120.0;
 const HEIGHT: f64 = 60.0;

@@ -10,13 +10,14 @@ use common::blocks::deck_and_model;
 use common::scene::{completed, run};
 use common::{Random, brick};
 use nalgebra::{Rotation3, Vector3, Vector6};
+use wythe::deck::Deck;
 use wythe::element::extent;
 use wythe::material::{
     CrackBand, Curves, DamagePlasticity, DamagePlasticityParameters, Extent, MaterialHistory,
 };
+use wythe::model::Model;
 use wythe::model::mesh::CORNERS;
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// Edges of a bed joint's element in the paper's walls [mm].
 const EDGES: [f64; 3] = [51.0, 49.0, 12.5];

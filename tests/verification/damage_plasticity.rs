@@ -9,7 +9,7 @@ use wythe::material::{
     DamagePlasticity, DamagePlasticityParameters, Interpolation, MaterialHistory, TableRow,
     TableWarning,
 };
-use wythe::sym6;
+use wythe::tensor;
 
 const STRESS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
@@ -161,7 +161,7 @@ fn first_yield_of_the_paper_is_exact() {
         } else if path == "uniaxial tension" {
             Vector6::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         } else if path.starts_with("hydrostatic") {
-            sym6::UNIT
+            tensor::UNIT
         } else {
             continue;
         };
@@ -369,7 +369,7 @@ fn a_rotated_path_gives_rotated_stresses() {
             for k in 3..6 {
                 t[k] *= shear;
             }
-            let m = r * sym6::matrix(&t) * r.transpose();
+            let m = r * tensor::matrix(&t) * r.transpose();
             let back = 1.0 / shear;
             Vector6::new(
                 m[(0, 0)],

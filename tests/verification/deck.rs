@@ -5,10 +5,11 @@ mod common;
 
 use common::examples::{load, path};
 use wythe::contact::Coupling;
+use wythe::deck::schema::Subdivision;
+use wythe::deck::{Deck, keys};
 use wythe::material::{Interpolation, MaterialParameters};
-use wythe::model::deck::Subdivision;
+use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
-use wythe::model::{Deck, Model, keys};
 
 const EXAMPLES: [&str; 4] = [
     "01_couplet_tension",

@@ -8,8 +8,9 @@ use std::path::Path;
 use common::blocks::{
     GRAVITY, HEAD, PAIR, ROUNDING, area_vector, deck, model, nodes, norm, normals_point_out, volume,
 };
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Gravity};
-use wythe::model::{Deck, Model, check};
 
 #[test]
 fn boxes_have_their_sizes_faces_masses_and_velocities() {

@@ -1,8 +1,10 @@
 //! The reach of contact across a gap: within it a joint carries, beyond it the bond is gone.
 
 use std::io;
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Status};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// Keeps displacement [mm] and force [kN] of every increment.
 #[derive(Default)]

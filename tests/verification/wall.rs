@@ -322,7 +322,7 @@ fn clamped_courses_are_held_without_their_beds() {
     assert_eq!(beam.nodes.len(), (22 + 5) * 3 * 2);
     let free = model.mesh.nodes.len() - 2 * (22 + 5) * 6;
     // the beam moves freely only vertically, during the preload
-    assert_eq!(wythe::model::check::sizes(&model).dofs, 3 * free + 1);
+    assert_eq!(wythe::model::sizes::sizes(&model).dofs, 3 * free + 1);
 }
 
 #[test]

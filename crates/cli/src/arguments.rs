@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use wythe_core::model::templates;
+use wythe_core::deck::templates;
 
 use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
 pub use results::{Compare, Export, Format, Frames, Info, Plot};

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use wythe_core::deck::MOST_BYTES;
 use wythe_core::input;
-use wythe_core::model::{MOST_BYTES, Model};
+use wythe_core::model::Model;
 use wythe_core::results::plotting::{png, scene};
 
 use crate::arguments::Check;
@@ -31,7 +32,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         model,
         warnings,
     } = found.map_err(|unsound| unsound.tell(path))?;
-    let mut report = wythe_core::model::check(&deck, &model);
+    let mut report = wythe_core::deck::check(&deck, &model);
     // These are drawn with their places.
     report.warnings.clear();
     let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
@@ -108,7 +109,7 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
             model,
             warnings,
         }) => {
-            let report = wythe_core::model::check(&deck, &model);
+            let report = wythe_core::deck::check(&deck, &model);
             let warnings: Vec<Value> = warnings.iter().map(findings::warning_json).collect();
             let object = json!({
                 "file": file,

@@ -1,6 +1,7 @@
 //! `wythe compare`: a run against an experiment.
 
-use wythe_core::model::{Deck, Model};
+use wythe_core::deck::Deck;
+use wythe_core::model::Model;
 use wythe_core::results::comparison::{Comparison, Measures, clear_height};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::{self, Experiment, RunFolder};

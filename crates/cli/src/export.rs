@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe_core::model::{Deck, Model};
+use wythe_core::deck::Deck;
+use wythe_core::model::Model;
 use wythe_core::results::directory::{DECK, spare_inputs};
 use wythe_core::results::export::{frame_name, inp, table, vtu};
 use wythe_core::results::snapshot::Snapshots;

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use miette::Report;
 use serde_json::{Value, json};
+use wythe_core::deck::{Deck, MOST_BYTES};
 use wythe_core::error::{DeckError, ModelError, Warning};
 use wythe_core::input;
-use wythe_core::model::{Deck, MOST_BYTES, Model};
+use wythe_core::model::Model;
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;

@@ -3,14 +3,16 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
-use wythe_core::model::{Deck, Model, check};
+use wythe_core::model::{self, Model};
 use wythe_core::results::checkpoint::CHECKPOINT;
 use wythe_core::results::directory::{
     CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
-use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use wythe_core::results::{ReadError, ReadHistory, RunFolder, SummaryFile};
+use wythe_core::state::Status;
 
 use crate::arguments::Info;
 use crate::failure::Failure;
@@ -346,7 +348,7 @@ fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
 fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
     let deck = Deck::load(path, &[])?;
     let (model, warnings) = Model::from_deck(&deck)?;
-    let sizes = check::sizes(&model);
+    let sizes = model::sizes::sizes(&model);
     let tell = |text: &mut String| -> Told {
         writeln!(text, "{}", model.title)?;
         writeln!(text, "  model       {}", path.display())?;

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use wythe_core::command::argument;
+use wythe_core::deck::import::{ImportedMesh, Units};
+use wythe_core::deck::json_schema;
+use wythe_core::deck::templates;
+use wythe_core::deck::templates::{SCHEMA, TEMPLATES};
 use wythe_core::error::IoError;
 use wythe_core::files::{write_out, write_whole};
-use wythe_core::model::import::{ImportedMesh, Units};
-use wythe_core::model::schema;
-use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
 use crate::arguments::New;
 use crate::failure::Failure;
@@ -35,7 +36,7 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     write(&path, &text, arguments.force)?;
     // Another version of wythe may have written the one that is there.
     let beside = folder.join(SCHEMA);
-    write_whole(&beside, schema::text().as_bytes()).map_err(unwritable(&beside))?;
+    write_whole(&beside, json_schema::text().as_bytes()).map_err(unwritable(&beside))?;
     let typed = argument(&path);
     print(&format!(
         "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",

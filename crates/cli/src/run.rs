@@ -7,10 +7,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 use wythe_core::command::argument;
 use wythe_core::model::Model;
-use wythe_core::results::{
-    Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
-};
+use wythe_core::results::{RunDirectory, SummaryFile};
+use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
+use wythe_core::state::{Frame, HistoryRow, Status, Summary};
 
 use crate::arguments::Run;
 use crate::failure::Failure;

@@ -5,5 +5,5 @@ use crate::say::print;
 
 /// Prints the JSON schema of decks.
 pub fn schema() -> Result<(), Failure> {
-    print(&wythe_core::model::schema::text())
+    print(&wythe_core::deck::json_schema::text())
 }

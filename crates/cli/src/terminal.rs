@@ -10,8 +10,9 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wythe_core::model::Model;
-use wythe_core::results::HistoryRow;
-use wythe_core::solve::{Checkpoint, Method};
+use wythe_core::solve::Checkpoint;
+use wythe_core::state::HistoryRow;
+use wythe_core::state::Method;
 
 use crate::arguments::Progress;
 use crate::say::tell;

@@ -3,17 +3,20 @@
 //! Units are N, mm, MPa, tonne, s throughout. Tension is positive; a gap is positive when open.
 #![forbid(unsafe_code)]
 
+pub mod assembly;
 pub mod command;
+pub mod deck;
 pub mod element;
 pub mod error;
 pub mod experiment;
 pub mod files;
 pub mod input;
+pub mod linear;
 pub mod material;
 pub mod model;
 pub mod point;
 pub mod results;
 pub mod solve;
+pub mod state;
 pub mod study;
-pub mod sym6;
-pub mod system;
+pub mod tensor;

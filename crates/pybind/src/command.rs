@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 use pyo3::prelude::*;
-use wythe_core::model::templates::TEMPLATES;
+use wythe_core::deck::templates::TEMPLATES;
 
 /// Runs the command with these arguments, the first of them the program's name, and returns its exit code.
 #[pyfunction]
@@ -35,5 +35,5 @@ pub fn templates() -> Vec<(&'static str, &'static str, &'static str)> {
 /// The JSON schema of decks.
 #[pyfunction]
 pub fn schema() -> String {
-    wythe_core::model::schema::text()
+    wythe_core::deck::json_schema::text()
 }

@@ -6,8 +6,10 @@ use numpy::Element;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use wythe_core::deck::Deck;
 use wythe_core::files::write_whole;
-use wythe_core::model::{Deck, Model};
+use wythe_core::model::Model;
+use wythe_core::results;
 use wythe_core::results::comparison::{clear_height, points_of};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::elevation::crack_pattern_of;
@@ -16,9 +18,8 @@ use wythe_core::results::mcap::salvage::salvage as rescue;
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{self, Line, load_displacements};
 use wythe_core::results::snapshot::Snapshots;
-use wythe_core::results::{
-    self, Experiment, FrameChoice, HistoryRow, ReadError, Report, RunFolder, Snapshot,
-};
+use wythe_core::results::{Experiment, FrameChoice, ReadError, Report, RunFolder, Snapshot};
+use wythe_core::state::HistoryRow;
 
 use crate::arrays::{flat, rows};
 use crate::errors;

@@ -5,8 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
+use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{ModelError, Warning};
-use wythe_core::model::{self, Deck as CoreDeck, Model};
+use wythe_core::model::Model;
 use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::export::inp;
@@ -172,7 +173,7 @@ impl Deck {
                 "memory_MB": null,
             }),
             Ok((model, warnings)) => {
-                let report = model::check(&self.said, model);
+                let report = deck::check(&self.said, model);
                 json!({
                     "ok": true,
                     "title": report.title,

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use wythe_core::deck::Deck;
 use wythe_core::material::MaterialHistory;
-use wythe_core::model::Deck;
 use wythe_core::point::{
     INTERFACE, Layout, MATERIAL, Record, Row, RowFailure, State, Target, follow_interface,
     follow_material, interface_state, material_state,

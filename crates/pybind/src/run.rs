@@ -15,10 +15,10 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use wythe_core::model::Model;
-use wythe_core::results::{
-    Frame, HistoryRow, Recorder, Resumed, RunDirectory, StoppedRun, Summary,
-};
+use wythe_core::results::{Resumed, RunDirectory, StoppedRun};
+use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
+use wythe_core::state::{Frame, HistoryRow, Summary};
 
 use crate::errors::{self, from_json};
 use crate::model::Deck;

@@ -6,9 +6,9 @@ mod table;
 use std::path::PathBuf;
 
 use miette::Diagnostic;
+use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::input;
-use wythe_core::model::Deck;
 use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Walk};
 
 use crate::arguments::{Drive, DrivePoint, Point};

@@ -3,8 +3,9 @@
 use super::*;
 use crate::arguments::Progress;
 use std::path::PathBuf;
-use wythe_core::model::Deck;
-use wythe_core::results::{InterfaceFrame, InterfaceState, Sizes};
+use wythe_core::deck::Deck;
+use wythe_core::model::sizes::Sizes;
+use wythe_core::state::{InterfaceFrame, InterfaceState};
 
 const COUPLET: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

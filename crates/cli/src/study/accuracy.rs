@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use miette::miette;
+use wythe_core::deck::Deck;
 use wythe_core::files::write_whole;
-use wythe_core::model::Deck;
 use wythe_core::study::StudyError;
 use wythe_core::study::accuracy::{
     CHART, Options, Outcome, PATTERN, Scene, Studied, TABLE, advice, chart, draft, link, page,

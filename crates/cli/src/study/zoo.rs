@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use wythe_core::command::argument;
-use wythe_core::study::zoo::{Folder, Options, Row, Wall, histogram, page, zoo as run};
+use wythe_core::study::zoo::{Folder, Options, Wall, ZooRow, histogram, page, zoo as run};
 
 use super::{failed, other};
 use crate::arguments::Zoo;
@@ -43,7 +43,7 @@ pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
         fresh: arguments.fresh,
     };
     let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
-    let progress = |row: &Row| {
+    let progress = |row: &ZooRow| {
         // One at a time.
         let _lines = lines.lock();
         crate::say::tell!("{}", told(row));
@@ -92,7 +92,7 @@ fn listed(ranges: &[RangeInclusive<u64>]) -> Result<Vec<u64>, Failure> {
 }
 
 /// The command that makes the page.
-fn command(rows: &[Row], arguments: &Zoo) -> String {
+fn command(rows: &[ZooRow], arguments: &Zoo) -> String {
     let mut ranges: Vec<(u64, u64)> = Vec::new();
     for row in rows {
         match ranges.last_mut() {
@@ -120,7 +120,7 @@ fn command(rows: &[Row], arguments: &Zoo) -> String {
 }
 
 /// The line of a wall as it ends.
-fn told(row: &Row) -> String {
+fn told(row: &ZooRow) -> String {
     let percent =
         |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{:+.2} %", 100.0 * v));
     let mut line = format!(
@@ -152,7 +152,7 @@ fn told(row: &Row) -> String {
 }
 
 /// How many came to an answer.
-fn summary(rows: &[Row]) -> String {
+fn summary(rows: &[ZooRow]) -> String {
     let answered = rows.iter().filter(|r| r.answered()).count();
     let good = rows.iter().filter(|r| r.good()).count();
     format!(

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 use crate::material::{ElasticParameters, elastic_stiffness, hooke};
 pub use crate::model::mesh::CORNERS;
 use crate::model::scene::Formulation;
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
 
 /// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
 pub type Nodal = [[f64; 8]; 3];

@@ -89,8 +89,8 @@ impl Material {
             Self::DamagePlasticity(law) => law.elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
-        let mean = crate::sym6::mean(effective);
-        let mut strain = (effective - crate::sym6::UNIT * mean) / (2.0 * shear);
+        let mean = crate::tensor::mean(effective);
+        let mut strain = (effective - crate::tensor::UNIT * mean) / (2.0 * shear);
         for i in 0..3 {
             strain[i] += mean / (3.0 * bulk);
             // Engineering shear.

@@ -14,7 +14,7 @@
 use super::Material;
 use super::damage_plasticity::DamagePlasticity;
 use super::parameters::ElasticParameters;
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
 
 /// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
 const MARGIN: f64 = 1e-6;

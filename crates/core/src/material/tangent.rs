@@ -6,7 +6,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::damage_plasticity::{DamagePlasticity, Inviscid};
 use super::return_map::{Slope, Variation};
-use crate::sym6;
+use crate::tensor;
 
 /// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
 /// (docs/decisions/secant-tangents.md).
@@ -60,7 +60,7 @@ impl DamagePlasticity {
         let (r, kappa_t, kappa_c) = if inviscid.is_plastic() {
             let eta = gradient(slope.eta, by_lambda.eta[0]);
             d += inviscid.deviator * (theta * intact) * eta.transpose();
-            d -= sym6::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
+            d -= tensor::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
             (
                 gradient(slope.r, by_lambda.r[0]),
                 gradient(slope.kappa_t, by_lambda.kappa_t[0]),
@@ -100,9 +100,10 @@ impl DamagePlasticity {
         } else {
             0.0
         };
-        let mut s = directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
+        let mut s =
+            directions.map(|n| (tensor::dyad(&n) - tensor::UNIT / 3.0) * (2.0 * self.shear));
         average_repeated(&trial.s, &mut s);
-        let (mean, q) = (sym6::UNIT * self.bulk, deviator * by_q);
+        let (mean, q) = (tensor::UNIT * self.bulk, deviator * by_q);
         let by_strain = Variation {
             mean,
             q,
@@ -136,7 +137,7 @@ fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
 
 /// An isotropic matrix by its eigenvalues, in Kelvin components.
 fn kelvin_isotropic(volume: f64, shape: f64) -> Matrix6<f64> {
-    Matrix6::identity() * shape + sym6::UNIT * ((volume - shape) / 3.0) * sym6::UNIT.transpose()
+    Matrix6::identity() * shape + tensor::UNIT * ((volume - shape) / 3.0) * tensor::UNIT.transpose()
 }
 
 /// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no

@@ -2,12 +2,10 @@
 
 use wythe_contact::{InterfaceLaw, frame_at};
 
-use super::deck::Deck;
-use super::scene::{Model, NamedMaterial};
-use super::skin::Skin;
-use super::{Mesh, hexahedron};
-use crate::error::ModelError;
 use crate::material::ElasticParameters;
+use crate::model::boundary_facets::BoundaryFacets;
+use crate::model::scene::NamedMaterial;
+use crate::model::{Mesh, hexahedron};
 
 /// What bodies need to meet anywhere: their skins and a dry law.
 #[derive(Clone, Debug)]
@@ -15,7 +13,7 @@ pub struct GeneralContact {
     /// Name of the interface in the deck.
     pub interface: String,
     /// Faces and sharp edges.
-    pub skin: Skin,
+    pub skin: BoundaryFacets,
     /// Friction μ [-].
     pub mu: f64,
     /// Normal and shear stiffness of the law behind each facet; of two that meet the softer one counts
@@ -36,7 +34,7 @@ impl GeneralContact {
         penalty: f64,
         given: Option<[f64; 2]>,
     ) -> Self {
-        let skin = Skin::of(mesh);
+        let skin = BoundaryFacets::of(mesh);
         let elastic: Vec<[f64; 2]> = skin
             .facets
             .iter()
@@ -78,31 +76,6 @@ fn over_height(
     let x = facet.map(|n| mesh.nodes[n as usize]);
     let height = mesh.volume(element) / hexahedron::norm(hexahedron::area_vector(&x));
     [material.E / height, material.shear_modulus() / height]
-}
-
-/// The general contact of a model, if its deck wants it.
-///
-/// # Errors
-/// An interface that is not there, or that is bonded.
-pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContact>, ModelError> {
-    let Some(name) = &deck.contact.general else {
-        return Ok(None);
-    };
-    let Some(interface) = deck.interfaces.get(name) else {
-        return Err(deck.error("contact.general", "there is no such interface", "name one"));
-    };
-    let given = match (interface.normal_stiffness, interface.shear_stiffness) {
-        (Some(normal), Some(shear)) => Some([normal.get(), shear.get()]),
-        _ => None,
-    };
-    Ok(Some(GeneralContact::new(
-        name,
-        &model.mesh,
-        &model.materials,
-        interface.mu.get(),
-        interface.penalty(),
-        given,
-    )))
 }
 
 /// Sizes of a facet: its shortest side [mm].

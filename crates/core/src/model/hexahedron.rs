@@ -66,7 +66,7 @@ impl Face {
 }
 
 /// Local places of the corners in VTK's order: which side along ξ, η, ζ. `[corner][ξηζ]`
-pub(super) const PLACES: [[usize; 3]; 8] = [
+pub(crate) const PLACES: [[usize; 3]; 8] = [
     [0, 0, 0],
     [1, 0, 0],
     [1, 1, 0],
@@ -103,7 +103,7 @@ pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
 
 /// Whether the trilinear map of these corners has a positive volume at each of them: at a corner the
 /// determinant is the triple product of its three edges.
-pub(super) fn is_upright(corners: &Corners) -> bool {
+pub(crate) fn is_upright(corners: &Corners) -> bool {
     let at = |place: [usize; 3]| {
         let corner = PLACES.iter().position(|p| *p == place).unwrap_or_default();
         corners[corner]
@@ -119,7 +119,7 @@ pub(super) fn is_upright(corners: &Corners) -> bool {
 }
 
 /// The point at parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
-pub(super) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
+pub(crate) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
     let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
     [0, 1, 2].map(|d| {
         let c = |n: usize| corners[n][d];
@@ -154,6 +154,6 @@ pub(crate) fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 
-pub(super) fn mean(points: &[[f64; 3]; 4]) -> [f64; 3] {
+pub(crate) fn mean(points: &[[f64; 3]; 4]) -> [f64; 3] {
     [0, 1, 2].map(|d| points.iter().map(|x| x[d]).sum::<f64>() / 4.0)
 }

@@ -142,7 +142,7 @@ impl Mesh {
     }
 
     /// Nodes of the solids, ascending: all but those of mirrors, which are of no element.
-    pub(super) fn nodes_of_solids(&self) -> Vec<u32> {
+    pub(crate) fn nodes_of_solids(&self) -> Vec<u32> {
         let mut is_solid = vec![false; self.nodes.len()];
         for n in self.elements.as_flattened() {
             is_solid[*n as usize] = true;

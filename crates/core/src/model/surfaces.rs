@@ -91,7 +91,7 @@ impl ContactSurfaces {
 
     /// Cuts every slave facet into so many parts along x, y and z, nodes being at `x` [mm]: each of its two directions
     /// into those of the axis that it goes along.
-    pub(super) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
+    pub(crate) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
         if counts == [1; 3] {
             return;
         }

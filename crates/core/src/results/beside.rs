@@ -4,7 +4,8 @@ use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use super::{Frame, VtkHdfWriter};
+use super::VtkHdfWriter;
+use crate::state::Frame;
 
 /// A writer of fields, of which one frame at a time may be under way. On one thread it writes at once.
 #[derive(Debug)]

@@ -14,8 +14,8 @@ use miette::Diagnostic;
 use serde::{Deserialize, Serialize};
 
 use super::mcap::Mark;
+use crate::deck::Deck;
 use crate::files::{self, Extent, write_whole};
-use crate::model::Deck;
 use crate::solve::Checkpoint;
 
 /// Name of the file in the folder.

@@ -1,7 +1,7 @@
 //! The load-displacement curve and the numbers an engineer reads off it.
 
-use super::HistoryRow;
-use crate::solve::Method;
+use crate::state::Method;
+use crate::state::{HistoryRow, is_moving};
 
 /// Displacement and force of the driven steps, in order, from the point where driving began.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,20 +24,6 @@ pub struct StepOfCurve {
     pub driven: bool,
     /// It asks for equilibria (procedure `auto`): inertia only leads from one to the next.
     pub seeks_equilibrium: bool,
-}
-
-/// Kinetic energy below which all bodies are at rest, over the energy that solids and interfaces have taken [-].
-pub const QUIET: f64 = 1e-3;
-/// Growth of the kinetic energy within an increment by which a motion begins [-].
-const GROWS: f64 = 1.2;
-/// Part of [`QUIET`] below which a growth is noise of the tolerance.
-const BEGINS: f64 = 0.01;
-
-/// Whether bodies move, or begin to, at the end of an increment: `kinetic` and `before` are the kinetic energies at its end
-/// and at its start, `taken` the energy that solids and interfaces have taken (all in one unit).
-pub fn is_moving(kinetic: f64, before: f64, taken: f64) -> bool {
-    kinetic >= QUIET * taken && kinetic > 0.0
-        || kinetic > GROWS * before && kinetic > BEGINS * QUIET * taken
 }
 
 /// A point of the curve.
@@ -452,15 +438,5 @@ mod tests {
         assert_eq!(snaps(true).peak().unwrap().force, 12.0);
         // Where the deck asks for inertia its forces are wanted.
         assert_eq!(snaps(false).peak().unwrap().force, 15.0);
-    }
-
-    #[test]
-    fn what_begins_to_move_moves() {
-        // Kinetic energies at the end and at the start, over 1 that was taken.
-        assert!(is_moving(QUIET, QUIET, 1.0));
-        assert!(is_moving(1e-4, 0.0, 1.0) && is_moving(1e-4, 8e-5, 1.0));
-        // Evenly, slower and slower, or by rounding.
-        assert!(!is_moving(1e-4, 1e-4, 1.0) && !is_moving(1e-4, 1e-3, 1.0));
-        assert!(!is_moving(1e-6, 0.0, 1.0) && !is_moving(0.0, 0.0, 0.0));
     }
 }

@@ -10,16 +10,20 @@ use miette::Diagnostic;
 
 use super::beside::FieldsBeside;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
-use super::summary::{EnergyBalance, Measured, ProbeRange};
+use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
-    Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, StepOfCurve, Summary,
-    SummaryFile, VtkHdfWriter, elevation, plot, usage,
+    Curve, HistoryWriter, McapWriter, StepOfCurve, SummaryFile, VtkHdfWriter, elevation, plot,
+    usage,
 };
+use crate::deck::Deck;
 use crate::files::{self, write_whole};
+use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
-use crate::model::{Deck, Model};
 use crate::solve::Checkpoint;
+use crate::solve::Recorder;
+use crate::state::EnergyBalance;
+use crate::state::{Frame, HistoryRow, Summary};
 
 /// Name of the history in the folder.
 pub const HISTORY: &str = "history.csv";

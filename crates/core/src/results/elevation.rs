@@ -11,8 +11,9 @@
 
 use std::fmt::Write as _;
 
-use super::{Frame, InterfaceState, Snapshot};
+use super::Snapshot;
 use crate::model::{Mesh, Model};
+use crate::state::{Frame, InterfaceState};
 
 /// Compressive damage above which an element is drawn as crushed [-]: a quarter of the stress is
 /// gone.

@@ -1,12 +1,13 @@
 //! A small model with invented fields, for the tests of this room.
 
-use super::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Sizes, Status, Summary};
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
     BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
     NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
 };
+use crate::model::sizes::Sizes;
 use crate::model::{Mesh, Model};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Status, Summary};
 
 /// Two cubes of 100 mm side by side, a gap of 2 mm between them, a preload and a driven step.
 pub fn model() -> Model {

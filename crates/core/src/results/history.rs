@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::HistoryRow;
 use crate::files::{Extent, NewFile};
 use crate::model::Model;
 use crate::model::columns::FIXED;
+use crate::state::HistoryRow;
 
 /// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
 /// probes and loads.
@@ -141,8 +141,8 @@ fn header(model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::deck::ProbeQuantity;
     use crate::model::probes::Probe;
+    use crate::model::probes::ProbeQuantity;
     use crate::results::fake;
 
     const HEADER: &str = "increment,step,time,displacement_mm,force_kN,reaction_kN,iterations,\

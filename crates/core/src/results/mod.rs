@@ -21,7 +21,6 @@ pub mod curve;
 pub mod directory;
 pub mod elevation;
 pub mod export;
-pub mod frame;
 pub mod history;
 pub mod mcap;
 pub mod plot;
@@ -39,21 +38,16 @@ pub mod vtkhdf;
 pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
-pub use crate::model::sizes::Sizes;
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 pub use directory::{OutputError, RunDirectory};
-pub use frame::{
-    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Status,
-    Summary,
-};
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use report::Report;
 pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use snapshot::{FrameChoice, Snapshot};
-pub use summary::{EnergyBalance, SummaryFile};
+pub use summary::SummaryFile;
 pub use verdict::{Verdict, VerdictKind};
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

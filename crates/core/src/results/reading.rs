@@ -8,10 +8,11 @@ use miette::Diagnostic;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::vtkhdf::read::FieldsFile;
-use super::{Curve, HistoryRow, StepOfCurve, SummaryFile};
+use super::{Curve, StepOfCurve, SummaryFile};
+use crate::deck::Deck;
 use crate::files;
-use crate::model::Deck;
 use crate::model::columns::FIXED;
+use crate::state::HistoryRow;
 
 /// Longest text that is read: ten million rows of a history have less.
 const MOST_TEXT: u64 = 1 << 32;
@@ -293,7 +294,9 @@ fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Recorder, RunDirectory, Status, fake};
+    use crate::results::{RunDirectory, fake};
+    use crate::solve::Recorder;
+    use crate::state::Status;
 
     #[test]
     fn a_folder_reads_back_what_was_recorded() {

@@ -16,14 +16,15 @@ use super::mcap::Mark;
 use super::reading::read_history;
 use super::vtkhdf::read::FieldsFile;
 use super::{
-    Frame, HistoryRow, HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder,
-    Status, VtkHdfWriter,
+    HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder, VtkHdfWriter,
 };
+use crate::deck::Deck;
+use crate::deck::schema::DeckChange;
 use crate::error::{DeckError, ModelError};
 use crate::files::{Extent, NewFile};
-use crate::model::deck::DeckChange;
-use crate::model::{Deck, Model};
+use crate::model::Model;
 use crate::solve::{Checkpoint, CheckpointError};
+use crate::state::{Frame, HistoryRow, Status};
 
 /// A run that cannot go on.
 #[derive(Debug, thiserror::Error, Diagnostic)]

@@ -3,8 +3,9 @@
 use std::str::FromStr;
 
 use super::vtkhdf::read::{FieldsFile, RestMesh, RestSurface};
-use super::{Frame, HistoryRow, ReadError, ReadHistory, RunFolder};
+use super::{ReadError, ReadHistory, RunFolder};
 use crate::model::Mesh;
+use crate::state::{Frame, HistoryRow};
 
 /// Which frame of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -266,7 +267,8 @@ fn expect(name: &str, length: usize, wanted: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Recorder, RunDirectory, fake};
+    use crate::results::{RunDirectory, fake};
+    use crate::solve::Recorder;
 
     /// A run of the two cubes with its peak at the second of three frames.
     fn folder() -> (tempfile::TempDir, RunFolder) {

@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::files::write_whole;
 use crate::model::mirrored::part;
 
-use super::{Curve, Fall, HistoryRow, Status, Summary, Verdict, VerdictKind};
+use super::{Curve, Verdict, VerdictKind};
+use crate::state::{EnergyBalance, Fall, Status, Summary};
 
 /// The content of `summary.json`. Field names are its keys.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -147,72 +148,6 @@ impl From<[f64; 6]> for SecondsByPhase {
     }
 }
 
-/// How well the energies close (theory F): every term is integrated where it arises and none is
-/// found by difference, so that
-///
-/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i,
-///
-/// with W the work of reactions and loads, E the elastic and T the kinetic energy, and D the plastic
-/// and damage, interface, viscous, damping and numerical dissipations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct EnergyBalance {
-    /// maxᵢ |W − (E + T + ΣD)|ᵢ [J].
-    gap: f64,
-    /// maxᵢ |W|ᵢ [J].
-    work: f64,
-    /// ΣD of the last increment [J].
-    dissipated: f64,
-}
-
-impl EnergyBalance {
-    /// Adds an increment.
-    pub fn push(&mut self, row: &HistoryRow) {
-        self.dissipated = inside(row) - row.elastic_energy_J - row.kinetic_energy_J;
-        self.gap = larger(self.gap, Self::open(row).abs());
-        self.work = larger(self.work, row.external_work_J.abs());
-    }
-
-    /// W − (E + T + ΣD) after an increment [J].
-    pub fn open(row: &HistoryRow) -> f64 {
-        row.external_work_J - inside(row)
-    }
-
-    /// maxᵢ |W|ᵢ [J].
-    pub fn work(&self) -> f64 {
-        self.work
-    }
-
-    /// All that was dissipated [J].
-    pub fn dissipated(&self) -> f64 {
-        self.dissipated
-    }
-
-    /// The error [-]; zero before any work is done.
-    pub fn error(&self) -> f64 {
-        if self.work == 0.0 {
-            0.0
-        } else {
-            self.gap / self.work
-        }
-    }
-}
-
-/// E + T + ΣD after an increment [J].
-fn inside(row: &HistoryRow) -> f64 {
-    row.elastic_energy_J
-        + row.plastic_damage_dissipation_J
-        + row.interface_dissipation_J
-        + row.viscous_dissipation_J
-        + row.kinetic_energy_J
-        + row.damping_dissipation_J
-        + row.numerical_dissipation_J
-}
-
-/// The larger of two; a NaN wins, since a balance that cannot be computed does not close.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
-}
-
 /// What the summary needs beside the solver's own [`Summary`].
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
@@ -308,31 +243,6 @@ impl SummaryFile {
 mod tests {
     use super::*;
     use crate::results::fake;
-    use approx::assert_relative_eq;
-
-    fn row(work: f64, elastic: f64, dissipations: [f64; 3]) -> HistoryRow {
-        HistoryRow {
-            external_work_J: work,
-            elastic_energy_J: elastic,
-            plastic_damage_dissipation_J: dissipations[0],
-            interface_dissipation_J: dissipations[1],
-            viscous_dissipation_J: dissipations[2],
-            ..HistoryRow::default()
-        }
-    }
-
-    #[test]
-    fn the_energy_error_is_the_largest_gap_over_the_largest_work() {
-        let mut balance = EnergyBalance::default();
-        assert_eq!(balance.error(), 0.0);
-        balance.push(&row(10.0, 6.0, [1.0, 2.0, 0.5])); // gap 0.5
-        balance.push(&row(-50.0, -50.0, [0.0; 3])); // the largest work, no gap
-        balance.push(&row(20.0, 5.0, [5.0, 5.0, 5.25])); // gap 0.25
-        assert_relative_eq!(balance.error(), 0.01, max_relative = 1e-14); // one division
-        balance.push(&row(f64::NAN, 0.0, [0.0; 3]));
-        balance.push(&row(10.0, 10.0, [0.0; 3]));
-        assert!(balance.error().is_nan());
-    }
 
     #[test]
     fn the_keys_are_those_promised_in_their_order() {

@@ -2,18 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Curve;
 use super::curve::Peak;
-use super::{Curve, Fall, Frame, Status, Summary};
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::state::{Frame, Status, Summary};
 
 /// Part of the travel, up to the end, over which a force that still rises has risen by more than [`RISES`] of the largest.
 const LAST: f64 = 0.1;
 const RISES: f64 = 0.005;
 /// Kinetic energy over the energy that solids and joints have taken, above which something moves.
 const MOVING: f64 = 1e-3;
-/// Bodies that a sentence names; the others are counted.
-const NAMES: usize = 4;
 
 /// What happened in a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -212,61 +211,9 @@ fn step_drives(step: &Step) -> bool {
     step.motion.iter().flatten().any(driven) || step.springs.iter().flatten().any(|by| *by != 0.0)
 }
 
-impl Fall {
-    /// A collapse in one sentence.
-    pub fn collapsed(&self) -> String {
-        format!(
-            "collapsed at load factor {:.4} of step {} ({}): {}; kinetic energy {:.3} J",
-            self.load_factor,
-            self.step,
-            self.step_name,
-            self.moved(),
-            self.kinetic_energy_J
-        )
-    }
-
-    /// Which bodies moved, and how far.
-    pub fn moved(&self) -> String {
-        let Some(first) = self.bodies.first() else {
-            return "nothing moved".to_owned();
-        };
-        let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let names = match names[..] {
-            [only] => only.to_owned(),
-            [ref some @ .., last] if names.len() <= NAMES => {
-                format!("{} and {last}", some.join(", "))
-            }
-            _ => format!(
-                "{} and {} others",
-                names[..NAMES - 1].join(", "),
-                names.len() - (NAMES - 1)
-            ),
-        };
-        // Down rather than aside.
-        let falls = first.fall_mm > std::f64::consts::FRAC_1_SQRT_2 * first.moved_mm;
-        let (verb, by) = if falls {
-            ("fell", first.fall_mm)
-        } else {
-            ("moved", first.moved_mm)
-        };
-        let most = if self.bodies.len() == 1 { "" } else { "up to " };
-        format!("{names} {verb} by {most}{by:.1} mm")
-    }
-}
-
-impl Summary {
-    /// The summary of a whole scene that ended, with its collapse in words.
-    pub(crate) fn in_words(mut self) -> Self {
-        if let (Status::Collapsed, Some(fall)) = (self.status, &self.fall) {
-            self.message = fall.collapsed();
-        }
-        self
-    }
-}
-
 impl Motion {
     /// Of the last increment.
-    pub fn of(row: &super::HistoryRow) -> Self {
+    pub fn of(row: &crate::state::HistoryRow) -> Self {
         let kinetic = row.kinetic_energy_J;
         let part = if kinetic > 0.0 {
             kinetic / row.taken_J()
@@ -280,7 +227,8 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{FallenBody, fake};
+    use crate::results::fake;
+    use crate::state::{Fall, FallenBody};
 
     fn verdict(run: &Summary, points: &[(f64, f64)]) -> Verdict {
         let curve = Curve::of_points(points);
@@ -335,7 +283,7 @@ mod tests {
     #[test]
     fn what_is_lost_or_interrupted_has_a_largest_force_until_then() {
         let mut lost = fake::summary(Status::NotConverged);
-        lost.lost = Some(crate::results::Lost {
+        lost.lost = Some(crate::state::Lost {
             place: "load factor 0.3652 of step 1 (push)".to_owned(),
             why: "the matrix is singular".to_owned(),
         });

@@ -274,7 +274,7 @@ fn bounds(low: f64, high: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::HistoryRow;
+    use crate::state::HistoryRow;
 
     /// A tent: 0, 1, 2, 1, 0 kN over 0 … 4 mm, one second a row; the last two rows are step 1.
     fn tent() -> Vec<HistoryRow> {

@@ -7,8 +7,8 @@ use serde::Deserialize;
 use super::case::StudyError;
 use super::curve;
 use super::expect::{Expectation, Measure, Wanted};
+use crate::deck::source::Source;
 use crate::error::ModelError;
-use crate::model::source::Source;
 
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::results::HistoryRow;
+use crate::state::HistoryRow;
 
 /// Rows of `history.csv` as numbers. Columns of text are left out.
 #[derive(Clone, Debug, Default)]

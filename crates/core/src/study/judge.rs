@@ -4,7 +4,7 @@ use super::case::End;
 use super::cell::{Place, Verdict};
 use super::expect::{Expectation, Measured, percent};
 use super::history::History;
-use crate::results::{HistoryRow, Status};
+use crate::state::{HistoryRow, Status};
 
 /// A run that ended, as far as a judge needs it.
 #[derive(Clone, Debug)]

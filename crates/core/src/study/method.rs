@@ -1,8 +1,8 @@
 //! The methods that a case is taken through, each a few keys of a step.
 
 use super::case::Case;
-use crate::model::Deck;
-use crate::model::deck::{DeckProcedure, DeckStep, StepKind};
+use crate::deck::Deck;
+use crate::deck::schema::{DeckProcedure, DeckStep, StepKind};
 
 /// A key of a step and its value.
 type Key = (&'static str, &'static str);
@@ -73,7 +73,7 @@ impl Method {
     /// # Errors
     /// A sentence, where it does not apply.
     pub fn overrides(&self, case: &Case, deck: &Deck) -> Result<Vec<(String, String)>, String> {
-        let massless = |m: &crate::model::deck::Material| m.density.get() <= 0.0;
+        let massless = |m: &crate::deck::schema::Material| m.density.get() <= 0.0;
         if self.needs_mass
             && let Some((name, _)) = deck.materials.iter().find(|(_, m)| massless(m))
         {

@@ -6,9 +6,11 @@ use std::time::{Duration, Instant};
 use super::cell::Cost;
 use super::judge::Ended;
 use crate::model::Model;
-use crate::results::summary::EnergyBalance;
-use crate::results::{Frame, HistoryRow, Recorder, Summary, usage};
+use crate::results::usage;
 use crate::solve;
+use crate::solve::Recorder;
+use crate::state::EnergyBalance;
+use crate::state::{Frame, HistoryRow, Summary};
 
 /// How long a run may take, and who may stop it.
 #[derive(Clone, Copy)]

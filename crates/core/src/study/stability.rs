@@ -8,8 +8,9 @@ use super::judge::judge;
 use super::method::METHODS;
 use super::parallel::{on_one_thread, side_by_side};
 use super::run::{self, Nowhere, Watch};
-use crate::model::{Deck, Model};
-use crate::results::HistoryRow;
+use crate::deck::Deck;
+use crate::model::Model;
+use crate::state::HistoryRow;
 
 /// How the atlas is run.
 #[derive(Clone, Debug)]

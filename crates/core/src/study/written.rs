@@ -9,9 +9,9 @@ use super::case::{Case, CaseMethod, ENERGY, End, Short, StudyError};
 use super::expect::Wanted;
 use super::expect_written::{Checker, ExpectFile};
 use super::history::History;
+use crate::deck::Deck;
+use crate::deck::source::Source;
 use crate::error::{IoError, ModelError};
-use crate::model::Deck;
-use crate::model::source::Source;
 
 /// The serde mirror of `case.toml`.
 #[derive(Deserialize)]

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::images::Images;
-use crate::model::deck::Axis;
+use crate::model::axis::Axis;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::mesh::Reflected;
 use crate::model::probes::Probe;

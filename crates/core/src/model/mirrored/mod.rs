@@ -10,7 +10,7 @@ pub(crate) use cut::Half;
 pub(crate) use images::Images;
 
 use super::Model;
-use super::deck::Axis;
+use super::axis::Axis;
 use std::borrow::Cow;
 use std::fmt;
 

@@ -1,7 +1,8 @@
 //! What a run leaves in its folder, also where it may not write.
 
 use super::*;
-use crate::results::{Status, fake};
+use crate::results::fake;
+use crate::state::Status;
 
 const WORK: &str = "results.vtkhdf.part";
 

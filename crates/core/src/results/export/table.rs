@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::results::{InterfaceState, Snapshot};
+use crate::results::Snapshot;
+use crate::state::InterfaceState;
 
 /// Components of symmetric tensors.
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];

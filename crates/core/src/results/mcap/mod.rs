@@ -33,9 +33,9 @@ use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Frame, HistoryRow, Status, Summary};
 use crate::files::NewFile;
 use crate::model::Model;
+use crate::state::{Frame, HistoryRow, Status, Summary};
 pub use resuming::Mark;
 use resuming::Topics;
 use scene::Scene;

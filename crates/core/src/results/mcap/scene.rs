@@ -13,7 +13,7 @@ use wythe_contact::Part;
 use crate::element::hex8::FACES;
 use crate::model::{Mesh, Model};
 use crate::results::vtkhdf::quarters::{QUARTERS, WEIGHTS};
-use crate::results::{Frame, InterfaceState};
+use crate::state::{Frame, InterfaceState};
 
 /// Levels of damage that have a colour each.
 const LEVELS: usize = 10;

@@ -13,7 +13,8 @@
 use super::chart::{self, Line, run_pen};
 use crate::experiment::Point;
 use crate::model::Mesh;
-use crate::results::{Frame, elevation};
+use crate::results::elevation;
+use crate::state::Frame;
 
 /// Along which line of the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

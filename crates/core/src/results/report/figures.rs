@@ -92,7 +92,7 @@ fn mechanics(history: &ReadHistory, experiment: Option<&Experiment>) -> Vec<Tile
 }
 
 fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {
-    let count = |of: fn(&crate::results::HistoryRow) -> usize| history.rows.iter().map(of).sum();
+    let count = |of: fn(&crate::state::HistoryRow) -> usize| history.rows.iter().map(of).sum();
     let cutbacks = summary.map_or_else(|| count(|r| r.cutbacks), |s| s.cutbacks);
     let solves = summary.map_or_else(|| count(|r| r.iterations), |s| s.iterations);
     let mut tiles = vec![

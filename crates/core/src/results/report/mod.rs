@@ -23,8 +23,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Experiment, HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use super::{Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
+use crate::state::{HistoryRow, Status};
 use page::{escape, escape_json, fill};
 use series::Series;
 use view::{Scene, View};

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::packed;
-use crate::results::{HistoryRow, ReadHistory};
+use crate::results::ReadHistory;
+use crate::state::HistoryRow;
 
 /// Rows on the page at most: more than a screen has columns.
 pub(super) const ROWS: usize = 2000;

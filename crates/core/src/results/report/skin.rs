@@ -12,12 +12,12 @@ const SHARP: f64 = 0.8;
 
 /// The elements that can be seen, and the nodes on them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Skin {
+pub(super) struct BoundaryFacets {
     /// Nodes of the mesh that are on it. `[skin node]`
     pub nodes: Vec<u32>,
     /// Elements of the mesh with an outer face. `[skin element]`
     pub elements: Vec<u32>,
-    /// Skin nodes of the elements' corners; 0 at corners within. `[skin element]`
+    /// Boundary nodes of the elements' corners; 0 at corners within. `[skin element]`
     pub corners: Vec<[u32; 8]>,
     /// Bit f: the face [`FACES`]`[f]` is an outer one. `[skin element]`
     pub faces: Vec<u8>,
@@ -25,7 +25,7 @@ pub(super) struct Skin {
     pub edges: Vec<[u32; 2]>,
 }
 
-impl Skin {
+impl BoundaryFacets {
     /// Of a mesh; none if an element names a node that is not there.
     pub fn of(mesh: &RestMesh) -> Option<Self> {
         let mut met: HashMap<[u32; 4], (usize, u8)> = HashMap::new();
@@ -91,7 +91,7 @@ impl Skin {
         order
     }
 
-    /// Skin nodes of the facets of the interfaces; none if the two grids do not belong together. Where
+    /// Boundary nodes of the facets of the interfaces; none if the two grids do not belong together. Where
     /// bodies touch they have nodes at the same place: of those with a node at every corner the one is
     /// taken whose nodes have moved as the facet has.
     ///
@@ -195,9 +195,9 @@ mod tests {
 
     #[test]
     fn inner_faces_and_flat_edges_are_left_out() {
-        let one = Skin::of(&row(1)).unwrap();
+        let one = BoundaryFacets::of(&row(1)).unwrap();
         assert_eq!((one.faces[0], one.edges.len()), (0b11_1111, 12));
-        let three = Skin::of(&row(3)).unwrap();
+        let three = BoundaryFacets::of(&row(3)).unwrap();
         // +x is bit 3, −x bit 5.
         assert_eq!(three.faces, [0b11_0111, 0b01_0111, 0b01_1111]);
         // 4 long ones of 3 each, 4 at each end.
@@ -219,7 +219,7 @@ mod tests {
         }
         let mut wrong = row(1);
         wrong.elements[0][3] = 99;
-        assert_eq!(Skin::of(&wrong), None);
+        assert_eq!(BoundaryFacets::of(&wrong), None);
     }
 
     #[test]
@@ -231,7 +231,7 @@ mod tests {
         }
         mesh.elements.push(mesh.elements[0].map(|n| n + 8));
         mesh.unit.push(1);
-        let skin = Skin::of(&mesh).unwrap();
+        let skin = BoundaryFacets::of(&mesh).unwrap();
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let mut points = corners.map(|[y, z]| [1.0, y, z]).to_vec();
         points.extend([[1.0, 0.5, 0.5]; 5]);

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::*;
 use crate::results::directory::{DECK, FIELDS, HISTORY, SUMMARY};
-use crate::results::{Recorder, RunDirectory, fake};
+use crate::results::{RunDirectory, fake};
+use crate::solve::Recorder;
 
 /// A finished run of three increments, two of them driven.
 fn run(path: &Path) {

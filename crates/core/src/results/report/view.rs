@@ -5,10 +5,11 @@ use std::io;
 use serde::Serialize;
 
 use super::packed;
-use super::skin::Skin;
+use super::skin::BoundaryFacets;
 use crate::element::hex8::FACES;
+use crate::results::elevation;
 use crate::results::vtkhdf::read::FieldsFile;
-use crate::results::{Frame, elevation};
+use crate::state::Frame;
 
 /// Greatest number that 16 bits with a sign hold, both ways.
 const WORD: f64 = 32767.0;
@@ -73,7 +74,7 @@ pub(super) struct EncodedFrame {
 #[derive(Debug)]
 pub(super) struct Scene<'a> {
     file: &'a FieldsFile,
-    skin: Skin,
+    skin: BoundaryFacets,
     nodes: usize,
     elements: usize,
     facets: usize,
@@ -85,8 +86,8 @@ impl<'a> Scene<'a> {
     pub fn open(file: &'a FieldsFile, notes: &mut Vec<String>) -> io::Result<Self> {
         let mesh = file.mesh()?;
         let damaged = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what);
-        let skin =
-            Skin::of(&mesh).ok_or_else(|| damaged("an element names a node that is not there"))?;
+        let skin = BoundaryFacets::of(&mesh)
+            .ok_or_else(|| damaged("an element names a node that is not there"))?;
         let elements = mesh.elements.len();
         if mesh.unit.len() != elements || mesh.material.len() != elements {
             return Err(damaged("units and materials are not as many as elements"));
@@ -225,7 +226,7 @@ impl<'a> Scene<'a> {
             packed::encode(&self.skin.elements.iter().map(byte).collect::<Vec<_>>())
         };
         let widest = self.view.widest.max(f64::MIN_POSITIVE);
-        let four = |states: &[crate::results::InterfaceState]| {
+        let four = |states: &[crate::state::InterfaceState]| {
             let shifted = states.iter().enumerate();
             shifted.fold(0, |byte, (i, s)| byte | (*s as u8) << (2 * i))
         };

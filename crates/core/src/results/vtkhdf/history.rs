@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use super::series::{SERIES_CHUNK, count, counts, cut, mark_unit, push, reals};
 use crate::model::Model;
-use crate::results::HistoryRow;
+use crate::state::HistoryRow;
 
 /// Group of the history in the file.
 pub const HISTORY: &str = "history";

@@ -40,8 +40,8 @@ use std::path::Path;
 
 use hdf5_metno as hdf5;
 
-use super::{Frame, HistoryRow};
 use crate::model::Model;
+use crate::state::{Frame, HistoryRow};
 use publication::Publication;
 use work::WorkFile;
 

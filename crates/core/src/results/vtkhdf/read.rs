@@ -11,7 +11,7 @@ use super::field::Values;
 use super::history::{self, FRAME_INCREMENT, HISTORY};
 use super::{INTERFACES, into_io, publication};
 use crate::model::Model;
-use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 
 /// The solids at rest, and what each element is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,8 +4,8 @@ use hdf5_metno::types::{FixedAscii, VarLenUnicode};
 
 use super::read::FieldsFile;
 use super::*;
-use crate::model::deck::ProbeQuantity;
 use crate::model::probes::Probe;
+use crate::model::probes::ProbeQuantity;
 use crate::model::scene::{Beam, HeldBy, Support};
 use crate::results::fake;
 

@@ -9,7 +9,7 @@ use super::history::{self, History};
 use super::quarters::Quarters;
 use super::{HEXAHEDRON, INTERFACES, about};
 use crate::model::{Mesh, Model};
-use crate::results::{Frame, HistoryRow};
+use crate::state::{Frame, HistoryRow};
 
 const fn column(name: &'static str, on: On, components: usize, unit: &'static str) -> Column {
     Column {

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::material::{Material, MaterialParameters};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
-use crate::results::{Frame, HistoryRow, Recorder};
-use crate::solve::{Checkpoint, State};
+use crate::solve::Checkpoint;
+use crate::solve::Recorder;
+use crate::state::State;
+use crate::state::{Frame, HistoryRow};
 
 /// The largest part of its yield stress that a solid has reached.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

@@ -7,18 +7,19 @@
 //! the whole would not stay as the half is (Healey and Treacy, Int. J. Numer. Meth. Engng 31, 1991).
 
 use super::part::Part;
+use crate::assembly::dofs::{DofMap, Equations};
+use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
+use crate::linear::LinearError;
 use crate::model::Model;
 use crate::model::loads::LoadOn;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, HeldBy, Step, Support};
-use crate::results::curve::QUIET;
-use crate::results::{Recorder, Status};
-use crate::solve::course::Course;
-use crate::solve::drive::Run;
-use crate::solve::{Clock, State};
-use crate::system::dofs::{DofMap, Equations};
-use crate::system::linear::LinearError;
-use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
+use crate::solve::Recorder;
+use crate::solve::stepping::run::Run;
+use crate::solve::stepping::step_run::StepRun;
+use crate::state::QUIET;
+use crate::state::Status;
+use crate::state::{Clock, State};
 
 /// Part of its own stiffness that holds what nothing else does, or is taken from what is at rest to find what nothing
 /// holds there: above what rounding makes of a mode without stiffness, below the least of what is slender (400
@@ -33,11 +34,12 @@ impl Run<'_> {
     /// rest does not tell.
     pub(in crate::solve) fn keeps_symmetry(
         &mut self,
-        course: &Course,
+        step_run: &StepRun,
         recorder: &mut dyn Recorder,
     ) -> bool {
-        let step = course.index;
-        let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
+        let step = step_run.index;
+        let moves =
+            step_run.step.procedure.has_inertia() || step_run.fallback.method().has_inertia();
         if moves || self.state.fell || self.state.energies.moving() > QUIET {
             return true;
         }

@@ -9,23 +9,25 @@
 //! their yield surface is told at the end.
 
 mod elastic;
+mod expand;
 mod leaning;
 mod part;
-mod unfold;
 
 use crate::model::Model;
-use crate::model::check::sizes;
 use crate::model::mirrored::{MirrorPlane, halved};
 use crate::model::scene::Fidelity;
-use crate::results::{Recorder, Sizes, Summary};
+use crate::model::sizes::Sizes;
+use crate::model::sizes::sizes;
+use crate::solve::Recorder;
+use crate::state::Summary;
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
+use expand::{Places, Unfold};
 pub(super) use part::Part;
-use unfold::{Places, Unfold};
 
 /// What is solved instead of a model.
 #[derive(Clone, Debug)]
-pub(super) enum Instead {
+pub(super) enum Reduction {
     /// One half of it.
     Half {
         model: Box<Model>,
@@ -36,7 +38,7 @@ pub(super) enum Instead {
     Elastic(Box<Elastic>),
 }
 
-impl Instead {
+impl Reduction {
     /// Nothing if the model itself is to be solved.
     pub fn of(model: &Model) -> Option<Self> {
         if model.fidelity == Fidelity::Full {

@@ -8,8 +8,8 @@ use thiserror::Error;
 use super::offered::{offered, refined, scaled};
 use super::scene::{Choice, Group};
 use super::written::{ChoiceFile, ReferenceFile, SceneFile};
-use crate::model::Deck;
-use crate::model::deck::{DeckProbe, DeckStep, StepKind};
+use crate::deck::Deck;
+use crate::deck::schema::{DeckProbe, DeckStep, StepKind};
 
 /// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
 /// finer mesh would change is told by the choices that have its mesh or its increments alone.

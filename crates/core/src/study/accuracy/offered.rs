@@ -1,8 +1,8 @@
 //! What may be chosen of a model: its meshes, joints, steps.
 
 use super::scene::{Choice, Group};
-use crate::model::Deck;
-use crate::model::deck::{DeckProcedure, Interface, Wall};
+use crate::deck::Deck;
+use crate::deck::schema::{DeckProcedure, Interface, Wall};
 
 /// Keys of the deck and their values.
 type Set = Vec<(String, String)>;

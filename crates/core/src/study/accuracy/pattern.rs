@@ -11,7 +11,7 @@ use std::path::Path;
 
 use crate::error::IoError;
 use crate::model::{Mesh, Model};
-use crate::results::{Frame, InterfaceState};
+use crate::state::{Frame, InterfaceState};
 
 /// Name of the file beside a `scene.toml`.
 pub const PATTERN: &str = "pattern.txt";

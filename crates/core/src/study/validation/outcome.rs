@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use super::case::{Case, Run};
 use super::point::PointTest;
-use crate::model::{Deck, Model};
+use crate::deck::Deck;
+use crate::model::Model;
 use crate::results::elevation::crack_pattern_of;
 use crate::results::plotting::scene;
 use crate::results::snapshot::{FrameChoice, Snapshots};

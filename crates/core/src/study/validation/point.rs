@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use serde::Deserialize;
 
-use crate::model::Deck;
+use crate::deck::Deck;
 use crate::point::{MATERIAL, Row, Target, material_path, material_state};
 use crate::study::History;
 

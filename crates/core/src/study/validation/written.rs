@@ -7,9 +7,9 @@ use serde::Deserialize;
 
 use super::case::{Axis, Case, Chart, Content, Run};
 use super::point::{self, PointTest};
+use crate::deck::Deck;
+use crate::deck::source::Source;
 use crate::error::ModelError;
-use crate::model::Deck;
-use crate::model::source::Source;
 use crate::results::plotting::Line;
 use crate::results::snapshot::FrameChoice;
 use crate::study::case::ENERGY;

@@ -2,7 +2,7 @@
 //! bounded cost, with closed energies?
 //!
 //! ```text
-//! seed ─▶ Wall (its deck) ─▶ a process: wythe run ─▶ folder of the run ─▶ Row ─▶ zoo.csv ─▶ page (Markdown), histogram
+//! seed ─▶ Wall (its deck) ─▶ a process: wythe run ─▶ folder of the run ─▶ ZooRow ─▶ zoo.csv ─▶ page (Markdown), histogram
 //!                                                          careful run ─▶ differences ─┘
 //! ```
 //!
@@ -19,6 +19,6 @@ mod wall;
 
 pub use page::{histogram, page};
 pub use python_random::PythonRandom;
-pub use row::{Row, read, table};
+pub use row::{ZooRow, read, table};
 pub use study::{Folder, Options, zoo};
 pub use wall::{Bonding, Load, Solid, Wall};

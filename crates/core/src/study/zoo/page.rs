@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::row::{AREA, CRASHED, ENERGY, OUT_OF_TIME, PEAK, REFUSED, Row, SOLVES};
+use super::row::{AREA, CRASHED, ENERGY, OUT_OF_TIME, PEAK, REFUSED, SOLVES, ZooRow};
 use super::study::Folder;
 use crate::results::plotting::{self, Bars};
 
@@ -24,7 +24,7 @@ const COLOURED: [&str; 5] = [
 ///
 /// # Errors
 /// What plotters says if it cannot draw.
-pub fn histogram(rows: &[Row]) -> Result<Option<String>, String> {
+pub fn histogram(rows: &[ZooRow]) -> Result<Option<String>, String> {
     let of_status = |(name, _): (String, usize)| {
         let solved = rows.iter().filter(|r| r.status == name && r.solves > 0);
         Bars {
@@ -44,7 +44,7 @@ pub fn histogram(rows: &[Row]) -> Result<Option<String>, String> {
 }
 
 /// The page. `picture`: its histogram, beside it, if there is one; `command`: what makes it.
-pub fn page(rows: &[Row], picture: Option<&str>, command: &str) -> String {
+pub fn page(rows: &[ZooRow], picture: Option<&str>, command: &str) -> String {
     let mut page = format!(
         "# The zoo\n\nRandom walls, each drawn from its seed and run as a newcomer would: every key of the solver has its \
          default. Made by `{command}` (wythe {}).\n\n",
@@ -62,7 +62,7 @@ pub fn page(rows: &[Row], picture: Option<&str>, command: &str) -> String {
 }
 
 /// Every status with its number of walls: answers first, then by number.
-fn statuses(rows: &[Row]) -> Vec<(String, usize)> {
+fn statuses(rows: &[ZooRow]) -> Vec<(String, usize)> {
     let mut counts: BTreeMap<&str, (bool, usize)> = BTreeMap::new();
     for row in rows {
         let count = counts.entry(&row.status).or_insert((!row.answered(), 0));
@@ -88,7 +88,7 @@ fn told(value: Option<usize>) -> String {
 }
 
 /// Summary figures and the aims beside them.
-fn figures(page: &mut String, rows: &[Row]) {
+fn figures(page: &mut String, rows: &[ZooRow]) {
     let sound = || rows.iter().filter(|r| r.status != REFUSED);
     let solves = || sound().map(|r| r.solves);
     let answered = rows.iter().filter(|r| r.answered()).count();
@@ -141,8 +141,8 @@ fn figures(page: &mut String, rows: &[Row]) {
 }
 
 /// A line for each load.
-fn loads(page: &mut String, rows: &[Row]) {
-    let mut of_loads: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+fn loads(page: &mut String, rows: &[ZooRow]) {
+    let mut of_loads: BTreeMap<&str, Vec<&ZooRow>> = BTreeMap::new();
     for row in rows {
         of_loads.entry(&row.load).or_default().push(row);
     }
@@ -163,7 +163,7 @@ fn loads(page: &mut String, rows: &[Row]) {
 
 /// What is worst about a wall, for the order of the table: no answer, wrong energies, a wrong curve, many solves. Walls that
 /// are refused come last: their decks are wrong.
-fn badness(row: &Row) -> (u8, usize) {
+fn badness(row: &ZooRow) -> (u8, usize) {
     let kind = if row.status == REFUSED {
         4
     } else if !row.answered() {
@@ -179,8 +179,8 @@ fn badness(row: &Row) -> (u8, usize) {
 }
 
 /// Every wall, the worst first.
-fn walls(page: &mut String, rows: &[Row]) {
-    let mut order: Vec<&Row> = rows.iter().collect();
+fn walls(page: &mut String, rows: &[ZooRow]) {
+    let mut order: Vec<&ZooRow> = rows.iter().collect();
     order.sort_by_key(|row| badness(row));
     let compared = rows.iter().any(|r| !r.reference_status.is_empty());
     page.push_str("\n## Walls, the worst first\n\n| Seed | wall | load | status | solves | increments | cut-backs | CPU s | energies | peak, kN | at, mm | warnings |");
@@ -239,7 +239,7 @@ fn links(seed: u64) -> String {
 }
 
 /// A wall in a few words.
-fn wall(row: &Row) -> String {
+fn wall(row: &ZooRow) -> String {
     let joint = match row.joint_mm {
         0.0 => "dry".to_owned(),
         joint => format!("{joint} mm joints, c {} MPa", row.joint_c_MPa),
@@ -259,12 +259,12 @@ mod tests {
     use super::*;
     use crate::study::zoo::Wall;
 
-    fn row(seed: u64, status: &str, solves: usize, energy: f64) -> Row {
-        Row {
+    fn row(seed: u64, status: &str, solves: usize, energy: f64) -> ZooRow {
+        ZooRow {
             status: status.to_owned(),
             solves,
             energy_balance_error: Some(energy),
-            ..Row::of_wall(&Wall::drawn(seed))
+            ..ZooRow::of_wall(&Wall::drawn(seed))
         }
     }
 

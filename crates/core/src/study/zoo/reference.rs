@@ -104,7 +104,7 @@ fn work(curve: &[(f64, f64)]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Deck;
+    use crate::deck::Deck;
     use crate::study::zoo::Wall;
 
     const RAMP: [(f64, f64); 3] = [(0.0, 0.0), (1.0, 10.0), (2.0, 0.0)];

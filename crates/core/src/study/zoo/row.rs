@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::reference::Difference;
 use super::wall::Wall;
 use crate::error::IoError;
-use crate::results::summary::EnergyBalance;
 use crate::results::{ReadError, RunFolder, SummaryFile};
+use crate::state::EnergyBalance;
 
 /// How a run ended that wrote no summary: its time was up.
 pub const OUT_OF_TIME: &str = "out_of_time";
@@ -32,7 +32,7 @@ pub const AREA: f64 = 0.05;
 /// A wall and what became of it. Its fields are the columns of `zoo.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[expect(non_snake_case, reason = "units are written as in summary.json")]
-pub struct Row {
+pub struct ZooRow {
     /// What the wall is drawn from.
     pub seed: u64,
     /// Length × thickness × height of a unit [mm].
@@ -120,7 +120,7 @@ pub struct Ended {
     pub stderr: String,
 }
 
-impl Row {
+impl ZooRow {
     /// The columns that say which wall it is.
     pub fn of_wall(wall: &Wall) -> Self {
         let [l, t, h] = wall.unit;
@@ -263,7 +263,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// The text of `zoo.csv`.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[ZooRow]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         // Plain values, written to memory: nothing that could fail.
@@ -278,7 +278,7 @@ pub fn table(rows: &[Row]) -> String {
 ///
 /// # Errors
 /// [`IoError`]: it cannot be read, or was not written by this version of wythe.
-pub fn read(path: &Path) -> Result<Vec<Row>, IoError> {
+pub fn read(path: &Path) -> Result<Vec<ZooRow>, IoError> {
     let error = |why: io::Error| IoError {
         path: path.to_owned(),
         why,
@@ -288,14 +288,16 @@ pub fn read(path: &Path) -> Result<Vec<Row>, IoError> {
         read => read.map_err(error)?,
     };
     let mut reader = csv::Reader::from_reader(text.as_slice());
-    let rows: Result<Vec<Row>, csv::Error> = reader.deserialize().collect();
+    let rows: Result<Vec<ZooRow>, csv::Error> = reader.deserialize().collect();
     rows.map_err(|why| error(io::Error::new(io::ErrorKind::InvalidData, why)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{HistoryRow, Recorder, RunDirectory, Status, fake};
+    use crate::results::{RunDirectory, fake};
+    use crate::solve::Recorder;
+    use crate::state::{HistoryRow, Status};
 
     fn ended(out_of_time: bool, code: Option<i32>, stderr: &str) -> Ended {
         Ended {
@@ -311,10 +313,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("zoo.csv");
         assert_eq!(read(&path).unwrap(), []);
-        let mut dry = Row::of_wall(&Wall::drawn(15));
+        let mut dry = ZooRow::of_wall(&Wall::drawn(15));
         dry.status = "not_converged".to_owned();
         dry.message = "in step 2, \"drive\": no equilibrium".to_owned();
-        let mut bent = Row::of_wall(&Wall::drawn(2));
+        let mut bent = ZooRow::of_wall(&Wall::drawn(2));
         bent.energy_balance_error = Some(0.1 + 0.2);
         assert_eq!((dry.mortar_f_t_MPa, bent.pressure_MPa), (None, None));
         let rows = [dry, bent];
@@ -337,7 +339,7 @@ mod tests {
             };
             run.take(&model, &row, None).unwrap();
         }
-        let mut row = Row::of_wall(&Wall::drawn(1));
+        let mut row = ZooRow::of_wall(&Wall::drawn(1));
         row.took(&path, &ended(true, None, ""), 2.0).unwrap();
         assert_eq!((row.status.as_str(), row.answered()), (OUT_OF_TIME, false));
         assert_eq!((row.increments, row.solves, row.cutbacks), (3, 12, 3));
@@ -347,7 +349,7 @@ mod tests {
 
         run.finish(&model, &fake::summary(Status::Completed), &[])
             .unwrap();
-        let mut row = Row::of_wall(&Wall::drawn(1));
+        let mut row = ZooRow::of_wall(&Wall::drawn(1));
         row.took(&path, &ended(false, Some(0), ""), 2.0).unwrap();
         assert_eq!((row.status.as_str(), row.answered()), ("completed", true));
     }
@@ -356,7 +358,7 @@ mod tests {
     fn a_run_that_left_nothing_says_why() {
         let nowhere = Path::new("no/such.out");
         for (code, status) in [(Some(2), REFUSED), (Some(1), CRASHED), (None, CRASHED)] {
-            let mut row = Row::of_wall(&Wall::drawn(1));
+            let mut row = ZooRow::of_wall(&Wall::drawn(1));
             let said = format!("  × wall.length:\n  │ {}", "x".repeat(400));
             row.took(nowhere, &ended(false, code, &said), 1.0).unwrap();
             assert_eq!(row.status, status);
@@ -367,21 +369,21 @@ mod tests {
 
     #[test]
     fn a_wall_is_good_where_nothing_is_wrong_with_it() {
-        let good = Row {
+        let good = ZooRow {
             status: "collapsed".to_owned(),
             energy_balance_error: Some(ENERGY),
             solves: SOLVES,
             peak_difference: Some(-PEAK),
             area_difference: Some(AREA),
-            ..Row::default()
+            ..ZooRow::default()
         };
         assert!(good.good());
         for spoil in [
-            |r: &mut Row| r.status = "not_converged".to_owned(),
-            |r: &mut Row| r.energy_balance_error = Some(f64::NAN),
-            |r: &mut Row| r.solves += 1,
-            |r: &mut Row| r.peak_difference = Some(-0.03),
-            |r: &mut Row| r.area_difference = Some(f64::NAN),
+            |r: &mut ZooRow| r.status = "not_converged".to_owned(),
+            |r: &mut ZooRow| r.energy_balance_error = Some(f64::NAN),
+            |r: &mut ZooRow| r.solves += 1,
+            |r: &mut ZooRow| r.peak_difference = Some(-0.03),
+            |r: &mut ZooRow| r.area_difference = Some(f64::NAN),
         ] {
             let mut row = good.clone();
             spoil(&mut row);

@@ -8,11 +8,12 @@ use std::time::Duration;
 
 use super::process;
 use super::reference::{Difference, careful};
-use super::row::{OUT_OF_TIME, Row, read, table};
+use super::row::{OUT_OF_TIME, ZooRow, read, table};
 use super::wall::Wall;
+use crate::deck::Deck;
 use crate::error::IoError;
 use crate::files::write_whole;
-use crate::model::{Deck, Model};
+use crate::model::Model;
 use crate::results::directory::{HISTORY, SUMMARY};
 use crate::results::{Curve, RunFolder};
 use crate::study::parallel::side_by_side;
@@ -107,9 +108,9 @@ pub fn zoo(
     seeds: &[u64],
     folder: &Folder,
     options: &Options,
-    progress: &(dyn Fn(&Row) + Sync),
+    progress: &(dyn Fn(&ZooRow) + Sync),
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Vec<Row>, IoError> {
+) -> Result<Vec<ZooRow>, IoError> {
     let mut known = read(&folder.table())?;
     let limit = options.limit.as_secs_f64();
     let mut jobs = Vec::new();
@@ -121,7 +122,7 @@ pub fn zoo(
             let longer = row.status == OUT_OF_TIME && row.limit_s < limit;
             !options.fresh && !longer && same()
         });
-        let compared = |row: &Row| {
+        let compared = |row: &ZooRow| {
             let longer = row.reference_status == OUT_OF_TIME && row.limit_s < limit;
             !options.reference || !(row.reference_status.is_empty() || longer)
         };
@@ -135,7 +136,7 @@ pub fn zoo(
         jobs.push((wall, before));
     }
     let rows = Mutex::new(known);
-    let keep = |row: Row| -> Result<(), IoError> {
+    let keep = |row: ZooRow| -> Result<(), IoError> {
         let mut rows = rows
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -145,7 +146,7 @@ pub fn zoo(
         let path = folder.table();
         write_whole(&path, table(&rows).as_bytes()).map_err(failed(&path))
     };
-    let job = |(wall, before): (Wall, Option<Row>)| -> Result<(), IoError> {
+    let job = |(wall, before): (Wall, Option<ZooRow>)| -> Result<(), IoError> {
         if let Some(row) = one(&wall, before, folder, options, stop)? {
             progress(&row);
             keep(row)?;
@@ -162,11 +163,11 @@ pub fn zoo(
 /// Runs a wall, and its reference if one is asked for. None: the user stopped it.
 fn one(
     wall: &Wall,
-    before: Option<Row>,
+    before: Option<ZooRow>,
     folder: &Folder,
     options: &Options,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Row>, IoError> {
+) -> Result<Option<ZooRow>, IoError> {
     let mut row = if let Some(row) = before {
         row
     } else {
@@ -207,7 +208,7 @@ fn run(
     limit: Duration,
     options: &Options,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Row>, IoError> {
+) -> Result<Option<ZooRow>, IoError> {
     // Those of an earlier run would be taken for those of one that is refused and leaves none.
     for name in [HISTORY, SUMMARY] {
         let path = out.join(name);
@@ -234,7 +235,7 @@ fn run(
         // Ctrl-C reached it first.
         return Ok(None);
     }
-    let mut row = Row::of_wall(wall);
+    let mut row = ZooRow::of_wall(wall);
     row.took(out, &ended, limit.as_secs_f64())
         .map_err(|why| failed(out)(std::io::Error::other(why)))?;
     Ok(Some(row))
@@ -271,7 +272,7 @@ mod tests {
         let count = AtomicUsize::new(0);
         let ran = |seeds: &[u64], options: &Options| {
             count.store(0, Ordering::Relaxed);
-            let progress = |_: &Row| {
+            let progress = |_: &ZooRow| {
                 count.fetch_add(1, Ordering::Relaxed);
             };
             let rows = zoo(seeds, &folder, options, &progress, &|| false).unwrap();

@@ -410,7 +410,8 @@ impl fmt::Display for G {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Deck, Model};
+    use crate::deck::Deck;
+    use crate::model::Model;
     use sha2::{Digest, Sha256};
     use std::path::{Path, PathBuf};
 

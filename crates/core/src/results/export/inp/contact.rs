@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use super::{labels, set};
+use crate::deck::import::SIDES;
 use crate::model::Model;
-use crate::model::import::SIDES;
 use wythe_contact::InterfaceLaw;
 
 /// Sides of elements by their nodes in order.

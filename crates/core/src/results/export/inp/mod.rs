@@ -147,7 +147,7 @@ fn one_line(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Deck;
+    use crate::deck::Deck;
 
     const WALL: &str = include_str!("../../../../../../examples/03_shear_wall_j7d.toml");
 

@@ -1,0 +1,592 @@
+//! From point laws to a system of equations: unknowns, pattern, gather, linear solvers.
+
+mod branch_holding;
+pub mod bulk;
+pub mod contact;
+mod damping;
+mod dissipation;
+pub mod dofs;
+mod external_loads;
+mod general;
+mod increment_work;
+mod mass;
+mod numerical_stiffness;
+pub mod pattern;
+mod solid;
+mod springs;
+mod steered;
+mod stiffness_reuse;
+mod traction_patterns;
+mod trial;
+
+pub use bulk::{Bulk, Solids};
+pub use contact::Contact;
+pub use damping::StiffnessDamping;
+pub use dofs::{DofMap, Equations};
+pub use external_loads::ExternalLoads;
+pub use general::{General, Live};
+pub use increment_work::{PARTS, Works};
+pub use mass::Mass;
+pub use pattern::Gather;
+pub use springs::Springs;
+pub use steered::Steered;
+pub use trial::{Awake, STIFFEST_UNDER_LOADS, Trial};
+
+use crate::linear::{Analysis, Backend, LinearError, LinearSolver, Options, Pattern};
+use crate::material::{LocalFailure, MaterialHistory};
+use crate::model::Model;
+use crate::model::scene::Fidelity;
+use crate::state::{Poses, State};
+use pattern::CELL;
+use std::sync::atomic::{AtomicU64, Ordering};
+use wythe_contact::PointPair;
+
+/// What an evaluation of the forces is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Step time of the increment [s].
+    pub dt: f64,
+    /// How the solids answer.
+    pub solids: Solids,
+    /// Shifted penalty, or the law taken directly.
+    pub shifted: bool,
+    /// Tangents wanted.
+    pub tangent: bool,
+    /// What of follower pressures is among them.
+    pub turning: Turning,
+}
+
+/// What the matrix knows of follower pressures, which turn with what they press.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turning {
+    /// Nothing.
+    #[default]
+    Ignored,
+    /// Their stiffness, which is unsymmetric.
+    Exact,
+}
+
+/// Everything of a model that is prepared once and evaluated often.
+pub struct System {
+    /// Unknowns.
+    pub dofs: DofMap,
+    /// Solids.
+    pub bulk: Bulk,
+    /// Interfaces.
+    pub contact: Contact,
+    /// General contact.
+    pub general: General,
+    /// Masses.
+    pub mass: Mass,
+    /// Springs to the ground.
+    pub springs: Springs,
+    /// Loads with a name.
+    pub outside: ExternalLoads,
+    /// Stiffness along the displacement that steers the load of a step, where one does.
+    pub steered: Option<Steered>,
+    /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
+    pub rounding_force: f64,
+    gather: Option<Gather>,
+    /// Of the last matrix: that of the next step, or of what leaves a plane of symmetry, often has its pattern.
+    analysis: Option<Analysis>,
+    analysed_version: usize,
+    analysed_pairs: Vec<[u32; 2]>,
+}
+
+impl Evaluation {
+    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see, and not
+    /// under loads with a name, where that of the points grows.
+    fn keeps(&self, poses: &Poses, trial: &Trial) -> bool {
+        let secant = matches!(self.solids, Solids::Secant | Solids::Softened);
+        let kept = self.tangent && self.shifted && secant && !poses.is_empty();
+        kept && !trial.is_under_loads()
+    }
+}
+
+impl System {
+    /// Prepares a model.
+    ///
+    /// # Errors
+    /// [`bulk::BulkError`] if an element or its material cannot be prepared.
+    pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
+        let (dofs, bulk) = (DofMap::new(model), Bulk::new(model)?);
+        let mass = Mass::new(model, &bulk, &dofs);
+        Ok(Self {
+            general: General::new(model, &mass),
+            mass,
+            dofs,
+            bulk,
+            contact: Contact::new(model),
+            springs: Springs::new(model),
+            outside: ExternalLoads::new(model),
+            steered: None,
+            rounding_force: crate::model::rounding::force(model),
+            gather: None,
+            analysis: None,
+            analysed_version: 0,
+            analysed_pairs: Vec::new(),
+        })
+    }
+
+    /// State of rest.
+    pub fn initial_state(&mut self, model: &Model) -> State {
+        let mut state = State {
+            increments: 0,
+            time: 0.0,
+            q: vec![0.0; self.dofs.slots],
+            velocity: vec![0.0; self.dofs.slots],
+            acceleration: vec![0.0; self.dofs.slots],
+            force: vec![0.0; self.dofs.slots],
+            spring_ends: vec![[0.0; 3]; model.springs.len()],
+            spring_forces: vec![[0.0; 3]; model.springs.len()],
+            loads: vec![[0.0; 3]; model.loads.len()],
+            applied: vec![0.0; self.dofs.slots],
+            damping: vec![0.0; self.dofs.slots],
+            material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
+            interface: self.contact.virgin(model),
+            pairs: vec![PointPair::default(); self.contact.points.len()],
+            touches: Vec::new(),
+            poses: self.poses(model),
+            last: None,
+            moved: None,
+            largest_mean_force: 0.0,
+            energies: crate::state::Energies::default(),
+            fell: false,
+            wants_double: false,
+        };
+        // What touches at rest sticks where it is.
+        let mut trial = Trial::default();
+        trial.start(&state);
+        self.search(&mut trial, &state.q);
+        state.pairs.clone_from(&trial.pairs);
+        self.follow(&mut state.poses, &mut trial);
+        state
+    }
+
+    /// Where stiffness is taken at rest: where bodies are, unless the model keeps that of what hardly turns.
+    fn poses(&self, model: &Model) -> Poses {
+        match model.fidelity {
+            Fidelity::Auto => Poses::at_rest(&self.bulk, &self.contact),
+            Fidelity::Full | Fidelity::Elastic => Poses::default(),
+        }
+    }
+
+    /// Takes the stiffness of what has turned too far since where the trial ends. `poses`: of the state that it becomes.
+    pub fn follow(&self, poses: &mut Poses, trial: &mut Trial) {
+        if !poses.is_empty() {
+            poses.follow(&self.bulk, &self.contact, trial);
+        }
+    }
+
+    /// Begins an increment from the committed state.
+    pub fn start(&mut self, model: &Model, trial: &mut Trial, state: &State) {
+        trial.start(state);
+        self.place(trial, &state.q);
+        trial.x_start.clone_from(&trial.x);
+        self.contact.follow_rims(model, state, trial);
+        self.general.begin(&self.contact, state);
+    }
+
+    /// Pairs the contact points with master facets at generalised displacements `q`.
+    pub fn search(&mut self, trial: &mut Trial, q: &[f64]) {
+        self.place(trial, q);
+        self.contact.search(trial);
+        self.general.search(trial);
+    }
+
+    /// Starts the tractions of an increment where the last one would lead, `ratio` times its size.
+    pub fn extrapolate_tractions(
+        &self,
+        model: &Model,
+        state: &State,
+        trial: &mut Trial,
+        ratio: f64,
+    ) {
+        self.contact.extrapolate(model, state, trial, ratio);
+        trial.bound_by_traction();
+    }
+
+    /// Current positions of all nodes.
+    fn place(&self, trial: &mut Trial, q: &[f64]) {
+        let nodes = self.bulk.reference.len();
+        trial.displacement.resize(nodes, [0.0; 3]);
+        self.dofs.spread(q, &mut trial.displacement);
+        trial.x.resize(nodes, [0.0; 3]);
+        for ((x, u), r) in trial
+            .x
+            .iter_mut()
+            .zip(&trial.displacement)
+            .zip(&self.bulk.reference)
+        {
+            for i in 0..3 {
+                x[i] = r[i] + u[i];
+            }
+        }
+    }
+
+    /// True if the candidates of contact changed since the last analysis.
+    pub fn pattern_changed(&self) -> bool {
+        self.gather.is_none()
+            || self.analysed_version != self.contact.version()
+            || self.analysed_pairs != self.general.pairs()
+    }
+
+    /// Orders and analyses the matrix of the present candidates; returns its number of entries.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis.
+    pub fn analyse(
+        &mut self,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(usize, LinearSolver), LinearError> {
+        let (gather, solver) = self.ordered(&self.dofs, equations, backend)?;
+        let entries = gather.row_idx.len();
+        self.gather = Some(gather);
+        self.analysis = solver.analysis().cloned();
+        self.analysed_version = self.contact.version();
+        self.analysed_pairs.clear();
+        self.analysed_pairs.extend_from_slice(self.general.pairs());
+        Ok((entries, solver))
+    }
+
+    /// Pattern and order of the matrix of the present candidates in these unknowns.
+    fn ordered(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(Gather, LinearSolver), LinearError> {
+        let mut cells = self.bulk.elements.clone();
+        cells.extend(self.contact.cells());
+        cells.extend(self.general.cells());
+        cells.extend(self.springs.cells());
+        cells.extend(self.outside.cells());
+        cells.extend(self.steered_cells());
+        let gather = Gather::new(&cells, dofs, equations, backend.kind());
+        let mut group = Vec::with_capacity(equations.len());
+        let mut coordinates: Vec<[f64; 3]> = Vec::new();
+        let mut last = usize::MAX;
+        for &slot in &equations.slot_of {
+            let (node, _) = dofs.node_of(slot as usize);
+            if node != last {
+                // A beam has no place.
+                let at_beam = slot as usize >= dofs.beam_start;
+                coordinates.push(if at_beam {
+                    [f64::NAN; 3]
+                } else {
+                    self.bulk.reference[node]
+                });
+                last = node;
+            }
+            group.push(coordinates.len() as u32 - 1);
+        }
+        let pattern = Pattern::new(gather.n, gather.col_ptr.clone(), gather.row_idx.clone())?
+            .with_nodes(&group, &coordinates)?;
+        let known = self.analysis.as_ref();
+        let solver = LinearSolver::analyse_beside(pattern, Options::new(backend), known)?;
+        Ok((gather, solver))
+    }
+
+    /// Factorises the symmetric matrix of the trial's cells in other unknowns, if it is positive definite: with this part of its
+    /// diagonal added.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis or the factorisation.
+    pub fn try_factor(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+        part_of_own: f64,
+    ) -> Result<(), LinearError> {
+        let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
+        let mut values = vec![0.0; gather.row_idx.len()];
+        gather.fill(&trial.cells, &trial.active, None, &mut values);
+        for (e, column) in gather.col_ptr.windows(2).enumerate() {
+            let rows = &gather.row_idx[column[0]..column[1]];
+            if let Ok(k) = rows.binary_search(&(e as u32)) {
+                values[column[0] + k] *= 1.0 + part_of_own;
+            }
+        }
+        solver.factorise(&values).map(|_| ())
+    }
+
+    /// Sums the cells into the matrix.
+    pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
+        if let Some(gather) = &self.gather {
+            gather.fill(&trial.cells, &trial.active, None, values);
+        }
+    }
+
+    /// The same of a matrix that was filled from this pattern before, at `last`: entries which no changed cell enters stay.
+    pub fn refill(&self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
+        /// One number for each filling: a trial that is taken back, or another matrix, is told from this.
+        static FILLINGS: AtomicU64 = AtomicU64::new(1);
+        let Some(gather) = &self.gather else { return };
+        let known = *last == Some(trial.filling) && trial.changed.len() == trial.active.len();
+        let changed = known.then_some(&trial.changed[..]);
+        gather.fill(&trial.cells, &trial.active, changed, values);
+        trial.changed.clear();
+        trial.changed.resize(trial.active.len(), false);
+        trial.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
+        *last = Some(trial.filling);
+    }
+
+    /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
+    pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
+        self.add_diagonal(equations, factor, &self.mass.slot, values);
+    }
+
+    /// Adds `factor` times these coefficients to the diagonal of the matrix of `equations`. `coefficients`: `[slot]`
+    pub fn add_diagonal(
+        &self,
+        equations: &Equations,
+        factor: f64,
+        coefficients: &[f64],
+        values: &mut [f64],
+    ) {
+        let Some(gather) = &self.gather else { return };
+        for (e, &slot) in equations.slot_of.iter().enumerate() {
+            let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
+            // Rows ascend; an element couples every unknown with itself.
+            if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
+                values[column.start + k] += factor * coefficients[slot as usize];
+            }
+        }
+    }
+
+    /// Forces, and tangents where asked for, at generalised displacements `q`.
+    ///
+    /// # Errors
+    /// Element and reason, if a law gave no answer.
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        state: &State,
+        trial: &mut Trial,
+        q: &[f64],
+        setting: Evaluation,
+        clock: &mut crate::state::Clock,
+    ) -> Result<(), (usize, LocalFailure)> {
+        let nodes = self.bulk.reference.len();
+        let n_elements = self.bulk.elements.len();
+        let n_contact = n_elements + self.contact.cell_count();
+        let n_loaded = n_contact + self.general.cells().len();
+        let n_sprung = n_loaded + self.springs.cells().len();
+        let n_pressed = n_sprung + self.outside.cells().len();
+        let n_cells = n_pressed + self.steered_cells().len();
+        self.place(trial, q);
+        trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
+        trial.cells.resize(n_cells * CELL, 0.0);
+        trial.active.resize(n_cells, false);
+        trial.changed.resize(n_cells, true);
+
+        let begin = std::time::Instant::now();
+        self.bulk.evaluate(state, trial, setting)?;
+        let middle = std::time::Instant::now();
+        self.contact
+            .evaluate(model, state, trial, setting, n_elements);
+        self.general.evaluate(trial, setting, n_contact);
+        clock.contact += middle.elapsed().as_secs_f64();
+        clock.elements += (middle - begin).as_secs_f64();
+
+        // Nodal sums in cell order.
+        trial.node_force.clear();
+        trial.node_force.resize(nodes, [0.0; 3]);
+        let connectivity = self.loaded_cells();
+        for (nodes, force) in connectivity.zip(&trial.cell_force) {
+            for (&n, f) in nodes.iter().zip(force) {
+                for i in 0..3 {
+                    trial.node_force[n as usize][i] += f[i];
+                }
+            }
+        }
+        if !trial.spring_ends.is_empty() {
+            let (u, ends) = (&trial.displacement, &trial.spring_ends);
+            self.springs.add_forces(u, ends, &mut trial.node_force);
+            if setting.tangent {
+                let from = n_loaded * CELL;
+                self.springs
+                    .write_stiffness(&mut trial.cells[from..n_sprung * CELL]);
+                trial.changed[n_loaded..n_sprung].fill(true);
+                trial.active[n_loaded..n_sprung].fill(true);
+            }
+        }
+        let pressed = n_sprung..n_pressed;
+        let were = setting.tangent && trial.active[pressed.clone()].contains(&true);
+        let turns = setting.tangent && setting.turning == Turning::Exact;
+        if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
+            self.outside.write_stiffness(
+                &trial.loads,
+                &trial.x,
+                &mut trial.cells[n_sprung * CELL..n_pressed * CELL],
+                &mut trial.active[n_sprung..n_pressed],
+            );
+        } else if setting.tangent {
+            trial.active[n_sprung..n_pressed].fill(false);
+        }
+        if were || turns {
+            trial.changed[pressed].fill(true);
+        }
+        if let (Some(steered), true) = (&self.steered, setting.tangent) {
+            steered.write(&mut trial.cells[n_pressed * CELL..n_cells * CELL]);
+            trial.active[n_pressed..n_cells].fill(true);
+            trial.changed[n_pressed..n_cells].fill(true);
+        }
+        trial.force.resize(self.dofs.slots, 0.0);
+        self.dofs.collect(&trial.node_force, &mut trial.force);
+        let magnitude: f64 = trial.cell_force[..n_elements]
+            .iter()
+            .flatten()
+            .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
+            .sum();
+        trial.mean_nodal_force = magnitude / (8.0 * self.bulk.count.max(f64::MIN_POSITIVE));
+        Ok(())
+    }
+
+    /// From here on only what touches these slots is evaluated, until `trial.awake` is taken away: nothing else moves. Forces
+    /// and stiffness of all else stay those of the last evaluation.
+    pub fn watch(&self, trial: &mut Trial, slots: impl IntoIterator<Item = u32>) {
+        let mut moves = vec![false; self.dofs.slots];
+        for slot in slots {
+            moves[slot as usize] = true;
+        }
+        // Held directions have no slot.
+        let moving = |slot: &u32| moves.get(*slot as usize).is_some_and(|moves| *moves);
+        let nodes: Vec<bool> = (self.dofs.slot.iter())
+            .map(|slots| slots.iter().any(moving))
+            .collect();
+        let near = |cell: &[u32; 8]| cell.iter().any(|&n| nodes[n as usize]);
+        let facets = 0..self.contact.points.len() / 4;
+        trial.awake = Some(Awake {
+            elements: self.bulk.elements.iter().map(near).collect(),
+            facets: facets
+                .map(|f| self.contact.cells_of(f).any(|(_, cell)| near(cell)))
+                .collect(),
+        });
+    }
+
+    /// Cells that have nodal forces: elements, planned contact, general contact.
+    fn loaded_cells(&self) -> impl Iterator<Item = &[u32; 8]> {
+        let solids = self.bulk.elements.iter();
+        solids
+            .chain(self.contact.cells())
+            .chain(self.general.cells())
+    }
+
+    /// Area at rest of what presses at a commit [mm²].
+    pub fn pressed_area(&self, state: &State) -> f64 {
+        let planned = self.contact.pressed_area(&state.interface);
+        if self.general.is_absent() {
+            return planned;
+        }
+        let touches = state.touches.iter();
+        let pressed = touches.filter(|touch| touch.history.traction[0] < 0.0);
+        planned + pressed.map(|touch| touch.area).sum::<f64>()
+    }
+
+    /// Dissipation of the interfaces in the increment that `trial` ends [N mm].
+    pub fn interface_dissipation(&self, trial: &Trial) -> f64 {
+        let planned = trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        if self.general.is_absent() {
+            return planned;
+        }
+        planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss[0]
+    }
+
+    /// What the trapezoidal rule makes of what opens or closes in the increment that `trial` ends [N mm].
+    pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
+        let planned = self.contact.crossing_work(model, state, trial);
+        if self.general.is_absent() {
+            return planned;
+        }
+        planned + self.general.crossing_work(trial)
+    }
+
+    /// What the nodal forces of open points do beside the work of their tractions in the increment that `trial` ends
+    /// [N mm], see [`Contact::turning_work`].
+    pub fn turning_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
+        self.contact.turning_work(model, state, trial)
+    }
+
+    fn steered_cells(&self) -> &[[u32; 8]] {
+        self.steered.as_ref().map_or(&[], Steered::cells)
+    }
+
+    /// Elastic energy of solids, interfaces and springs at the trial's positions [N mm].
+    pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
+        trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
+            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
+            + trial.touches.iter().map(|t| t.energy[0]).sum::<f64>()
+            + self.springs.energy(spring_forces.iter().copied())
+    }
+
+    /// Forces of the springs on their nodes at the trial's positions [N]. `[spring][xyz]`
+    pub fn spring_forces(&self, trial: &Trial) -> Vec<[f64; 3]> {
+        let ends = &trial.spring_ends;
+        self.springs.forces(&trial.displacement, ends).collect()
+    }
+
+    /// Internal forces of the springs for ends that move by `by` [mm] `[spring][xyz]` while the bodies
+    /// stay [N]. `[slot]`
+    pub fn spring_pull(&self, by: &[[f64; 3]]) -> Vec<f64> {
+        let mut p = vec![0.0; self.dofs.slots];
+        if !by.is_empty() {
+            let rest = vec![[0.0; 3]; self.bulk.reference.len()];
+            let mut force = rest.clone();
+            self.springs.add_forces(&rest, by, &mut force);
+            self.dofs.collect(&force, &mut p);
+        }
+        p
+    }
+
+    /// Forces on the unknowns, and on what is prescribed, of loads of these values that do not turn [N].
+    /// `[slot]`
+    pub fn dead_loads(&self, values: &[[f64; 3]]) -> Vec<f64> {
+        self.on_slots(|force| self.outside.add_dead(values, force))
+    }
+
+    /// The same of follower pressures, where nodes are at `x` [mm] [N]. `[slot]`
+    pub fn follower_loads(&self, values: &[[f64; 3]], x: &[[f64; 3]]) -> Vec<f64> {
+        self.on_slots(|force| self.outside.add_followers(values, x, force))
+    }
+
+    fn on_slots(&self, add: impl FnOnce(&mut [[f64; 3]])) -> Vec<f64> {
+        let mut force = vec![[0.0; 3]; self.bulk.reference.len()];
+        add(&mut force);
+        let mut slots = vec![0.0; self.dofs.slots];
+        self.dofs.collect(&force, &mut slots);
+        slots
+    }
+
+    /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`
+    pub fn multiply(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
+        let nodes = self.bulk.reference.len();
+        let mut du = vec![[0.0; 3]; nodes];
+        self.dofs.spread(dq, &mut du);
+        let mut force = vec![[0.0; 3]; nodes];
+        let connectivity = self.loaded_cells().chain(self.springs.cells());
+        let connectivity = connectivity.chain(self.outside.cells());
+        let connectivity = connectivity.chain(self.steered_cells());
+        for (c, nodes) in connectivity.enumerate() {
+            if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
+                continue;
+            }
+            let cell = &trial.cells[c * CELL..(c + 1) * CELL];
+            for (a, &row) in nodes.iter().enumerate() {
+                for (b, &col) in nodes.iter().enumerate() {
+                    let block = &cell[(a * 8 + b) * 9..][..9];
+                    let d = du[col as usize];
+                    for i in 0..3 {
+                        force[row as usize][i] +=
+                            block[3 * i] * d[0] + block[3 * i + 1] * d[1] + block[3 * i + 2] * d[2];
+                    }
+                }
+            }
+        }
+        let mut p = vec![0.0; self.dofs.slots];
+        self.dofs.collect(&force, &mut p);
+        p
+    }
+}

@@ -1,0 +1,179 @@
+//! The direction of an iterate: its linear equations are ordered, filled, factorised and solved.
+
+use super::convergence::largest;
+use super::newton::{Newton, timed};
+use super::outcome::Refusal;
+use crate::assembly::{System, Trial};
+use crate::linear::{Backend, LinearError, LinearSolver};
+use crate::model::scene::{Fidelity, Tangent};
+
+/// Growth of the mean nodal force over that of the last factorisation beyond which an increment is not proven by it.
+const GROWTH: f64 = 1.02;
+
+/// The factors at hand, of a matrix of this increment.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct Factors {
+    /// Mean nodal force there [N].
+    force: f64,
+    /// They served an iterate after it.
+    served: bool,
+}
+
+impl Newton<'_> {
+    /// Which solver the tangents need.
+    pub(in crate::solve) fn backend(&self) -> Backend {
+        if self.tangent == Tangent::Secant {
+            Backend::MixedLlt
+        } else {
+            Backend::MultifrontalLu
+        }
+    }
+
+    /// Whether the matrices of this increment wanted factors of double precision.
+    pub(in crate::solve) fn wanted_double(&self) -> bool {
+        let linear = self.linear.as_ref();
+        linear.is_some_and(LinearSolver::distrusts_single)
+    }
+
+    /// d = −K⁻¹ r.
+    pub(in crate::solve) fn solve(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+    ) -> Result<(), Refusal> {
+        self.by_load.clear();
+        self.solve_both(system, trial, &[])
+    }
+
+    /// d = −K⁻¹ r, and `by_load`, if it is not empty, ← K⁻¹ of it, which may be `guess`.
+    pub(in crate::solve) fn solve_both(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+        guess: &[f64],
+    ) -> Result<(), Refusal> {
+        self.fill(system, trial)?;
+        for (d, r) in self.direction.iter_mut().zip(&self.residual) {
+            *d = -r;
+        }
+        for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
+            *d += pull;
+        }
+        // One behind the other: both are solved for while a part of the factors is near.
+        let n = self.direction.len();
+        self.direction.extend_from_slice(&self.by_load);
+        let solved = match self.solve_near(guess) {
+            Ok(false) => self.factorise(trial).and_then(|()| {
+                let Self {
+                    linear,
+                    direction,
+                    clock,
+                    ..
+                } = self;
+                let solver = linear.as_mut().ok_or(LinearError::NotFactorised)?;
+                timed(&mut clock.solve, || solver.solve(direction)).map(drop)
+            }),
+            other => other.map(drop),
+        };
+        self.by_load.copy_from_slice(&self.direction[n..]);
+        self.direction.truncate(n);
+        solved.map_err(|why| self.refusal(system, why))
+    }
+
+    /// The same with factors of an earlier matrix of the increment, where these serve. Whether they did.
+    fn solve_near(&mut self, guess: &[f64]) -> Result<bool, LinearError> {
+        let applies = self.model.fidelity == Fidelity::Auto && self.motion.is_none();
+        let (Some(linear), Some(factors)) = (&mut self.linear, &mut self.factors) else {
+            return Ok(false);
+        };
+        if !applies {
+            return Ok(false);
+        }
+        let served = timed(&mut self.clock.solve, || {
+            linear.solve_near(&self.values, &mut self.direction, guess)
+        })?;
+        factors.served |= served;
+        Ok(served)
+    }
+
+    /// Makes sure of the matrix at the end of an increment. Nothing but a factorisation tells that it is not positive definite,
+    /// as of a wall that buckles: where the last one lies behind, at smaller forces or before the end of the step,
+    /// there is one more.
+    pub(in crate::solve) fn prove(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+        ends: bool,
+    ) -> Result<(), Refusal> {
+        let open = |factors: Factors| {
+            factors.served && (ends || trial.mean_nodal_force > GROWTH * factors.force)
+        };
+        if self.factors.is_some_and(open) {
+            self.fill(system, trial)?;
+            let proven = self.factorise(trial);
+            proven.map_err(|why| self.refusal(system, why))?;
+        }
+        Ok(())
+    }
+
+    /// Orders the matrix, where its pattern is new, and sums its cells.
+    fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Refusal> {
+        let backend = self.backend();
+        if self.linear.is_none() || system.pattern_changed() {
+            let (gather, mut linear) = timed(&mut self.clock.factorise, || {
+                system.analyse(&self.equations, backend)
+            })
+            .map_err(|why| Refusal::Linear { why, dof: None })?;
+            self.values = vec![0.0; gather];
+            self.filled = None;
+            linear.trust_single(!self.wants_double);
+            self.linear = Some(linear);
+            self.factors = None;
+        }
+        timed(&mut self.clock.assembly, || {
+            system.refill(trial, &mut self.filled, &mut self.values);
+            if let Some(motion) = &self.motion {
+                self.filled = None;
+                system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
+            }
+            if let Some(dashpots) = &self.dashpots {
+                self.filled = None;
+                dashpots.add_to(system, &self.equations, &mut self.values);
+            }
+        });
+        Ok(())
+    }
+
+    /// Factorises the matrix at hand.
+    fn factorise(&mut self, trial: &Trial) -> Result<(), LinearError> {
+        let linear = self.linear.as_mut().ok_or(LinearError::NotFactorised)?;
+        self.clock.factorisations += 1;
+        self.factors = None;
+        let stats = timed(&mut self.clock.factorise, || linear.factorise(&self.values))?;
+        self.clock.reused += stats.reused;
+        self.factors = Some(Factors {
+            force: trial.mean_nodal_force,
+            served: false,
+        });
+        Ok(())
+    }
+
+    /// Why the linear equations have no solution.
+    fn refusal(&self, system: &System, why: LinearError) -> Refusal {
+        let equation = match why {
+            LinearError::Singular { equation }
+            | LinearError::NotPositiveDefinite { equation }
+            | LinearError::NotFinite { equation } => Some(equation),
+            _ => None,
+        };
+        let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+        // A face none of whose nodes is free has none.
+        let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
+        Refusal::Linear { why, dof }
+    }
+
+    /// Whether the direction carries something farther than a point of contact sees.
+    pub(in crate::solve) fn flies(&self, system: &System) -> bool {
+        largest(&self.direction).0 > system.contact.reach()
+    }
+}

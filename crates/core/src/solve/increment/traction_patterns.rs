@@ -1,0 +1,77 @@
+//! Settles what nodes do not feel of the tractions (see `system::patterns`) at the end of an increment.
+
+use serde::{Deserialize, Serialize};
+
+use super::newton::{Newton, timed};
+use super::outcome::{Attempt, Refusal, Report, Solves};
+use crate::assembly::{Evaluation, System, Trial};
+use crate::state::State;
+
+/// Largest change of the work of sliding points that may be left to patterns of tractions, over the work
+/// that the increment turns over.
+const PATTERNS: f64 = 5e-3;
+
+/// Iterations for the balance of settled tractions.
+const PATIENCE: usize = 10;
+
+/// Increments in which patterns are left alone: the next 1, 2, 4 … where no balance was found with them.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(in crate::solve) struct Pause {
+    left: usize,
+    next: usize,
+}
+
+impl Newton<'_> {
+    /// Settles the patterns of an increment in balance and balances it again. Where a stiff penalty asks
+    /// for patterns that find no balance the increment stays as it was.
+    ///
+    /// # Errors
+    /// A law that gives no answer where it gave one.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
+    pub(in crate::solve) fn settle(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+        setting: Evaluation,
+        report: Report,
+    ) -> Result<Report, Refusal> {
+        if self.pause.left > 0 {
+            self.pause.left -= 1;
+            return Ok(report);
+        }
+        let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        let [_, turned] = self.works(system, state, trial, &way);
+        let model = self.model;
+        let settled = timed(&mut self.clock.contact, || {
+            system.settled_tractions(model, state, trial, &way, PATTERNS * turned)
+        });
+        let Some(settled) = settled else {
+            return Ok(report);
+        };
+        let (kept, q) = (trial.without_stiffness(), self.q.clone());
+        trial.take_tractions(settled);
+        // The last iterate before was one, too.
+        let iterations = 1..1 + PATIENCE;
+        let again = self.equilibrate(system, state, trial, attempt, solves, setting, iterations);
+        if let Ok(report) = again {
+            self.pause = Pause::default();
+            return Ok(report);
+        }
+        let next = (2 * self.pause.next).max(1);
+        self.pause = Pause { left: next, next };
+        trial.go_back(kept);
+        self.load_to(report.load_factor, system, trial);
+        self.q = q;
+        self.evaluate(system, state, trial, setting)?;
+        Ok(Report {
+            iterations: solves.count,
+            ..report
+        })
+    }
+}

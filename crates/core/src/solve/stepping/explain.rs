@@ -1,0 +1,159 @@
+//! Lost convergence in words: where, why, and what to try.
+
+use super::step_run::IncrementRequest;
+use crate::material::MaterialParameters;
+use crate::model::Model;
+use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
+use crate::solve::fidelity::Part;
+use crate::solve::increment::convergence::{IMBALANCE, WORK};
+use crate::solve::increment::outcome::Refusal;
+use crate::state::Lost;
+
+/// Why the run ends in `step`, whose increment was cut as far as the deck allows: all of it with what to try, and place and
+/// reason by themselves.
+pub(in crate::solve) fn explain(
+    model: &Model,
+    part: &Part,
+    step: usize,
+    request: IncrementRequest,
+    done: f64,
+    refusal: &Refusal,
+) -> (String, Lost) {
+    let of = &model.steps[step];
+    let name = &of.name;
+    let done = progress(of, done);
+    let why = why(model, part, of, refusal);
+    let told = format!(
+        "step {step} ({name}), at {done}, an increment of {:.2e} of the step, {}: {why}; try {}",
+        request.increment.size,
+        request.method.name(),
+        advice(model, step, refusal)
+    );
+    let place = format!("{done} of step {step} ({name})");
+    (told, Lost { place, why })
+}
+
+/// How far a step has come, in words: its load factor, or the part of its time where an amplitude turns the loads.
+pub(in crate::solve) fn progress(step: &Step, done: f64) -> String {
+    if step.amplitude.is_some() {
+        format!("{:.2} % of the time", 100.0 * done)
+    } else {
+        format!("load factor {done:.4}")
+    }
+}
+
+/// What refused an increment, where, and how large it was.
+pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Iterations {
+            residual,
+            root_mean_square,
+            work,
+            node,
+        } => format!(
+            "no equilibrium within {} iterations, the largest out-of-balance force is {residual:.2e} of \
+             the mean nodal force (tolerance {:e}), the root mean square {root_mean_square:.2e} \
+             ({IMBALANCE:e}), their work {work:.2e} of that of the increment ({WORK:e}), worst at {}",
+            step.tolerance.max_iterations,
+            step.tolerance.residual,
+            place(model, part, *node)
+        ),
+        Refusal::Local { element, why } => {
+            let body = model.mesh.body_of(*element);
+            let element = part.element(*element);
+            format!("element {element} of {body}: {why}")
+        }
+        Refusal::Linear {
+            why,
+            dof: Some((node, direction)),
+        } => format!(
+            "{why}: {} is free to move in {}",
+            place(model, part, *node),
+            ["x", "y", "z"][*direction]
+        ),
+        Refusal::Linear { why, dof: None } => why.to_string(),
+        Refusal::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
+        Refusal::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
+        Refusal::Energy(part) => format!(
+            "the increment leaves {:.1} % of the work done unaccounted for",
+            100.0 * part
+        ),
+        Refusal::NoSuchLoad => {
+            "no load leads as far along the path as the increment should go".to_owned()
+        }
+        Refusal::NotFinite => "the out-of-balance force is not finite".to_owned(),
+    }
+}
+
+/// A node by its body, its place at rest and its number, and whether it lies on an interface.
+pub(in crate::solve) fn place(model: &Model, part: &Part, node: usize) -> String {
+    let mesh = &model.mesh;
+    let [x, y, z] = mesh.nodes[node];
+    let has = |nodes: &[u32]| nodes.contains(&(node as u32));
+    let element = mesh.elements.iter().position(|nodes| has(nodes));
+    let surfaces = &model.contact;
+    let mut facets = surfaces.slave_facets.iter().chain(&surfaces.master_facets);
+    let on = if facets.any(|nodes| has(nodes)) {
+        "on an interface, "
+    } else {
+        ""
+    };
+    let number = part.node(node);
+    match element {
+        Some(e) => format!(
+            "{} at ({x:.1}, {y:.1}, {z:.1}) mm ({on}node {number})",
+            mesh.body_of(e)
+        ),
+        None => format!("node {number} at ({x:.1}, {y:.1}, {z:.1}) mm"),
+    }
+}
+
+/// Keys of the deck that may help, the likeliest first; only such as are not yet there.
+fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
+    let step = &model.steps[index];
+    if let Refusal::Linear { dof: Some(_), .. } = refusal {
+        let inertia = if model.may_move() {
+            format!(
+                "steps.{index}.increments.min below {:e}: inertia carries what comes loose in increments that are \
+                 short beside the vibrations of its joints",
+                step.increments.min
+            )
+        } else {
+            "to give every material a density: inertia carries what comes loose".to_owned()
+        };
+        return format!(
+            "to hold that body, to press it into contact before it is moved, or {inertia} (what hangs together \
+             and is slender may have buckled: hold it sideways)"
+        );
+    }
+    let mut tries = Vec::new();
+    let patience = step.tolerance.max_iterations;
+    if patience < USUAL_ITERATIONS && matches!(refusal, Refusal::Iterations { .. }) {
+        tries.push(format!(
+            "steps.{index}.tolerance.max_iterations = {USUAL_ITERATIONS} (now {patience})"
+        ));
+    }
+    let min = step.increments.min;
+    tries.push(format!("steps.{index}.increments.min below {min:e}"));
+    if step.tangent != Tangent::Secant {
+        tries.push(format!("steps.{index}.tangent = \"secant\""));
+    }
+    if step.procedure != Procedure::Auto {
+        tries.push(format!("steps.{index}.procedure = \"auto\""));
+    }
+    let cracks =
+        |m: &NamedMaterial| matches!(m.parameters, MaterialParameters::DamagePlasticity(_));
+    if step.viscosity == 0.0 && model.materials.iter().any(cracks) {
+        let viscosity = USUAL_VISCOSITY * step.duration;
+        tries.push(format!(
+            "steps.{index}.viscosity = {viscosity} (of step time), which carries the snap of a unit"
+        ));
+    }
+    tries.join("; or ")
+}
+
+/// Iterations below which patience is a likely reason: the default.
+const USUAL_ITERATIONS: usize = 25;
+/// Viscosity over the duration of a step that carried the walls through
+/// (docs/decisions/viscosity-of-the-step.md).
+const USUAL_VISCOSITY: f64 = 0.0025;

@@ -1,0 +1,150 @@
+//! What follows a refused increment: a shorter one, another method, or the end.
+
+use super::explain;
+use super::fallback::Answer;
+use super::run::{CUT, Run};
+use super::step_run::{IncrementRequest, StepRun};
+use crate::solve::Recorder;
+use crate::solve::increment::outcome::Refusal;
+use crate::state::Method;
+use crate::state::Status;
+
+/// Of an increment that was refused, the part that is tried first along the path.
+const GUESS: f64 = 0.1;
+
+impl Run<'_> {
+    /// Chooses what to try after a refusal; false if nothing is left.
+    pub(in crate::solve) fn refuse(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        refusal: &Refusal,
+        recorder: &mut dyn Recorder,
+    ) -> bool {
+        let on_path = request.method.follows_path();
+        let method = step_run.fallback.method();
+        if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
+            // The rest of the step in one: the path goes on instead.
+            step_run.end_refused = true;
+            return true;
+        }
+        let spent = if on_path {
+            !step_run.path_measure.cut(CUT)
+        } else {
+            false
+        };
+        let size = request.increment.size;
+        if *refusal == Refusal::Snap {
+            step_run.beyond = Some(request.increment.end());
+        }
+        if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
+            // Not even there: over it in increments as large as may be.
+            step_run.schedule.resume(step_run.step.increments.max);
+            return true;
+        }
+        let mut answer = step_run.fallback.refused(refusal, size, spent);
+        if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
+            // Nothing has dissipated yet, and nothing is found before something does.
+            if self.guess(step_run, method, size) {
+                return true;
+            }
+        }
+        if answer == Answer::Cut
+            && !on_path
+            && step_run.schedule.cut(request.increment, CUT).is_err()
+        {
+            answer = step_run.fallback.refused(refusal, size, true);
+        }
+        match answer {
+            Answer::Cut => true,
+            Answer::NextMethod => {
+                let why = format!(
+                    "{}: {}",
+                    request.method.name(),
+                    explain::why(self.model, &self.part, step_run.step, refusal)
+                );
+                loop {
+                    step_run
+                        .fallback
+                        .climb(refusal, step_run.sense() * step_run.load);
+                    let next = step_run.fallback.method();
+                    // Where loads stay there is no path of theirs.
+                    let stays = step_run.branch.slope() == 0.0;
+                    if !next.follows_path()
+                        || (!stays && step_run.path_measure.leads(next))
+                        || (!stays && self.guess(step_run, next, size))
+                    {
+                        break;
+                    }
+                }
+                self.adopt(step_run);
+                match step_run.fallback.method() {
+                    Method::QuasiStatic => {
+                        self.depart(step_run.index, step_run.load);
+                        self.carry_momentum(step_run.sense());
+                        self.state.last = None;
+                        step_run
+                            .schedule
+                            .resume(size.min(step_run.fallback.floor()));
+                    }
+                    // Its equations are linear: whatever cut the increment is not their trouble.
+                    Method::Implex => step_run
+                        .schedule
+                        .resume(size.max(step_run.fallback.floor())),
+                    // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
+                    Method::Static if step_run.fallback.is_last() => {
+                        let beyond = step_run.beyond.map(|at| at - step_run.schedule.done());
+                        let jump = beyond.unwrap_or(step_run.step.increments.max);
+                        step_run.schedule.resume(jump);
+                    }
+                    method if method.follows_path() => step_run.path_measure.mend(),
+                    _ => {}
+                }
+                self.note(step_run, &why, recorder);
+                true
+            }
+            Answer::GiveUp => {
+                self.summary.iterations += step_run.solves;
+                self.tally(&step_run.newton);
+                self.summary.status = Status::NotConverged;
+                let done = match step_run.step.amplitude {
+                    None => step_run.load,
+                    Some(_) => step_run.schedule.done(),
+                };
+                let told = explain::explain(
+                    self.model,
+                    &self.part,
+                    step_run.index,
+                    request,
+                    done,
+                    refusal,
+                );
+                (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
+                false
+            }
+        }
+    }
+
+    /// Measures the path by the increment that was refused, for want of a better one; false if nothing
+    /// dissipated in it.
+    pub(in crate::solve) fn guess(
+        &mut self,
+        step_run: &mut StepRun,
+        method: Method,
+        size: f64,
+    ) -> bool {
+        let q = step_run.newton.q();
+        let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
+        let (system, trial) = (&self.system, &self.trial);
+        step_run
+            .path_measure
+            .learn(method, system, trial, &dq, (size, 0.0), GUESS)
+    }
+
+    /// Counts a refused or repeated increment.
+    pub(in crate::solve) fn cut_back(&mut self, step_run: &mut StepRun) {
+        step_run.cutbacks += 1;
+        step_run.repeat = false;
+        self.summary.cutbacks += 1;
+    }
+}
