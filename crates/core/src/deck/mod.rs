@@ -33,7 +33,7 @@ mod rigid;
 mod rounding;
 pub mod scatter;
 pub mod schema;
-pub(crate) mod source;
+pub mod source;
 mod symmetry;
 mod tables;
 pub mod templates;

@@ -90,7 +90,7 @@ impl Source {
     ///
     /// # Errors
     /// Syntax.
-    pub(crate) fn other<'t>(
+    pub fn other<'t>(
         file: &str,
         text: &'t str,
         advice: fn(&str) -> String,
@@ -312,7 +312,7 @@ impl Source {
     }
 
     /// What serde or the TOML parser says, with the path of the key and advice.
-    pub(crate) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
+    pub fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         if self.places.is_empty() {
             // nothing is located before the text has been parsed
             return self.syntax_error(error);
