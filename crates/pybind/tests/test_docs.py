@@ -128,3 +128,17 @@ def test_the_gallery_has_every_example() -> None:
     assert len(pictures) == len(decks)
     # What a reader downloads with the page.
     assert sum(path.stat().st_size for path in pictures) < 3e6
+
+
+def test_files_that_pages_name_are_there() -> None:
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+    pages.remove(ROOT / "CHANGELOG.md")  # of files as they were
+    place = r"`((?:crates|tests|benches|examples|docs|src)/[\w./-]+\.\w+)`"
+    named = [(page, name) for page in pages for name in re.findall(place, page.read_text("utf-8"))]
+    assert len(named) > 50
+    missing = [
+        f"{page.relative_to(ROOT)}: {name}"
+        for page, name in named
+        if "NAME" not in name and not (ROOT / name).exists()
+    ]
+    assert not missing
