@@ -63,7 +63,7 @@ def parts_of(quad: np.ndarray, length: float) -> list[tuple[np.ndarray, list[boo
 
     def point(i: int, j: int) -> np.ndarray:
         r, s = i / n, j / m
-        return (1 - s) * ((1 - r) * quad[0] + r * quad[1]) + s * ((1 - r) * quad[3] + r * quad[2])
+        return np.asarray((1 - s) * ((1 - r) * quad[0] + r * quad[1]) + s * ((1 - r) * quad[3] + r * quad[2]))
 
     return [
         (
@@ -125,7 +125,7 @@ def in_space(run: wythe.Results, moment: float) -> str:
     light = np.array([0.25, -0.75, 0.6]) / np.linalg.norm([0.25, -0.75, 0.6])
     damage = np.maximum(frame.tensile_damage, frame.compressive_damage)
     pieces: list[tuple[float, str]] = []
-    for face in np.flatnonzero(normals @ towards > 1e-6):
+    for face in map(int, np.flatnonzero(normals @ towards > 1e-6)):
         shade = 0.62 + 0.38 * max(0.0, float(normals[face] @ light))
         whole = np.array(PALETTE[int(run.material[owners[face]]) % len(PALETTE)])
         torn = float(damage[owners[face]])
