@@ -34,6 +34,10 @@ site:
     target/docs-environment/bin/python -m pip install --quiet -r docs/requirements.txt
     target/docs-environment/bin/mkdocs build --strict
 
+# The notebooks with their outputs, with the package wythe
+notebooks:
+    python3 crates/pybind/tests/store_notebooks.py
+
 # The pictures and the page of the gallery, with the package wythe
 gallery:
     python3 docs/gallery.py
