@@ -7,9 +7,10 @@ use common::examples::{load, path};
 use wythe::contact::Coupling;
 use wythe::deck::schema::Subdivision;
 use wythe::deck::{Deck, keys};
+use wythe::element::Formulation;
 use wythe::material::{Interpolation, MaterialParameters};
 use wythe::model::Model;
-use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
+use wythe::model::scene::{BeamMotion, ContactPoints, Output, Procedure};
 
 const EXAMPLES: [&str; 4] = [
     "01_couplet_tension",

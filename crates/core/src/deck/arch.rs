@@ -9,7 +9,7 @@
 //! ```
 
 use super::schema::DeckArch;
-use crate::model::hexahedron::Corners;
+use crate::element::hexahedron::Corners;
 
 /// The stones of an arch.
 pub(super) struct Stones {

@@ -15,8 +15,8 @@ use super::schema::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
     StepKind, Turning,
 };
+use crate::element::hexahedron::range;
 use crate::error::{Errors, ModelError};
-use crate::model::hexahedron::range;
 use crate::model::scene::Increments;
 use std::borrow::Cow;
 

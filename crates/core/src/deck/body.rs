@@ -1,7 +1,7 @@
 //! The bodies of a scene, whatever described them, and their faces.
 
+use crate::element::hexahedron::{Corners, Face, PLACES, area_vector, norm, point};
 use crate::model::Mesh;
-use crate::model::hexahedron::{Corners, Face, PLACES, area_vector, norm, point};
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -235,7 +235,7 @@ fn beam(
         ));
     }
     let (vector, area) = bodies.area(&places);
-    let length = crate::model::hexahedron::norm(vector);
+    let length = crate::element::hexahedron::norm(vector);
     Ok(Beam {
         name,
         nodes,

@@ -4,7 +4,7 @@ use super::bodies::Bodies;
 use super::masonry;
 use super::quantity::Quantity;
 use super::symmetry::Plane;
-use crate::model::hexahedron::{Face, range};
+use crate::element::hexahedron::{Face, range};
 
 /// A facet in a plane of symmetry, which units of a wall meet that end in the middle of a joint.
 pub(super) struct Mirror {

@@ -4,8 +4,8 @@ use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::Masonry;
 use super::schema::{Deck, Names};
+use crate::element::hexahedron::Face;
 use crate::error::ModelError;
-use crate::model::hexahedron::Face;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 

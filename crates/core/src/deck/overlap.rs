@@ -6,11 +6,11 @@
 
 use super::bodies::Bodies;
 use super::schema::Deck;
-use crate::error::{Errors, ModelError, Warning};
-use crate::model::Mesh;
-use crate::model::hexahedron::{
+use crate::element::hexahedron::{
     Corners, EDGES, Face, area_vector, cross, difference, dot, norm, range,
 };
+use crate::error::{Errors, ModelError, Warning};
+use crate::model::Mesh;
 use wythe_contact::{Aabb, Bvh};
 
 /// Depth over the shortest edge above which bodies do not touch but overlap.

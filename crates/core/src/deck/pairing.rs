@@ -5,8 +5,8 @@ use super::name_registry::Place;
 use super::overlap;
 use super::schema::{Deck, DeckContact, Names};
 use super::touch;
+use crate::element::hexahedron::{Face, area_vector, norm};
 use crate::error::{Errors, ModelError};
-use crate::model::hexahedron::{Face, area_vector, norm};
 use std::collections::{HashMap, HashSet};
 use wythe_contact::{Aabb, Bvh};
 

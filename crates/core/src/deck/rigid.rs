@@ -6,7 +6,7 @@
 
 use super::quantity::{Number, Pressure, Quantity};
 use super::schema::{Deck, DeckArch, DeckBlock, Material};
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 
 /// Stiffness E/h of a rigid-like body over that of the stiffest joint: joints give way by a hundredth more.
 const STIFFER: f64 = 100.0;

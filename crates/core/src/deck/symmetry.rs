@@ -7,9 +7,9 @@
 use super::bodies::Bodies;
 use super::overlap;
 use super::schema::{Deck, DeckLoad, Keep};
+use crate::element::hexahedron::norm;
 use crate::error::{Errors, ModelError};
 use crate::model::axis::Axis;
-use crate::model::hexahedron::norm;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Spring, Step, Support};
 

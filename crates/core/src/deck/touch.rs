@@ -1,6 +1,6 @@
 //! Do two faces of blocks meet at rest? Faces are quadrilaterals, flat or nearly so.
 
-use crate::model::hexahedron::{area_vector, cross, difference, dot, mean, norm, range};
+use crate::element::hexahedron::{area_vector, cross, difference, dot, mean, norm, range};
 use wythe_contact::Aabb;
 
 /// Two faces oppose each other if their unit normals have a product below this.

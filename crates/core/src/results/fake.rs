@@ -1,9 +1,10 @@
 //! A small model with invented fields, for the tests of this room.
 
+use crate::element::Formulation;
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
 use crate::model::sizes::Sizes;
 use crate::model::{Mesh, Model};

@@ -1,8 +1,8 @@
 //! What a mesh must be before anything can be computed with it.
 
 use super::{ImportError, ImportedMesh};
-use crate::model::hexahedron::{PLACES, cross, difference, dot, is_upright};
-use crate::model::mesh::CORNERS;
+use crate::element::hex8::CORNERS;
+use crate::element::hexahedron::{PLACES, cross, difference, dot, is_upright};
 
 /// How many of many elements are named.
 const NAMED: usize = 5;

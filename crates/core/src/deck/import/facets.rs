@@ -218,8 +218,8 @@ fn root(parent: &mut [u32], node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hexahedron::{area_vector, difference, dot, mean};
-    use crate::model::mesh::CORNERS;
+    use crate::element::hex8::CORNERS;
+    use crate::element::hexahedron::{area_vector, difference, dot, mean};
 
     #[test]
     fn sides_look_outwards() {

@@ -36,7 +36,7 @@ pub struct ImportedMesh {
     pub nodes: Vec<[f64; 3]>,
     /// Labels of the nodes in the file; each instance counts for itself. `[node]`
     pub node_labels: Vec<u64>,
-    /// Connectivity in the order of [`CORNERS`](crate::model::mesh::CORNERS). `[element][local node]`
+    /// Connectivity in the order of [`CORNERS`](crate::element::hex8::CORNERS). `[element][local node]`
     pub elements: Vec<[u32; 8]>,
     /// Labels of the elements in the file; each instance counts for itself. `[element]`
     pub element_labels: Vec<u64>,

@@ -3,9 +3,9 @@
 use crate::deck::keys;
 use crate::deck::quantity::{Length, Quantity};
 use crate::deck::schema::{Deck, DeckLoad, Names};
+use crate::element::hexahedron::{difference, dot, norm};
 use crate::error::ModelError;
 use crate::model::Mesh;
-use crate::model::hexahedron::{difference, dot, norm};
 
 /// What names stand for.
 #[derive(Debug, Default)]

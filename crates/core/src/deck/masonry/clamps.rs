@@ -4,7 +4,7 @@ use super::layout::Unit;
 use super::{Kind, Masonry};
 use crate::deck::bodies::Bodies;
 use crate::deck::schema::Clamped;
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 use crate::model::scene::{Beam, HeldBy, Support};
 
 /// The clamped feet of walls.

@@ -22,7 +22,7 @@ use super::amount;
 use super::quantity::Quantity;
 use super::schema::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::symmetry::Plane;
-use crate::model::hexahedron::Face;
+use crate::element::hexahedron::Face;
 use std::ops::Range;
 
 /// A wall that is laid.

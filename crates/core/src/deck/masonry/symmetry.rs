@@ -13,7 +13,7 @@ use super::layout::{Refusal, Unit};
 use super::representative;
 use crate::deck::schema::Wall;
 use crate::deck::symmetry::Plane;
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 
 /// What is left of the units of a wall on the side of the planes that is modelled, and at which faces planes cut it.
 ///

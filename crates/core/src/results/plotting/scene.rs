@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 use super::super::elevation::escape;
 use crate::element::hex8::FACES;
-use crate::model::hexahedron::{EDGES, range};
+use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
 use crate::model::{Mesh, Model};
 

@@ -97,7 +97,7 @@ impl Quarters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hexahedron::{area_vector, norm};
+    use crate::element::hexahedron::{area_vector, norm};
     use crate::results::fake;
 
     /// Quads of parts fill their facet, each around its point.

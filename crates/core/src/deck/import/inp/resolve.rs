@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::raw::{Instance, Member, Node, Raw, Scope, Set};
 use crate::deck::import::{ImportedMesh, MOST_ELEMENTS, MOST_NODES, Place, Section, Wrong};
 use crate::deck::keys::nearest;
-use crate::model::hexahedron::norm;
+use crate::element::hexahedron::norm;
 use crate::model::scene::turned;
 use left_out::{leave_others_out, leave_parts_out, notes};
 use surfaces::surfaces;
