@@ -435,13 +435,13 @@ fn dry_joints_need_no_softening() {
 
 #[test]
 fn the_documentation_lists_every_key() {
-    let reference = include_str!("../../docs/deck.md");
+    let reference = include_str!("../../docs/reference/deck.md");
     for (key, example) in keys::EXAMPLES {
         // `table.key` where a key means different things in different tables
         let key = key.rsplit('.').next().unwrap();
         assert!(
             reference.contains(&format!("`{key}`")),
-            "docs/deck.md lacks `{key}`"
+            "docs/reference/deck.md lacks `{key}`"
         );
         assert!(
             example.contains(key),

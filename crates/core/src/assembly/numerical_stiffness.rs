@@ -9,10 +9,10 @@ use crate::element::hex8::FACES;
 use crate::model::Model;
 
 /// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough not to
-/// chatter; it grows where nothing does (docs/decisions.md).
+/// chatter; it grows where nothing does (docs/decisions/shifted-penalty.md).
 const NUMERICAL_PENALTY: f64 = 1.0;
 /// A point whose shear is below this part of its limit is in no danger of chatter, and takes [`FIRM`]
-/// times the numerical stiffness (docs/decisions.md).
+/// times the numerical stiffness (docs/decisions/shifted-penalty.md).
 pub(super) const WELL_WITHIN: f64 = 0.85;
 /// Factor of the numerical stiffness of such a point.
 pub(super) const FIRM: f64 = 3.0;

@@ -364,7 +364,7 @@ pub(super) fn example(name: &str) -> String {
 pub(super) fn example_at(path: &str) -> String {
     match line_at(path) {
         Some(line) => format!("write it like this: {line}"),
-        None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
+        None => "docs/reference/deck.md lists every key, its type, unit and range".to_owned(),
     }
 }
 

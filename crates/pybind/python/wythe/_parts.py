@@ -21,7 +21,7 @@ Rows = Sequence[Sequence[float]] | npt.NDArray[Any]
 
 
 class MotionOptions(TypedDict, total=False):
-    """Further keys of a step (docs/deck.md, ``steps``)."""
+    """Further keys of a step (docs/reference/deck.md, ``steps``)."""
 
     name: str
     viscosity: Quantity

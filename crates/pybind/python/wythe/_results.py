@@ -353,7 +353,7 @@ class Results:
         Parameters
         ----------
         experiment
-            A CSV file with a column of displacements and one of forces (see docs/results.md).
+            A CSV file with a column of displacements and one of forces (see docs/how-to/compare-with-a-test.md).
         ax
             Axes to draw into; new ones if not given.
         label

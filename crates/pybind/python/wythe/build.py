@@ -1,6 +1,6 @@
 """Models from parts: materials, joints, walls, arches, blocks, steps.
 
-Each function gives a part of a deck with the deck's own keys (docs/deck.md); :func:`wall`, :func:`arch` and
+Each function gives a part of a deck with the deck's own keys (docs/reference/deck.md); :func:`wall`, :func:`arch` and
 :func:`blocks` put them together. A quantity is a number in base units (N, mm, MPa, tonne, s; degrees) or a text
 with its unit. What is not given has the deck's default.
 """
@@ -239,7 +239,7 @@ def wall(
     clamped
         ``{"bottom_courses": 1, "top_courses": 1}``, or ``False``: supports and steps name its faces.
     overlap, leaves, collar_joint, header_courses, head_filling, filled_from
-        Of the bond (docs/deck.md, ``wall``).
+        Of the bond (docs/reference/deck.md, ``wall``).
     head_interface, collar_interface
         Names of ``interfaces`` for these joints, where they differ from ``joint``.
     rigid

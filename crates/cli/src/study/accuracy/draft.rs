@@ -21,7 +21,7 @@ pub enum DraftError {
     /// Nothing goes one way.
     #[error("no curve of this model can be compared: {0}")]
     #[diagnostic(help(
-        "the last step must drive along an axis, one way only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/studies.md)"
+        "the last step must drive along an axis, one way only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/reference/studies.md)"
     ))]
     NoCurve(&'static str),
     /// Its text cannot be made.
@@ -122,7 +122,7 @@ pub fn draft(
     };
     let text = toml::to_string(&draft)?;
     Ok(format!(
-        "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/studies.md lists the keys. It stays as you change it.\n{text}"
+        "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/reference/studies.md lists the keys. It stays as you change it.\n{text}"
     ))
 }
 

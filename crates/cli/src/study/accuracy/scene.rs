@@ -16,7 +16,7 @@ use wythe_core::command::argument;
 /// Where the study looks for scenes unless it is told.
 pub const SCENES: &str = "docs/accuracy-speed";
 
-/// A folder with `scene.toml`; `docs/studies.md` lists the keys.
+/// A folder with `scene.toml`; `docs/reference/studies.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Number of the scene.

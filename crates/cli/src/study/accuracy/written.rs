@@ -139,7 +139,7 @@ pub fn advice(path: &str) -> String {
         Some("command") => {
             "command = \"what made the file\", or set = [\"KEY=VALUE\"] of a run of the scene"
         }
-        _ => return "docs/studies.md lists the keys of a scene".to_owned(),
+        _ => return "docs/reference/studies.md lists the keys of a scene".to_owned(),
     };
     format!("write it like this: {line}")
 }

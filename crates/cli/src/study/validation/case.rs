@@ -10,7 +10,7 @@ use crate::study::{End, Expectation, Short, StudyError};
 use wythe_core::results::plotting::Line;
 use wythe_core::results::snapshot::FrameChoice;
 
-/// One page of the validation: a folder with `case.toml`; `docs/studies.md` lists the keys.
+/// One page of the validation: a folder with `case.toml`; `docs/reference/studies.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Number of the page.

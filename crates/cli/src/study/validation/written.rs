@@ -121,7 +121,7 @@ fn one() -> f64 {
 
 /// Advice for the key at `path`.
 pub fn advice(_path: &str) -> String {
-    "docs/studies.md lists the keys of a validation case".to_owned()
+    "docs/reference/studies.md lists the keys of a validation case".to_owned()
 }
 
 /// A name that is good for a file.

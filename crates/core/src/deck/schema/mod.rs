@@ -1,6 +1,6 @@
 //! The deck: a TOML text as written, with its units resolved and its ranges checked.
 //!
-//! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
+//! The structures here are the serde mirror of the file; `docs/reference/deck.md` explains every key.
 
 mod arch;
 mod beams;

@@ -10,7 +10,8 @@
 //! The last term is what the tolerance of forces leaves. The others vanish where interfaces have taken
 //! over the tractions of their gaps; the shifted penalty stops when the nodes feel no difference, and
 //! patterns of tractions that they do not feel swing on from increment to increment, sliding forth and
-//! back at the Coulomb bound: dissipation of which no force did the work (docs/decisions.md, case 26).
+//! back at the Coulomb bound: dissipation of which no force did the work
+//! (docs/decisions/energy-balance.md).
 
 use super::newton::Newton;
 use crate::assembly::{System, Trial};

@@ -31,7 +31,7 @@ pub struct LineSearch {
 }
 
 /// Accepted fall of the slope: a looser root takes more solves, a tighter one saves none
-/// (docs/decisions.md).
+/// (docs/decisions/line-search.md).
 const FALL: f64 = 0.2;
 /// Part of the slope that is much to be left at the full step.
 const MUCH: f64 = 0.5;

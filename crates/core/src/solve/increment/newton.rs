@@ -204,7 +204,7 @@ impl<'m> Newton<'m> {
     }
 
     /// What of follower pressures a tangent holds: the secant one nothing, and stays symmetric and
-    /// positive definite (docs/decisions.md).
+    /// positive definite (docs/decisions/follower-pressure.md).
     pub(in crate::solve) fn turning(&self) -> Turning {
         if self.tangent == Tangent::Secant {
             Turning::Ignored

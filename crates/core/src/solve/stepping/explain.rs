@@ -154,5 +154,6 @@ fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
 
 /// Iterations below which patience is a likely reason: the default.
 const USUAL_ITERATIONS: usize = 25;
-/// Viscosity over the duration of a step that carried the walls through (docs/decisions.md).
+/// Viscosity over the duration of a step that carried the walls through
+/// (docs/decisions/viscosity-of-the-step.md).
 const USUAL_VISCOSITY: f64 = 0.0025;
