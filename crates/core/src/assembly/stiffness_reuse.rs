@@ -21,8 +21,7 @@ use crate::element::{ElementShape, green_strain};
 
 /// Largest relative movement of corners over the element's size at which its stiffness is reused [-].
 const TURN: f64 = 1e-4;
-/// Stress stiffens and softens slender bodies, so the change of strain is bounded, too: by this part of the strain
-/// ...
+/// Stress stiffens and softens slender bodies, so the change of strain is bounded: by this part of it ...
 const SHARE: f64 = 0.05;
 /// ... or by this strain, at which no wall buckles that is less than 450 times as high as thick (π²/48 (t/h)²) [-].
 const STRAIN: f64 = 1e-6;
