@@ -1,4 +1,4 @@
-//! From a TOML deck to the frozen [`Model`](crate::model::Model): its keys, units and checks, walls, imported meshes.
+//! From a TOML deck to the frozen [`Model`](crate::model::Model): keys, units and checks, walls, imported meshes.
 
 mod amount;
 mod arch;
