@@ -25,7 +25,7 @@ pub struct GeneralContact {
 }
 
 impl GeneralContact {
-    /// Of the bodies of a mesh. The law is dry; its stiffness is `penalty` times E/h (theory C.8), or
+    /// Of the bodies of a mesh. The law is dry; its stiffness is `penalty` times E/h (theory/joint.md, eqs 32 and 33), or
     /// as `given`, normal and shear [N/mm³].
     pub fn new(
         interface: &str,

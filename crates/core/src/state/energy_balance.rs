@@ -2,7 +2,7 @@
 
 use super::HistoryRow;
 
-/// How well the energies close (theory F): every term is integrated where it arises and none is
+/// How well the energies close (theory/energies.md, eq. 18): every term is integrated where it arises and none is
 /// found by difference, so that
 ///
 /// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i,
