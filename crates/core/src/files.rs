@@ -3,7 +3,7 @@
 //! A file is always written as a new one beside its name, and renamed when it is complete:
 //!
 //! ```text
-//! NAME.tmp   created anew: one that is there is removed first, be it a link
+//! NAME.tmp   a new file; an existing file or link is removed first
 //!    │ rename
 //! NAME       the old file or the new one; a link of this name is replaced, never written through
 //! ```

@@ -75,8 +75,7 @@ impl Model {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
-    /// Full accuracy with less work: mirror halves are solved, stiffness and factors are reused, regions are solved
-    /// alone.
+    /// Less work at the same tolerance: mirror halves and regions are solved, stiffness and factors are reused.
     #[default]
     Auto,
     /// The whole scene, without these savings.
@@ -139,11 +138,11 @@ pub struct Support {
     pub nodes: Vec<u32>,
     /// Fixed directions x, y, z.
     pub fixed: [bool; 3],
-    /// Cause of the support.
+    /// Origin of the support.
     pub by: HeldBy,
 }
 
-/// Cause of a [`Support`].
+/// Origin of a [`Support`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum HeldBy {
     /// The ground.
