@@ -235,9 +235,9 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::Formulation;
+    use crate::element::hex8::CORNERS;
     use crate::material::ElasticParameters;
-    use crate::model::mesh::CORNERS;
-    use crate::model::scene::Formulation;
 
     /// A cube of 100 mm.
     fn cube() -> ([[f64; 3]; 8], ElementShape) {

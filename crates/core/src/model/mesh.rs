@@ -1,22 +1,11 @@
 //! Nodes and hex8 elements.
 
-use super::hexahedron::{norm, range};
+use crate::element::hex8::CORNERS;
+use crate::element::hexahedron::{norm, range};
 
 /// Weight by which a point must lie beside a plane of symmetry to count as outside it. Corner points lie 5e-7 beside
 /// it.
 const IN_THE_PLANE: f64 = 1e-9;
-
-/// Parameters (ξ, η, ζ) of an element's nodes, in the order of VTK's hexahedron. `[node][ξηζ]`
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
 
 /// A mesh of hex8 elements. x runs along the wall's length, y through its thickness, z upwards.
 ///

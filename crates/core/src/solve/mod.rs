@@ -1,12 +1,12 @@
-//! From a frozen model to its converged frames.
+//! The solver: takes a frozen model to its converged increments.
 //!
 //! | Room | Holds |
 //! |---|---|
 //! | `increment` | one increment: predictor, Newton iterations, line search, convergence |
-//! | `stepping` | the steps of a run: sizes of increments, procedures, acceptance, peaks, history rows |
-//! | `dynamics` | inertia: time integration, where bodies begin to move, collapse |
+//! | `stepping` | the steps of a run: increment sizes, procedures, acceptance, peaks, history rows |
+//! | `dynamics` | inertia: time integration, onset of motion, collapse |
 //! | `restart` | checkpoints and resumed runs |
-//! | `fidelity` | a mirror half or an elastic stand-in instead of the whole model |
+//! | `fidelity` | solution of a mirror half, or of an elastic substitute, instead of the whole model |
 
 mod dynamics;
 mod fidelity;

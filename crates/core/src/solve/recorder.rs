@@ -1,13 +1,13 @@
-//! What receives the increments of a run.
+//! The interface through which a run delivers its increments.
 
 use super::Checkpoint;
 use crate::model::Model;
 use crate::state::{Frame, HistoryRow, State};
 
-/// Receives each converged increment as it comes, on the thread that solves.
+/// Receives each converged increment on the thread that solves, as soon as it is committed.
 pub trait Recorder: Send {
-    /// Called once an increment is committed. `frame` is given at output increments. Returning
-    /// `Ok(false)` asks the run to stop there ([`crate::state::Status::Interrupted`]).
+    /// Receives a committed increment. `frame` is given at output increments. Return `Ok(false)` to stop the run here
+    /// ([`crate::state::Status::Interrupted`]).
     ///
     /// # Errors
     /// Input/output failures, which end the run.
@@ -18,25 +18,26 @@ pub trait Recorder: Send {
         frame: Option<&Frame>,
     ) -> std::io::Result<bool>;
 
-    /// Called once an increment is committed, before [`Recorder::take`], with all that the run knows:
-    /// histories of every point, pairs of contact, energies; of a scene of which one half is solved, those of the half.
-    /// Default: nothing.
+    /// Receives the full state of a committed increment, before [`Recorder::take`]: histories of all points, contact
+    /// pairs and energies. If only a half of the scene is solved, the state is that of the half. The default does
+    /// nothing.
     fn observe(&mut self, _state: &State) {}
 
-    /// Called after [`Recorder::take`], once everything is ready for the next increment: `make` gives
-    /// what [`crate::solve::resume`] goes on from. `last` if no increment follows: the steps are done,
-    /// or the recorder asked to stop. Default: nothing.
+    /// Called after [`Recorder::take`], when the next increment can start. `make` creates a checkpoint from which
+    /// [`crate::solve::resume`] continues. `last` is true if no increment follows, because the steps are done or the
+    /// recorder asked to stop. The default does nothing.
     ///
     /// # Errors
+    /// Input/output failures, which end the run.
     /// Input/output failures, which end the run.
     fn checkpoint(&mut self, _last: bool, _make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
         Ok(())
     }
 
-    /// Called where the procedure changes, with the reason. Default: nothing.
+    /// Called where the procedure changes, with the reason. The default does nothing.
     fn note(&mut self, _text: &str) {}
 
-    /// Called after each linear solve of an increment that begins at `time` [s], with their number,
-    /// those of refused attempts among them. For the terminal; default: nothing.
+    /// Called after each linear solve of an increment that begins at `time` [s]. `iterations` counts its solves,
+    /// those of rejected attempts included. The terminal shows it. The default does nothing.
     fn progress(&mut self, _step: usize, _time: f64, _iterations: usize) {}
 }

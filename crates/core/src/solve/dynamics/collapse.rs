@@ -1,10 +1,12 @@
-//! Collapse: `auto` has gone over to inertia because statics found no equilibrium, and bodies fall.
+//! Collapse: `auto` changed to inertia because statics found no equilibrium, and bodies fall (docs/theory/inertia.md,
+//! eq. 11).
 //!
-//! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then is larger than its
-//! smallest edge (of the box around it at rest) and larger by that than the way which anything was driven meanwhile, and if the
-//! kinetic energy is still above [`QUIET`] times the energy that solids and joints have taken. A step that only loads ends there:
-//! it asks for an equilibrium, and there is none. A step that drives goes on until such bodies have half of the mass of all that nothing holds: stones may
-//! fall off a wall that still carries. Procedures with inertia that the deck names are never ended: their motion is wanted.
+//! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
+//! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
+//! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
+//! then ends: it seeks an equilibrium, and there is none. A step that drives continues until falling bodies have more
+//! than half of the mass of all bodies without support, because stones may fall off a wall that still carries load.
+//! Procedures with inertia that the deck names are never ended, because their motion is the result.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,12 +23,11 @@ use crate::state::QUIET;
 use crate::state::State;
 use crate::state::{Fall, FallenBody, Status};
 
-/// Part of the mass that falls when a step that drives ends.
+/// Part of the unsupported mass that must fall before a step that drives ends.
 const MOST: f64 = 0.5;
-/// Part of its smallest edge by which a body must have moved at the end of the run to count as fallen, if it moves faster and
-/// faster.
+/// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run.
 const AT_END: f64 = 0.1;
-/// Part of the largest displacement from which on a body is named beside the one that has it.
+/// Part of the largest displacement from which further bodies are named.
 const NAMED: f64 = 0.5;
 
 /// The last equilibrium before inertia took over.
@@ -34,32 +35,32 @@ const NAMED: f64 = 0.5;
 pub(in crate::solve) struct LastEquilibrium {
     step: usize,
     load_factor: f64,
-    /// Displacements there [mm]. `[slot]`
+    /// Displacements at this equilibrium [mm]. `[slot]`
     q: Vec<f64>,
-    /// `[spring][xyz]`
+    /// Positions of the spring ends [mm]. `[spring][xyz]`
     spring_ends: Vec<[f64; 3]>,
     /// Whether the kinetic energy grew in the last increment.
     hastens: bool,
 }
 
 impl LastEquilibrium {
-    /// Whether it is of the model of a state.
+    /// Whether the equilibrium belongs to the model of a state.
     pub(in crate::solve) fn fits(&self, state: &State) -> bool {
         self.q.len() == state.q.len() && self.spring_ends.len() == state.spring_ends.len()
     }
 }
 
-/// A body since the last equilibrium.
+/// Displacement of a body since the last equilibrium, with its size and mass.
 struct Moved {
     /// Mean displacement [mm].
     by: [f64; 3],
     /// Smallest edge of the box around it at rest [mm].
     edge: f64,
-    /// Its nodes, of which `by` is the mean.
+    /// Number of its nodes.
     count: f64,
-    /// [tonne]
+    /// Mass [tonne].
     mass: f64,
-    /// Whether something holds one of its nodes in all directions.
+    /// Whether one of its nodes is held in all directions.
     held: bool,
 }
 
@@ -70,7 +71,7 @@ impl Moved {
 }
 
 impl Run<'_> {
-    /// Inertia takes over from an equilibrium.
+    /// Notes the present equilibrium, from which inertia takes over.
     pub(in crate::solve) fn depart(&mut self, step: usize, load_factor: f64) {
         self.last_equilibrium = Some(LastEquilibrium {
             step,
@@ -81,8 +82,8 @@ impl Run<'_> {
         });
     }
 
-    /// Ends the run if the scene has collapsed in the increment of the last commit, before which the kinetic energy was
-    /// `before` [N mm].
+    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `before`: kinetic
+    /// energy at the start of the increment [N mm].
     pub(in crate::solve) fn collapses(
         &mut self,
         step_run: &StepRun,
@@ -122,7 +123,7 @@ impl Run<'_> {
         collapsed
     }
 
-    /// Tells of a collapse while the run goes.
+    /// Reports a collapse during the run.
     pub(in crate::solve) fn tell_collapse(
         &mut self,
         step_run: &StepRun,
@@ -138,7 +139,7 @@ impl Run<'_> {
         self.summary.log.push(text);
     }
 
-    /// What still falls or moves when the last step has ended.
+    /// Reports bodies that still fall or move at the end of the last step.
     pub(in crate::solve) fn tell_what_moves(&mut self) {
         let Some(last) = self.model.steps.len().checked_sub(1) else {
             return;
@@ -165,8 +166,8 @@ impl Run<'_> {
         self.summary.fall = self.fall(last, &bodies, driven);
     }
 
-    /// What the bodies have done since the last equilibrium, and how far anything was driven [mm]; nothing where inertia did
-    /// not take over. `[unit]`
+    /// Motion of the bodies since the last equilibrium `[unit]`, and the largest displacement of a drive meanwhile
+    /// [mm]; none if inertia did not take over.
     fn moved(&self, step: usize) -> Option<(Vec<Moved>, f64)> {
         let last_equilibrium = self.last_equilibrium.as_ref()?;
         let (state, dofs) = (&self.state, &self.system.dofs);
@@ -188,7 +189,7 @@ impl Run<'_> {
         Some((moved(self.model, &self.system, &u), driven))
     }
 
-    /// The bodies that moved most, those that moved farther than half as far.
+    /// Fall of the bodies with the largest displacements: at least half of the largest one, and that of the drive.
     fn fall(&self, step: usize, bodies: &[Moved], driven: f64) -> Option<Fall> {
         let last_equilibrium = self.last_equilibrium.as_ref()?;
         let most = bodies.iter().map(Moved::way).fold(0.0, f64::max);
@@ -213,7 +214,7 @@ impl Run<'_> {
         })
     }
 
-    /// Direction in which things fall in a step: that of gravity, now or in the step's middle; nothing without gravity.
+    /// Unit vector of the gravity of a step; zero without gravity.
     fn down(&self, step: usize) -> [f64; 3] {
         let gravity = self.model.steps[step].gravity.at(1.0);
         let size = length(gravity);

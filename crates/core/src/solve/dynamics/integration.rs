@@ -1,43 +1,43 @@
-//! Inertia: HHT-α and backward Euler, with their energies.
+//! Time integration by HHT-α and backward Euler, with their energies (docs/theory/inertia.md, eqs 1 to 6).
 //!
-//! With lumped masses M, damping C, internal forces p and loads F (Hilber, Hughes, Taylor 1977, eqs
-//! 1 to 3, α in [−1/3, 0], β = (1−α)²/4, γ = 1/2 − α):
+//! With lumped masses M, damping C, internal forces p and loads F (Hilber, Hughes, Taylor 1977, eqs 1 to 3, α in
+//! [−1/3, 0], β = (1−α)²/4, γ = 1/2 − α):
 //!
 //! ```text
 //! M a₁ + (1+α)(p₁ + C v₁ − F₁) − α (p₀ + C v₀ − F₀) = 0
 //! u₁ = u₀ + Δt v₀ + Δt² [(1/2−β) a₀ + β a₁],   v₁ = v₀ + Δt [(1−γ) a₀ + γ a₁]
 //! ```
 //!
-//! divided by 1+α, so that the residual is one of forces as in statics and the stiffness of the cells
-//! stays as it is: M/((1+α) β Δt²) joins the diagonal. Backward Euler is v₁ = Δu/Δt, a₁ = Δv/Δt.
+//! The first equation is divided by 1+α. The residual is then one of forces, as in statics, and the stiffness of the
+//! cells is unchanged: M/((1+α) β Δt²) is added to the diagonal. Backward Euler is v₁ = Δu/Δt, a₁ = Δv/Δt.
 //!
-//! The first increment of a step is always one of backward Euler, which knows neither a₀ nor p₀: when a
-//! step begins loads and velocities jump, and the friction that answers them is not yet in p₀. Half an
-//! increment without it would be an error of first order in the velocity.
+//! The first increment of a step always uses backward Euler, which needs neither a₀ nor p₀. When a step starts, loads
+//! and velocities jump, and the friction that answers them is not yet in p₀. Half an increment without this friction
+//! would be an error of first order in the velocity.
 //!
 //! # Energies
-//! With work by the trapezoidal rule, g = F − p − C v the force that is left to accelerate, and the
-//! equation of motion in the form ½(g₀+g₁) = M a₁ − (½+α)(g₁−g₀),
+//! Work follows the trapezoidal rule. With the accelerating force g = F − p − C v and the equation of motion in the
+//! form ½(g₀+g₁) = M a₁ − (½+α)(g₁−g₀),
 //!
 //! ```text
 //! work of loads = work of p + work of C v + Δ(½ vᵀ M v) + D
 //! D = Σ m [a₁ Δu − ½(v₀+v₁) Δv] − (½+α)(g₁−g₀) Δu
 //! ```
 //!
-//! D arises at the masses, from the scheme alone: what it makes of the inertia forces beside what a
-//! mass does, and what its weighing of the forces takes. Without α it vanishes over a cycle.
+//! D arises at the masses, from the scheme alone. Its first part is the work of the inertia forces beyond the change
+//! of kinetic energy, its second part comes from the weights of the forces. For α = 0 it vanishes over a cycle.
 
 use crate::assembly::{Equations, Mass, StiffnessDamping, System, Trial};
 use crate::model::scene::{BeamMotion, Procedure, Rayleigh, Step};
 use crate::state::Method;
 use crate::state::State;
 
-/// One time integration scheme.
+/// A time integration scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scheme {
     /// Backward Euler.
     Euler,
-    /// HHT with its α.
+    /// HHT with the parameter α.
     Hht(f64),
 }
 
@@ -61,7 +61,7 @@ impl Scheme {
         }
     }
 
-    /// [v₁, a₁] of a displacement Δu in Δt.
+    /// [v₁, a₁] after a displacement Δu in Δt.
     fn rates(self, du: f64, dt: f64, [v, a]: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Euler => {
@@ -82,21 +82,21 @@ fn newmark(alpha: f64) -> [f64; 2] {
     [0.25 * (1.0 - alpha) * (1.0 - alpha), 0.5 - alpha]
 }
 
-/// The motion within one increment.
+/// State of the time integration within one increment.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    /// Of the step.
+    /// Scheme of the step.
     of_step: Scheme,
-    /// Of the increment.
+    /// Scheme of the increment.
     scheme: Scheme,
-    /// A blow that HHT would make energy of: backward Euler does not.
+    /// Whether an impact, in which HHT would gain energy, is repeated by backward Euler.
     shock: bool,
     damping: Rayleigh,
     solids: StiffnessDamping,
-    /// Velocity of what is prescribed, none of an unknown. `[slot]`
+    /// Velocity of prescribed slots, none for unknowns [mm/s]. `[slot]`
     prescribed: Vec<Option<f64>>,
     dt: f64,
-    /// g when the increment starts [N]. `[slot]`
+    /// g at the start of the increment [N]. `[slot]`
     net_start: Vec<f64>,
     /// v₁ [mm/s]. `[slot]`
     velocity: Vec<f64>,
@@ -107,8 +107,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The motion of a step solved by `method`, none if that knows no inertia. What is driven goes `slope`
-    /// times as fast as it would without an amplitude.
+    /// State for a step solved by `method`; none for methods without inertia. Drives are `slope` times as fast as
+    /// without an amplitude.
     pub fn new(
         step: &Step,
         method: Method,
@@ -145,7 +145,7 @@ impl Motion {
         Some(motion)
     }
 
-    /// What is driven goes `slope` times as fast as it would without an amplitude.
+    /// Sets the velocities of drives to `slope` times those without an amplitude.
     pub fn drive_at(&mut self, step: &Step, system: &System, slope: f64) {
         for (b, motion) in step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
@@ -157,8 +157,8 @@ impl Motion {
         }
     }
 
-    /// Velocities and damping with which the step begins. What is driven jumps to its velocity; the
-    /// energy of that is work from outside.
+    /// Sets velocities and damping at the start of the step. Drives jump to their velocity; the energy of this jump
+    /// is external work.
     pub fn begin(&mut self, system: &System, state: &mut State, trial: &mut Trial) {
         let mass = &system.mass;
         let before = state.energies.kinetic;
@@ -172,7 +172,7 @@ impl Motion {
         self.velocity.copy_from_slice(&state.velocity);
         self.damp(system, trial, None);
         for (s, prescribed) in self.prescribed.iter().enumerate() {
-            // What drives a beam answers its damping from the first moment.
+            // The force on a driven beam balances its damping from the start.
             if prescribed.is_some() {
                 state.applied[s] += self.damping_force[s] - state.damping[s];
             }
@@ -180,14 +180,14 @@ impl Motion {
         state.damping.copy_from_slice(&self.damping_force);
     }
 
-    /// Goes on from a commit of this motion.
+    /// Continues from a commit of this motion.
     pub fn rejoin(&mut self, state: &State) {
         self.velocity.copy_from_slice(&state.velocity);
         self.acceleration.copy_from_slice(&state.acceleration);
         self.damping_force.copy_from_slice(&state.damping);
     }
 
-    /// Begins an increment of `dt` [s] under the loads at its start [N]. `[slot]`
+    /// Starts an increment of `dt` [s] under the loads at its start [N]. `[slot]`
     pub fn start(&mut self, state: &State, dt: f64, loads: &[f64]) {
         self.dt = dt;
         self.scheme = match state.last {
@@ -199,17 +199,17 @@ impl Motion {
         }
     }
 
-    /// Takes the increment by backward Euler; false if that is so already.
+    /// Selects backward Euler for this increment; false if it was already selected.
     pub fn take_shock(&mut self) -> bool {
         !std::mem::replace(&mut self.shock, true)
     }
 
-    /// Goes on as the step says.
+    /// Returns to the scheme of the step.
     pub fn end_shock(&mut self) {
         self.shock = false;
     }
 
-    /// Displacements that the increment starts from: those of constant acceleration [mm]. `[slot]`
+    /// Predicted displacements at constant acceleration [mm]. `[slot]`
     pub fn predict(&self, state: &State, q: &mut [f64]) {
         let dt = self.dt;
         for s in 0..q.len() {
@@ -219,8 +219,8 @@ impl Motion {
         }
     }
 
-    /// Velocities, accelerations and damping at displacements `q` [mm] `[slot]`; with `tangent` the
-    /// stiffness of the damping joins that of the elements.
+    /// Updates velocities, accelerations and damping at displacements `q` [mm] `[slot]`. With `tangent` the stiffness
+    /// of the damping is added to that of the elements.
     pub fn update(
         &mut self,
         system: &System,
@@ -241,7 +241,7 @@ impl Motion {
         self.damp(system, trial, slope);
     }
 
-    /// C v.
+    /// Evaluates C v [N].
     fn damp(&mut self, system: &System, trial: &mut Trial, slope: Option<f64>) {
         if self.damping.stiffness > 0.0 {
             let force = &mut self.damping_force;
@@ -256,7 +256,7 @@ impl Motion {
         }
     }
 
-    /// What joins p₁ − F₁ in the residual of a slot [N].
+    /// Terms of the residual of a slot beside p₁ − F₁ [N] (docs/theory/inertia.md, eq. 3).
     pub fn residual(&self, mass: &Mass, slot: usize) -> f64 {
         let alpha = self.scheme.alpha();
         self.damping_force[slot]
@@ -264,34 +264,33 @@ impl Motion {
                 / (1.0 + alpha)
     }
 
-    /// Factor of the masses on the diagonal of the matrix [1/s²].
+    /// Factor of the masses in the diagonal of the matrix [1/s²] (docs/theory/inertia.md, eq. 4).
     pub fn mass_factor(&self) -> f64 {
         let [by_acceleration, by_velocity] = self.scheme.slopes(self.dt);
         by_acceleration / (1.0 + self.scheme.alpha()) + self.damping.mass * by_velocity
     }
 
-    /// Mean nodal force of inertia [N]: a scale for residuals where no solid is stressed. What moves
-    /// freely has only its momentum, of which a small part is taken.
+    /// Mean nodal force of inertia [N], a scale for residuals where no solid is stressed. A body in free motion has
+    /// only its momentum, of which a small part is used.
     pub fn mean_force(&self, mass: &Mass) -> f64 {
-        /// Part of the force that would stop everything within the increment.
+        /// Part of the force that would stop all motion within the increment.
         const OF_MOMENTUM: f64 = 1e-6;
         let inertia = mass.mean_force(self.acceleration.iter().copied());
         let momentum = mass.mean_force(self.velocity.iter().map(|v| v / self.dt));
         inertia.max(OF_MOMENTUM * momentum)
     }
 
-    /// True if the slot is no unknown.
+    /// Whether the slot is prescribed.
     pub fn is_prescribed(&self, slot: usize) -> bool {
         self.prescribed[slot].is_some()
     }
 
-    /// Force that acts on a slot from outside beside the `load` of the model [N], where the system is
-    /// at p = `force`.
+    /// External force on a slot, beside the `load` of the model, at the internal force p = `force` [N].
     pub fn reaction(&self, mass: &Mass, slot: usize, force: f64, load: f64) -> f64 {
         force + self.damping_force[slot] + mass.slot[slot] * self.acceleration[slot] - load
     }
 
-    /// Velocities and accelerations become those of the state.
+    /// Copies velocities, accelerations and damping to the state.
     pub fn commit(&self, state: &mut State) {
         state.velocity.copy_from_slice(&self.velocity);
         state.acceleration.copy_from_slice(&self.acceleration);
@@ -303,7 +302,8 @@ impl Motion {
         mass.kinetic_energy(&self.velocity)
     }
 
-    /// What scheme and damping take in the increment that ends at `trial` [N mm].
+    /// Dissipation of the scheme (docs/theory/inertia.md, eq. 6) and of damping in the increment that ends at `trial`
+    /// [N mm].
     pub fn dissipations(
         &self,
         mass: &Mass,

@@ -1,4 +1,4 @@
-//! Inertia: time integration, where bodies begin to move or come to rest, collapse.
+//! Inertia: time integration, onset and end of motion, collapse.
 
 pub(in crate::solve) mod collapse;
 pub(in crate::solve) mod integration;

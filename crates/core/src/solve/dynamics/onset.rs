@@ -1,4 +1,4 @@
-//! Where a run begins to move, comes to rest, and has fallen.
+//! Onset and end of motion: initial velocities, carried momentum, masses, bodies that fell.
 
 use crate::model::scene::{BeamMotion, Step};
 use crate::solve::stepping::explain;
@@ -7,7 +7,7 @@ use crate::state::LastIncrement;
 use crate::state::QUIET;
 
 impl Run<'_> {
-    /// Statics brings to rest what moved.
+    /// Sets velocities to zero where statics takes over; the kinetic energy becomes numerical dissipation.
     pub(in crate::solve) fn bring_to_rest(&mut self) {
         self.last_equilibrium = None;
         let state = &mut self.state;
@@ -21,8 +21,9 @@ impl Run<'_> {
         }
     }
 
-    /// Gives the bodies the velocities of the last increment when inertia takes over from statics. From rest, the drive would
-    /// have to set them in motion, by a force that no equilibrium has. A jump to another equilibrium is no motion.
+    /// Gives the bodies the velocities of the last increment when inertia takes over from statics
+    /// (docs/theory/inertia.md, eq. 9). From rest, the drive would have to accelerate them, by a force that no
+    /// equilibrium has. A jump to another equilibrium is excluded, because it is not a motion.
     pub(in crate::solve) fn carry_momentum(&mut self, sense: f64) {
         let (state, mass) = (&mut self.state, &self.system.mass);
         let forth = |last: &&LastIncrement| sense * last.load > 0.0 && last.dt > 0.0;
@@ -35,12 +36,12 @@ impl Run<'_> {
         if state.energies.kinetic == 0.0 && kinetic < QUIET * state.energies.taken() {
             state.velocity = velocity;
             state.energies.kinetic = kinetic;
-            // Statics has taken it out, or has never counted it.
+            // The energy was moved to the numerical dissipation by statics, or was never counted.
             state.energies.numerical -= kinetic;
         }
     }
 
-    /// What moves in a step and has no mass.
+    /// A beam or node that moves in a step and has no mass, if there is one.
     pub(in crate::solve) fn massless(&self, step: &Step) -> Option<String> {
         let (model, system) = (self.model, &self.system);
         let free_beams = step.motion.iter().enumerate().flat_map(|(b, motion)| {
@@ -58,7 +59,7 @@ impl Run<'_> {
         })
     }
 
-    /// Velocities of the model in the first step with inertia.
+    /// Sets the initial velocities of the model in its first step with inertia.
     pub(in crate::solve) fn set_in_motion(&mut self, index: usize) {
         let (model, system, state) = (self.model, &self.system, &mut self.state);
         let first = model.steps.iter().position(|s| s.procedure.has_inertia());
@@ -71,7 +72,7 @@ impl Run<'_> {
         }
     }
 
-    /// Marks that what inertia was taken for went farther than joints reach: it fell.
+    /// Marks the state if, under inertia, something moved farther than the search reach of contact: it fell.
     pub(in crate::solve) fn mark_what_fell(&mut self) {
         let reach = self.system.contact.reach();
         self.state.fell |= self.state.q.iter().any(|q| q.abs() > reach);

@@ -1,4 +1,4 @@
-//! Results of a half as those of the whole.
+//! Expansion of the results of a half to the whole (docs/theory/symmetry.md, eqs 5 and 6).
 
 use nalgebra::Vector3;
 use wythe_contact::{PointPair, frame_at};
@@ -11,7 +11,7 @@ use crate::solve::Recorder;
 use crate::state::State;
 use crate::state::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame};
 
-/// Where each thing of the whole is in the half, and whether it is seen in the plane.
+/// Nodes, elements and points of the half from which those of the whole get their results; `true` marks images.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct Places {
     axis: usize,
@@ -23,16 +23,17 @@ pub(in crate::solve) struct Places {
     point: Vec<(u32, Turn)>,
 }
 
-/// Components along the tangents of a point of the half → those along the tangents of a point of the whole.
+/// Matrix from components along the tangents of a point of the half to those along the tangents of a point of the
+/// whole.
 type Turn = [[f64; 2]; 2];
 
 const AS_IT_IS: Turn = [[1.0, 0.0], [0.0, 1.0]];
 
-/// Weights of a facet's nodes that are one.
+/// Largest difference of the weights of a facet's nodes that count as equal.
 const SAME: f64 = 1e-6;
 
 impl Places {
-    /// Nothing if a point of the half cannot be told from the others.
+    /// Assignment of the whole to the half; none if a point of the half cannot be identified.
     pub fn of(model: &Model, images: &Images, half: &Half) -> Option<Self> {
         let either = |kept: &[Option<u32>], image: &[u32]| {
             let place = |(i, own): (usize, &Option<u32>)| match own {
@@ -52,7 +53,7 @@ impl Places {
         })
     }
 
-    /// Voigt components xx, yy, zz, xy, yz, zx: shear across the plane is the other way round.
+    /// Mirrors Voigt components xx, yy, zz, xy, yz, zx: shear components across the plane change sign.
     fn tensor(&self, mut t: [f64; 6]) -> [f64; 6] {
         const ACROSS: [[usize; 2]; 3] = [[3, 5], [3, 4], [4, 5]];
         for i in ACROSS[self.axis] {
@@ -83,7 +84,7 @@ impl Places {
         self.element.iter().map(of).collect()
     }
 
-    /// Bodies that fall on this side of the plane, and their images; energies of both.
+    /// Expands a fall to the bodies of both halves and their energy.
     pub fn unfold_fall(&self, whole: &Model, half: &Model, fall: &mut Fall) {
         fall.kinetic_energy_J *= 2.0;
         let mut images = Vec::new();
@@ -140,10 +141,10 @@ impl Places {
     }
 }
 
-/// Points of the whole in the half: at the image of where they are on their facet.
+/// Points of the half, for all points of the whole: a point beyond the plane takes the results of its image.
 fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)>> {
     let facets = &model.contact.slave_facets;
-    // Slip is told along the tangents of the facet that a point faces at rest.
+    // Slip is given along the tangents of the facet that a point faces at rest.
     let mut system = System::new(model).ok()?;
     let pairs = system.initial_state(model).pairs;
     let weights = |point: usize| system.contact.points[point].weights;
@@ -160,13 +161,13 @@ fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)
             points.extend((0..4).map(|k| (4 * own + k, AS_IT_IS)));
             continue;
         }
-        // Of a facet that lies across, points beyond the plane are seen before it.
+        // In a facet across the plane, points beyond the plane take the results of those before it.
         let image = images.slave[f];
         let own = half.slave[image as usize]?;
         let corners = &facets[image as usize];
         for p in 0..4 {
             let here = weights(4 * f + p);
-            // Of a facet that is its own image the weights of the nodes beyond the plane tell the side.
+            // If the facet is its own image, the weights of its nodes tell on which side the point lies.
             let sides = facet.map(|n| f64::from(images.side[n as usize]));
             let side: f64 = sides.iter().zip(here).map(|(side, w)| side * w).sum();
             if images.lies_across(facet) && side <= 0.0 {
@@ -198,7 +199,7 @@ fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)
     Some(points)
 }
 
-/// Takes what the half gives, and gives what the whole would.
+/// Recorder that receives results of the half and passes on those of the whole.
 pub(super) struct Unfold<'a> {
     pub whole: &'a Model,
     pub places: &'a Places,
@@ -206,7 +207,7 @@ pub(super) struct Unfold<'a> {
 }
 
 impl Unfold<'_> {
-    /// Forces of both halves: those across the plane cancel.
+    /// Sum of the forces of both halves; components across the plane cancel.
     fn both(&self, force: &[f64; 3]) -> [f64; 3] {
         let mut both = force.map(|f| 2.0 * f);
         both[self.places.axis] = 0.0;
@@ -216,13 +217,13 @@ impl Unfold<'_> {
     fn reactions(&self, half: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let (beams, supports) = (self.whole.beams.len(), self.whole.supports.len());
         let own = half.iter().enumerate();
-        // What holds the plane is the last of the supports.
+        // The last support is the symmetry plane, which the whole does not have.
         own.filter(|(i, _)| *i != beams + supports)
             .map(|(_, force)| self.both(force))
             .collect()
     }
 
-    /// Columns of probes, then of loads, whose last is the force in all.
+    /// Columns of probes, then those of loads; the last column of each load is its resultant.
     fn columns(&self, half: &[f64]) -> Vec<f64> {
         let mut columns = half.to_vec();
         let mut next = self.whole.probes.len();

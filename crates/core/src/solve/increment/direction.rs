@@ -1,4 +1,4 @@
-//! The direction of an iterate: its linear equations are ordered, filled, factorised and solved.
+//! Search direction of an iterate: assembly, ordering, factorisation and solution of the linear equations.
 
 use super::convergence::largest;
 use super::newton::{Newton, timed};
@@ -7,20 +7,21 @@ use crate::assembly::{System, Trial};
 use crate::linear::{Backend, LinearError, LinearSolver};
 use crate::model::scene::{Fidelity, Tangent};
 
-/// Growth of the mean nodal force over that of the last factorisation beyond which an increment is not proven by it.
+/// Growth of the mean nodal force since the last factorisation beyond which that factorisation does not prove
+/// stability.
 const GROWTH: f64 = 1.02;
 
-/// The factors at hand, of a matrix of this increment.
+/// Factors at hand, of a matrix of this increment.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct Factors {
-    /// Mean nodal force there [N].
+    /// Mean nodal force at the factorisation [N].
     force: f64,
-    /// They served an iterate after it.
+    /// Whether they served a later iterate.
     served: bool,
 }
 
 impl Newton<'_> {
-    /// Which solver the tangents need.
+    /// Linear solver that the tangent needs.
     pub(in crate::solve) fn backend(&self) -> Backend {
         if self.tangent == Tangent::Secant {
             Backend::MixedLlt
@@ -29,7 +30,7 @@ impl Newton<'_> {
         }
     }
 
-    /// Whether the matrices of this increment wanted factors of double precision.
+    /// Whether matrices of this increment needed factors in double precision.
     pub(in crate::solve) fn wanted_double(&self) -> bool {
         let linear = self.linear.as_ref();
         linear.is_some_and(LinearSolver::distrusts_single)
@@ -45,7 +46,7 @@ impl Newton<'_> {
         self.solve_both(system, trial, &[])
     }
 
-    /// d = −K⁻¹ r, and `by_load`, if it is not empty, ← K⁻¹ of it, which may be `guess`.
+    /// Solves d = −K⁻¹ r and, if `by_load` is not empty, `by_load` ← K⁻¹ `by_load`, with the first guess `guess`.
     pub(in crate::solve) fn solve_both(
         &mut self,
         system: &mut System,
@@ -59,7 +60,7 @@ impl Newton<'_> {
         for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
             *d += pull;
         }
-        // One behind the other: both are solved for while a part of the factors is near.
+        // Both right-hand sides are solved together, while each part of the factors is in the cache.
         let n = self.direction.len();
         self.direction.extend_from_slice(&self.by_load);
         let solved = match self.solve_near(guess) {
@@ -80,7 +81,7 @@ impl Newton<'_> {
         solved.map_err(|why| self.refusal(system, why))
     }
 
-    /// The same with factors of an earlier matrix of the increment, where these serve. Whether they did.
+    /// Solves with factors of an earlier matrix of the increment, where they apply. Returns whether they served.
     fn solve_near(&mut self, guess: &[f64]) -> Result<bool, LinearError> {
         let applies = self.model.fidelity == Fidelity::Auto && self.motion.is_none();
         let (Some(linear), Some(factors)) = (&mut self.linear, &mut self.factors) else {
@@ -96,9 +97,9 @@ impl Newton<'_> {
         Ok(served)
     }
 
-    /// Makes sure of the matrix at the end of an increment. Nothing but a factorisation tells that it is not positive definite,
-    /// as of a wall that buckles: where the last one lies behind, at smaller forces or before the end of the step,
-    /// there is one more.
+    /// Proves that the matrix at the end of an increment is positive definite. Only a factorisation detects loss of
+    /// stability, such as the buckling of a wall. If the last one was made at smaller forces, or if the step ends
+    /// here, the matrix is factorised once more.
     pub(in crate::solve) fn prove(
         &mut self,
         system: &mut System,
@@ -116,7 +117,7 @@ impl Newton<'_> {
         Ok(())
     }
 
-    /// Orders the matrix, where its pattern is new, and sums its cells.
+    /// Orders the matrix if its pattern is new, and assembles its values.
     fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Refusal> {
         let backend = self.backend();
         if self.linear.is_none() || system.pattern_changed() {
@@ -144,7 +145,7 @@ impl Newton<'_> {
         Ok(())
     }
 
-    /// Factorises the matrix at hand.
+    /// Factorises the present matrix.
     fn factorise(&mut self, trial: &Trial) -> Result<(), LinearError> {
         let linear = self.linear.as_mut().ok_or(LinearError::NotFactorised)?;
         self.clock.factorisations += 1;
@@ -158,7 +159,7 @@ impl Newton<'_> {
         Ok(())
     }
 
-    /// Why the linear equations have no solution.
+    /// Rejection for linear equations without a solution, with the node and direction of the equation.
     fn refusal(&self, system: &System, why: LinearError) -> Refusal {
         let equation = match why {
             LinearError::Singular { equation }
@@ -167,12 +168,12 @@ impl Newton<'_> {
             _ => None,
         };
         let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
-        // A face none of whose nodes is free has none.
+        // A beam that moves no free node has none.
         let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
         Refusal::Linear { why, dof }
     }
 
-    /// Whether the direction carries something farther than a point of contact sees.
+    /// Whether the direction moves a node farther than the search reach of contact.
     pub(in crate::solve) fn flies(&self, system: &System) -> bool {
         largest(&self.direction).0 > system.contact.reach()
     }

@@ -1,15 +1,15 @@
-//! Nonlinear elimination: what is out of balance in few places is balanced there first.
+//! Nonlinear elimination: concentrated residuals are balanced in a region first.
 //!
-//! Where a crack runs or a unit comes loose, most of the out-of-balance force r of an iterate sits at few nodes, and the
-//! next solves of the whole would be spent on them. A region Ω is taken around such nodes, and
+//! Where a crack runs or a unit loosens, most of the out-of-balance force r of an iterate acts at few nodes, and the
+//! next global solves would serve these nodes only. A region Ω is taken around them, and
 //!
 //! ```text
 //! K_ΩΩ d = −r_Ω,   q_Ω ← q_Ω + η d
 //! ```
 //!
-//! repeated with everything else where it is, at the cost of Ω alone: only cells that touch it are evaluated. The next
-//! solve of the whole starts from there (Lanzkron, Rose and Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai and Li, 33, 2011).
-//! The equations, and when they are in balance, are those of the whole: nothing changes but the way there.
+//! is repeated with all other unknowns fixed. It costs Ω alone: only cells that touch it are evaluated. The next
+//! global solve starts from there (Lanzkron, Rose and Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai and Li, 33, 2011).
+//! Equations and convergence criteria are those of the whole, so only the way to equilibrium changes.
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along, timed};
@@ -19,26 +19,26 @@ use crate::linear::Region;
 use crate::model::scene::Fidelity;
 use crate::state::State;
 
-/// Part of the sum of squares of the out-of-balance forces that is found at few nodes.
+/// Part of the sum of squared out-of-balance forces that must act at few nodes.
 const SHARE: f64 = 0.8;
-/// Few nodes: one of so many.
+/// At most one in `FEW` of all nodes counts as few.
 const FEW: usize = 50;
-/// Rings of neighbours around them: where they push against the rest, they do so from some way off.
+/// Rings of neighbours in the region around these nodes, so that they are not pushed against fixed nodes close by.
 const RINGS: usize = 3;
-/// The region is one node of so many, at most: otherwise it is hardly cheaper than the whole.
+/// The region has at most one in `PART` of all nodes; a larger one is hardly cheaper than the whole.
 const PART: usize = 6;
-/// Most solves of a region before the next one of the whole.
+/// Most solves of a region between two global solves.
 const SOLVES: usize = 6;
-/// Part of what was out of balance outside below which the region is no longer what counts.
+/// The region is done when its out-of-balance force falls below this part of the force outside it.
 const ENOUGH: f64 = 0.5;
 
 impl Newton<'_> {
-    /// Balances the region in which the out-of-balance forces are concentrated, if they are. True if something moved:
-    /// forces and stiffness are then those of all equations at `self.q`, as they were before. `scale`: that of
-    /// the tolerance [N].
+    /// Balances the region in which the out-of-balance forces are concentrated, if there is one. Returns true if
+    /// something moved; forces and stiffness are then those of all equations at `self.q`. `scale`: scale of the
+    /// tolerance [N].
     ///
     /// # Errors
-    /// The law that gave no answer.
+    /// A local failure of a law.
     pub(in crate::solve) fn eliminate(
         &mut self,
         system: &mut System,
@@ -59,7 +59,8 @@ impl Newton<'_> {
         solves.map(|solves| solves > 0)
     }
 
-    /// Where the out-of-balance forces are concentrated; none if they are not, or where regions are not solved.
+    /// Region in which the out-of-balance forces are concentrated; none if they are spread, or where regions do not
+    /// apply.
     fn region(&mut self, system: &System, setting: Evaluation) -> Option<Region> {
         let secant = matches!(setting.solids, Solids::Secant | Solids::Softened);
         let applies = self.model.fidelity == Fidelity::Auto
@@ -73,18 +74,18 @@ impl Newton<'_> {
         timed(&mut self.clock.factorise, || {
             let few = pattern.concentrated(&self.residual, SHARE, nodes / FEW)?;
             let inside = pattern.around(few, RINGS, nodes / PART)?;
-            // What cannot be analysed is left to the whole.
+            // A region that cannot be analysed is left to the global solve.
             Region::new(pattern, &inside).ok()
         })
     }
 
-    /// Out-of-balance force of a region below which it is left [N].
+    /// Out-of-balance force below which the region is done [N].
     fn enough(&self, region: &Region, scale: f64) -> f64 {
         let outside = dot(&self.residual, &self.residual) - region.square(&self.residual);
         (ENOUGH * outside.max(0.0).sqrt()).max(scale * self.step.tolerance.residual)
     }
 
-    /// Solves the region until no more than `enough` is out of balance there [N]. Returns the number of solves.
+    /// Solves the region until its out-of-balance force is at most `enough` [N]. Returns the number of solves.
     fn balance(
         &mut self,
         system: &mut System,
@@ -104,7 +105,7 @@ impl Newton<'_> {
             let direction = timed(&mut self.clock.solve, || {
                 region.direction(&self.values, &self.residual)
             });
-            // What cannot be solved by itself is left to the whole.
+            // A region that cannot be solved by itself is left to the global solve.
             let Ok(direction) = direction else {
                 return Ok(solves);
             };

@@ -1,39 +1,39 @@
-//! The energy that an increment in balance still leaves open.
+//! Energy that an increment in balance leaves open (docs/theory/energies.md, eqs 14 to 16).
 //!
-//! Work and dissipation go by the trapezoidal rule. With internal forces p and out-of-balance forces r
-//! the energies that solids and interfaces have taken exceed the work done on them by
+//! Work and dissipation follow the trapezoidal rule. With internal forces p and out-of-balance forces r, the energy
+//! taken by solids and interfaces exceeds the work done on them by
 //!
 //! ```text
 //! w = ΔE + D − ½ (p₀ + p₁)·Δq + ½ (r₀ + r₁)·Δq
 //! ```
 //!
-//! The last term is what the tolerance of forces leaves. The others vanish where interfaces have taken
-//! over the tractions of their gaps; the shifted penalty stops when the nodes feel no difference, and
-//! patterns of tractions that they do not feel swing on from increment to increment, sliding forth and
-//! back at the Coulomb bound: dissipation of which no force did the work (docs/decisions.md, case 26).
+//! The last term is due to the force tolerance. The others vanish once interfaces carry the tractions of their
+//! gaps. The shifted penalty stops when nodal forces no longer change. Traction patterns without nodal forces may
+//! then oscillate from increment to increment, with slip forth and back at the Coulomb bound. This dissipates energy
+//! without work of any force (see the decisions there).
 
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
 use crate::state::Method;
 use crate::state::{Energies, State};
 
-/// Part of the energy taken so far that is much to be left open: a quarter of what an energy balance is
-/// asked to close to.
+/// Open energy, as a part of the energy taken so far, from which the tractions are damped: a quarter of the 1 % to
+/// which the energy balance must close.
 const LEAK: f64 = 2.5e-3;
-/// Twice that: beyond it an increment in balance must not add to what is open.
+/// Twice that. Beyond it an increment in balance must not add to the open energy.
 const LEAKING: f64 = 5e-3;
-/// How often such an increment takes over its tractions again, without a solve, to close its energy.
+/// How often an increment takes over its tractions again, without a solve, to close its energy.
 const PURSUIT: usize = 12;
-/// The same where a displacement steers the load, and each of these wants a solve to find balance again.
+/// The same where a displacement steers the load: here each repetition needs a solve to find balance again.
 const PURSUIT_STEERED: usize = 2;
-/// Part of the last change of tractions that the next increment starts with, where too much is left open:
-/// patterns that no node feels die out.
+/// Part of the last traction change with which the next increment starts where too much energy is open. Patterns
+/// without nodal forces then decay.
 const DAMPED: f64 = 0.5;
 
-/// What an increment takes [N mm].
+/// Energies of an increment [N mm].
 #[derive(Default)]
 pub(in crate::solve) struct Taken {
-    /// What it leaves open, w.
+    /// w, the energy left open.
     pub(in crate::solve) leak: f64,
     /// ΔE + D.
     pub(in crate::solve) net: f64,
@@ -41,7 +41,7 @@ pub(in crate::solve) struct Taken {
     gross: f64,
 }
 
-/// How often an increment in balance is asked to close its energy, too.
+/// Number of attempts to close the energy of an increment in balance.
 pub(in crate::solve) fn pursuit(method: Method) -> usize {
     if method == Method::DisplacementControl {
         PURSUIT_STEERED
@@ -51,7 +51,8 @@ pub(in crate::solve) fn pursuit(method: Method) -> usize {
 }
 
 impl Newton<'_> {
-    /// The energies of the increment that `trial` ends; none where extrapolated solids leave other errors.
+    /// Energies of the increment that ends at `trial`; zero for extrapolated solids, whose errors are measured
+    /// otherwise.
     pub(in crate::solve) fn taken(&self, system: &System, state: &State, trial: &Trial) -> Taken {
         if self.method() == Method::Implex {
             return Taken::default();
@@ -86,7 +87,7 @@ impl Newton<'_> {
         }
     }
 
-    /// The same with inertia, whose work and scheme the account knows.
+    /// The same with inertia, whose work and scheme are part of the account.
     fn taken_in_motion(&self, system: &System, state: &State, trial: &Trial) -> Taken {
         let dq: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
         let energies = self.account(system, state, trial, &dq).energies;
@@ -99,7 +100,8 @@ impl Newton<'_> {
         }
     }
 
-    /// Whether the energies close well enough with the increment that `trial` ends.
+    /// Whether the energies close well enough with the increment that ends at `trial` (docs/theory/energies.md, eq.
+    /// 15).
     pub(in crate::solve) fn closes(&self, system: &System, state: &State, trial: &Trial) -> bool {
         let taken = self.taken(system, state, trial);
         let before = &state.energies;
@@ -109,7 +111,7 @@ impl Newton<'_> {
             || taken.leak.abs() <= LEAKING * taken.gross
     }
 
-    /// Part of the last change of tractions that the next increment starts with.
+    /// Part of the last traction change with which the next increment starts (docs/theory/energies.md, eq. 16).
     pub(in crate::solve) fn momentum(&self, before: &Energies) -> f64 {
         let open = before.leaked.abs() > LEAK * before.taken();
         if open && !self.method().has_inertia() {
@@ -119,7 +121,7 @@ impl Newton<'_> {
         }
     }
 
-    /// Notes what the increment that `trial` ends leaves, before it becomes the state.
+    /// Notes the open energy and the residual of the increment that ends at `trial`, before it becomes the state.
     pub(in crate::solve) fn note_leak(
         &mut self,
         system: &System,

@@ -1,35 +1,34 @@
-//! Forces from outside at one moment of a step: gravity, the ground, what presses the beams, and loads
-//! with a name.
+//! External loads at one moment of a step: gravity, ground motion, forces on beams and named loads.
 
 use crate::assembly::System;
 use crate::model::scene::{BeamMotion, Step};
 use crate::state::State;
 
-/// Loads at a moment of a step.
+/// External loads at a moment of a step.
 #[derive(Clone, Debug)]
 pub struct Loads {
     /// All loads of the unknowns [N]. `[slot]`
     pub total: Vec<f64>,
-    /// Gravity and the ground alone: M (g − a) [N]. `[slot]`
+    /// Gravity and ground motion alone, M (g − a) [N]. `[slot]`
     pub body: Vec<f64>,
-    /// Mean magnitude of these over the elements' nodes [N].
+    /// Mean magnitude of `body` over the nodes of the elements [N].
     pub mean: f64,
-    /// Forces on the beams when the step began [N]. `[slot]`
+    /// Forces on the beams at the start of the step [N]. `[slot]`
     pub(in crate::solve) applied_start: Vec<f64>,
-    /// Values of the loads with a name. `[load]`
+    /// Values of the named loads. `[load]`
     pub(in crate::solve) values: Vec<[f64; 3]>,
-    /// The same when the step began. `[load]`
+    /// The same at the start of the step. `[load]`
     pub(in crate::solve) values_start: Vec<[f64; 3]>,
-    /// Their forces [N] `[slot]`; empty in a model without.
+    /// Nodal forces of the named loads [N] `[slot]`; empty in a model without them.
     pub(in crate::solve) named: Vec<f64>,
-    /// All but follower pressures [N] `[slot]`; empty in a model without loads with a name.
+    /// All loads except follower pressures [N] `[slot]`; empty in a model without named loads.
     fixed: Vec<f64>,
-    /// Loads with a name but follower pressures [N]. `[slot]`
+    /// Named loads except follower pressures [N]. `[slot]`
     dead: Vec<f64>,
 }
 
 impl Loads {
-    /// No loads yet, in a step that begins at `state`.
+    /// Zero loads of a step that begins at `state`.
     pub fn new(step: &Step, system: &System, state: &State) -> Self {
         let slots = system.dofs.slots;
         let mut loads = Self {
@@ -47,8 +46,8 @@ impl Loads {
         loads
     }
 
-    /// Takes part `s` of what the step changes of the loads, and what the ground does at part `time` of its
-    /// time. Follower pressures are those of [`Self::follow`].
+    /// Applies part `s` of the step's change of the loads, and the ground motion at part `time` of its time. Follower
+    /// pressures are set by [`Self::follow`].
     pub fn at(&mut self, step: &Step, system: &System, s: f64, time: f64) {
         let (gravity, ground) = (step.gravity.at(s), step.ground.at(time * step.duration));
         let acceleration = [0, 1, 2].map(|i| gravity[i] - ground[i]);
@@ -85,7 +84,7 @@ impl Loads {
         self.named.clone_from(&self.dead);
     }
 
-    /// Takes the forces of follower pressures on nodes at `x` [mm]. `[node]`
+    /// Adds follower pressures on nodes at `x` [mm]. `[node]`
     pub fn follow(&mut self, system: &System, x: &[[f64; 3]]) {
         if system.outside.cells().is_empty() {
             return;
@@ -97,17 +96,16 @@ impl Loads {
         }
     }
 
-    /// Gravity, the ground and loads with a name: all that acts on a slot beside what presses or drives a
-    /// beam [N].
+    /// Force on a slot from gravity, ground motion and named loads, without those that press or drive a beam [N].
     pub fn given(&self, slot: usize) -> f64 {
         self.named
             .get(slot)
             .map_or(self.body[slot], |named| self.body[slot] + named)
     }
 
-    /// ∂F/∂s at part `s` of the step's loads, the ground at rest and nodes at `x` [mm] [N]. `[slot]`
+    /// ∂F/∂s at part `s` of the step's loads, with the ground at rest and nodes at `x` [mm] [N]. `[slot]`
     pub fn rate(&self, step: &Step, system: &System, s: f64, x: &[[f64; 3]]) -> Vec<f64> {
-        /// Gravity is linear in s, or turns: the central difference errs by h²/6.
+        /// Difference of s. Gravity is linear in s or turns; the central difference then errs by H²/6.
         const H: f64 = 1e-4;
         let (ahead, behind) = (step.gravity.at(s + H), step.gravity.at(s - H));
         let mut rate = vec![0.0; self.total.len()];
@@ -140,8 +138,8 @@ impl Loads {
         rate
     }
 
-    /// Work of gravity, the ground and loads with a name over displacements `dq` [mm] `[slot]` from the
-    /// loads `start` to these, by the trapezoidal rule [N mm].
+    /// Work of gravity, ground motion and named loads over displacements `dq` [mm] `[slot]`, from the loads `start`
+    /// to these, by the trapezoidal rule [N mm].
     pub fn work(&self, start: &Self, dq: &[f64]) -> f64 {
         let work = |a: &[f64], b: &[f64]| -> f64 {
             let forces = a.iter().zip(b);

@@ -1,19 +1,19 @@
-//! Energy line search as a root find in one dimension.
+//! Energy line search: a root search in one variable (docs/theory/equilibrium.md, eq. 11).
 //!
-//! Along the Newton direction d, s(η) = d·r(q + η d) is the slope of the energy. A norm of r may
-//! grow where the slope falls (the window of stick is 2 f/k_s ≈ 4e-6 mm wide), so the norm is not
-//! looked at. A residual costs a tenth of a factorisation: a few are well spent.
+//! Along the Newton direction d, s(η) = d·r(q + η d) is the slope of the energy. The search ignores norms of r, which
+//! may grow while the slope falls (the range of stick is only 2 f/k_s ≈ 4e-6 mm wide). A residual costs a tenth of a
+//! factorisation, so a few evaluations pay.
 
 use super::outcome::Refusal;
-/// d·r: slope of the energy along a direction d where the forces r are out of balance.
+/// d·r, the slope of the energy along a direction d with out-of-balance forces r.
 pub(in crate::solve) use crate::linear::dot;
 
-/// What to do next.
+/// Next action of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Probe {
-    /// Evaluate the slope here.
+    /// Evaluate the slope at this step length.
     Try(f64),
-    /// Take this step, evaluated last.
+    /// Accept this step length, which was evaluated last.
     Accept(f64),
 }
 
@@ -30,28 +30,29 @@ pub struct LineSearch {
     farthest: f64,
 }
 
-/// Accepted fall of the slope: a looser root takes more solves, a tighter one saves none
-/// (docs/decisions.md).
+/// Accepted |s(η)/s(0)|. A looser root takes more solves, a tighter one saves none (docs/theory/equilibrium.md, eq.
+/// 11).
 const FALL: f64 = 0.2;
-/// Part of the slope that is much to be left at the full step.
+/// Part of the slope at the full step above which the step is lengthened.
 const MUCH: f64 = 0.5;
-/// Largest step.
+/// Largest step length η.
 const FARTHEST: f64 = 8.0;
-/// Next step over one at which much of the slope was left, at most.
+/// Largest factor between a step length and the next longer one.
 const LONGER: f64 = 4.0;
-/// Most residuals spent on one direction.
+/// Most residuals evaluated for one direction.
 const MOST: usize = 6;
-/// Smallest step: below it, the direction is bad and a new tangent is due.
+/// Smallest step length. A direction that needs less is poor, and a new tangent is due.
 const SMALLEST: f64 = 0.02;
-/// The same where bodies may meet.
+/// The same two bounds where bodies may meet.
 const MOST_TO_IMPACT: usize = 16;
 const SMALLEST_TO_IMPACT: f64 = 1e-6;
 
-/// A law that fails at a shorter step fails: the increment is cut.
+/// Step length down to which a local failure shortens the step; below it the failure is reported and the increment is
+/// cut.
 const NEAR: f64 = 0.1;
 
 impl LineSearch {
-    /// Starts from the slope at η = 0 (negative for a direction of descent).
+    /// Starts from the slope at η = 0, which is negative for a direction of descent.
     pub fn new(start: f64) -> Self {
         Self {
             start,
@@ -65,13 +66,13 @@ impl LineSearch {
         }
     }
 
-    /// Searches no further than `farthest` times the step.
+    /// Limits the step length to `farthest`.
     pub fn no_further_than(self, farthest: f64) -> Self {
         Self { farthest, ..self }
     }
 
-    /// Searches where bodies in free flight may meet: the root is where they do, however near, and a step
-    /// beyond it would press one corner with the weight of the whole flight.
+    /// Allows short steps, where bodies in free flight may meet. The root is their impact, however near; a step
+    /// beyond it would press one corner with the forces of the whole flight.
     pub fn to_impact(self) -> Self {
         Self {
             most: MOST_TO_IMPACT,
@@ -80,10 +81,11 @@ impl LineSearch {
         }
     }
 
-    /// Searches along a direction from the full step on: `slope` goes to η, leaves the forces there and tells s(η).
+    /// Searches along a direction, from the full step on. `slope` evaluates the forces at η, leaves them in place and
+    /// returns s(η).
     ///
     /// # Errors
-    /// That of `slope` where no shorter step helps.
+    /// The error of `slope` if no shorter step helps.
     pub(in crate::solve) fn run(
         mut self,
         mut slope: impl FnMut(f64) -> Result<f64, Refusal>,
@@ -92,14 +94,14 @@ impl LineSearch {
         loop {
             let (found, refused) = match slope(eta) {
                 Ok(found) => (found, None),
-                // A law that fails far away may answer nearer.
+                // A law that fails far away may succeed nearer.
                 Err(why @ Refusal::Local { .. }) if eta > NEAR => (f64::NAN, Some(why)),
                 Err(why) => return Err(why),
             };
             match (self.next(eta, found), refused) {
                 (Probe::Try(next), _) => eta = next,
                 (Probe::Accept(_), None) => return Ok(()),
-                // The last one tried has no forces: the farthest that descends has, if there is one.
+                // The step tried last has no forces. Return to the longest step that still descends, if there is one.
                 (Probe::Accept(_), Some(_)) if self.low.0 > 0.0 => {
                     return slope(self.low.0).map(drop);
                 }
@@ -108,14 +110,15 @@ impl LineSearch {
         }
     }
 
-    /// Takes the slope at the last tried η.
+    /// Takes the slope at the step length tried last.
     pub fn next(&mut self, eta: f64, slope: f64) -> Probe {
         self.evaluations += 1;
         if slope.is_finite() && slope.abs() <= FALL * self.start.abs() {
             return Probe::Accept(eta);
         }
-        // Still descending: the next tangent goes on from there, unless most of the slope is left. Then the
-        // tangent knows nothing of what softens along the direction, and would take many such steps.
+        // The energy still descends here. Usually the next tangent continues from this point. If most of the slope
+        // remains, the tangent misses softening along the direction and would need many such steps: lengthen the
+        // step.
         if slope.is_finite() && slope * self.start > 0.0 && self.high.is_none() {
             let far = eta >= self.farthest || self.evaluations >= self.most;
             if far || slope.abs() <= MUCH * self.start.abs() {
@@ -136,7 +139,7 @@ impl LineSearch {
         }
         if slope.is_finite() && slope * self.start > 0.0 {
             self.low = (eta, slope);
-            // Illinois: an end that stays twice loses half its weight.
+            // Illinois method: the value at an end that stays twice is halved.
             if self.side == -1
                 && let Some(high) = &mut self.high
             {
@@ -192,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_stiffening_direction_is_shortened() {
-        // A gap that closes at a tenth of the step with a stiffness 500 times as large.
+        // A gap that closes at a tenth of the step, with a stiffness 500 times as large.
         let slope = |eta: f64| -1.0 + eta + 500.0 * (eta - 0.1_f64).max(0.0);
         let (eta, count) = search(slope);
         assert!(slope(eta).abs() < 0.5, "slope {} at {eta}", slope(eta));
@@ -204,9 +207,9 @@ mod tests {
         let (eta, count) = search(|eta| 0.2 * eta - 1.0);
         assert!((4.0..=6.0).contains(&eta), "{eta}"); // to a fifth of the slope
         assert!(count <= 3, "{count}");
-        // It never rises: a bounded step.
+        // The slope never changes sign: the step length reaches its bound.
         assert_eq!(search(|_| -1.0).0, FARTHEST);
-        // Quick enough for the next tangent.
+        // The slope falls enough for the next tangent.
         assert_eq!(search(|eta| 0.6 * eta - 1.0), (1.0, 1));
     }
 
@@ -216,14 +219,14 @@ mod tests {
         assert!((1.0..=2.5).contains(&eta), "{eta}");
     }
 
-    /// Where the last point that may be tried has no answer, the forces that are left are those of one that has.
+    /// If the law fails at the last point tried, the search returns to a point whose forces are known.
     #[test]
     fn a_search_never_ends_where_the_law_failed() {
         let failed = || Refusal::Local {
             element: 0,
             why: LocalFailure::StrainNotFinite,
         };
-        // It falls slowly up to the full step, and there is nothing beyond.
+        // The slope falls slowly up to the full step, and the law fails beyond it.
         let mut tried = Vec::new();
         let search = LineSearch::new(-1.0).run(|eta| {
             tried.push(eta);
@@ -236,7 +239,7 @@ mod tests {
         assert!(search.is_ok(), "{search:?}");
         assert_eq!(tried.len(), MOST + 1);
         assert!(tried[MOST - 1] > 1.0 && tried[MOST] == 1.0, "{tried:?}");
-        // Nothing at all: the law's own refusal.
+        // The law fails everywhere: its own error is returned.
         let search = LineSearch::new(-1.0).run(|_| Err(failed()));
         assert!(matches!(search, Err(Refusal::Local { .. })), "{search:?}");
     }

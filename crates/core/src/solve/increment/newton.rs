@@ -1,12 +1,12 @@
-//! One increment: equilibrium by Newton's method with the energy line search.
+//! One increment: equilibrium by Newton's method with an energy line search (docs/theory/equilibrium.md).
 //!
-//! With the shifted penalty (docs/theory/equilibrium.md, eq. 6) the tractions of the last iterate enter the interface
-//! law, so that each iteration is one step of the fixed point and one Newton step of equilibrium at
-//! once. The increment is converged when the out-of-balance force is below the tolerance after the
-//! tractions were taken over: their change, as the nodes feel it, is then below it too.
+//! With the shifted penalty (eq. 6 there) the interface law uses the tractions of the last iterate. Each iteration is
+//! therefore one step of that fixed point and one Newton step of equilibrium at once. The increment has converged
+//! when the out-of-balance force is below the tolerance after the tractions were taken over. The nodal forces of the
+//! traction change are then below the tolerance too.
 //!
-//! With secant stiffness the same holds of the solids: each iterate is linear about the last update
-//! of their viscous strain and damage, and the out-of-balance force is that of the law.
+//! With secant stiffness the solids are treated alike: each iterate is linear about the last update of viscous strain
+//! and damage, and the out-of-balance force is that of the law.
 
 pub use super::convergence::IMBALANCE;
 use super::convergence::{Balance, NEGLIGIBLE, WORK, largest, least_scale, root_mean_square};
@@ -31,7 +31,7 @@ use crate::state::State;
 use std::ops::Range;
 use std::time::Instant;
 
-/// The equations of one step and their solver.
+/// The equations of one step, their solver and the present iterate.
 pub struct Newton<'m> {
     pub(in crate::solve) model: &'m Model,
     pub(in crate::solve) step: &'m Step,
@@ -39,45 +39,46 @@ pub struct Newton<'m> {
     pub(in crate::solve) tangent: Tangent,
     pub(in crate::solve) equations: Equations,
     pub(in crate::solve) linear: Option<LinearSolver>,
-    /// Its factors, if they are of a matrix of this increment: those of another one serve none of its iterates, so that what a
-    /// run finds that goes on from its start hangs on the state alone.
+    /// The factors at hand, if they belong to a matrix of this increment. Factors of earlier increments are not used,
+    /// so that a resumed run, which knows the state alone, finds the same results.
     pub(in crate::solve) factors: Option<Factors>,
-    /// [`State::wants_double`] where the increment starts.
+    /// [`State::wants_double`] at the start of the increment.
     pub(in crate::solve) wants_double: bool,
     pub(in crate::solve) values: Vec<f64>,
-    /// Which filling `values` are of; none: anything.
+    /// Identifier of the assembly that filled `values`; none if their content is unknown.
     pub(in crate::solve) filled: Option<u64>,
     pub(in crate::solve) direction: Vec<f64>,
     pub(in crate::solve) residual: Vec<f64>,
-    /// What the last commit left out of balance [N].
+    /// Out-of-balance forces at the last commit [N]. `[equation]`
     pub(in crate::solve) left: Vec<f64>,
-    /// What joins −r on the right-hand side of the next solve [N] `[equation]`; empty = nothing.
+    /// Forces added to −r on the right-hand side of the next solve [N] `[equation]`; empty if there are none.
     pub(in crate::solve) pull: Vec<f64>,
-    /// −K⁻¹ ∂r/∂λ, where the load is an unknown.
+    /// −K⁻¹ ∂r/∂λ [mm] `[equation]`, where the load factor is an unknown.
     pub(in crate::solve) by_load: Vec<f64>,
-    /// λ: part of the step's loads at the last iterate.
+    /// λ, the part of the step's loads that acts at the last iterate.
     pub(in crate::solve) load_factor: f64,
     /// Part of the step's time at the end of the increment.
     pub(in crate::solve) moment: f64,
-    /// How fast λ grows with the part of the time where it is prescribed.
+    /// dλ/ds, the change of λ with the part of the step's time, where λ is prescribed.
     pub(in crate::solve) slope: f64,
     pub(in crate::solve) q: Vec<f64>,
     pub(in crate::solve) q_start: Vec<f64>,
-    /// Internal forces that the tangent makes of the start of the increment, if it started with that [N]. `[slot]`
+    /// Internal forces that the first tangent predicts at the end of the increment, if the increment started from
+    /// that tangent [N]. `[slot]`
     pub(in crate::solve) linear_forces: Option<Vec<f64>>,
-    /// Ends of the springs when the step began [mm]. `[spring][xyz]`
+    /// Positions of the spring ends at the start of the step [mm]. `[spring][xyz]`
     pub(in crate::solve) ends_start: Vec<[f64; 3]>,
     /// Loads at the end of the increment.
     pub(in crate::solve) loads: Loads,
-    /// Loads at its start.
+    /// Loads at the start of the increment.
     pub(in crate::solve) loads_start: Loads,
-    /// What forces are measured in where nothing else tells [N], see [`least_scale`].
+    /// Smallest force by which residuals are scaled [N], see [`least_scale`].
     pub(in crate::solve) least_scale: f64,
-    /// Inertia, if it acts.
+    /// State of the time integration, if inertia acts.
     pub(in crate::solve) motion: Option<Motion>,
-    /// The dashpots of a relaxation, if one is in progress.
+    /// Dashpots of a relaxation, if one is in progress.
     pub(in crate::solve) dashpots: Option<Dashpots>,
-    /// When patterns of tractions are settled.
+    /// Increments in which traction patterns are not settled.
     pub(in crate::solve) pause: Pause,
     /// Wall time by phase.
     pub clock: Clock,
@@ -129,8 +130,8 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Goes on by the method of `choice`. With inertia the state gets the velocities and accelerations that what is
-    /// driven has from here on.
+    /// Changes to the method of `choice`. With inertia the state gets the velocities and accelerations of the drives
+    /// from now on.
     pub fn adopt(
         &mut self,
         choice: MethodChoice,
@@ -150,7 +151,7 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Goes on at another rate; with inertia what is driven jumps to its velocity.
+    /// Changes the rate of the loads and drives. With inertia, driven unknowns jump to their new velocity.
     pub fn turn(&mut self, slope: f64, system: &mut System, state: &mut State, trial: &mut Trial) {
         self.slope = slope;
         if let Some(motion) = &mut self.motion {
@@ -160,22 +161,23 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// What solves the increments now.
+    /// The present method.
     pub(in crate::solve) fn method(&self) -> Method {
         self.method
     }
 
-    /// Unknowns of this step.
+    /// Number of unknowns of this step.
     pub fn unknowns(&self) -> usize {
         self.equations.len()
     }
 
-    /// Internal forces that the tangent has made of the start of the last increment, if it started with that [N]. `[slot]`
+    /// Internal forces that the first tangent predicted at the end of the last increment, if it started from that
+    /// tangent [N]. `[slot]`
     pub(in crate::solve) fn linear_forces(&self) -> Option<&[f64]> {
         self.linear_forces.as_deref()
     }
 
-    /// The motion, if inertia acts.
+    /// State of the time integration, if inertia acts.
     pub fn motion(&mut self) -> Option<&mut Motion> {
         self.motion.as_mut()
     }
@@ -185,7 +187,7 @@ impl<'m> Newton<'m> {
         self.tangent != Tangent::Direct
     }
 
-    /// Loads, prescribed displacements and ends of the springs at part `s` of those of the step.
+    /// Sets loads, prescribed displacements and spring ends to part `s` of their change in the step.
     pub(in crate::solve) fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
         self.load_factor = s;
         for (b, motion) in self.step.motion.iter().enumerate() {
@@ -203,8 +205,8 @@ impl<'m> Newton<'m> {
         trial.loads.clone_from(&self.loads.values);
     }
 
-    /// What of follower pressures a tangent holds: the secant one nothing, and stays symmetric and
-    /// positive definite (docs/decisions.md).
+    /// Treatment of follower pressures in the tangent. Secant tangents omit their stiffness and so stay symmetric and
+    /// positive definite; the line search makes up for it.
     pub(in crate::solve) fn turning(&self) -> Turning {
         if self.tangent == Tangent::Secant {
             Turning::Ignored
@@ -213,7 +215,7 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Ends of the springs at fraction `s` of the step.
+    /// Moves the spring ends to part `s` of the step.
     fn drive_springs(&self, trial: &mut Trial, s: f64) {
         trial.spring_ends.clone_from(&self.ends_start);
         for (end, by) in trial.spring_ends.iter_mut().zip(&self.step.springs) {
@@ -239,7 +241,7 @@ impl<'m> Newton<'m> {
         &self.q
     }
 
-    /// Finds equilibrium at the end of an increment, and tells of each linear solve.
+    /// Seeks equilibrium at the end of an increment and reports each linear solve.
     pub fn converge(
         &mut self,
         system: &mut System,
@@ -248,7 +250,7 @@ impl<'m> Newton<'m> {
         attempt: Attempt,
         mut solves: Solves,
     ) -> Outcome {
-        // Nothing of refused attempts: a run that goes on knows the state alone.
+        // Rejected attempts leave nothing behind: a resumed run knows the state alone.
         self.wants_double = state.wants_double;
         self.factors = None;
         if let Some(linear) = &mut self.linear {
@@ -277,14 +279,14 @@ impl<'m> Newton<'m> {
         attempt: Attempt,
         solves: &mut Solves,
     ) -> Result<Report, Refusal> {
-        // A relaxation ends when nothing is held back any more.
+        // Damage must not lag behind at the end of a relaxation, so the full duration of the step is available to it.
         let dt = if self.dashpots.is_some() {
             self.step.duration
         } else {
             attempt.increment.size * self.step.duration
         };
         let solids = if self.method == Method::Implex {
-            // The rate of a state without a last increment is not known: nothing extrapolated.
+            // Without a last increment no rate is known, and nothing is extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
         } else if self.tangent == Tangent::Secant {
@@ -301,7 +303,7 @@ impl<'m> Newton<'m> {
         };
         self.predict(system, state, trial, attempt, setting, solves)?;
         let most = match &self.dashpots {
-            // A stiffer relaxation is cheaper than one that converges slowly.
+            // A relaxation with stiffer dashpots is cheaper than one that converges slowly.
             Some(_) => self.step.tolerance.max_iterations.min(RELAXING),
             None => self.step.tolerance.max_iterations,
         };
@@ -312,7 +314,8 @@ impl<'m> Newton<'m> {
         self.settle(system, state, trial, attempt, solves, setting, report)
     }
 
-    /// Iterates until the increment is in balance; `iterations` were done and are allowed.
+    /// Iterates until the increment is in balance. `iterations` is the range from the iterations done to the most
+    /// allowed.
     #[expect(
         clippy::too_many_arguments,
         reason = "the increment, and how it is evaluated"
@@ -329,11 +332,11 @@ impl<'m> Newton<'m> {
     ) -> Result<Report, Refusal> {
         let (solids, tolerance) = (setting.solids, self.step.tolerance);
         let (mut iteration, mut pursued) = (iterations.start, 0);
-        // Whether a region alone has led to balance since the last solve of the whole.
+        // Whether only a region was solved, and led to balance, since the last solve of the whole.
         let mut alone = false;
-        // Whether a stiffness that knows of softening has led away from balance: the secant one leads on.
+        // Whether the residual grew with a tangent that includes softening; the secant stiffness is then taken.
         let (mut misled, mut before) = (false, f64::INFINITY);
-        // A start in balance is no progress where the path says how far to go.
+        // Where the path prescribes the advance, a balanced start has not advanced and needs a solve.
         let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
@@ -353,14 +356,14 @@ impl<'m> Newton<'m> {
             let farther = balance.root_mean_square > before;
             misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
             before = balance.root_mean_square;
-            // Nothing has been solved yet: what a start leaves would add up from increment to increment.
+            // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
             let part = if solves.count == 0 { START } else { 1.0 };
             let mut work = 0.0;
             let mut balanced = balance.holds(part, tolerance.residual);
-            // The tractions of the last iterate have just been taken over, so that the residual holds
-            // their change as the nodes feel it. The start has taken over nothing yet.
+            // The tractions of the last iterate were just taken over, so the residual contains the nodal forces of
+            // their change. The predictor has taken over no tractions yet.
             let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
-            // Along a path the dissipation is given: nothing lags behind a load. Nor behind none.
+            // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
             let loaded = scale > self.least_scale;
             if balanced && loaded && attempt.advance == Advance::Load {
                 let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
@@ -396,7 +399,7 @@ impl<'m> Newton<'m> {
                     node,
                 });
             }
-            // What a region leaves in balance may be so altogether: it is asked from the start, once.
+            // Solving a region may balance the whole. In that case all criteria are checked once more from the top.
             let asks = iteration > 0 && on_path && !balanced;
             if asks && self.eliminate(system, state, trial, setting, scale)? && !alone {
                 alone = Balance::new(&self.residual, scale).holds(1.0, tolerance.residual);
@@ -405,7 +408,7 @@ impl<'m> Newton<'m> {
                 }
             }
             alone = false;
-            // A start in balance needs no solve, only its tractions taken over.
+            // A balanced start needs no solve, only its tractions taken over.
             if !balanced || !on_path {
                 self.pull_along(system, state, attempt.advance);
                 if attempt.advance == Advance::Load {
@@ -415,7 +418,7 @@ impl<'m> Newton<'m> {
                 } else {
                     let force = self.solve_with_load(system, trial)?;
                     solves.one_more();
-                    // The first iterate goes as far as it should.
+                    // The first iterate takes the full prescribed advance.
                     let searches = on_path && self.method == Method::DisplacementControl;
                     self.follow(
                         system,
@@ -434,7 +437,7 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Forces (and tangents) at `self.q`; the residual of the unknowns.
+    /// Evaluates forces (and tangents) at `self.q` and forms the residual of the unknowns.
     pub(in crate::solve) fn evaluate(
         &mut self,
         system: &mut System,
@@ -493,13 +496,13 @@ impl<'m> Newton<'m> {
         })
     }
 
-    /// Updates extrapolated solids implicitly at the converged displacements. Returns the largest true
-    /// out-of-balance force and the root mean square of what the update changed of the forces, both
-    /// over the mean nodal force (theory F, B.3): the second is the error of the extrapolation, free
-    /// of what the tolerance left.
+    /// Updates extrapolated solids implicitly at the converged displacements (docs/theory/equilibrium.md, eqs 14 and
+    /// 21). Returns the largest true out-of-balance force and the root mean square of the force change caused by the
+    /// update, both over the mean nodal force. The second value is the error of the extrapolation alone, without the
+    /// residual that the tolerance allows.
     ///
     /// # Errors
-    /// The law that gave no answer.
+    /// A local failure of a law.
     fn correct(
         &mut self,
         system: &mut System,
@@ -522,25 +525,26 @@ impl<'m> Newton<'m> {
         for (left, r) in left.iter_mut().zip(&self.residual) {
             *left -= r;
         }
-        // Reactions are those of the equilibrium that was solved.
+        // Reactions belong to the equilibrium that was solved.
         trial.force = solved;
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
 }
 
-/// Iterates of an increment that know of the softening of the solids. Those after them, and those after a
-/// cut, take the secant stiffness: slower, but it does not circle where a unit snaps.
+/// Number of first iterates whose tangent includes the softening of the solids. Later iterates, and all iterates
+/// after a cut, use the secant stiffness. It converges more slowly but does not cycle where a unit snaps.
 const SOFTENED: usize = 6;
 
-/// Iterations after which an increment of `auto` is given up whose out-of-balance forces, in the root mean square, are still
-/// more than so many times the tolerance: a smaller one, or a relaxation, is cheaper.
+/// Iterations after which `auto` gives up an increment if the root mean square of the out-of-balance forces still
+/// exceeds `FAR_OFF` times its bound. A smaller increment or a relaxation is cheaper.
 const PATIENCE: usize = 12;
 const FAR_OFF: f64 = 10.0;
 
-/// Iterations of a sub-increment of a relaxation at most.
+/// Most iterations of a sub-increment of a relaxation.
 const RELAXING: usize = 14;
 
-/// How forces are asked for along a direction: that of held solids. Their law is asked at the end.
+/// Evaluation along a search direction: the histories of secant solids are held, their law is evaluated at the
+/// accepted point.
 pub(in crate::solve) fn along(setting: Evaluation) -> Evaluation {
     Evaluation {
         tangent: false,
@@ -552,5 +556,5 @@ pub(in crate::solve) fn along(setting: Evaluation) -> Evaluation {
     }
 }
 
-/// Part of the tolerance within which a start is equilibrium without a solve.
+/// Factor on the tolerances for a start that is accepted without a solve.
 const START: f64 = 0.1;

@@ -1,104 +1,104 @@
-//! How an increment is tried, and what came of it.
+//! Attempts at an increment and their outcomes.
 
 use crate::linear::LinearError;
 use crate::material::LocalFailure;
 use crate::solve::stepping::path::Advance;
 use crate::solve::stepping::step_size::Increment;
 
-/// Why an increment was refused.
+/// Reason why an increment was rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
-    /// Not below the tolerance after the allowed iterations.
+    /// The residual was not below the tolerance after the allowed iterations.
     Iterations {
         /// Largest out-of-balance force over the mean nodal force.
         residual: f64,
-        /// Their root mean square, over the same.
+        /// Root mean square of the out-of-balance forces over the mean nodal force.
         root_mean_square: f64,
-        /// Work of these forces along the increment, over the work that it turns over; 0 where they
-        /// are too large themselves.
+        /// Work of these forces along the increment over the work turned over; 0 where the forces themselves are too
+        /// large.
         work: f64,
         /// Node with the largest out-of-balance force.
         node: usize,
     },
-    /// A law or an element gave no answer.
+    /// A law or an element failed.
     Local {
-        /// Element.
+        /// Index of the element.
         element: usize,
-        /// What happened.
+        /// Kind of failure.
         why: LocalFailure,
     },
     /// The matrix could not be factorised.
     Linear {
-        /// What happened.
+        /// Kind of failure.
         why: LinearError,
-        /// Node and direction of the equation, if one is to blame.
+        /// Node and direction of the faulty equation, if one is known.
         dof: Option<(usize, usize)>,
     },
     /// The residual is not finite.
     NotFinite,
-    /// The increment has snapped through to an equilibrium far away.
+    /// The increment snapped through to a distant equilibrium.
     Snap,
-    /// The increment has left the path for an equilibrium far away.
+    /// The increment left the path for a distant equilibrium.
     Leap,
-    /// The increment leaves this part of all work done unaccounted for [-].
+    /// Part of all work done that the increment leaves unaccounted for [-].
     Energy(f64),
-    /// No load leads as far along the path as the increment should go.
+    /// No load factor leads as far along the path as the increment prescribes.
     NoSuchLoad,
 }
 
-/// How an increment is tried.
+/// Settings of an attempt at an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attempt<'a> {
-    /// The part of the step; where the load is an unknown, that of its time.
+    /// The part of the step; where the load factor is an unknown, the part of its time.
     pub increment: Increment,
-    /// Part of the step's loads that act at its start.
+    /// Part of the step's loads that acts at the start of the increment.
     pub load: f64,
-    /// Part that acts at its end, where that is prescribed.
+    /// Part that acts at its end, where the load is prescribed.
     pub load_end: f64,
-    /// Start from the last increment again, or else from the tangent.
+    /// Whether the predictor repeats the last increment; else it uses the tangent.
     pub repeat: bool,
-    /// How far to go.
+    /// Prescribed advance.
     pub advance: Advance<'a>,
 }
 
-/// How an increment converged.
+/// Report on a converged increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
     /// Linear solves.
     pub iterations: usize,
-    /// Largest out-of-balance force over the mean nodal force, of what was solved.
+    /// Largest out-of-balance force of the equations solved, over the mean nodal force.
     pub residual: f64,
-    /// The same of the laws themselves: larger where the solids were extrapolated.
+    /// The same with the laws themselves; larger where solids were extrapolated.
     pub out_of_balance: f64,
-    /// Root mean square of what the extrapolation left, over the mean nodal force.
+    /// Root mean square of the force error of the extrapolation, over the mean nodal force.
     pub extrapolation_error: f64,
-    /// Part of the step's loads that act at the end.
+    /// Part of the step's loads that acts at the end.
     pub load_factor: f64,
 }
 
-/// What came of an increment.
+/// Outcome of an attempt.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// Equilibrium was found; the trial holds it.
     Converged(Report),
-    /// It was not; nothing was changed.
+    /// Equilibrium was not found; the state is unchanged. The number counts the linear solves.
     Refused(Refusal, usize),
 }
 
-/// Counts linear solves and tells of each.
+/// Counts linear solves and reports each.
 pub struct Solves<'a> {
-    /// How many.
+    /// Number of solves so far.
     pub count: usize,
     tell: &'a mut dyn FnMut(usize),
 }
 
 impl<'a> Solves<'a> {
-    /// None yet; `tell` hears of each, with their number.
+    /// Starts at zero; `tell` is called after each solve with their number.
     pub fn new(tell: &'a mut dyn FnMut(usize)) -> Self {
         Self { count: 0, tell }
     }
 
-    /// Another solve was done.
+    /// Counts one more solve.
     pub fn one_more(&mut self) {
         self.count += 1;
         (self.tell)(self.count);

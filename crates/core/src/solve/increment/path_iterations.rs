@@ -1,4 +1,5 @@
-//! The iterates of a path: the load moves with the displacements (see [`crate::solve::stepping::path`]).
+//! Iterations along a path: the load factor is an unknown (docs/theory/procedures.md, eqs 1 to 7; see
+//! [`crate::solve::stepping::path`]).
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along};
@@ -9,7 +10,7 @@ use crate::solve::stepping::path::Advance;
 use crate::state::State;
 
 impl Newton<'_> {
-    /// How what is prescribed moves with the load [mm]. `[slot]`
+    /// ∂q/∂λ of the prescribed displacements [mm]. `[slot]`
     fn prescribed_rate(&self, system: &System) -> Vec<f64> {
         let mut rate = vec![0.0; system.dofs.slots];
         for (b, motion) in self.step.motion.iter().enumerate() {
@@ -22,8 +23,8 @@ impl Newton<'_> {
         rate
     }
 
-    /// α c (s − c·Δq) of the stiffness along the displacement that steers the load, for the next solve (see
-    /// [`crate::assembly::Steered`]).
+    /// Sets the force α c (s − c·Δq) of the stiffness along the displacement that steers the load, for the next solve
+    /// (docs/theory/procedures.md, eq. 6; [`crate::assembly::Steered`]).
     pub(in crate::solve) fn pull_along(
         &mut self,
         system: &System,
@@ -44,7 +45,7 @@ impl Newton<'_> {
         self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
     }
 
-    /// d₁ = −K⁻¹ r and d₂ = −K⁻¹ ∂r/∂λ. Returns −∂r/∂λ [N]. `[equation]`
+    /// Solves d₁ = −K⁻¹ r and d₂ = −K⁻¹ ∂r/∂λ. Returns −∂r/∂λ [N]. `[equation]`
     pub(in crate::solve) fn solve_with_load(
         &mut self,
         system: &mut System,
@@ -59,14 +60,14 @@ impl Newton<'_> {
         let force: Vec<f64> = slots
             .map(|slot| loads[slot] - moved[slot] - pull[slot])
             .collect();
-        // That of the last iterate, or of none.
+        // d₂ of the last iterate, or empty, as a first guess.
         let before = std::mem::replace(&mut self.by_load, force.clone());
         self.solve_both(system, trial, &before)?;
         Ok(force)
     }
 
-    /// q ← q + η (d₁ + δλ d₂), λ ← λ + η δλ; leaves the forces there in `trial`. `force`: −∂r/∂λ [N]
-    /// `[equation]`; `searches`: η by a line search, 1 without.
+    /// q ← q + η (d₁ + δλ d₂), λ ← λ + η δλ; leaves the forces there in `trial`. `force`: −∂r/∂λ [N] `[equation]`;
+    /// `searches`: whether a line search finds η, else η = 1.
     #[expect(
         clippy::too_many_arguments,
         reason = "the increment, and how it is evaluated"
@@ -90,7 +91,7 @@ impl Newton<'_> {
         let change = advance
             .load_change(&reached, &rate)
             .ok_or(Refusal::NoSuchLoad)?;
-        // Where nothing is searched there is nothing to go back to.
+        // Without a line search there is no return to the origin.
         let origin: Vec<f64> = if searches {
             let slots = self.equations.slot_of.iter();
             slots.map(|&slot| self.q[slot as usize]).collect()
@@ -127,10 +128,9 @@ impl Newton<'_> {
         }
     }
 
-    /// What is left of the direction without the part on which the loads do work [mm]: along it the
-    /// out-of-balance forces have a slope that no load changes. With K d₂ = f it is
-    /// v = d − (f·d)/(f·d₂) d₂, and v·r = −d·K d + (f·d)²/(f·d₂) ≤ 0 for a positive definite K.
-    /// `[equation]`
+    /// v = d − (f·d)/(f·d₂) d₂, the direction without the part along which the loads do work [mm] `[equation]`
+    /// (docs/theory/procedures.md, eq. 7). Along v the slope of the out-of-balance forces does not depend on the
+    /// load. With K d₂ = f, v·r = −d·K d + (f·d)²/(f·d₂) ≤ 0 for a positive definite K.
     fn idle(&self, force: &[f64]) -> Vec<f64> {
         let share = dot(&self.direction, force) / dot(&self.by_load, force);
         let both = self.direction.iter().zip(&self.by_load);

@@ -1,4 +1,4 @@
-//! Where the iterations of an increment start.
+//! Predictor: the start of the iterations of an increment (docs/theory/equilibrium.md, eqs 12 and 13).
 
 use super::newton::{Newton, timed};
 use super::outcome::{Attempt, Refusal, Solves};
@@ -6,12 +6,12 @@ use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, System, Trial};
 use crate::solve::stepping::path::Advance;
 use crate::state::State;
 
-/// Numerical stiffness of the interfaces over what inertia opposes to their gaps, at least: in small
-/// increments gaps hardly move, and the tractions would settle at 1 − k'/k only.
+/// Least ratio of the numerical stiffness of interfaces to the inertia against their gaps. In small increments gaps
+/// hardly move, and the tractions would converge by the factor 1 − k'/k only.
 const OVER_INERTIA: f64 = 3.0;
 
 impl Newton<'_> {
-    /// Start of the iterations: the last increment again, or the tangent with the prescribed
+    /// Sets the start of the iterations: a repetition of the last increment, or a tangent solve with the prescribed
     /// displacements on the right-hand side.
     pub(in crate::solve) fn predict(
         &mut self,
@@ -30,10 +30,10 @@ impl Newton<'_> {
         self.linear_forces = None;
         let last = state.last.as_ref().filter(|_| attempt.repeat);
         let start = attempt.load;
-        // Time by which the last increment is extrapolated.
+        // Time over which the last increment is extrapolated.
         let pseudo_time = self.dashpots.as_ref().filter(|dashpots| !dashpots.loads);
         let dt = match pseudo_time {
-            // No further than twice the last way.
+            // At most twice the last one.
             Some(dashpots) => {
                 let before = last.map_or(f64::INFINITY, |last| last.dt);
                 (1.0 / dashpots.factor).min(2.0 * before)
@@ -58,7 +58,7 @@ impl Newton<'_> {
             let ratio = self.momentum(&state.energies) * dt / last.dt;
             system.extrapolate_tractions(self.model, state, trial, ratio);
         }
-        // What moves goes on: a tangent would see it stick where it was.
+        // With inertia, motion continues; a tangent would make sliding points stick.
         if let Some(motion) = &self.motion {
             motion.predict(state, &mut self.q);
             return Ok(());
@@ -78,12 +78,12 @@ impl Newton<'_> {
         let target = std::mem::replace(&mut self.q, state.q.clone());
         self.anchor(state);
         timed(&mut self.clock.contact, || system.search(trial, &self.q));
-        // Where a step begins, nothing tells that what slid will go on: a drive may turn round.
+        // At the start of a step the direction of slip is unknown, because a drive may reverse.
         trial.sticks = state.last.is_none();
         let evaluated = self.evaluate(system, state, trial, setting);
         trial.sticks = false;
         evaluated?;
-        // K_fp Δp of the prescribed displacements joins the residual.
+        // The forces K_fp Δp of the prescribed displacements are added to the residual.
         let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
         let moved = system.multiply(trial, &change);
         for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
@@ -93,7 +93,8 @@ impl Newton<'_> {
         solves.one_more();
         self.q = target;
         if self.flies(system) {
-            // A body that nothing holds yet would pass through what it is pressed on: the line search finds it.
+            // A body without support would pass through the one that it is pressed on; the line search finds the
+            // contact.
             return Ok(());
         }
         for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
@@ -106,8 +107,8 @@ impl Newton<'_> {
         self.anchor(state);
         let pressed = self.loads.mean > 0.0 || self.loads.values.iter().any(|v| *v != [0.0; 3]);
         if pressed && setting.shifted {
-            // Weight, or a load, presses joints that nothing pressed before: without the pressure of this start they
-            // would have no friction to hold them in the next iterate.
+            // Weight, or another load, closes joints that were without pressure. They need the pressure of this
+            // start: without it they would have no friction in the next iterate.
             timed(&mut self.clock.contact, || system.search(trial, &self.q));
             let start = Evaluation {
                 tangent: false,
@@ -119,7 +120,7 @@ impl Newton<'_> {
         Ok(())
     }
 
-    /// The dashpots of a relaxation resist leaving the present start where loads grow, and the last commit where they do not.
+    /// Anchors the dashpots of a relaxation: at the present start while loads grow, else at the last commit.
     fn anchor(&mut self, state: &State) {
         if let Some(dashpots) = &mut self.dashpots {
             let q = if dashpots.loads { &self.q } else { &state.q };

@@ -1,4 +1,5 @@
-//! Settles what nodes do not feel of the tractions (see `system::patterns`) at the end of an increment.
+//! Settles traction patterns without nodal forces at the end of an increment (docs/theory/equilibrium.md, eq. 10; see
+//! `assembly::traction_patterns`).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,14 +8,13 @@ use super::outcome::{Attempt, Refusal, Report, Solves};
 use crate::assembly::{Evaluation, System, Trial};
 use crate::state::State;
 
-/// Largest change of the work of sliding points that may be left to patterns of tractions, over the work
-/// that the increment turns over.
+/// Largest change of the work of sliding points by unsettled patterns, over the work that the increment turns over.
 const PATTERNS: f64 = 5e-3;
 
-/// Iterations for the balance of settled tractions.
+/// Most iterations for balance with settled tractions.
 const PATIENCE: usize = 10;
 
-/// Increments in which patterns are left alone: the next 1, 2, 4 … where no balance was found with them.
+/// Increments in which patterns are not settled: the next 1, 2, 4 … after no balance was found with them.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(in crate::solve) struct Pause {
     left: usize,
@@ -22,11 +22,11 @@ pub(in crate::solve) struct Pause {
 }
 
 impl Newton<'_> {
-    /// Settles the patterns of an increment in balance and balances it again. Where a stiff penalty asks
-    /// for patterns that find no balance the increment stays as it was.
+    /// Settles the patterns of an increment in balance and balances it again. Stiff penalties may ask for patterns
+    /// that find no balance; the increment then stays as it was.
     ///
     /// # Errors
-    /// A law that gives no answer where it gave one.
+    /// A local failure of a law where it succeeded before.
     #[expect(
         clippy::too_many_arguments,
         reason = "the increment, and how it is evaluated"
@@ -56,7 +56,7 @@ impl Newton<'_> {
         };
         let (kept, q) = (trial.without_stiffness(), self.q.clone());
         trial.take_tractions(settled);
-        // The last iterate before was one, too.
+        // The balanced iterate counts as the first one.
         let iterations = 1..1 + PATIENCE;
         let again = self.equilibrate(system, state, trial, attempt, solves, setting, iterations);
         if let Ok(report) = again {

@@ -1,11 +1,11 @@
-//! Work and energies of an increment, by the trapezoidal rule.
+//! Work and energies of an increment by the trapezoidal rule (docs/theory/energies.md).
 
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
 use crate::state::{Energies, State};
 
 impl Newton<'_> {
-    /// Work that the loads of the step do along the last increment, for each unit of the load factor [N mm].
+    /// Work of the step's loads over the last increment, per unit of the load factor [N mm].
     pub(in crate::solve) fn work_of_loads(
         &self,
         system: &System,
@@ -17,7 +17,8 @@ impl Newton<'_> {
         rate.iter().zip(way).map(|(rate, way)| rate * way).sum()
     }
 
-    /// Energy that the time integration takes out in the increment that `trial` ends [N mm].
+    /// Energy that the time integration dissipates in the increment that ends at `trial`, with the term of points
+    /// that change facets [N mm].
     pub fn numerical_dissipation(&self, system: &System, state: &State, trial: &Trial) -> f64 {
         let dq: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
         let scheme = self.motion.as_ref().map_or(0.0, |motion| {
@@ -26,7 +27,7 @@ impl Newton<'_> {
         scheme + system.crossing_work(self.model, state, trial)
     }
 
-    /// Forces of the dashpots of an increment without inertia [N]. `[slot]`
+    /// Dashpot forces of an increment without inertia [N]. `[slot]`
     fn dashpots_of_slots(&self, slots: usize) -> Vec<f64> {
         let mut forces = vec![0.0; slots];
         let of_equations = self.dashpot_forces().into_iter();
@@ -36,7 +37,7 @@ impl Newton<'_> {
         forces
     }
 
-    /// Force on a beam in the increment that `trial` ends [N].
+    /// Force on a beam in the increment that ends at `trial` [N].
     pub fn applied(&self, system: &System, trial: &Trial, slot: usize) -> f64 {
         let given = self.loads.given(slot);
         match &self.motion {
@@ -46,7 +47,8 @@ impl Newton<'_> {
         }
     }
 
-    /// The account of the increment that `trial` ends, by the trapezoidal rule. `dq`: its displacements [mm] `[slot]`
+    /// Energy account of the increment that ends at `trial`, by the trapezoidal rule. `dq`: displacements of the
+    /// increment [mm] `[slot]`
     pub(in crate::solve) fn account(
         &self,
         system: &System,
@@ -98,7 +100,8 @@ impl Newton<'_> {
         }
     }
 
-    /// Enters the account of the increment that `trial` ends: energies, forces from outside, velocities.
+    /// Enters the account of the increment that ends at `trial` into the state: energies, external forces,
+    /// velocities.
     pub(in crate::solve) fn enter(&self, account: Account, state: &mut State, trial: &Trial) {
         state.energies = account.energies;
         state.loads.clone_from(&self.loads.values);
@@ -114,14 +117,14 @@ impl Newton<'_> {
     }
 }
 
-/// Energies at the end of an increment, and the forces from outside there.
+/// Energies and external forces at the end of an increment.
 pub(in crate::solve) struct Account {
     /// Energies at its end.
     pub(in crate::solve) energies: Energies,
     /// Forces on the beams [N]. `[slot]`
     applied: Vec<f64>,
-    /// `[spring][xyz]` [N]
+    /// Forces of the springs [N]. `[spring][xyz]`
     spring_forces: Vec<[f64; 3]>,
-    /// Forces of dashpots without inertia [N]. `[slot]`
+    /// Dashpot forces, without inertia [N]. `[slot]`
     dashpots: Option<Vec<f64>>,
 }

@@ -1,20 +1,20 @@
-//! A run between two increments: all that it needs to go on from there to the same bits.
+//! Checkpoint: the data between two increments from which a run continues with the same bits.
 //!
-//! | Survives an increment | Where it is |
+//! | Data that survive an increment | Place |
 //! |---|---|
 //! | displacements, rates, histories, pairs, energies | [`State`] |
-//! | where candidates of contact were last searched: they are the pattern, and with it the order of elimination | `searched_at` |
-//! | how far the step has come, the size of the next increment | `Schedule`, `row` of its amplitude |
-//! | by which method, and what it must show before it is left | `Fallback` |
-//! | by what the path is measured | `PathMeasure` |
-//! | what a step counts its loads and drives from | `StepStart` |
-//! | what increments leave open for the next ones | `CarriedOver`, [`State`]'s energies |
-//! | where beyond a snap equilibrium was found, what ends the step early, whether a peak is near | `beyond`, `Watch`, `stopped`, `Crest` |
-//! | the last equilibrium, while inertia acts in place of statics | `LastEquilibrium` |
-//! | what is told at the end | summary, clock, snaps, swings, energies |
+//! | positions at the last search for contact candidates, which decide the matrix pattern and its ordering | `searched_at` |
+//! | progress of the step, size of the next increment | `Schedule`, `row` of its amplitude |
+//! | method, and counters by which it is left | `Fallback` |
+//! | measure of the path | `PathMeasure` |
+//! | state at the start of the step, for loads and drives | `StepStart` |
+//! | residuals and open energies of the last commit | `CarriedOver`, energies of [`State`] |
+//! | equilibrium beyond a snap, early end of the step, peaks | `beyond`, `Watch`, `stopped`, `PeakWatch` |
+//! | last equilibrium, while inertia acts in place of statics | `LastEquilibrium` |
+//! | reports at the end | summary, clock, snaps, swings, energies |
 //!
-//! Everything else is made from the model, or is scratch: trial, factors, iterates. A commit begins the
-//! count of solves and cut-backs anew, and no blow outlives the increment that met it.
+//! All other data follow from the model or are temporary: trial, factors, iterates. A commit resets the counts of
+//! solves and rejections, and no impact lasts longer than its increment.
 
 use std::cell::OnceCell;
 
@@ -42,12 +42,12 @@ use crate::state::Clock;
 use crate::state::State;
 use crate::state::Summary;
 
-/// All that [`resume`] needs, taken after a commit.
+/// Data for [`resume`], taken after a commit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checkpoint {
     model: Fingerprint,
     state: State,
-    /// Positions at the last search of candidates [mm]. `[node]`
+    /// Positions at the last search for contact candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
     step_run: Mark,
     summary: Summary,
@@ -57,11 +57,11 @@ pub struct Checkpoint {
     swings: Swings,
     energy_watch: EnergyWatch,
     last_equilibrium: Option<LastEquilibrium>,
-    /// How far elastic solids have gone, in place of others.
+    /// Largest stress of solids that are solved as elastic.
     pub(in crate::solve) reached: Reached,
 }
 
-/// Where a step is.
+/// Progress of a step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Mark {
     index: usize,
@@ -81,29 +81,29 @@ struct Mark {
 }
 
 impl Mark {
-    /// Whether what ended `step` early still ends it there.
+    /// Whether `step` still has the condition that ended it early.
     fn is_stopped_in(&self, step: &Step) -> bool {
         let same = self.watch.as_ref().is_none_or(|watch| watch.stops_as(step));
         self.stopped && same
     }
 }
 
-/// A checkpoint that a model cannot go on from.
+/// A checkpoint from which a model cannot continue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CheckpointError {
-    /// It was taken from another model.
+    /// The checkpoint was taken from another model.
     #[error("the checkpoint was taken from another model: {0} differ")]
     OtherModel(String),
-    /// It does not fit the model it names, so it was not written by a run.
+    /// The checkpoint does not fit the model that it names, so it was not written by a run.
     #[error("the checkpoint does not fit its model: {0}")]
     Unfit(&'static str),
 }
 
-/// Goes on from a checkpoint through the rest of the model's steps. What the recorder gets is what it
-/// would have got from [`crate::solve::run`] after that commit, to the last bit.
+/// Continues from a checkpoint through the rest of the model's steps. The recorder gets the results that
+/// [`crate::solve::run`] would have given after that commit, to the last bit.
 ///
 /// # Errors
-/// [`RunError::Checkpoint`] if it was taken from another model, else as [`crate::solve::run`].
+/// [`RunError::Checkpoint`] if the checkpoint belongs to another model, else those of [`crate::solve::run`].
 pub fn resume(
     model: &Model,
     checkpoint: Checkpoint,
@@ -112,7 +112,7 @@ pub fn resume(
     resume_part(model, &Part::default(), checkpoint, recorder).map(Summary::in_words)
 }
 
-/// Goes on with a model that is this part of what is shown.
+/// Continues with a model that is the given part of the scene shown.
 fn resume_part(
     model: &Model,
     part: &Part,
@@ -126,7 +126,7 @@ fn resume_part(
         });
     }
     checkpoint.check(model)?;
-    // On a thread of the pool, as a run from the start.
+    // Work on a thread of the pool, as a run from the start does.
     rayon::scope(|_| {
         let (run, step_run) = Run::rejoin(model, part, checkpoint)?;
         run.finish(Some(step_run), recorder)
@@ -134,12 +134,12 @@ fn resume_part(
 }
 
 impl Checkpoint {
-    /// Increments done, which are the rows of the history.
+    /// Number of increments done, which is that of the history rows.
     pub fn increments(&self) -> usize {
         self.state.increments
     }
 
-    /// The step that the last of them belongs to, from 0.
+    /// Index of the step of the last increment, from 0.
     pub fn step(&self) -> usize {
         self.step_run.index
     }
@@ -149,23 +149,23 @@ impl Checkpoint {
         self.state.time
     }
 
-    /// Whether nothing is left to do of `model`.
+    /// Whether `model` has nothing left to solve.
     pub fn is_the_end_of(&self, model: &Model) -> bool {
         let (step_run, last) = (&self.step_run, model.steps.last());
         let stopped = last.is_some_and(|step| step_run.is_stopped_in(step));
         step_run.index + 1 == model.steps.len() && (stopped || step_run.schedule.next().is_none())
     }
 
-    /// What was solved instead of `model`: no half of it, if the run began with the whole.
+    /// Reduction that was solved instead of `model`; none if the run solved the whole.
     fn instead_of(&self, model: &Model) -> Option<Reduction> {
         let whole = model.fidelity == Fidelity::Auto && self.model.is_but_for_steps(model);
         if whole { None } else { Reduction::of(model) }
     }
 
-    /// Whether `model` can go on from here.
+    /// Checks whether `model` can continue from this checkpoint.
     ///
     /// # Errors
-    /// [`CheckpointError`], with what differs.
+    /// [`CheckpointError`], with the part that differs.
     pub fn check(&self, model: &Model) -> Result<(), CheckpointError> {
         if let Some(instead) = self.instead_of(model) {
             return self.check(instead.model());
@@ -176,8 +176,7 @@ impl Checkpoint {
         }
     }
 
-    /// The last step of `model` is what it was and goes on beyond its end: what was the whole of it is
-    /// now `part` of it. Everything counted in parts of the step is counted anew.
+    /// Rescales the checkpoint for a longer last step of `model`, of which the step so far is `part`.
     pub fn lengthen(&mut self, model: &Model, part: f64) {
         if let Some(instead) = self.instead_of(model) {
             return self.lengthen(instead.model(), part);
@@ -202,7 +201,7 @@ impl Checkpoint {
 }
 
 impl<'m> Run<'m> {
-    /// Offers the recorder a checkpoint, between two increments. `last` if no increment follows.
+    /// Offers the recorder a checkpoint between two increments. `last` is true if no increment follows.
     pub(in crate::solve) fn offer(
         &mut self,
         step_run: &StepRun<'m>,
@@ -248,7 +247,7 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// The run and its step as they were when the checkpoint was taken.
+    /// Restores the run and its step from a checkpoint.
     fn rejoin(
         model: &'m Model,
         part: &Part,
@@ -338,7 +337,7 @@ impl<'m> Run<'m> {
     }
 }
 
-/// Whether two states are of the same model, as far as their sizes tell.
+/// Whether two states have the same sizes, as states of one model do.
 fn same_sizes(a: &State, b: &State) -> bool {
     let sizes = |s: &State| {
         let slots = [

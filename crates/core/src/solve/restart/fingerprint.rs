@@ -1,4 +1,4 @@
-//! What of a model decides the numbers, in a few of them: whoever resumes a run compares.
+//! Fingerprint of a model: hashes of all data that affect results. A resumed run compares them.
 
 use std::fmt::{self, Write};
 
@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 use crate::model::Model;
 use crate::model::scene::Step;
 
-/// Numbers that change with what they stand for; titles and output settings have none.
+/// Hashes of the parts of a model; titles and output settings are not included.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::solve) struct Fingerprint {
-    /// As [`PARTS`] names them. `[part]`
+    /// Hashes of the parts that [`PARTS`] names. `[part]`
     parts: Vec<u64>,
-    /// `[step]`
+    /// Hashes of the steps. `[step]`
     steps: Vec<u64>,
 }
 
-/// The parts of a model beside its steps.
+/// Names of the parts of a model beside its steps.
 const PARTS: [&str; 8] = [
     "the mesh",
     "the materials",
@@ -29,7 +29,7 @@ const PARTS: [&str; 8] = [
 ];
 
 impl Fingerprint {
-    /// Of a model.
+    /// Fingerprint of a model.
     pub fn of(model: &Model) -> Self {
         Self {
             parts: Self::of_parts(model),
@@ -37,7 +37,7 @@ impl Fingerprint {
         }
     }
 
-    /// Whether a model is the one of these numbers, whatever its steps are.
+    /// Whether the fingerprint belongs to a model, whatever its steps are.
     pub fn is_but_for_steps(&self, model: &Model) -> bool {
         self.parts == Self::of_parts(model)
     }
@@ -56,7 +56,7 @@ impl Fingerprint {
         parts.into_iter().map(digest).collect()
     }
 
-    /// Where a step ends early decides none of the numbers before.
+    /// Hash of a step without `stop`, which does not affect the results before it.
     fn of_step(step: &Step) -> u64 {
         digest(&Step {
             stop: None,
@@ -64,14 +64,14 @@ impl Fingerprint {
         })
     }
 
-    /// The last step is this one from now on.
+    /// Replaces the hash of the last step.
     pub fn end_with(&mut self, step: &Step) {
         if let Some(last) = self.steps.last_mut() {
             *last = Self::of_step(step);
         }
     }
 
-    /// The first thing in which `other` differs, in words.
+    /// First part in which `other` differs, in words.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let parts = self.parts.iter().zip(&other.parts).zip(PARTS);
         for ((mine, its), name) in parts {
@@ -87,11 +87,11 @@ impl Fingerprint {
     }
 }
 
-/// FNV-1a (Fowler, Noll, Vo) of what `Debug` writes: numbers as the shortest decimals that give back
+/// FNV-1a hash (Fowler, Noll, Vo) of the `Debug` output, which writes numbers as the shortest decimals that give back
 /// their bits.
 fn digest(of: &(impl fmt::Debug + ?Sized)) -> u64 {
     let mut hash = Fnv(0xCBF2_9CE4_8422_2325);
-    // Nothing that could fail: it writes to no device.
+    // This cannot fail, because it writes to no device.
     let written = write!(hash, "{of:?}");
     debug_assert!(written.is_ok());
     hash.0
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_that_of_its_authors() {
-        // Test vectors of FNV-1a, 64 bit.
+        // Test vectors of FNV-1a with 64 bits.
         for (text, hash) in [
             ("", 0xCBF2_9CE4_8422_2325_u64),
             ("a", 0xAF63_DC4C_8601_EC8C),

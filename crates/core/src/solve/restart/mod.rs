@@ -1,4 +1,4 @@
-//! Checkpoints: a run between two increments, and how it continues.
+//! Checkpoints: the data of a run between two increments, and resumed runs.
 
 pub(in crate::solve) mod checkpoint;
 pub(in crate::solve) mod fingerprint;

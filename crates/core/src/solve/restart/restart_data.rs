@@ -1,4 +1,4 @@
-//! What of a step's equations a checkpoint keeps.
+//! Data of a step's equations that a checkpoint keeps.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,30 +9,30 @@ use crate::solve::increment::traction_patterns::Pause;
 use crate::solve::stepping::fallback::MethodChoice;
 use crate::state::State;
 
-/// What a step counts its loads and drives from.
+/// State at the start of a step, to which its loads and drives refer.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StepStart {
-    /// Displacements when the step began [mm]. `[slot]`
+    /// Displacements [mm]. `[slot]`
     q: Vec<f64>,
-    /// Ends of the springs then [mm]. `[spring][xyz]`
+    /// Positions of the spring ends [mm]. `[spring][xyz]`
     spring_ends: Vec<[f64; 3]>,
-    /// Forces on the beams then [N]. `[slot]`
+    /// Forces on the beams [N]. `[slot]`
     applied: Vec<f64>,
-    /// Values of the loads with a name then. `[load]`
+    /// Values of the named loads. `[load]`
     loads: Vec<[f64; 3]>,
 }
 
-/// What the last commit left to the next increments.
+/// Data of the last commit that the next increments need.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CarriedOver {
-    /// Out of balance [N]. `[equation]`
+    /// Out-of-balance forces [N]. `[equation]`
     left: Vec<f64>,
-    /// When patterns of tractions are settled.
+    /// Increments in which traction patterns are not settled.
     pause: Pause,
 }
 
 impl Newton<'_> {
-    /// What the step counts from.
+    /// State at the start of the step.
     pub fn starts(&self) -> StepStart {
         StepStart {
             q: self.q_start.clone(),
@@ -42,7 +42,7 @@ impl Newton<'_> {
         }
     }
 
-    /// Counts from where the step once began; false if that was in another model.
+    /// Takes over the state at the start of the step; false if it belongs to another model.
     pub fn begin_from(&mut self, starts: StepStart) -> bool {
         let sizes = [starts.q.len(), starts.applied.len()];
         let fits = sizes == [self.q.len(); 2]
@@ -59,7 +59,7 @@ impl Newton<'_> {
         true
     }
 
-    /// What the last commit leaves to the next increments.
+    /// Data of the last commit that the next increments need.
     pub fn carried(&self) -> CarriedOver {
         CarriedOver {
             left: self.left.clone(),
@@ -67,7 +67,7 @@ impl Newton<'_> {
         }
     }
 
-    /// Takes over what the last commit left; false if that was in another model.
+    /// Takes over the data of the last commit; false if they belong to another model.
     pub fn carry_on(&mut self, carried: CarriedOver) -> bool {
         if carried.left.len() != self.left.len() {
             return false;
@@ -76,7 +76,7 @@ impl Newton<'_> {
         true
     }
 
-    /// Goes on by the method, the tangents and the rate that led to `state`.
+    /// Continues with the method, tangents and rate that led to `state`.
     pub fn rejoin(&mut self, choice: MethodChoice, slope: f64, system: &System, state: &State) {
         (self.method, self.tangent) = (choice.method, choice.tangent);
         self.slope = slope;

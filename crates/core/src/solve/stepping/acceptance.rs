@@ -1,4 +1,4 @@
-//! What an increment in equilibrium tells: whether to keep it, and how large the next may be.
+//! Acceptance of an increment in equilibrium, and size of the next one (docs/theory/procedures.md, Algorithm).
 
 use wythe_contact::InterfaceHistory;
 
@@ -13,23 +13,23 @@ use crate::state::Method;
 
 /// Largest growth of an increment.
 pub(in crate::solve) const GROW: f64 = 1.5;
-/// Solves above which an increment does not grow.
+/// Solves above which the increment size does not grow.
 const MANY: usize = 10;
-/// Part of the elastic energy that a snap sets free.
+/// Part of the elastic energy that a snap releases, at least.
 const RELEASE: f64 = 0.2;
-/// Least damage of a first increment that may hide a peak [-].
+/// Least rise of damage in a first increment that may hide a peak [-].
 const BREAKS: f64 = 0.005;
-/// Stiffness over that of the try before, if that has passed a peak [-].
+/// Least stiffness over that of the longer attempt before, if that one passed a peak [-].
 const STIFFER: f64 = 1.05;
-/// Part of all work done that an increment may leave unaccounted for: half of that which a run may.
+/// Largest part of all work done that an increment may leave unaccounted for: half of the bound for a run.
 const LOST: f64 = 5e-3;
-/// Part of the kinetic energy that a blow may give.
+/// Largest energy gain in an impact, as a part of the kinetic energy.
 const GAIN: f64 = 0.01;
-/// Part of the pressed contact points that begin or cease to press in an impact.
+/// Part of the pressed contact points that must meet or part in an impact.
 const IMPACT: f64 = 0.2;
 
 impl Run<'_> {
-    /// Whether bodies met or parted in the increment that the trial ends.
+    /// Whether bodies met or parted in the increment that ends at the trial.
     fn is_shock(&self) -> bool {
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
         let (mut before, mut after, mut changed) = (0, 0, 0);
@@ -46,8 +46,8 @@ impl Run<'_> {
         changed as f64 > IMPACT * before.max(after) as f64
     }
 
-    /// Touches of general contact that press at both ends of the increment that the trial ends, at its end
-    /// only, at its start only.
+    /// Numbers of touches of general contact that press at both ends of the increment that ends at the trial, at its
+    /// end only, and at its start only.
     fn touches_changed(&self) -> (usize, usize, usize) {
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
         let (mut held, mut new) = (0, 0);
@@ -63,8 +63,8 @@ impl Run<'_> {
         (held, new, before - held.min(before))
     }
 
-    /// Whether to try the increment that the trial ends again, smaller, because bodies meet or part in
-    /// it; or, where it is small, by backward Euler, if HHT has made energy of the blow.
+    /// Whether to repeat the increment that ends at the trial, because bodies meet or part in it. It is repeated with
+    /// a smaller size or, if it is already small and HHT gained energy in the impact, with backward Euler.
     pub(in crate::solve) fn try_as_shock(
         &self,
         step_run: &mut StepRun,
@@ -78,7 +78,7 @@ impl Run<'_> {
         }
         let (_, met, parted) = self.touches_changed();
         if !self.is_shock() {
-            // A few of many that meet are no blow to all, but HHT makes energy of them, too.
+            // Few of many points meet: this is no impact of the whole, but HHT may still gain energy.
             return met + parted > 0 && self.makes_energy(step_run, dynamic);
         }
         let smallest = step_run
@@ -91,8 +91,7 @@ impl Run<'_> {
         self.makes_energy(step_run, dynamic)
     }
 
-    /// Whether HHT has made energy of the increment that the trial ends, and backward Euler is yet to be
-    /// tried.
+    /// Whether HHT gained energy in the increment that ends at the trial and backward Euler has not been tried yet.
     fn makes_energy(&self, step_run: &mut StepRun, dynamic: bool) -> bool {
         let (system, state, trial) = (&self.system, &self.state, &self.trial);
         let taken = step_run.newton.numerical_dissipation(system, state, trial);
@@ -101,7 +100,7 @@ impl Run<'_> {
         motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }
 
-    /// What is wrong with an equilibrium far from the last one that the trial ends in, if it is.
+    /// Reason to reject the equilibrium at the trial because it is a jump, if it is one.
     pub(in crate::solve) fn jump(
         &self,
         step_run: &StepRun,
@@ -114,8 +113,8 @@ impl Run<'_> {
         }
     }
 
-    /// Part of all work done that the increment that the trial ends does not account for, if that is much and a shorter
-    /// increment or another method may do better.
+    /// Part of all work done that the increment that ends at the trial leaves unaccounted for, if it is too large and
+    /// a smaller increment or another method may do better.
     fn energy_lost(&self, step_run: &StepRun, request: IncrementRequest) -> Option<f64> {
         let jumps = request.method == Method::Static && step_run.step.procedure == Procedure::Auto;
         let size = request.increment.size;
@@ -124,9 +123,10 @@ impl Run<'_> {
         let watched = match request.method {
             Method::Static => shorter || (jumps && !step_run.fallback.is_last()),
             Method::Direct => shorter,
-            // Inertia has an answer to every increment, however short.
+            // With inertia every increment, however small, has a solution.
             Method::QuasiStatic => possible,
-            // Paths have a measure of their own, blows a scheme, and extrapolated solids an error that is reported.
+            // Paths have their own measure, dynamics its scheme, and extrapolated solids report an error of their
+            // own.
             _ => false,
         };
         if !watched {
@@ -142,8 +142,8 @@ impl Run<'_> {
         (lost > LOST).then_some(lost)
     }
 
-    /// Whether to try the increment that the trial ends again, shorter, because it has passed over a peak unseen. One that
-    /// has jumped is refused for that.
+    /// Whether to repeat the increment that ends at the trial with a smaller size, because it passed a peak. If it
+    /// has jumped, it is rejected for that reason instead.
     pub(in crate::solve) fn go_back_to_peak(
         &self,
         step_run: &mut StepRun,
@@ -160,7 +160,7 @@ impl Run<'_> {
         }
     }
 
-    /// Size of another try of the increment that the trial ends, if that has passed over a peak unseen.
+    /// Size for the repetition of the increment that ends at the trial, if it passed a peak.
     fn passed_peak(
         &self,
         step_run: &mut StepRun,
@@ -189,8 +189,8 @@ impl Run<'_> {
         size.filter(|size| *size >= step_run.step.increments.min)
     }
 
-    /// Whether a first increment of unknown stiffness, from no force to one, may hide a peak: something is damaged
-    /// in it, and a shorter try was stiffer than the one before, or there was none.
+    /// Whether a first increment of unknown stiffness, which starts without force, may hide a peak: it damages
+    /// something, and it is the first attempt or stiffer than the longer attempt before.
     fn breaks_at_once(&self, step_run: &mut StepRun, [start, end]: [f64; 2], size: f64) -> bool {
         if start.abs() > AT_REST * end.abs() || !self.is_damaged() {
             return false;
@@ -200,7 +200,7 @@ impl Run<'_> {
         before.is_none_or(|before| secant > STIFFER * before)
     }
 
-    /// Whether the increment that the trial ends damages a joint or a solid.
+    /// Whether the increment that ends at the trial damages a joint or a solid.
     fn is_damaged(&self) -> bool {
         let (state, trial) = (&self.state, &self.trial);
         let mut joints = state.interface.iter().zip(&trial.interface);
@@ -212,7 +212,7 @@ impl Run<'_> {
             })
     }
 
-    /// The increment that the trial ends, as a peak is looked for within it; none where nothing is driven or steered.
+    /// Data of the increment that ends at the trial for the search of a hidden peak; none without drive or steering.
     fn passage(
         &self,
         step_run: &StepRun,
@@ -245,8 +245,8 @@ impl Run<'_> {
         passage.by_work.is_finite().then_some(passage)
     }
 
-    /// Whether the increment that the trial ends has found an equilibrium far away, beyond a snap-back,
-    /// and the path there can be followed instead: much of the elastic energy is gone.
+    /// Whether the increment that ends at the trial jumped over a snap-back whose path can be followed instead: much
+    /// of the elastic energy was released (docs/theory/procedures.md, eq. 8).
     fn is_snap(&self, step_run: &StepRun) -> bool {
         if !step_run.fallback.prefers_paths() {
             return false;
@@ -256,11 +256,11 @@ impl Run<'_> {
         let stored = system.elastic_energy(trial, &springs);
         let before = self.state.energies.elastic;
         let released = stored < (1.0 - RELEASE) * before;
-        // What goes back to what loads and drives is set free by nothing.
+        // Energy returned to loads and drives is not released by a snap.
         released && stored < (1.0 - RELEASE) * before + self.work_done(step_run, &springs).min(0.0)
     }
 
-    /// Work done on the bodies in the increment that the trial ends, by the trapezoidal rule [N mm].
+    /// Work done on the bodies in the increment that ends at the trial, by the trapezoidal rule [N mm].
     fn work_done(&self, step_run: &StepRun, springs: &[[f64; 3]]) -> f64 {
         let (state, trial) = (&self.state, &self.trial);
         let forces = state.force.iter().zip(&trial.force);
@@ -277,7 +277,7 @@ impl Run<'_> {
         sum
     }
 
-    /// Whether the increment that the trial ends has left the path that it should follow.
+    /// Whether the increment that ends at the trial left the path that it should follow.
     fn is_leap(&self, step_run: &StepRun) -> bool {
         let (q, last) = (step_run.newton.q(), &self.state.q);
         let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
@@ -285,7 +285,8 @@ impl Run<'_> {
     }
 }
 
-/// How much larger the next increment may be; extrapolated solids are not pursued below `floor`.
+/// Ratio of the next increment size to this one (docs/theory/procedures.md, eq. 12). Below the size `floor`
+/// extrapolation errors no longer reduce it.
 pub(in crate::solve) fn growth(request: IncrementRequest, report: Report, floor: f64) -> f64 {
     let by_iterations = if report.iterations > 2 * MANY {
         0.7
@@ -294,16 +295,16 @@ pub(in crate::solve) fn growth(request: IncrementRequest, report: Report, floor:
     } else {
         GROW
     };
-    // The extrapolation leaves an imbalance of first order in the increment.
+    // The error of the extrapolation is of first order in the increment size.
     let by_error = (IMBALANCE / report.extrapolation_error.max(f64::MIN_POSITIVE))
         .sqrt()
         .clamp(0.3, GROW);
-    // Where a unit snaps no increment is small enough: there the error is reported, not pursued.
+    // Where a unit snaps, no size is small enough: the error is reported instead of reduced.
     by_iterations.min(by_error.max((floor / request.increment.size).min(1.0)))
 }
 
-/// How much larger an increment with inertia may be than the last one, in which the kinetic energy
-/// grew by `hurry`: backward Euler in large increments holds upright what should fall.
+/// Largest ratio of the next increment size with inertia to this one, in which the kinetic energy grew by the factor
+/// `hurry`. Large increments of backward Euler hold up bodies that should fall.
 pub(in crate::solve) fn resolving(hurry: f64) -> f64 {
     if hurry > 2.0 {
         0.7

@@ -1,4 +1,4 @@
-//! What a converged increment leaves: the state, a row of the history, a frame.
+//! Commit of a converged increment: its state, its history row and its frame.
 
 use super::run::{Run, RunError};
 use crate::model::scene::Step;
@@ -12,9 +12,7 @@ use std::time::Instant;
 use wythe_contact::PointStatus;
 
 impl Run<'_> {
-    /// The trial becomes the state.
-    ///
-    /// Returns its way [mm]. `[slot]`
+    /// Makes the trial the state. Returns the displacements of the increment [mm]. `[slot]`
     pub(in crate::solve) fn commit(
         &mut self,
         newton: &mut Newton,
@@ -60,7 +58,7 @@ impl Run<'_> {
         dq
     }
 
-    /// The row of the last commit, at part `moment` of the time of its step.
+    /// History row of the last commit, at part `moment` of the time of its step.
     pub(in crate::solve) fn row(
         &self,
         step: usize,
@@ -73,7 +71,7 @@ impl Run<'_> {
         let (state, trial) = (&self.state, &self.trial);
         let (displacement, force, reaction) = self.driven(step);
         let reactions = self.reactions(step, report.load_factor, moment);
-        // Of general contact, what touches counts.
+        // Of general contact, only pressed touches count.
         let touching = |status: PointStatus| {
             let pressed = trial
                 .touches
@@ -119,7 +117,7 @@ impl Run<'_> {
         }
     }
 
-    /// Hands the commit to the recorder; false asks to stop.
+    /// Passes the commit to the recorder; false if the recorder asks to stop.
     pub(in crate::solve) fn record(
         &mut self,
         row: &HistoryRow,

@@ -1,10 +1,10 @@
-//! What a run must tell of its increments when it ends.
+//! Counters of increments that a run reports when it ends.
 
 use serde::{Deserialize, Serialize};
 
 use crate::state::HistoryRow;
 
-/// The increments in which a unit snapped.
+/// Counts increments with extrapolated solids, in which a unit snapped.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Snaps {
     count: usize,
@@ -14,7 +14,7 @@ pub struct Snaps {
 }
 
 impl Snaps {
-    /// Adds a commit.
+    /// Counts a committed increment.
     pub fn add(&mut self, row: &HistoryRow) {
         if self.count == 0 {
             (self.step, self.first) = (row.step, row.displacement_mm);
@@ -23,7 +23,7 @@ impl Snaps {
         self.worst = self.worst.max(row.out_of_balance);
     }
 
-    /// What to tell, if anything.
+    /// Warning, if an increment was counted.
     pub fn warning(&self) -> Option<String> {
         (self.count > 0).then(|| {
             format!(
@@ -35,10 +35,10 @@ impl Snaps {
     }
 }
 
-/// Kinetic energy over the work done above which a motion is not quasi-static.
+/// Kinetic energy over the energy taken, above which a motion is not quasi-static.
 const QUASI_STATIC: f64 = 0.05;
 
-/// Where a quasi-static step was not.
+/// Counts increments in which a quasi-static step was not quasi-static.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Swings {
     count: usize,
@@ -48,7 +48,7 @@ pub struct Swings {
 }
 
 impl Swings {
-    /// Adds a commit.
+    /// Counts a committed increment if it was not quasi-static.
     pub fn add(&mut self, row: &HistoryRow) {
         let ratio = row.kinetic_energy_J / row.taken_J();
         if ratio > QUASI_STATIC {
@@ -59,7 +59,7 @@ impl Swings {
         }
     }
 
-    /// What to tell, if anything.
+    /// Warning, if an increment was counted.
     pub fn warning(&self) -> Option<String> {
         (self.count > 0).then(|| {
             format!(

@@ -1,20 +1,20 @@
-//! Whether the energies of a run balance, and where they do not.
+//! Energy balance of a run (docs/theory/energies.md, eq. 18).
 
 use serde::{Deserialize, Serialize};
 
 use crate::state::Method;
 use crate::state::{EnergyBalance, HistoryRow};
 
-/// Part of the work done that may be left open before it is told.
+/// Part of the work done above which unaccounted energy is reported.
 const BOUND: f64 = 0.01;
 
-/// What is open after each increment, as the summary's `energy_balance_error` counts it.
+/// Unaccounted energy after each increment, counted as `energy_balance_error` in the summary.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyWatch {
     balance: EnergyBalance,
     /// Work less energies after the last increment [J].
     open: f64,
-    /// Largest change of it within an increment [J], and where that was.
+    /// Largest change of `open` within an increment [J]; the increment follows.
     most: f64,
     increment: usize,
     step: usize,
@@ -23,7 +23,7 @@ pub struct EnergyWatch {
 }
 
 impl EnergyWatch {
-    /// Adds a commit.
+    /// Counts a committed increment.
     pub fn add(&mut self, row: &HistoryRow) {
         self.balance.push(row);
         let open = EnergyBalance::open(row);
@@ -41,7 +41,7 @@ impl EnergyWatch {
         1e3 * self.balance.work()
     }
 
-    /// What to tell, if anything.
+    /// Warning, if the error exceeds its bound.
     pub fn warning(&self) -> Option<String> {
         let error = self.balance.error();
         if error <= BOUND {
@@ -91,7 +91,7 @@ mod tests {
         let mut watch = EnergyWatch::default();
         watch.add(&row(1, 1.0, 0.999));
         watch.add(&row(2, 4.0, 3.99));
-        // 0.25 % of the work.
+        // Here 0.25 % of the work is open.
         assert_eq!(watch.warning(), None);
         watch.add(&row(3, 8.0, 7.0));
         watch.add(&row(4, 10.0, 9.0));

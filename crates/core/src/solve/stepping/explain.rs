@@ -1,4 +1,4 @@
-//! Lost convergence in words: where, why, and what to try.
+//! Messages about lost convergence: place, reason and remedies.
 
 use super::step_run::IncrementRequest;
 use crate::material::MaterialParameters;
@@ -9,8 +9,8 @@ use crate::solve::increment::convergence::{IMBALANCE, WORK};
 use crate::solve::increment::outcome::Refusal;
 use crate::state::Lost;
 
-/// Why the run ends in `step`, whose increment was cut as far as the deck allows: all of it with what to try, and place and
-/// reason by themselves.
+/// Message for a run that ends in `step` because its increment cannot be cut further. Returns the full message with
+/// remedies, and place and reason alone.
 pub(in crate::solve) fn explain(
     model: &Model,
     part: &Part,
@@ -33,7 +33,7 @@ pub(in crate::solve) fn explain(
     (told, Lost { place, why })
 }
 
-/// How far a step has come, in words: its load factor, or the part of its time where an amplitude turns the loads.
+/// Progress of a step in words: its load factor, or the part of its time if it has an amplitude.
 pub(in crate::solve) fn progress(step: &Step, done: f64) -> String {
     if step.amplitude.is_some() {
         format!("{:.2} % of the time", 100.0 * done)
@@ -42,7 +42,7 @@ pub(in crate::solve) fn progress(step: &Step, done: f64) -> String {
     }
 }
 
-/// What refused an increment, where, and how large it was.
+/// Reason and place of a rejection, with its measures.
 pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) -> String {
     match refusal {
         Refusal::Iterations {
@@ -85,7 +85,7 @@ pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &R
     }
 }
 
-/// A node by its body, its place at rest and its number, and whether it lies on an interface.
+/// Describes a node by its body, position at rest and number, and says whether it lies on an interface.
 pub(in crate::solve) fn place(model: &Model, part: &Part, node: usize) -> String {
     let mesh = &model.mesh;
     let [x, y, z] = mesh.nodes[node];
@@ -108,7 +108,7 @@ pub(in crate::solve) fn place(model: &Model, part: &Part, node: usize) -> String
     }
 }
 
-/// Keys of the deck that may help, the likeliest first; only such as are not yet there.
+/// Deck keys that may help, the likeliest first, without those already set.
 fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     let step = &model.steps[index];
     if let Refusal::Linear { dof: Some(_), .. } = refusal {
@@ -152,7 +152,7 @@ fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     tries.join("; or ")
 }
 
-/// Iterations below which patience is a likely reason: the default.
+/// The default of `max_iterations`; with fewer, a larger value is advised.
 const USUAL_ITERATIONS: usize = 25;
-/// Viscosity over the duration of a step that carried the walls through (docs/decisions.md).
+/// Viscosity over the duration of a step that helped in the walls of the paper.
 const USUAL_VISCOSITY: f64 = 0.0025;

@@ -1,21 +1,20 @@
-//! Which method solves the next increment.
+//! Fallback: the order in which `auto` tries the methods (docs/theory/procedures.md, Algorithm).
 //!
-//! `auto` begins with the cheapest that is safe and steps over to the next where that finds no
-//! equilibrium:
+//! `auto` starts with the cheapest safe method and changes to the next where that finds no equilibrium:
 //!
 //! ```text
-//! static ──▶ static with consistent tangents (secant ones settle too slowly for any increment)
-//!        ──▶ dissipation (the load must fall before it rises: snap-back; with consistent tangents
-//!            where secant ones do not get along it)
+//! static ──▶ static with consistent tangents (secant ones converge too slowly at any size)
+//!        ──▶ dissipation (snap-back: the load must fall before it rises; with consistent tangents
+//!            where secant ones fail on the path)
 //!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
-//!        ──▶ direct (points that do not match settle too slowly with the shifted penalty)
-//!        ──▶ quasi_static (bodies that nothing holds, falls: inertia; only where all has mass)
-//!        ──▶ static (over what nothing leads through: where it found equilibrium, or in the largest
-//!            increments)
+//!        ──▶ direct (points on meshes that do not match converge too slowly with the shifted penalty)
+//!        ──▶ quasi_static (bodies without support, falls: inertia; only where everything has mass)
+//!        ──▶ static (no method follows the path: jump to the equilibrium found beyond, or take the
+//!            largest increments)
 //! ```
 //!
-//! and back to static when the trouble has passed. A matrix that a free body makes singular leads to
-//! inertia at once. Every other procedure is a fallback of one choice.
+//! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
+//! once. Every other procedure has a single method.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,67 +25,66 @@ use crate::solve::increment::newton::IMBALANCE;
 use crate::solve::increment::outcome::{Refusal, Report};
 use crate::state::Method;
 
-/// Part of the first increment below which static increments are not cut before another method is
-/// tried.
+/// Size, as a part of the first increment, below which static increments are not cut before another method is tried.
 pub const FLOOR: f64 = 0.1;
-/// The same for extrapolated solids and the direct method, of that.
+/// The same for extrapolated solids and the direct method, as a part of that floor.
 const SECOND_FLOOR: f64 = 0.1;
-/// Quiet increments after which statics is tried again; doubled each time that it fails.
+/// Number of increments without trouble after which statics is tried again; doubled each time.
 const PATIENCE: usize = 3;
-/// A path that led nowhere is tried again after 2, 4, 8, … further troubles, 128 at most.
+/// A path that failed is skipped in the next 2·2ⁿ troubles; largest n, for at most 128.
 const MOST_LOST: u32 = 6;
-/// Refusals in a row after which secant tangents, not the size of the increment, are to blame.
+/// Rejections in a row after which secant tangents are given up, whatever the increment size.
 const STALLS: usize = 2;
-/// Solves of an increment with consistent tangents within which secant ones may be tried again.
+/// Most solves of an increment with consistent tangents after which secant ones may be tried again.
 const EASY: usize = 2;
-/// Increments in which the load must rise before statics takes over from a path; doubled each time.
+/// Increments in which the load must rise before a path is left for statics; doubled each time.
 const RISING: usize = 2;
 
-/// What to do after a refusal.
+/// Answer to a rejection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// A smaller increment.
+    /// Try a smaller increment.
     Cut,
-    /// The next method.
+    /// Try the next method.
     NextMethod,
-    /// Nothing is left to try.
+    /// Give up.
     GiveUp,
 }
 
 /// A method and its tangents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MethodChoice {
-    /// What solves the increments.
+    /// Method of the increments.
     pub method: Method,
-    /// With which matrices.
+    /// Matrices of the increments.
     pub tangent: Tangent,
 }
 
-/// The methods of a step, the one that is used now, and what it must show before it is left.
+/// Methods of a step, the present one, and the counters by which it is left.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fallback {
     choices: Vec<MethodChoice>,
     at: usize,
-    /// Size of increments below which statics gives up.
+    /// Increment size below which statics is given up.
     floor: f64,
     /// Increments in a row without the trouble for which the first method was left.
     calm: usize,
     patience: usize,
     rising: usize,
-    /// Part of the loads when the first method was left.
+    /// Part of the loads at which the first method was left.
     left_at: f64,
-    /// How often paths led nowhere, and how many troubles yet pass without one being tried.
+    /// Number of paths that failed, and number of further troubles in which paths are skipped.
     lost: u32,
     passed_over: usize,
-    /// Whether statics was left for a snap.
+    /// Whether statics was left because of a snap.
     snaps: bool,
-    /// How many choices stand before the first that is for trouble, and refusals in a row on the first.
+    /// Number of leading static choices, and rejections in a row by a static choice other than the last of them.
     statics: usize,
     stalls: usize,
 }
 
 impl Fallback {
-    /// The fallback of a step; `all_has_mass` if inertia could act.
+    /// Fallback of a step; `all_has_mass` if inertia can act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
         let softens = model
             .materials
@@ -151,7 +149,7 @@ impl Fallback {
         }
     }
 
-    /// Where this fallback was, as that of a step; none if the step has other methods.
+    /// Takes over this fallback in a resumed step; none if the step has other methods.
     pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
         let Self { choices, floor, .. } = Self::new(model, step, all_has_mass);
         let fits = self.choices == choices
@@ -160,14 +158,14 @@ impl Fallback {
         fits.then_some(Self { floor, ..self })
     }
 
-    /// The whole step becomes `part` of a longer one.
+    /// Rescales the fallback for a longer step, of which the present one is `part`.
     pub fn lengthen(&mut self, part: f64) {
         self.floor *= part;
         self.left_at *= part;
     }
 
-    /// Loads turn round: back to the first method from a path, which is none of the way back. Whether that
-    /// changes anything.
+    /// Returns from a path to the first method, where the loads reverse: the path does not lead back. True if the
+    /// method changed.
     pub fn turn(&mut self) -> bool {
         let leaves = self.at > 0 && self.method().follows_path();
         if leaves {
@@ -176,38 +174,37 @@ impl Fallback {
         leaves
     }
 
-    /// Begins with inertia, if it may.
+    /// Starts with inertia, if available, because bodies already move.
     pub fn go_on_moving(&mut self) {
         self.at = self.inertia().unwrap_or(0);
     }
 
-    /// The method of now.
+    /// The present method.
     pub fn method(&self) -> Method {
         self.choice().method
     }
 
-    /// The method of now with its tangents.
+    /// The present method with its tangents.
     pub fn choice(&self) -> MethodChoice {
         self.choices[self.at]
     }
 
-    /// Whether nothing is left to try but what `auto` ends with.
+    /// Whether only the last choice of `auto` is left.
     pub fn is_last(&self) -> bool {
         self.at > 0 && self.at + 1 == self.choices.len()
     }
 
-    /// Whether statics is the method of now, before anything else was tried, and solids may snap.
+    /// Whether statics is still in use and solids may snap.
     pub fn may_snap(&self) -> bool {
         self.at < self.statics && self.place(Method::Implex).is_some()
     }
 
-    /// Size of increments below which errors are reported and no longer pursued.
+    /// Increment size below which errors are reported but no longer reduced.
     pub fn floor(&self) -> f64 {
         self.floor
     }
 
-    /// What follows from the refusal of an increment of this size; `spent` if its path cannot be cut
-    /// further.
+    /// Answer to the rejection of an increment of this size. `spent`: its path cannot be cut further.
     pub fn refused(&mut self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
         let higher = self.at + 1 < self.choices.len();
         let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
@@ -228,17 +225,17 @@ impl Fallback {
         }
     }
 
-    /// Whether smaller increments are not worth trying.
+    /// Whether a smaller increment is not worth an attempt.
     pub fn is_small(&self, size: f64) -> bool {
         size <= self.floor
     }
 
-    /// Whether a snap should be followed along its path rather than jumped over.
+    /// Whether a snap should be followed along its path instead of jumped over.
     pub fn prefers_paths(&self) -> bool {
         self.at < self.statics && self.place(Method::Dissipation).is_some()
     }
 
-    /// Steps over to the next method, at part `load` of the loads. A free body needs inertia.
+    /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn climb(&mut self, refusal: &Refusal, load: f64) {
         self.stalls = 0;
         if self.at < self.statics {
@@ -247,7 +244,7 @@ impl Fallback {
         }
         let wanted = match refusal {
             Refusal::Linear { dof: Some(_), .. } => self.inertia(),
-            // Where secant tangents stalled before, they do along the path.
+            // If secant tangents failed before, take the path with consistent ones.
             Refusal::Snap => self
                 .place(Method::Dissipation)
                 .map(|path| path + usize::from(self.at > 0)),
@@ -258,10 +255,10 @@ impl Fallback {
                 .choices
                 .get(self.at + 1)
                 .is_some_and(|choice| choice.method == Method::Dissipation);
-            // What nothing holds any more is beyond every path.
+            // No path leads to equilibrium once a body is without support.
             let comes_loose = wanted.is_some() && *refusal != Refusal::Snap;
             if self.snaps && !comes_loose {
-                // If no tangent leads along the path: statics has found what lies beyond, that is taken.
+                // If no tangent works along the path, accept the equilibrium that statics found beyond the snap.
                 self.at = if again {
                     self.at + 1
                 } else {
@@ -282,7 +279,7 @@ impl Fallback {
             self.passed_over -= 1;
             next += 1;
         }
-        // A path of consistent tangents is for snaps: elsewhere extrapolation is cheaper.
+        // A path with consistent tangents is for snaps only: otherwise extrapolation is cheaper.
         while self.choices[next].method == Method::Dissipation
             && self.choices[next - 1].method == Method::Dissipation
         {
@@ -292,20 +289,20 @@ impl Fallback {
         self.calm = 0;
     }
 
-    /// The choice with inertia.
+    /// Index of the choice with inertia.
     fn inertia(&self) -> Option<usize> {
         self.place(Method::QuasiStatic)
     }
 
-    /// The first choice of a method.
+    /// Index of the first choice with a method.
     fn place(&self, method: Method) -> Option<usize> {
         self.choices
             .iter()
             .position(|choice| choice.method == method)
     }
 
-    /// Back to the first method if the increment shows that the trouble has passed. `moves`: bodies still move; `added`: part of
-    /// the load that the increment added; `load`: the load now.
+    /// Returns to the first method if the increment shows that the trouble has passed; true if it does. `moves`:
+    /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
     pub fn descend(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
         if self.at == 0 {

@@ -1,4 +1,4 @@
-//! The fields of a commit, as files show them.
+//! Fields of a commit, as they are written to files.
 
 use nalgebra::Vector6;
 
@@ -77,9 +77,9 @@ impl Run<'_> {
         frame
     }
 
-    /// Forces from outside on the beams, then on the supports, with what gravity, the ground and loads do to
-    /// their own nodes; then those of the loads with a name [N]. `load_factor`: part of the step's loads,
-    /// at part `moment` of its time.
+    /// Forces on the model [N]: external forces on the beams, then reactions of the supports without gravity, ground
+    /// motion and loads on their own nodes, then resultants of the named loads. `load_factor`: part of the step's
+    /// loads, at part `moment` of its time.
     pub(in crate::solve) fn reactions(
         &self,
         step: usize,
@@ -124,8 +124,8 @@ fn has_yielded(history: &MaterialHistory) -> bool {
     history.damage > 0.0 || history.plastic_strain != Vector6::zeros()
 }
 
-/// Largest principal inelastic strain of a point that has cracked: what of its strain an elastic
-/// point under its stress would not have, plastic strain and damage [-] (theory A.4).
+/// Largest principal inelastic strain of a cracked point [-]: viscous (plastic) strain and the part of the strain due
+/// to damage, which an elastic point under the same stress would not have (docs/theory/damage-plasticity.md, eq. 14).
 fn crack_strain(history: &MaterialHistory, elastic: &ElasticParameters) -> f64 {
     let whole = 1.0 - history.viscous_damage;
     if history.tensile_damage <= 0.0 || whole <= 0.0 {
@@ -141,7 +141,7 @@ fn crack_strain(history: &MaterialHistory, elastic: &ElasticParameters) -> f64 {
         }
     });
     let mut inelastic = history.viscous_strain + history.viscous_damage / whole * strain;
-    // Engineering shear to components of the tensor.
+    // From engineering shear to tensor components.
     for i in 3..6 {
         inelastic[i] *= 0.5;
     }

@@ -1,4 +1,4 @@
-//! What the history tells of a commit: displacement and force of what is driven or loaded, probes, loads.
+//! Values of a history row: displacement and force of the drive or load, probes, loads.
 
 use super::probes::probes;
 use super::run::Run;
@@ -14,8 +14,8 @@ pub(in crate::solve) fn drives(step: &Step) -> bool {
     step.motion.iter().flatten().any(driven) || springs.into_iter().any(|by| *by != 0.0)
 }
 
-/// Sense of the drive of a beam in a direction: that in which the first step that drives it there does. Displacements and
-/// forces are counted along it.
+/// Sign of the direction in which beam displacements and forces are counted: that of the first step that drives the
+/// beam in this direction.
 pub(in crate::solve) fn sense_of_beam(steps: &[Step], beam: usize, direction: usize) -> f64 {
     let mut by = steps.iter().filter_map(|step| step.motion.get(beam));
     let sense = by.find_map(|motion| match motion[direction] {
@@ -25,7 +25,7 @@ pub(in crate::solve) fn sense_of_beam(steps: &[Step], beam: usize, direction: us
     sense.unwrap_or(1.0)
 }
 
-/// The same of the driven end of a spring.
+/// The same for the driven end of a spring.
 pub(in crate::solve) fn sense_of_spring(steps: &[Step], spring: usize, direction: usize) -> f64 {
     let by = steps.iter().filter_map(|step| step.springs.get(spring));
     by.map(|by| by[direction])
@@ -33,7 +33,7 @@ pub(in crate::solve) fn sense_of_spring(steps: &[Step], spring: usize, direction
         .map_or(1.0, f64::signum)
 }
 
-/// The same of the displacement that steers a load.
+/// The same for a displacement that steers a load.
 pub(in crate::solve) fn sense_of_control(steps: &[Step]) -> f64 {
     let by = steps.iter().filter_map(|step| step.control);
     by.map(|control| control.displacement)
@@ -41,13 +41,13 @@ pub(in crate::solve) fn sense_of_control(steps: &[Step]) -> f64 {
         .map_or(1.0, f64::signum)
 }
 
-/// A value along the drive; never a zero with a sign.
+/// A value along the drive, without negative zeros.
 fn along(sense: f64, value: f64) -> f64 {
     if sense < 0.0 { 0.0 - value } else { value }
 }
 
-/// The load that the history tells of in a step of a model: the first that this step changes, or one
-/// after it, or before.
+/// The load that the history shows in a step: the first one that the step changes, else one of a later step, else one
+/// of an earlier step.
 fn told_load(model: &Model, step: usize) -> Option<usize> {
     let steps = model.steps[step..].iter().chain(&model.steps);
     let mut loads = steps.filter_map(|step| step.loads.iter().position(Option::is_some));
@@ -55,9 +55,9 @@ fn told_load(model: &Model, step: usize) -> Option<usize> {
 }
 
 impl Run<'_> {
-    /// Displacement of what is driven [mm] and its force, both along the drive, and the force normal to its face,
-    /// compression positive [N], at the last commit. In a model that drives nothing and has loads, those of
-    /// a load.
+    /// Displacement of the drive [mm] and its force [N], both along the drive, and the force normal to its face,
+    /// compression positive [N], at the last commit. For models with loads and without drive: displacement and force
+    /// of a load, and 0.
     pub(in crate::solve) fn driven(&self, step: usize) -> (f64, f64, f64) {
         if !self.model.steps.iter().any(drives)
             && let Some([displacement, force]) = self.loaded(step)
@@ -81,7 +81,7 @@ impl Run<'_> {
         )
     }
 
-    /// Force of what a step drives, along its drive, in the increment that the trial ends [N].
+    /// Force of a step's drive along itself in the increment that ends at the trial [N].
     pub(in crate::solve) fn driving_force(&self, step_run: &StepRun) -> f64 {
         let (system, trial) = (&self.system, &self.trial);
         match self.driven_beam(step_run.index) {
@@ -97,7 +97,7 @@ impl Run<'_> {
         }
     }
 
-    /// How far the drive of a step goes, along itself, in the increment that the trial ends [mm].
+    /// Displacement of a step's drive along itself in the increment that ends at the trial [mm].
     pub(in crate::solve) fn driven_way(&self, step_run: &StepRun) -> f64 {
         let (system, trial, steps) = (&self.system, &self.trial, &self.model.steps);
         match self.driven_beam(step_run.index) {
@@ -113,8 +113,8 @@ impl Run<'_> {
         }
     }
 
-    /// Rise of the driving force by the tangent at the start of the increment that the trial ends [N], if the increment began
-    /// with that tangent and drives a face.
+    /// Rise of the driving force that the first tangent predicts for the increment that ends at the trial [N]; none
+    /// if the increment did not start from that tangent or no face is driven.
     pub(in crate::solve) fn linear_rise(&self, step_run: &StepRun) -> Option<f64> {
         let (beam, direction) = self.driven_beam(step_run.index)?;
         let slot = self.system.dofs.beam_slot(beam, direction);
@@ -123,7 +123,7 @@ impl Run<'_> {
         Some(along(sense, forces[slot]))
     }
 
-    /// The beam that a step is told by, and its direction: the step's own, or that of another.
+    /// Beam whose motion the history shows, and its direction: that of the step, else of another step.
     fn driven_beam(&self, step: usize) -> Option<(usize, usize)> {
         let steps = &self.model.steps;
         steps[step]
@@ -131,7 +131,7 @@ impl Run<'_> {
             .or_else(|| steps.iter().find_map(|s| s.driven))
     }
 
-    /// The spring whose end a step drives, or another does, and its direction.
+    /// Spring whose end is driven in the step, else in another, and its direction.
     fn driven_end(&self, step: usize) -> Option<(usize, usize)> {
         let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
         steps
@@ -139,8 +139,8 @@ impl Run<'_> {
             .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)))
     }
 
-    /// Displacement of the driven end of a spring [mm] and its force along the drive [N], where a step
-    /// drives one and no face.
+    /// Displacement of the driven end of a spring [mm], its force along the drive [N], and 0, where a step drives a
+    /// spring and no face.
     fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
         self.driven_end(step).map_or((0.0, 0.0, 0.0), |(s, i)| {
             let sense = sense_of_spring(&self.model.steps, s, i);
@@ -152,7 +152,7 @@ impl Run<'_> {
         })
     }
 
-    /// What a step's watch sees: displacement [mm] and force [kN] of its drive, or of its load.
+    /// Displacement [mm] and force [kN] of the drive, or of the load, for the watch of a step.
     pub(in crate::solve) fn watched(&self, step: usize) -> [f64; 2] {
         let [displacement, force] = match self.loaded(step) {
             Some(loaded) if !drives(&self.model.steps[step]) => loaded,
@@ -164,9 +164,9 @@ impl Run<'_> {
         [displacement, 1e-3 * force]
     }
 
-    /// Displacement [mm] and force along its direction [N] of the load that a step is told by, if the model
-    /// has any. Where a displacement steers a step it is that; else the mean of the loaded nodes weighted by
-    /// what the load at rest does to them, so that with its force it makes its work.
+    /// Displacement [mm] of the load that the history shows, and force along its direction [N]; none without loads.
+    /// Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
+    /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
     fn loaded(&self, step: usize) -> Option<[f64; 2]> {
         let (model, state) = (self.model, &self.state);
         let told = told_load(model, step)?;
@@ -194,7 +194,7 @@ impl Run<'_> {
         if around {
             self.level(&mut weights);
         }
-        // A pressure all around has no direction: its area stands for it.
+        // A pressure on all sides has no direction; it is measured by its area.
         let size = |f: &[f64; 3]| f.iter().map(|f| f * f).sum::<f64>().sqrt();
         let whole = if around {
             weights.iter().map(size).sum()
@@ -232,7 +232,7 @@ impl Run<'_> {
         Some([displacement, force])
     }
 
-    /// Takes off what the other half takes back of forces at nodes in a plane of symmetry.
+    /// Removes the forces normal to symmetry planes at nodes in them: the other half cancels these.
     fn level(&self, forces: &mut [[f64; 3]]) {
         for support in &self.model.supports {
             if let HeldBy::Plane { axis, .. } = support.by {
@@ -243,8 +243,8 @@ impl Run<'_> {
         }
     }
 
-    /// Columns of the last commit beside those of every history: probes, then each load's value and its
-    /// force in all, which is among the `reactions` [N].
+    /// Additional columns of the last commit: probes, then the value of each load and its resultant, which is the
+    /// last part of `reactions` [N].
     pub(in crate::solve) fn columns(&self, reactions: &[[f64; 3]]) -> Vec<f64> {
         let (model, state) = (self.model, &self.state);
         let mut columns = probes(model, &self.system.dofs, state);

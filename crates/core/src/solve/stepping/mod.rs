@@ -1,4 +1,4 @@
-//! The steps of a run: sizes of increments, procedures and their fallback, acceptance, peaks, rows of the history.
+//! The steps of a run: increment sizes, procedures and their fallback, acceptance, peaks, history rows.
 
 pub(in crate::solve) mod acceptance;
 pub(in crate::solve) mod commit;

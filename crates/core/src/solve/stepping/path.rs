@@ -1,54 +1,55 @@
-//! Path following: the load is an unknown, and one more equation says how far an increment goes.
+//! Path following: the load factor is an unknown, and a constraint sets the length of an increment
+//! (docs/theory/procedures.md, eqs 1 to 5).
 //!
-//! With λ the part of the step's loads and prescribed displacements, r(q, λ) the out-of-balance forces
-//! and Δq = q − q₀ the way from the last commit, an iterate is
+//! With the load factor λ (part of the step's loads and prescribed displacements), the out-of-balance forces r(q, λ)
+//! and the displacements Δq = q − q₀ since the last commit, an iterate is
 //!
 //! ```text
 //! K d₁ = −r,   K d₂ = −∂r/∂λ,   q ← q + d₁ + δλ d₂,   λ ← λ + δλ
 //! ```
 //!
-//! (Batoz and Dhatt 1979), δλ such that the way is as long as it should be:
+//! (Batoz and Dhatt 1979). δλ follows from the constraint:
 //!
 //! ```text
-//! arc length (Crisfield 1981):              ‖Δq + d₁ + δλ d₂‖ = l, the root that goes on
+//! arc length (Crisfield 1981):              ‖Δq + d₁ + δλ d₂‖ = l, the root with the smaller angle to the way before
 //! dissipation, displacement control:        c·(Δq + d₁ + δλ d₂) = s
 //! ```
 //!
-//! K is the matrix of the procedure: with secant stiffness it stays positive definite where loads fall,
-//! and the constraint, which holds what softens where it is, makes the iteration converge there.
+//! K is the matrix of the procedure. With secant stiffness it stays positive definite where loads fall. The
+//! constraint prevents further softening within an iterate, so the iteration converges there too.
 //!
 //! # The dissipation
-//! Gutiérrez (2004) writes the dissipation of an increment by its loads, which asks for unloading to the
-//! origin. Here it is taken from where it arises: an element or a facet with nodal forces f that has
-//! dissipated D over the way Δu of its nodes does so at the rate η = D/(f·Δu) of its stress power.
-//! With the same rates in the next increment its dissipation is
+//! Gutiérrez (2004) writes the dissipation of an increment by its loads, which assumes unloading to the origin. Here
+//! it is measured where it arises. If an element or facet with nodal forces f dissipated D over the displacements Δu
+//! of its nodes, it did so at the rate η = D/(f·Δu) of its stress power. With the same rates the next increment
+//! dissipates
 //!
 //! ```text
 //! s = Σ η f·Δu = c·Δq
 //! ```
 //!
-//! linear in the displacements, free of rigid motion, and zero where nothing softens.
+//! which is linear in the displacements, free of rigid motion, and zero where nothing dissipates.
 
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::{System, Trial};
 use crate::state::Method;
 
-/// How far an increment goes.
+/// Prescribed length of an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advance<'a> {
-    /// To a given load.
+    /// Prescribed load factor.
     Load,
-    /// By a given length of Δq [mm].
+    /// Prescribed length of Δq [mm].
     Arc {
         /// Length l [mm].
         length: f64,
-        /// A way that goes on, by which the root is chosen [mm]. `[slot]`
+        /// Displacements of the increment before, which choose the root [mm]. `[slot]`
         onwards: &'a [f64],
     },
-    /// Until c·Δq has a given value.
+    /// Prescribed value of c·Δq.
     Along {
-        /// c: N for an energy, none for a displacement. `[slot]`
+        /// c: [N] for an energy, [-] for a displacement. `[slot]`
         gradient: &'a [f64],
         /// s [N mm or mm].
         by: f64,
@@ -56,7 +57,7 @@ pub enum Advance<'a> {
 }
 
 impl Advance<'_> {
-    /// δλ of an iterate, from Δq + d₁ and d₂ [mm] `[slot]`; none if no load gets there.
+    /// δλ of an iterate, from Δq + d₁ and d₂ [mm] `[slot]`; none if no load factor satisfies the constraint.
     pub fn load_change(&self, reached: &[f64], rate: &[f64]) -> Option<f64> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let change = match *self {
@@ -68,7 +69,7 @@ impl Advance<'_> {
                 let b = dot(reached, rate);
                 let c = dot(reached, reached) - length * length;
                 let root = (b * b - a * c).sqrt();
-                // Of the two ways the one with the smaller angle to the way before.
+                // The root with the smaller angle to the increment before.
                 let ahead = dot(onwards, rate);
                 (-b + if ahead >= 0.0 { root } else { -root }) / a
             }
@@ -77,38 +78,38 @@ impl Advance<'_> {
     }
 }
 
-/// The increment behind, by which the next one along the path is measured.
+/// Measure of the last increment, from which the next one along the path follows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PathMeasure {
     method: Method,
-    /// c, or the way behind [mm]. `[slot]`
+    /// c, or the displacements of the last increment [mm]. `[slot]`
     gradient: Vec<f64>,
-    /// Its measure s or l.
+    /// s or l of the last increment.
     measure: f64,
     /// Its step time over the duration of the step.
     size: f64,
-    /// What it added to the load.
+    /// Change of the load factor in it.
     load: f64,
-    /// Next increment over it, and what it was before it was cut.
+    /// Size of the next increment over the last one; the second value is the ratio before cuts.
     ratio: f64,
     planned: f64,
-    /// Largest movement wanted in one increment [mm].
+    /// Largest wanted movement in an increment [mm].
     most: f64,
-    /// Largest increment of the step, as part of it.
+    /// Largest increment size of the step.
     largest: f64,
     cuts: usize,
 }
 
-/// How far an increment may lead beside one of the largest size when the step began to move.
+/// Largest wanted movement over the one that the first increment would have at the largest size.
 const FAR: f64 = 10.0;
-/// The same, of the largest movement wanted, beyond which it has jumped.
+/// Movement over the largest wanted one beyond which the increment left its path.
 const LEAP: f64 = 2.0;
-/// Cuts after which a path is given up.
+/// Number of cuts after which a path is given up.
 const CUTS: usize = 6;
 
 impl PathMeasure {
-    /// Nothing behind yet; nodes move by no more than `most` [mm] in an increment, whose size is no more
-    /// than `largest`.
+    /// Measure before any increment. Nodes should move by at most `most` [mm] in an increment of at most the size
+    /// `largest`.
     pub fn new(most: f64, largest: f64) -> Self {
         Self {
             largest,
@@ -124,9 +125,9 @@ impl PathMeasure {
         }
     }
 
-    /// Takes the increment that `trial` ends, its size and what it added to the load, over its way `dq`, as the measure of the next
-    /// one of `method`, `growth` times as long. One in which nothing dissipated is no measure of
-    /// dissipation; false then.
+    /// Takes the increment that ends at `trial`, with its displacements `dq` [mm] `[slot]`, its size and its change
+    /// of the load factor, as measure for the next increment of `method`, which is `growth` times as long. Returns
+    /// false if the increment dissipated nothing and so does not measure a dissipation.
     pub fn learn(
         &mut self,
         method: Method,
@@ -148,7 +149,7 @@ impl PathMeasure {
         }
         let movement = dq.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
         if self.most.is_infinite() {
-            // Nothing is driven: the first increment, by the load, tells what is far.
+            // In steps without a drive, the first increment sets the scale of movements.
             self.most = FAR * movement * self.largest / size;
         }
         let ratio = growth.min(self.most / movement);
@@ -167,14 +168,12 @@ impl PathMeasure {
         true
     }
 
-    /// Whether a way of dissipation has left the path: it has come to an equilibrium far from the last
-    /// one, over what lies between.
+    /// Whether an increment of given dissipation left the path for a distant equilibrium.
     pub fn is_left_by(&self, dq: &[f64]) -> bool {
         self.method == Method::Dissipation && dq.iter().any(|u| u.abs() > LEAP * self.most)
     }
 
-    /// This measure in a step that began with the measure `first`; none if it does not measure `slots` of
-    /// displacements.
+    /// This measure in a step that started with the measure `first`; none if it does not have `slots` displacements.
     pub fn of_step(self, first: &Self, slots: usize) -> Option<Self> {
         let fits = self.gradient.is_empty() || self.gradient.len() == slots;
         let most = if first.most.is_finite() {
@@ -189,7 +188,7 @@ impl PathMeasure {
         })
     }
 
-    /// The whole step becomes `part` of a longer one.
+    /// Rescales the measure for a longer step, of which the present one is `part`.
     pub fn lengthen(&mut self, part: f64) {
         self.size *= part;
         self.load *= part;
@@ -200,17 +199,17 @@ impl PathMeasure {
         self.method == method
     }
 
-    /// Forgets what is behind.
+    /// Discards the measured increment.
     pub fn forget(&mut self) {
         *self = Self::new(self.most, self.largest);
     }
 
-    /// The next increment: its size and what it should add to the load if it goes on as before.
+    /// Size and expected load change of the next increment.
     pub fn next(&self) -> (f64, f64) {
         (self.ratio * self.size, self.ratio * self.load)
     }
 
-    /// How far it goes.
+    /// Constraint of the next increment.
     pub fn advance(&self) -> Advance<'_> {
         let by = self.ratio * self.measure;
         if self.method == Method::ArcLength {
@@ -226,12 +225,12 @@ impl PathMeasure {
         }
     }
 
-    /// The whole way again, for another method.
+    /// Restores the uncut length, for another method.
     pub fn mend(&mut self) {
         (self.ratio, self.cuts) = (self.planned, 0);
     }
 
-    /// A shorter way; false if it was cut too often.
+    /// Shortens the next increment; false if it was cut too often.
     pub fn cut(&mut self, factor: f64) -> bool {
         self.ratio *= factor;
         self.cuts += 1;
@@ -239,7 +238,7 @@ impl PathMeasure {
     }
 }
 
-/// ‖v‖.
+/// Euclidean norm ‖v‖.
 pub fn length(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

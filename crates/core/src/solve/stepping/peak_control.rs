@@ -1,20 +1,21 @@
-//! Increments near the peak of a driven force or of a steered load.
+//! Peak control: increment sizes near the peak of a driven force or of a load factor (docs/theory/procedures.md, eqs
+//! 14 to 17).
 //!
-//! The load that a wall carries is the largest force of all increments, which is only near the peak: over a way h a parabola
-//! with the second derivative −κ rises by κ h²/8 above its chord. Where the parabola through the last three increments has its
-//! vertex within the next one, that is made so short that no more than a given part of the force is left there. An increment
-//! that has passed a peak which was not foreseen is taken again.
+//! The load that a wall carries is reported as the largest force of all increments, which only approximates the peak.
+//! Over an increment h, a parabola with the second derivative −κ rises by κ h²/8 above its chord. If the parabola
+//! through the last three increments has its vertex within the next one, that increment is made so short that at most
+//! a given part of the force is missed. An increment that passed an unforeseen peak is repeated.
 //!
-//! A bond that breaks within an increment leaves a corner that no parabola tells of. There the laws are asked: with the
-//! work W(s) that joints and solids do at part s of the increment beyond the straight line between its ends
-//! ([`System::work_between`](crate::assembly::System::work_between)), the force there is
+//! A bond that breaks within an increment causes a corner, which no parabola predicts. There the constitutive laws
+//! give the force. With the work W(s) of joints and solids up to part s of the increment, beyond the straight line
+//! between its ends ([`System::work_between`](crate::assembly::System::work_between)), it is
 //!
 //! ```text
 //! F(s) = (1−s) F₀ + s F₁ + W(s)/a,   a = Δu − (F₁ − F₀)/K,
 //! ```
 //!
-//! exactly, if all yielding points go straight and all others stay elastic. a is the inelastic part of the displacement, and
-//! K the elastic stiffness: the rise of the force in the increments before, or at the linear start.
+//! exact if all yielding points move along one direction and all others stay elastic. a is the inelastic part of the
+//! displacement. K is the elastic stiffness: the rise of the force in earlier increments, or at the linear start.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,52 +23,52 @@ use crate::assembly::{PARTS, Works};
 
 /// Part of the largest force so far above which a peak counts.
 const NEAR: f64 = 0.9;
-/// Part of the last increment that the next is at least, however sharp the peak looks.
+/// Least size of the next increment over the last one, however sharp the peak seems.
 const LEAST: f64 = 0.25;
 
-/// Part of a force that the first of a curve begins with at most.
+/// Largest force over the next one with which a curve may start to count as unloaded.
 pub(in crate::solve) const AT_REST: f64 = 0.1;
-/// Times the part that is left unseen, where the force does not fall.
+/// Factor on the part missed, where the force does not fall.
 const CORNER: f64 = 4.0;
-/// Inelastic part of the displacement of an increment, at least [-].
+/// Least inelastic part of the displacement of an increment [-].
 const YIELDS: f64 = 1e-2;
-/// Times the stiffness of the tries before, if a first increment has passed something.
+/// Least stiffness over those of earlier attempts, if a peak was passed.
 const STIFFER: f64 = 1.02;
-/// Times the part that is left unseen, below which a first increment counts as linear.
+/// Factor on the part missed, below which a first increment counts as linear.
 const LINEAR: f64 = 0.1;
-/// Parts of an increment that another try of it has at least and at most.
+/// Least and largest size of a repetition over the size of the increment.
 const SHORTEST: f64 = 0.1;
 const LONGEST: f64 = 0.5;
-/// Times the stiffness of a linear start that the true one may be.
+/// Largest true stiffness over that of the linear start.
 const SOFT_START: f64 = 2.0;
 
-/// The last increments of a step.
+/// Forces of the last increments of a step.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(in crate::solve) struct PeakWatch {
-    /// Part of the step's time, and the force or load factor there, oldest first.
+    /// Part of the step's time and the force or load factor there, oldest first.
     last: [Option<[f64; 2]>; 3],
-    /// Largest so far, without sign.
+    /// Largest magnitude so far.
     most: f64,
-    /// Largest so far of either sign: positive, negative.
+    /// Largest positive and largest negative magnitude so far.
     largest: [f64; 2],
-    /// Largest rise of the force of an increment over its part of the step.
+    /// Largest rise of the force per part of the step in an increment.
     stiffest: f64,
 }
 
-/// An increment in equilibrium, as a hidden peak is looked for.
+/// Data of an increment in equilibrium for the search of a hidden peak.
 pub(in crate::solve) struct Passage {
-    /// Its part of the step's time.
+    /// Size, as a part of the step's time.
     pub size: f64,
-    /// The force or load factor at its end.
+    /// Force or load factor at its end.
     pub force: f64,
-    /// Force of one unit of work beyond the straight line, if all displacement is inelastic.
+    /// Force per unit of work beyond the straight line, if all displacement is inelastic.
     pub by_work: f64,
-    /// Rise of the force over the part of the step at its linear start, if it had one.
+    /// Rise of the force per part of the step at a linear start, if the increment had one.
     pub linear: Option<f64>,
 }
 
 impl PeakWatch {
-    /// Takes an increment.
+    /// Records an increment.
     pub(in crate::solve) fn take(&mut self, time: f64, force: f64) {
         let [_, before, last] = self.last;
         if let Some([earlier, start]) = last
@@ -82,12 +83,12 @@ impl PeakWatch {
         self.largest = [positive.max(force), negative.max(-force)];
     }
 
-    /// The last increments tell nothing of the next ones.
+    /// Discards the last increments, where the next ones do not continue them.
     pub(in crate::solve) fn forget(&mut self) {
         self.last = [None; 3];
     }
 
-    /// The whole step becomes `part` of a longer one.
+    /// Rescales the watch for a longer step, of which the present one is `part`.
     pub(in crate::solve) fn lengthen(&mut self, part: f64) {
         for point in self.last.iter_mut().flatten() {
             point[0] *= part;
@@ -95,7 +96,7 @@ impl PeakWatch {
         self.stiffest /= part;
     }
 
-    /// Size of the next increment, if one of `next` would pass over a peak and leave more than `part` of the force unseen.
+    /// Size of the next increment, if one of size `next` would pass a peak and miss more than `part` of the force.
     pub(in crate::solve) fn shortens(&self, next: f64, part: f64) -> Option<f64> {
         let [Some(a), Some(b), Some(c)] = self.last else {
             return None;
@@ -104,7 +105,7 @@ impl PeakWatch {
         if !(before > 0.0 && size > 0.0 && force >= NEAR * self.most) {
             return None;
         }
-        // Of the magnitude of the force.
+        // Slope of the magnitude of the force.
         let slope =
             |from: [f64; 2], to: [f64; 2]| (to[1] - from[1]) * c[1].signum() / (to[0] - from[0]);
         let kappa = 2.0 * (slope(a, b) - slope(b, c)) / (before + size);
@@ -116,9 +117,10 @@ impl PeakWatch {
         (resolves < next).then_some(resolves)
     }
 
-    /// Size of another try of an increment that ends at `time` with this `force`, if more than `part` of the force may lie
-    /// unseen within it, at the vertex of the parabola through its ends and the one before. Where the force rises on, the part
-    /// is [`CORNER`] times as large, but for the second increment from rest, which is long beside the first.
+    /// Size of the repetition of an increment that ends at `time` with this `force`, if the parabola through its ends
+    /// and the point before has a vertex within it that exceeds both ends by more than `part` of the force. Where the
+    /// force still rises, [`CORNER`] times this part is allowed, except in the second increment from rest, which is
+    /// long beside the first.
     pub(in crate::solve) fn passed(&self, time: f64, force: f64, part: f64) -> Option<f64> {
         let [earlier, Some(a), Some(b)] = self.last else {
             return None;
@@ -131,7 +133,7 @@ impl PeakWatch {
         }
         let [rise, then] = [(start - first) / before, (end - start) / size];
         let kappa = 2.0 * (rise - then) / (before + size);
-        // Of the parabola, where the increment begins.
+        // Slope of the parabola at the start of the increment.
         let slope = rise - 0.5 * kappa * before;
         if !(slope > 0.0 && slope < kappa * size) {
             return None;
@@ -145,7 +147,7 @@ impl PeakWatch {
         (vertex - largest > least * largest).then_some(resolves)
     }
 
-    /// The force where the way begins, if nothing else is known.
+    /// Force at the start of the curve, if no other point is known.
     pub(in crate::solve) fn begins_at(&self) -> Option<f64> {
         match self.last {
             [None, None, Some([_, force])] => Some(force),
@@ -153,9 +155,9 @@ impl PeakWatch {
         }
     }
 
-    /// Size of another try of an increment, if the laws have carried more within it than at its ends and before, by more than
-    /// `part`. `work`: the works W at [`PARTS`]; `tried`: the largest rise of the force over the part of the step of the tries
-    /// before this one.
+    /// Size of the repetition of an increment, if the laws carried a force within it that exceeds those at its ends
+    /// and before by more than `part`. `work`: the works W at [`PARTS`]; `tried`: the largest rise of the force per
+    /// part of the step among the earlier attempts.
     pub(in crate::solve) fn hides(
         &self,
         passage: &Passage,
@@ -170,20 +172,21 @@ impl PeakWatch {
             return None;
         }
         let size = passage.size;
-        // A force that resists the motion is positive.
+        // Forces that resist the motion are positive.
         let sign = passage.by_work.signum();
         let [start, end] = [start, passage.force].map(|force| sign * force);
         let largest = self.largest[usize::from(sign < 0.0)].max(start).max(end);
         let secant = (end - start) / size;
         let earlier = tried.replace(tried.map_or(secant, |tried| tried.max(secant)));
         if secant > 0.0 && earlier.is_some_and(|earlier| secant <= STIFFER * earlier) {
-            // A peak would have made the shorter try stiffer.
+            // If there were a peak, the shorter attempt would have been stiffer.
             return None;
         }
-        // Elastic stiffness: of the increment before, and the largest of all. A soft penalty makes a linear start too soft.
+        // Elastic stiffness: that of the increment before, and the largest of all. A soft penalty underestimates that
+        // of a linear start.
         let (near, stiffest, softened) = if let Some([first, force]) = before {
             let rise = (start - sign * force) / (time - first);
-            // After a fall it may rise as steeply.
+            // After a fall the force may rise as steeply.
             let near = rise.abs().min(self.stiffest).max(secant);
             (near, self.stiffest.max(near), 1.0)
         } else {
@@ -191,7 +194,7 @@ impl PeakWatch {
             let near = linear.max(secant).max(earlier.unwrap_or(0.0));
             (near, near, SOFT_START)
         };
-        // The force if all is elastic.
+        // Force at the end if everything stays elastic.
         let most = start + softened * near * size;
         let is_first = before.is_none();
         if near <= 0.0 && !is_first || near > 0.0 && most <= (1.0 + part) * largest {
@@ -203,7 +206,7 @@ impl PeakWatch {
             return None;
         }
         if near <= 0.0 {
-            // All of it is beyond the peak.
+            // The whole increment lies beyond the peak.
             return Some(SHORTEST * size);
         }
         let yields = |stiffness: f64| (1.0 - secant / stiffness).max(YIELDS);
@@ -213,7 +216,7 @@ impl PeakWatch {
             (s, force, most)
         });
         let (s, force, most) = forces.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        // Points that are not in line with the drive break and the force rises on.
+        // Points that are not in line with the drive break, and the force rises further.
         let elsewhere = secant > 0.0 && before.is_some() && force > most;
         let peak = force.min(most);
         if elsewhere || peak <= (1.0 + part) * largest {
@@ -247,9 +250,9 @@ mod tests {
         for sign in [1.0, -1.0] {
             let watch = watch(&[0.0, 0.8, 1.5], |t| sign * hill(t));
             let size = watch.shortens(1.0, 0.005).unwrap();
-            // κ = 2, F = 9.75: h = √(8 × 0.005 × 9.75 / 2), but for the roundings of two differences.
+            // κ = 2 and F = 9.75 give h = √(8 × 0.005 × 9.75 / 2), up to the roundings of two differences.
             assert!((size - 0.195_f64.sqrt()).abs() < 1e-12, "{size}");
-            // Wherever the increments fall on the hill, its top is h²/4 at most above one of them.
+            // Wherever the increments fall on the parabola, its top is at most h²/4 above one of them.
             for begin in 0..10 {
                 let from = 1.5 + 0.1 * size * f64::from(begin);
                 let seen = (0..4).map(|i| hill(from + size * f64::from(i)));
@@ -274,7 +277,7 @@ mod tests {
         assert!(stays(&watch(&[1.0, 1.5], hill)));
         assert!(stays(&watch(&[1.0, 1.4, 1.8], |t| 10.0 + (t - 2.0).powi(2))));
         assert!(stays(&watch(&[0.0, 0.8, 1.5], |_| 0.0)));
-        // Far below an earlier peak.
+        // The curve is far below an earlier peak.
         let mut lower = watch(&[-1.0], |_| 11.0);
         for t in [0.0, 0.8, 1.5] {
             lower.take(t, hill(t));
@@ -286,7 +289,7 @@ mod tests {
         assert!(stays(&turned));
     }
 
-    /// An increment that is taken again is shorter, until no more than the given part is left between two of them.
+    /// Repeated increments get shorter until at most the given part is missed between two of them.
     #[test]
     fn a_peak_that_was_passed_over_is_gone_back_to() {
         for sign in [1.0, -1.0] {
@@ -310,25 +313,25 @@ mod tests {
         }
     }
 
-    /// A bond of strength 10 kN behind a spring, and perhaps another spring beside both, is driven.
+    /// A driven bond of strength 10 kN in series with a spring, and optionally a spring parallel to both.
     struct Bonded {
-        /// Of the spring in line, of the bond before it yields, of the spring beside [kN/mm].
+        /// Stiffness of the spring in series, of the bond before it yields, and of the parallel spring [kN/mm].
         line: f64,
         bond: f64,
         beside: f64,
-        /// How fast the bond loses its strength [kN/mm]; it keeps `residual` [kN].
+        /// Softening modulus of the bond [kN/mm]; it keeps the strength `residual` [kN].
         softens: f64,
         residual: f64,
     }
 
     impl Bonded {
-        /// Force of the bond at this opening [kN].
+        /// Force of the bond at an opening [kN].
         fn traction(&self, gap: f64) -> f64 {
             let softened = 10.0 - self.softens * (gap - 10.0 / self.bond);
             (self.bond * gap).min(softened.max(self.residual))
         }
 
-        /// Opening where the spring in line is driven to `u` [mm]: the balance by halving.
+        /// Opening where the spring in series is driven to `u` [mm], by bisection of the balance.
         fn gap(&self, u: f64) -> f64 {
             let (mut low, mut high) = (0.0, u);
             for _ in 0..80 {
@@ -346,8 +349,8 @@ mod tests {
             self.traction(self.gap(u)) + self.beside * u
         }
 
-        /// Largest force of all increments of a drive of `way` [mm] that begins with a hundredth of it, and the tries that
-        /// this took. `sign`: of the drive.
+        /// Largest force over all increments of a drive of `way` [mm] whose first increment is a hundredth of it, and
+        /// the number of attempts. `sign`: sign of the drive.
         fn seen(&self, way: f64, sign: f64) -> (f64, usize) {
             let mut watch = PeakWatch::default();
             watch.take(0.0, 0.0);
@@ -384,7 +387,8 @@ mod tests {
         }
     }
 
-    /// However far it is driven, whether its force falls after the peak, falls and rises again, or rises on.
+    /// The peak is found for any length of the drive, whether the force then falls, falls and rises again, or rises
+    /// further.
     #[test]
     fn no_increment_hides_the_peak_of_a_bond() {
         let bonds = [
@@ -405,13 +409,14 @@ mod tests {
             let u = 10.0 / line + 10.0 / bond;
             let peak = 10.0 + beside * u;
             for way in [2.0 * u, 7.3 * u, 31.0 * u, 1e3 * u] {
-                // A force that rises on after the peak ends above it.
+                // A force that rises after the peak may end above it.
                 let exact = f64::max(peak, bonded.force(way));
                 for sign in [1.0, -1.0] {
                     let (most, tries) = bonded.seen(way, sign);
                     println!("{line} {softens} {way}: {} in {tries}", most / exact);
-                    // The part that is asked for, and as much again for K, which holds the bond's own elasticity, too.
-                    // (A bond that softens at 0.9 of the spring's stiffness leaves 1.1 % over a thousandfold drive.)
+                    // The given part, and as much again for K, which contains the elasticity of the bond too. (A bond
+                    // that softens at 0.9 of the spring's stiffness misses 1.1 % in a drive a thousand times as
+                    // long.)
                     let left = 0.01;
                     assert!(most > (1.0 - left) * exact, "{line} {softens} {way} {most}");
                     // 80 increments of the largest size, and some before.
@@ -429,7 +434,7 @@ mod tests {
         assert!(!again(&[1.8, 1.9], 2.05, hill, 0.005)); // too flat a piece of it
         assert!(again(&[0.2, 1.2], 2.9, hill, 0.005));
         assert!(!again(&[0.2, 1.2], 2.9, hill, 1.0)); // as it was asked for
-        // A corner: friction does not fall, and hides nothing.
+        // A corner: friction does not fall, so no peak is hidden.
         let slides = |t: f64| t.min(2.0);
         assert!(!again(&[1.5, 1.7, 1.9], 2.1, slides, 0.005));
     }
@@ -438,7 +443,7 @@ mod tests {
     fn a_sharp_peak_costs_a_few_increments() {
         let watch = watch(&[1.0, 1.4, 1.9], |t| 10.0 - 9.0 * (t - 2.0).powi(2));
         assert_eq!(watch.shortens(0.75, 1e-6), Some(LEAST * (1.9 - 1.4)));
-        // Never more than the next one would be anyway.
+        // The size never exceeds that planned.
         assert_eq!(watch.shortens(0.1, 1e-6), None);
     }
 

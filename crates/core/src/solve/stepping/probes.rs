@@ -1,4 +1,4 @@
-//! What the probes of a model see.
+//! Values of the probes of a model.
 
 use crate::assembly::DofMap;
 use crate::assembly::dofs::HELD;

@@ -1,4 +1,4 @@
-//! What follows a refused increment: a shorter one, another method, or the end.
+//! Answer to a rejected increment: a smaller one, another method, or the end of the run.
 
 use super::explain;
 use super::fallback::Answer;
@@ -9,11 +9,11 @@ use crate::solve::increment::outcome::Refusal;
 use crate::state::Method;
 use crate::state::Status;
 
-/// Of an increment that was refused, the part that is tried first along the path.
+/// First increment along a path, as a part of the rejected increment.
 const GUESS: f64 = 0.1;
 
 impl Run<'_> {
-    /// Chooses what to try after a refusal; false if nothing is left.
+    /// Chooses the next attempt after a rejection; false if none is left.
     pub(in crate::solve) fn refuse(
         &mut self,
         step_run: &mut StepRun,
@@ -24,7 +24,7 @@ impl Run<'_> {
         let on_path = request.method.follows_path();
         let method = step_run.fallback.method();
         if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
-            // The rest of the step in one: the path goes on instead.
+            // The rest of the step was tried in one increment; the path continues instead.
             step_run.end_refused = true;
             return true;
         }
@@ -38,13 +38,13 @@ impl Run<'_> {
             step_run.beyond = Some(request.increment.end());
         }
         if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
-            // Not even there: over it in increments as large as may be.
+            // The jump beyond the snap fails too: use the largest increments.
             step_run.schedule.resume(step_run.step.increments.max);
             return true;
         }
         let mut answer = step_run.fallback.refused(refusal, size, spent);
         if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
-            // Nothing has dissipated yet, and nothing is found before something does.
+            // Without dissipation so far, no path is known. Learn it from the rejected increment.
             if self.guess(step_run, method, size) {
                 return true;
             }
@@ -68,7 +68,7 @@ impl Run<'_> {
                         .fallback
                         .climb(refusal, step_run.sense() * step_run.load);
                     let next = step_run.fallback.method();
-                    // Where loads stay there is no path of theirs.
+                    // Constant loads have no path.
                     let stays = step_run.branch.slope() == 0.0;
                     if !next.follows_path()
                         || (!stays && step_run.path_measure.leads(next))
@@ -87,11 +87,12 @@ impl Run<'_> {
                             .schedule
                             .resume(size.min(step_run.fallback.floor()));
                     }
-                    // Its equations are linear: whatever cut the increment is not their trouble.
+                    // The equations are linear, so the trouble that cut the increment does not affect them.
                     Method::Implex => step_run
                         .schedule
                         .resume(size.max(step_run.fallback.floor())),
-                    // Nothing leads through: it is jumped over, as it was found or else from as far as may be.
+                    // No method follows the path: jump over it, to the equilibrium found beyond or else by the
+                    // largest increment.
                     Method::Static if step_run.fallback.is_last() => {
                         let beyond = step_run.beyond.map(|at| at - step_run.schedule.done());
                         let jump = beyond.unwrap_or(step_run.step.increments.max);
@@ -125,8 +126,7 @@ impl Run<'_> {
         }
     }
 
-    /// Measures the path by the increment that was refused, for want of a better one; false if nothing
-    /// dissipated in it.
+    /// Measures the path by the rejected increment for lack of a better one; false if it did not dissipate.
     pub(in crate::solve) fn guess(
         &mut self,
         step_run: &mut StepRun,
@@ -141,7 +141,7 @@ impl Run<'_> {
             .learn(method, system, trial, &dq, (size, 0.0), GUESS)
     }
 
-    /// Counts a refused or repeated increment.
+    /// Counts a rejected or repeated increment.
     pub(in crate::solve) fn cut_back(&mut self, step_run: &mut StepRun) {
         step_run.cutbacks += 1;
         step_run.repeat = false;

@@ -1,25 +1,27 @@
-//! Relaxation of a snap: dashpots at the nodes carry a structure that has lost its equilibrium to the next one.
+//! Relaxation of a snap: dashpots at the nodes carry the structure to its next equilibrium
+//! (docs/theory/procedures.md, eqs 10 and 11).
 //!
-//! Where a unit cracks through or a joint parts, the next equilibrium is far away and Newton's method does not find it. The
-//! answer that counts is that of vanishing viscosity. With internal forces p, loads F, a dashpot at every degree of freedom
-//! and loads and drives held, the motion obeys
+//! Where a unit cracks through or a joint parts, the next equilibrium is far away and Newton's method does not find
+//! it. The relevant equilibrium is that of vanishing viscosity. With internal forces p, loads F, a dashpot at every
+//! degree of freedom and constant loads and drives, the motion obeys
 //!
 //! ```text
 //! C u̇ + p(u) = F
 //! ```
 //!
-//! whose end is an equilibrium and whose way does not depend on the size of C, only on its distribution. Backward Euler in a
+//! It ends in an equilibrium. Its path depends on the distribution of C only, not on its size. Backward Euler in a
 //! pseudo-time τ gives sub-increments
 //!
 //! ```text
 //! p(u₁) − F + κ c (u₁ − u₀) = 0,   κ = 1/Δτ
 //! ```
 //!
-//! with c of a node the mean of E h of its elements (Young's modulus times size), so that κ = 1 resists about as the elements
-//! around the node do. κ falls while the sub-increments converge and grows where one does not. The first sub-increment takes
-//! the increment of the loads that was refused; its dashpots act on the difference to the predicted displacements, so that
-//! they do not resist the drive. The relaxation ends when the forces of the dashpots are below the tolerance of equilibrium:
-//! the state is then one of statics. Their work is the energy that the snap sets free, and is counted as damping.
+//! The coefficient c of a node is the mean of E h of its elements (Young's modulus times size), so that dashpots with
+//! κ = 1 are about as stiff as the elements around the node. κ falls while the sub-increments converge and grows
+//! where one fails. The first sub-increment applies the loads of the rejected increment; its dashpots act on the
+//! difference to the predicted displacements and so do not resist the drive. The relaxation ends when the dashpot
+//! forces are below the tolerance of equilibrium: the state is then static. The work of the dashpots is the energy
+//! that the snap releases, and counts as damping.
 
 use super::path::Advance;
 use super::run::Run;
@@ -33,21 +35,21 @@ use crate::solve::increment::convergence::Balance;
 use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
 use crate::state::Method;
 
-/// The dashpots of one sub-increment.
+/// Dashpots of one sub-increment.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct Dashpots {
-    /// c: mean of E h of the elements around each node, summed over the nodes of a beam [N/mm]. `[slot]`
+    /// c, the mean of E h of the elements around each node, summed over the nodes of a beam [N/mm]. `[slot]`
     coefficient: Vec<f64>,
     /// κ [-].
     pub(in crate::solve) factor: f64,
-    /// Displacements that the dashpots resist leaving [mm]. `[slot]`
+    /// Displacements u₀ at which the dashpot forces vanish [mm]. `[slot]`
     anchor: Vec<f64>,
-    /// Whether the sub-increment adds loads: the anchor is then the predicted displacement.
+    /// Whether the sub-increment changes loads; the anchor is then the predicted displacement.
     pub(in crate::solve) loads: bool,
 }
 
 impl Dashpots {
-    /// The dashpots of a model; they do not act before [`Self::anchor_at`].
+    /// Dashpots of a model; [`Self::anchor_at`] must be called before they act.
     pub(in crate::solve) fn new(model: &Model, system: &System) -> Self {
         let mesh = &model.mesh;
         let mut node = vec![0.0; mesh.nodes.len()];
@@ -74,12 +76,12 @@ impl Dashpots {
         }
     }
 
-    /// The dashpots resist leaving these displacements [mm]. `[slot]`
+    /// Sets the displacements u₀ at which the dashpot forces vanish [mm]. `[slot]`
     pub(in crate::solve) fn anchor_at(&mut self, q: &[f64]) {
         self.anchor.copy_from_slice(q);
     }
 
-    /// Force of a dashpot against leaving its anchor [N].
+    /// Dashpot force κ c (q − u₀) [N].
     pub(in crate::solve) fn force(&self, slot: usize, q: f64) -> f64 {
         self.factor * self.coefficient[slot] * (q - self.anchor[slot])
     }
@@ -97,32 +99,33 @@ impl Dashpots {
 
 /// κ of the first sub-increment.
 const FIRST: f64 = 1.0;
-/// Largest κ: stiffer dashpots find nothing either.
+/// Largest κ; stiffer dashpots do not help.
 const STIFFEST: f64 = 1e3;
-/// Smallest κ: forces that do not die away with it have no equilibrium.
+/// Smallest κ; forces that remain below it have no equilibrium.
 const SOFTEST: f64 = 1e-9;
-/// Part of the tolerance of equilibrium below which dashpot forces are none.
+/// Part of the tolerance of equilibrium below which the structure is at rest.
 const AT_REST: f64 = 0.3;
-/// Sub-increments of a relaxation at most.
+/// Most sub-increments of a relaxation.
 const MOST: usize = 80;
-/// Growth of κ where a sub-increment does not converge.
+/// Growth of κ after a sub-increment that failed.
 const STIFFER: f64 = 5.0;
-/// Solves up to which κ falls quickly, and up to which it falls.
+/// Most solves for a quick fall of κ, and for a slow one.
 const EASY: usize = 5;
 const FAIR: usize = 9;
-/// The same of a motion that does not slow down.
+/// Most solves for a fall of κ if the motion does not slow down.
 const AT_ONCE: usize = 2;
-/// Factors of κ then.
+/// Factors of κ in a quick and in a slow fall.
 const QUICKLY: f64 = 0.1;
 const SLOWLY: f64 = 0.3;
-/// Sub-increments after one that did not converge in which κ falls slowly.
+/// Number of sub-increments after a failed one in which κ does not fall quickly.
 const CAUTIOUS: usize = 2;
-/// Dashpot forces over those of the last sub-increment below which the motion slows down.
+/// Ratio of dashpot forces to those of the last sub-increment below which the motion slows down.
 const FALLS: f64 = 0.9;
 
 impl Run<'_> {
-    /// Carries the structure from the last commit over a snap within the refused increment of `request` to the next equilibrium.
-    /// The trial holds it then, with the request to commit it by; none if there is no equilibrium near, and the state is as before.
+    /// Carries the structure from the last commit, over a snap within the rejected increment of `request`, to the
+    /// next equilibrium. Returns the request by which the trial, which then holds this equilibrium, is to be
+    /// committed. Returns none and restores the state if no equilibrium is near.
     pub(in crate::solve) fn relax(
         &mut self,
         step_run: &mut StepRun,

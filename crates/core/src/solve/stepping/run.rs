@@ -1,4 +1,4 @@
-//! The run: steps, increments, commits.
+//! A run: its steps, increments and commits.
 
 use std::cell::OnceCell;
 
@@ -26,28 +26,28 @@ use crate::state::QUIET;
 use crate::state::State;
 use crate::state::{Status, Summary};
 
-/// A run that could not begin, or could not be recorded.
+/// Error of a run that could not start or could not be recorded.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// An element or a material does not work.
+    /// An element or a material cannot be prepared.
     #[error(transparent)]
     Bulk(#[from] BulkError),
     /// Results could not be written.
     #[error("results could not be written: {0}")]
     Output(#[from] std::io::Error),
-    /// A checkpoint that the model cannot go on from.
+    /// A checkpoint does not fit the model.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// Inertia without mass.
+    /// A step with inertia has parts without mass.
     #[error(
         "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
     )]
     NoMass {
-        /// Step.
+        /// Index of the step.
         step: usize,
         /// Its name in the deck.
         name: String,
-        /// What has none.
+        /// Place without mass.
         place: String,
     },
 }
@@ -58,12 +58,12 @@ pub(in crate::solve) const CUT: f64 = 0.4;
 /// Runs a model from rest through all its steps.
 ///
 /// # Errors
-/// [`RunError`]. Lost convergence is no error but a [`Status`] with everything before it kept.
+/// [`RunError`]. Lost convergence is not an error but a [`Status`]; all results before it are kept.
 pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
     run_part(model, &Part::default(), recorder).map(Summary::in_words)
 }
 
-/// Runs a model that is this part of what is shown.
+/// Runs a model that is the given part of the scene shown.
 fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
     if let Some(instead) = Reduction::of(model) {
         return instead.show(model, part, recorder, Reached::default(), run_part);
@@ -71,8 +71,8 @@ fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<S
     if let Some(told) = part.told() {
         recorder.note(&told);
     }
-    // On a thread of the pool: from outside it each of the hundreds of small parallel pieces of an
-    // iteration would put this thread to sleep and wake it again.
+    // Work on a thread of the pool. From outside it, each of the hundreds of small parallel tasks of an iteration
+    // would put this thread to sleep and wake it again.
     rayon::scope(|_| Run::new(model, part)?.finish(None, recorder))
 }
 
@@ -89,9 +89,9 @@ pub(in crate::solve) struct Run<'m> {
     pub(in crate::solve) snaps: Snaps,
     pub(in crate::solve) swings: Swings,
     pub(in crate::solve) energy_watch: EnergyWatch,
-    /// Where inertia took over from statics, while it acts.
+    /// The last equilibrium, while inertia acts in place of statics.
     pub(in crate::solve) last_equilibrium: Option<LastEquilibrium>,
-    /// Of the model, when the first checkpoint wants it.
+    /// Fingerprint of the model, computed for the first checkpoint.
     pub(in crate::solve) fingerprint: OnceCell<Fingerprint>,
 }
 
@@ -108,7 +108,7 @@ impl<'m> Run<'m> {
             dofs: 0,
             contact_points: system.contact.points.len(),
         };
-        // Warnings of the model were told when it was built.
+        // Warnings of the model were reported when it was built.
         let mut summary = Summary::begun(sizes, rayon::current_num_threads());
         summary.mirror_planes.clone_from(&part.planes);
         summary.log.extend(part.told());
@@ -130,13 +130,13 @@ impl<'m> Run<'m> {
         })
     }
 
-    /// All steps, or the rest of one in progress and those after it.
+    /// Runs all steps, or the rest of a step in progress and the steps after it.
     pub(in crate::solve) fn finish(
         mut self,
         step_run: Option<StepRun<'m>>,
         recorder: &mut dyn Recorder,
     ) -> Result<Summary, RunError> {
-        // A run that was killed between its collapse and its summary.
+        // A collapsed status means that an earlier run was killed between its collapse and its summary.
         let (mut next, mut go_on) = (0, self.summary.status != Status::Collapsed);
         if let (Some(step_run), true) = (step_run, go_on) {
             next = step_run.index + 1;
@@ -154,7 +154,7 @@ impl<'m> Run<'m> {
         Ok(self.summary)
     }
 
-    /// A step to its end; false if the run ends here.
+    /// Runs a step to its end; false if the run ends there.
     fn walk(
         &mut self,
         mut step_run: StepRun<'m>,
@@ -213,7 +213,7 @@ impl<'m> Run<'m> {
         Ok(self.keeps_symmetry(&step_run, recorder))
     }
 
-    /// Relaxes the structure over a snap, or chooses what to try after a refusal; false if the run ends here.
+    /// Relaxes the structure over a snap, or chooses the next attempt after a rejection; false if the run ends.
     fn relax_or_refuse(
         &mut self,
         step_run: &mut StepRun<'m>,
@@ -236,7 +236,7 @@ impl<'m> Run<'m> {
         Ok(self.refuse(step_run, request, refusal, recorder))
     }
 
-    /// From here on the damage of a point has a largest rate, unless a viscosity holds it back.
+    /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
     fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
         let step = step_run.step;
         if step.viscosity == 0.0 {
@@ -245,7 +245,7 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Takes the bound on the rate of damage away where it holds nothing back any more.
+    /// Removes the bound on the rate of damage when no damage lags behind any more.
     fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
         if step_run.damage_rate.is_infinite() {
             return;
@@ -262,7 +262,7 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Commits the end of a relaxation that `request` began.
+    /// Commits the end of a relaxation that started at `request`.
     fn accept_relaxed(
         &mut self,
         step_run: &mut StepRun<'m>,
@@ -294,7 +294,7 @@ impl<'m> Run<'m> {
         }
         let mut fallback = Fallback::new(model, step, massless.is_none());
         if self.state.energies.moving() > QUIET {
-            // What the fallback has set in motion falls on.
+            // Bodies that `auto` set in motion continue to move.
             fallback.go_on_moving();
             if self.last_equilibrium.is_none() {
                 self.depart(index, 0.0);
@@ -311,13 +311,13 @@ impl<'m> Run<'m> {
             self.bring_to_rest();
         }
         self.adopt(&mut step_run);
-        // The boundary conditions change: the last increment says nothing of the next.
+        // The boundary conditions change, so the last increment does not predict the next.
         (self.state.last, self.state.moved) = (None, None);
         self.state.wants_double = false;
         Ok(step_run)
     }
 
-    /// Goes on by the method of the fallback.
+    /// Sets the method and tangents of the fallback.
     pub(in crate::solve) fn adopt(&mut self, step_run: &mut StepRun) {
         let choice = step_run.fallback.choice();
         step_run
@@ -353,7 +353,7 @@ impl<'m> Run<'m> {
         );
         self.energy_watch.add(&row);
         match request.method {
-            // What the fallback leaves to inertia moves; what is to be quasi-static should not.
+            // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
             Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
                 self.swings.add(&row);
             }
@@ -382,7 +382,7 @@ impl<'m> Run<'m> {
             0
         };
         if let Some(size) = step_run.resumes_at.take() {
-            // What moved in pseudo-time says nothing of the next increment.
+            // Motion in pseudo-time does not predict the next increment.
             step_run.schedule.resume(size);
             step_run.path_measure.forget();
             step_run.peak.forget();
@@ -431,11 +431,11 @@ impl<'m> Run<'m> {
         if step_run.fallback.descend(report, moves, forth.0, forth.1) {
             if request.method.has_inertia() {
                 self.bring_to_rest();
-                // The last increment is no guess of the next one. Its motion may go on.
+                // The last increment does not predict the next one, but its motion may continue.
                 self.state.moved = self.state.last.take();
             }
             if request.method.follows_path() {
-                // The pace of the path is none of the load.
+                // Increments along the path may be of another size than those of the load.
                 let pace = forth.0 / step_run.branch.slope().abs();
                 step_run
                     .schedule
@@ -465,7 +465,7 @@ impl<'m> Run<'m> {
         Ok(keep && keeps_symmetry && !collapsed)
     }
 
-    /// Goes on along the next branch of the amplitude.
+    /// Continues along the next branch of the amplitude.
     fn turn(&mut self, step_run: &mut StepRun<'m>) {
         let before = step_run.branch.slope();
         self.state.moved = None;
@@ -477,13 +477,13 @@ impl<'m> Run<'m> {
             .newton
             .turn(slope, &mut self.system, &mut self.state, &mut self.trial);
         if before * slope > 0.0 {
-            // The same way at another rate.
+            // The direction stays and the rate changes.
             if let Some(last) = &mut self.state.last {
                 last.dt *= before / slope;
             }
             return;
         }
-        // Where loads turn round the last increment says nothing of the next.
+        // Where loads reverse, the last increment does not predict the next.
         self.state.last = None;
         step_run.path_measure.forget();
         step_run.peak.forget();
@@ -495,7 +495,7 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Tells of a change of method.
+    /// Reports a change of method.
     pub(in crate::solve) fn note(
         &mut self,
         step_run: &StepRun,
@@ -513,7 +513,7 @@ impl<'m> Run<'m> {
         self.summary.log.push(text);
     }
 
-    /// Ends a step before its loads are whole, as the deck has it.
+    /// Ends a step early by its `stop` table.
     fn stop(&mut self, step_run: &mut StepRun, why: &str, recorder: &mut dyn Recorder) {
         step_run.stopped = true;
         let text = format!(
@@ -526,7 +526,7 @@ impl<'m> Run<'m> {
         self.summary.log.push(text);
     }
 
-    /// Wall time so far.
+    /// Enters counts and wall times so far into the summary.
     pub(in crate::solve) fn tally(&mut self, newton: &Newton) {
         let c = self.clock + newton.clock;
         self.summary.factorisations = c.factorisations;
@@ -544,13 +544,15 @@ impl<'m> Run<'m> {
     }
 }
 
-/// Damage that a bound on its rate holds back, at most, where a snap is over [-].
+/// Largest lag of damage behind its law at which a snap is over [-].
 const SETTLED: f64 = 0.02;
 
-/// Largest increments of a step in which the damage of a point may rise from 0 to 1, at least (docs/theory/procedures.md, eq. 9).
+/// Least number of the largest increments in which the damage of a point may rise from 0 to 1
+/// (docs/theory/procedures.md, eq. 9).
 const SNAPS_TAKE: f64 = 4.0;
 
-/// Stiffness along what steers the load of a step, which secant tangents want.
+/// Stiffness along the displacement that steers the load of a step, for secant tangents (docs/theory/procedures.md,
+/// eq. 6).
 pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
     let controls = step.procedure == Procedure::DisplacementControl;
     let control = step
@@ -559,7 +561,7 @@ pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
     Steered::new(model, control)
 }
 
-/// Whether a relaxation may lead over the trouble that an increment was refused for.
+/// Whether a relaxation may help where an increment was rejected.
 fn may_relax(step_run: &StepRun, request: IncrementRequest, refusal: &Refusal) -> bool {
     let applies = match step_run.step.procedure {
         Procedure::Auto => step_run.fallback.may_snap(),
@@ -568,10 +570,11 @@ fn may_relax(step_run: &StepRun, request: IncrementRequest, refusal: &Refusal) -
     };
     let size = request.increment.size;
     let stuck = match refusal {
-        // The path of a clear snap-back is followed, where that is possible.
+        // The path of a clear snap-back is followed where that is possible.
         Refusal::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
         Refusal::Linear { .. } => false,
-        // One right behind another creeps: walls 13, 27 and 35 of the zoo took up to three times as many solves.
+        // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
+        // as many solves.
         _ => {
             step_run.relaxations == 0 && (step_run.refusals > 1 || step_run.fallback.is_small(size))
         }
@@ -579,9 +582,8 @@ fn may_relax(step_run: &StepRun, request: IncrementRequest, refusal: &Refusal) -
     applies && stuck && size < step_run.relaxes_below
 }
 
-/// Part of the size of an increment whose relaxation led nowhere below which another one is tried.
+/// Size over that of a failed relaxation, below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;
 
-/// Part of the energy that an increment takes in or gives back, from which on what it dissipates
-/// measures the path.
+/// Dissipation of an increment over the energy that it takes or releases, above which it measures the path.
 const SHARE: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! One step in progress: which increment comes next, and by which method.
+//! One step in progress: chooses the next increment and its method.
 
 use super::explain::progress;
 use super::fallback::Fallback;
@@ -23,50 +23,50 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) fallback: Fallback,
     pub(in crate::solve) path_measure: PathMeasure,
     pub(in crate::solve) control: Option<Steering>,
-    /// Which branch of the amplitude, and what it is.
+    /// Index of the branch of the amplitude, and the branch.
     pub(in crate::solve) row: usize,
     pub(in crate::solve) branch: Branch,
-    /// Part of the step's loads that act now.
+    /// Part of the step's loads that acts now.
     pub(in crate::solve) load: f64,
-    /// Linear solves and cut-backs since the last commit.
+    /// Linear solves and rejected attempts since the last commit.
     pub(in crate::solve) solves: usize,
     pub(in crate::solve) cutbacks: usize,
-    /// The next increment starts from the last one again.
+    /// Whether the next increment starts by repeating the last one.
     pub(in crate::solve) repeat: bool,
-    /// The end of the step was tried from here and refused: the path goes on.
+    /// Whether the rest of the step was tried in one static increment and rejected; the path then continues.
     pub(in crate::solve) end_refused: bool,
-    /// What ends the step early, if anything does.
+    /// Conditions that end the step early, if it drives or loads.
     pub(in crate::solve) watch: Option<Watch>,
-    /// It has.
+    /// Whether the step ended early.
     pub(in crate::solve) stopped: bool,
-    /// Looks for peaks between the increments.
+    /// Watches for peaks between the increments.
     pub(in crate::solve) peak: PeakWatch,
-    /// Largest rise of the force over the part of the step of the tries of the present increment.
+    /// Largest rise of the force per part of the step among the attempts at the present increment.
     pub(in crate::solve) tried: Option<f64>,
-    /// Part of the loads at which an increment found equilibrium beyond a snap.
+    /// Part of the step at which a static increment found equilibrium beyond a snap.
     pub(in crate::solve) beyond: Option<f64>,
-    /// Refusals in a row by the first method of the step.
+    /// Rejections since the last commit.
     pub(in crate::solve) refusals: usize,
-    /// Largest rate of damage while a snap goes on [1/s]; else without bound.
+    /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
     pub(in crate::solve) damage_rate: f64,
-    /// Relaxations in a row behind.
+    /// Number of relaxations in a row.
     pub(in crate::solve) relaxations: usize,
-    /// Size of the increment after a relaxation, when one is to be committed.
+    /// Size of the increment after a relaxation that is about to be committed.
     pub(in crate::solve) resumes_at: Option<f64>,
-    /// Size below which a relaxation is tried again after one that led nowhere.
+    /// Size below which a relaxation is tried again after one that failed.
     pub(in crate::solve) relaxes_below: f64,
 }
 
-/// A displacement c·q that steers the load.
+/// A displacement c·q that steers the load factor.
 pub(in crate::solve) struct Steering {
     /// c. `[slot]`
     gradient: Vec<f64>,
-    /// How far it goes in the step [mm].
+    /// Displacement of the whole step [mm].
     way: f64,
 }
 
 impl Steering {
-    /// The displacement goes by `part` of its way in the step.
+    /// Advance by `part` of the displacement of the whole step.
     pub(in crate::solve) fn along(&self, part: f64) -> Advance<'_> {
         Advance::Along {
             gradient: &self.gradient,
@@ -75,7 +75,7 @@ impl Steering {
     }
 }
 
-/// One increment to be tried.
+/// Next increment to attempt.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct IncrementRequest {
     pub(in crate::solve) method: Method,
@@ -84,7 +84,7 @@ pub(in crate::solve) struct IncrementRequest {
 }
 
 impl IncrementRequest {
-    /// How far the request goes. Where a displacement steers the load, that goes by `part` of its way.
+    /// Advance of the increment. A displacement that steers the load advances by `part` of its way in the step.
     pub(in crate::solve) fn advance<'a>(
         &self,
         path_measure: &'a PathMeasure,
@@ -100,7 +100,7 @@ impl IncrementRequest {
 }
 
 impl<'m> StepRun<'m> {
-    /// A step that has not begun to move.
+    /// Step before its first increment.
     pub(in crate::solve) fn new(
         newton: Newton<'m>,
         fallback: Fallback,
@@ -138,7 +138,7 @@ impl<'m> StepRun<'m> {
         }
     }
 
-    /// Takes the displacement that steers the load, if the step has one.
+    /// Sets the displacement that steers the load, if the step has one.
     pub(in crate::solve) fn steer(&mut self, model: &Model, system: &System) {
         let Some(control) = self.step.control else {
             return;
@@ -158,7 +158,7 @@ impl<'m> StepRun<'m> {
         });
     }
 
-    /// Part of what a step drives and loads that a request adds, where that is prescribed.
+    /// Part of the step's drives and loads that the increment adds, where these are prescribed.
     pub(in crate::solve) fn part(&self, request: &IncrementRequest) -> f64 {
         let (start, size) = (request.increment.start, request.increment.size);
         match self.step.amplitude {
@@ -167,8 +167,8 @@ impl<'m> StepRun<'m> {
         }
     }
 
-    /// Takes where the step stands for a point of the curve that may have a peak: of the load factor where a displacement
-    /// steers that, else of the `force` of what is driven.
+    /// Records a point of the curve for peak control: the load factor where a displacement steers it, else the
+    /// `force` of the drive. Steps that neither drive nor steer record nothing.
     pub(in crate::solve) fn see(&mut self, force: f64) {
         let force = match (&self.control, drives(self.step)) {
             (Some(_), _) => self.load,
@@ -178,10 +178,10 @@ impl<'m> StepRun<'m> {
         self.peak.take(self.schedule.done(), force);
     }
 
-    /// Shortens the next increment where it would pass over a peak unseen.
+    /// Shortens the next increment where it would pass a peak.
     pub(in crate::solve) fn resolve_peak(&mut self) {
         let method = self.fallback.method();
-        // What follows a path measures itself, and what swings has peaks of its own.
+        // Paths have their own measure, and motion has peaks of its own.
         if method.follows_path() || method.has_inertia() {
             return;
         }
@@ -191,22 +191,22 @@ impl<'m> StepRun<'m> {
         }
     }
 
-    /// 1 where loads and drives grow, −1 where they go back.
+    /// 1 where loads and drives grow, −1 where they decrease.
     pub(in crate::solve) fn sense(&self) -> f64 {
         self.branch.slope().signum()
     }
 
-    /// The last increment has come to the end of its branch of the amplitude.
+    /// Whether the last increment reached the end of its branch of the amplitude.
     pub(in crate::solve) fn is_at_row(&self) -> bool {
         self.schedule.next().is_none()
     }
 
-    /// The step is done.
+    /// Whether the step is complete.
     pub(in crate::solve) fn is_whole(&self) -> bool {
         self.is_at_row() && self.row + 1 == self.step.branches()
     }
 
-    /// How far the step has come, in words.
+    /// Progress of the step, in words.
     pub(in crate::solve) fn progress(&self) -> String {
         let done = match self.step.amplitude {
             None => self.load,
@@ -215,7 +215,7 @@ impl<'m> StepRun<'m> {
         progress(self.step, done)
     }
 
-    /// The increment to try now; none when the step is done.
+    /// The next increment; none when the step is done.
     pub(in crate::solve) fn next(&self) -> Option<IncrementRequest> {
         if self.stopped {
             return None;
@@ -234,7 +234,7 @@ impl<'m> StepRun<'m> {
         let start = self.branch.time(self.load);
         let (size, adds) = self.path_measure.next();
         let (sense, [end, most]) = (self.sense(), self.branch.to);
-        // The rest of the step, or of a branch, by its loads, so that it ends there.
+        // If the path would pass the end of the step or branch, prescribe the loads there, so that it ends exactly.
         if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_refused {
             return Some(IncrementRequest {
                 method: Method::Static,
@@ -250,7 +250,7 @@ impl<'m> StepRun<'m> {
         })
     }
 
-    /// Where the way behind is to be measured, by what.
+    /// Method by whose measure the last increment is taken, if any.
     pub(in crate::solve) fn measured_by(&self) -> Option<Method> {
         match (self.fallback.method(), self.step.procedure) {
             (Method::ArcLength, _) => Some(Method::ArcLength),
@@ -260,7 +260,7 @@ impl<'m> StepRun<'m> {
     }
 }
 
-/// The longest way that something is driven in a step [mm]; without bound if nothing is.
+/// Largest displacement of a drive in a step [mm]; infinite without drive.
 fn longest_drive(step: &Step) -> f64 {
     use crate::model::scene::BeamMotion;
     let beams = step.motion.iter().flatten().map(|motion| match motion {

@@ -1,47 +1,47 @@
-//! Sizes of increments within one step.
+//! Increment sizes within one step (docs/theory/procedures.md, eqs 12 and 13).
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::amplitude::{Branch, ROUNDING};
 use crate::model::scene::Increments;
 
-/// One increment: from `start` to `start + size`, as fractions of the step.
+/// One increment, from `start` to `start + size`, as parts of the step's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
-    /// Where it starts.
+    /// Start of the increment.
     pub start: f64,
-    /// Its size.
+    /// Size of the increment.
     pub size: f64,
 }
 
 impl Increment {
-    /// Where it ends.
+    /// End of the increment.
     pub fn end(&self) -> f64 {
         self.start + self.size
     }
 
-    /// Whether nothing of the step is left after it.
+    /// Whether the increment ends the step.
     pub fn ends_step(&self) -> bool {
         self.end() >= 1.0 - ROUNDING
     }
 }
 
-/// Chooses the increments of one step.
+/// Chooses the increment sizes of one step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Schedule {
     limits: Increments,
     done: f64,
     size: f64,
-    /// Where the next row of the amplitude stands, or the end: an increment ends there.
+    /// Time of the next row of the amplitude, or the end of the step. An increment ends there.
     until: f64,
 }
 
-/// The step is refused: the next increment would be smaller than allowed.
+/// The next increment would be smaller than allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooSmall;
 
 impl Schedule {
-    /// Starts a step whose amplitude has its second row at `until`, 1 if that is its end.
+    /// Starts a step. `until` is the time of the second row of its amplitude, 1 if that is the end.
     pub fn new(limits: Increments, until: f64) -> Self {
         Self {
             limits,
@@ -51,23 +51,23 @@ impl Schedule {
         }
     }
 
-    /// How much of the step is done.
+    /// Part of the step that is done.
     pub fn done(&self) -> f64 {
         self.done
     }
 
-    /// Goes on along a branch of the amplitude, from its beginning.
+    /// Continues along a branch of the amplitude, from its start.
     pub fn turn(&mut self, branch: Branch) {
         (self.done, self.until) = (branch.from[0], branch.to[0]);
     }
 
-    /// Begins as the step did.
+    /// Limits the next increment to the initial size of the step.
     pub fn begin_small(&mut self) {
         self.size = self.size.min(self.limits.initial);
     }
 
-    /// The increment to try now, none at the end of the step or of a branch of its amplitude. A remainder
-    /// that would be a sliver is shared with the last increment.
+    /// The next increment; none at the end of the step or of a branch of its amplitude. A rest below 1.5 increments
+    /// is halved, so that no very small one is left.
     pub fn next(&self) -> Option<Increment> {
         let left = self.until - self.done;
         if left <= ROUNDING {
@@ -86,10 +86,10 @@ impl Schedule {
         })
     }
 
-    /// The increment was committed: the next may be `factor` times as large.
+    /// Notes a committed increment; the next may be `factor` times as large.
     pub fn accept(&mut self, increment: Increment, factor: f64) {
         self.done = increment.end();
-        // A last increment made small by the end of the step says nothing about the size.
+        // An increment shortened by the end of the step does not determine the size.
         let base = if increment.size < 0.5 * self.size {
             self.size
         } else {
@@ -98,38 +98,38 @@ impl Schedule {
         self.size = (base * factor).max(self.limits.min).min(self.limits.max);
     }
 
-    /// How large the next increment is, if as much is left of the step.
+    /// Size of the next increment, if that much is left of the step.
     pub fn size(&self) -> f64 {
         self.size
     }
 
-    /// The next increment is no larger than this.
+    /// Limits the next increment to `size`.
     pub fn shorten(&mut self, size: f64) {
         self.size = self.size.min(size).max(self.limits.min);
     }
 
-    /// A path has led to part `load` of the step's loads.
+    /// Notes that a path has reached part `load` of the step's loads.
     pub fn reach(&mut self, load: f64) {
         self.done = load;
     }
 
-    /// Next increment of about this size.
+    /// Sets the size of the next increment, within the limits of the step.
     pub fn resume(&mut self, size: f64) {
         self.size = size.max(self.limits.min).min(self.limits.max);
     }
 
-    /// What it has come to, within the limits of its step.
+    /// The same schedule with other limits.
     pub fn within(self, limits: Increments) -> Self {
         Self { limits, ..self }
     }
 
-    /// The whole step becomes `part` of a longer one.
+    /// Rescales the schedule for a longer step, of which the present one is `part`.
     pub fn lengthen(&mut self, part: f64) {
         self.done *= part;
         self.size *= part;
     }
 
-    /// The increment was refused: try `factor` of it.
+    /// Cuts a rejected increment to `factor` of its size.
     ///
     /// # Errors
     /// [`TooSmall`] if that is below the smallest increment.
@@ -164,7 +164,7 @@ mod tests {
             end = increment.end();
             schedule.accept(increment, 1.5);
         }
-        // Sums of fractions of one: a few roundings.
+        // Sums of parts of one: a few roundings.
         assert!((end - 1.0).abs() < 1e-14);
     }
 

@@ -1,26 +1,26 @@
-//! Ends a step before its loads are whole: where the deck says `stop`.
+//! Early end of a step by its `stop` table.
 
 use serde::{Deserialize, Serialize};
 
 use super::history_row::{sense_of_beam, sense_of_control, sense_of_spring};
 use crate::model::scene::{BeamMotion, Step, Stop};
 
-/// Watches what a step drives or loads for what ends it.
+/// Watches the drive or load of a step for the conditions that end it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::solve) struct Watch {
     stop: Stop,
-    /// Of this step's drive along that of the history.
+    /// Sign of this step's drive in the direction of the history.
     sign: f64,
-    /// Force of the whole scene over that of the part which is solved.
+    /// Force of the whole scene over that of the part solved.
     #[serde(skip, default = "one")]
     whole: f64,
-    /// Whether the drive turns back.
+    /// Whether the drive reverses.
     turns: bool,
-    /// Where the step began [mm].
+    /// Displacement at the start of the step [mm].
     start: f64,
-    /// Largest force along the drive in this step so far, and against it [kN].
+    /// Largest force in this step so far, along the drive and against it [kN].
     most: [f64; 2],
-    /// Farthest along the drive so far, and against it [mm].
+    /// Largest displacement in this step so far, along the drive and against it [mm].
     farthest: [f64; 2],
 }
 
@@ -28,12 +28,13 @@ fn one() -> f64 {
     1.0
 }
 
-/// A displacement counts as reached within this part of it: sums of increments are rounded.
+/// Relative tolerance for a displacement that counts as reached: sums of increments are rounded.
 const ROUNDING: f64 = 1e-9;
 
 impl Watch {
-    /// Of a step of `steps` whose displacement begins at `start` [mm]; none if it drives and loads nothing. What
-    /// nothing stops is watched, too: who resumes may stop it. The scene has `whole` times the force of the part that is solved.
+    /// Watch for a step of `steps` whose displacement starts at `start` [mm]; none if the step neither drives nor
+    /// loads. Steps without `stop` are watched too, because a resumed run may add it. `whole` is the force of the
+    /// scene over that of the part solved.
     pub(in crate::solve) fn new(
         steps: &[Step],
         step: &Step,
@@ -70,22 +71,21 @@ impl Watch {
         })
     }
 
-    /// What this watch of an earlier run has seen, for what stops the step now.
+    /// Takes over the observations of an earlier run for the present conditions.
     pub(in crate::solve) fn go_on(&mut self, earlier: &Self) {
         (self.start, self.most, self.farthest) = (earlier.start, earlier.most, earlier.farthest);
     }
 
-    /// Whether two watches end a step at the same place.
+    /// Whether both watches have the same conditions.
     pub(in crate::solve) fn stops_as(&self, step: &Step) -> bool {
         self.stop == step.stop.unwrap_or_default()
     }
 
-    /// Takes the displacement [mm] and the force [kN] of an increment; why the step ends with it, if it
-    /// does.
+    /// Takes the displacement [mm] and the force [kN] of an increment. Returns the reason if the step ends with it.
     ///
-    /// A drive that turns back has a peak either way, and what falls while it goes back is none of it: the
-    /// force counts where the drive is as far out as it ever was, at the tips of its loops at least. A force that `swings`
-    /// by inertia does not count.
+    /// A drive that reverses has a peak in either direction, and unloading must not count as a fall below it. There
+    /// the force counts only where the displacement is at least as large as ever before on this side, at the tips of
+    /// the loops. Forces carried by inertia (`swings`) do not count.
     pub(in crate::solve) fn take(
         &mut self,
         [displacement, force]: [f64; 2],
@@ -109,7 +109,7 @@ impl Watch {
         }
         let outermost = out >= self.farthest[side] * (1.0 - ROUNDING);
         self.farthest[side] = self.farthest[side].max(out);
-        // A step that begins under load against its drive has no peak before it is along it.
+        // A step that starts under load against its drive has no peak before its force acts along the drive.
         let part = self.stop.below_peak?;
         let counts = (outermost || !self.turns) && !swings;
         (counts && most > 0.0 && force <= part * most).then(|| {
@@ -136,7 +136,7 @@ mod tests {
             BeamMotion::Locked,
         ]];
         step.stop = Some(stop);
-        // A step before drives along the axis, so that the history counts along it.
+        // An earlier step drives along the axis, so the history counts along it.
         let mut first = step.clone();
         first.motion[0][0] = BeamMotion::Driven(1.0);
         Watch::new(&[first, step.clone()], &step, start, 1.0).unwrap()
@@ -150,7 +150,7 @@ mod tests {
         };
         for sign in [1.0, -1.0] {
             let mut watch = watch(stop, 3.0 * sign, 0.0);
-            // Against the drive at first, as after a preload.
+            // The force acts against the drive at first, as after a preload.
             for (d, f) in [
                 (0.1, -5.0),
                 (0.2, -9.0),
@@ -171,7 +171,7 @@ mod tests {
             below_peak: None,
             displacement: Some(0.3),
         };
-        // Driven back from 2 mm: 0.1 three times is not quite 0.3.
+        // Driven back from 2 mm; 0.1 three times is not quite 0.3.
         let mut watch = watch(stop, -4.0, 2.0);
         assert_eq!(watch.take([1.8, 1.0], false), None);
         let there = 2.0 - (0.1 + 0.1 + 0.1);
@@ -189,7 +189,7 @@ mod tests {
         }
     }
 
-    /// Loops of 1 mm and 2 mm: the way back ends nothing, a tip that has lost a fifth of its peak does.
+    /// Loops of 1 mm and 2 mm: unloading ends nothing, a tip that has lost a fifth of its peak does.
     #[test]
     fn a_cyclic_step_ends_at_the_tip_of_a_loop_that_is_down() {
         let mut step = fake::model().steps.remove(1);
@@ -233,12 +233,12 @@ mod tests {
         };
         let mut watch = watch(stop, 3.0, 0.0);
         assert_eq!(watch.take([1.0, 10.0], false), None);
-        // Above and below the peak of 10 kN, by inertia.
+        // Forces above and below the peak of 10 kN, carried by inertia.
         assert_eq!(watch.take([1.1, 15.0], true), None);
         assert_eq!(watch.take([1.2, 2.0], true), None);
         assert_eq!(watch.take([1.3, 9.0], false), None);
         assert!(watch.take([1.4, 7.9], false).is_some());
-        // The displacement counts.
+        // The displacement counts all the same.
         assert!(watch.take([5.0, 9.0], true).is_some());
     }
 }
