@@ -14,10 +14,10 @@ use wythe::assembly::bulk;
 use wythe::assembly::bulk::{ElementSlot, Marks};
 use wythe::assembly::pattern::CELL;
 use wythe::assembly::{Evaluation, Solids, Turning};
+use wythe::element::Formulation;
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
-use wythe::model::scene::Formulation;
 
 /// Corners bent and stretched until exactly one of the Gauss points yields.
 fn one_yielding(

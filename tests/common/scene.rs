@@ -2,13 +2,13 @@
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::deck::Deck;
+use wythe::element::Formulation;
+pub use wythe::element::hexahedron::Face;
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::general::GeneralContact;
-pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion,
-    HeldBy, Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent,
-    Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Fidelity, Gravity, GroundMotion, HeldBy,
+    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
 use wythe::model::{Mesh, Model};
 use wythe::solve::Recorder;

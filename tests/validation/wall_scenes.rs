@@ -62,7 +62,7 @@ fn a_small_pressure_beside_the_weight_bends_a_wall_elastically() {
 }
 
 /// A wall whose joints open and slide everywhere goes on in increments as large as may be: without the line search
-/// along the path it took 357 solves to 0.11 mm, now 134 to 0.15 mm (docs/decisions.md).
+/// along the path it took 357 solves to 0.11 mm, now 134 to 0.15 mm (docs/decisions/line-search.md).
 #[test]
 fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
     let rows = rows(

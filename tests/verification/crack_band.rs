@@ -12,11 +12,11 @@ use common::{Random, brick};
 use nalgebra::{Rotation3, Vector3, Vector6};
 use wythe::deck::Deck;
 use wythe::element::extent;
+use wythe::element::hex8::CORNERS;
 use wythe::material::{
     CrackBand, Curves, DamagePlasticity, DamagePlasticityParameters, Extent, MaterialHistory,
 };
 use wythe::model::Model;
-use wythe::model::mesh::CORNERS;
 use wythe::state::Status;
 
 /// Edges of a bed joint's element in the paper's walls [mm].

@@ -7,9 +7,10 @@ use common::examples::{load, path};
 use wythe::contact::Coupling;
 use wythe::deck::schema::Subdivision;
 use wythe::deck::{Deck, keys};
+use wythe::element::Formulation;
 use wythe::material::{Interpolation, MaterialParameters};
 use wythe::model::Model;
-use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
+use wythe::model::scene::{BeamMotion, ContactPoints, Output, Procedure};
 
 const EXAMPLES: [&str; 4] = [
     "01_couplet_tension",
@@ -434,13 +435,13 @@ fn dry_joints_need_no_softening() {
 
 #[test]
 fn the_documentation_lists_every_key() {
-    let reference = include_str!("../../docs/deck.md");
+    let reference = include_str!("../../docs/reference/deck.md");
     for (key, example) in keys::EXAMPLES {
         // `table.key` where a key means different things in different tables
         let key = key.rsplit('.').next().unwrap();
         assert!(
             reference.contains(&format!("`{key}`")),
-            "docs/deck.md lacks `{key}`"
+            "docs/reference/deck.md lacks `{key}`"
         );
         assert!(
             example.contains(key),

@@ -9,12 +9,12 @@ use wythe::assembly::bulk;
 use wythe::assembly::bulk::{ElementSlot, Marks};
 use wythe::assembly::pattern::CELL;
 use wythe::assembly::{Evaluation, Solids, Turning};
+use wythe::element::Formulation;
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{
     DamagePlasticityParameters, Material, MaterialHistory, MaterialParameters, PointEnergy,
 };
-use wythe::model::scene::Formulation;
 
 /// An element and all that it writes.
 struct One {

@@ -8,9 +8,10 @@ use common::scene::{self, Face};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::{InterfaceLaw, PointStatus};
+use wythe::element::Formulation;
 use wythe::material::MaterialParameters;
 use wythe::model::Model;
-use wythe::model::scene::{ContactPoints, Formulation};
+use wythe::model::scene::ContactPoints;
 use wythe::state::{Clock, State};
 
 /// Two blocks of 60 × 40 × 20 mm, one on the other, 2 × 2 facets below and 3 × 2 above.

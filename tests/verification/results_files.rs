@@ -4,12 +4,13 @@
 
 use std::path::Path;
 
+use wythe_core::element::Formulation;
 use wythe_core::material::{ElasticParameters, MaterialParameters};
 use wythe_core::model::probes::Probe;
 use wythe_core::model::probes::ProbeQuantity;
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::sizes::Sizes;
 use wythe_core::model::{Mesh, Model};

@@ -32,7 +32,7 @@ fn decks(folder: &str) -> Vec<PathBuf> {
 #[test]
 fn examples_and_templates_validate_and_name_the_schema() {
     let validator = validator();
-    for path in [decks("examples"), decks("crates/core/src/model/templates")].concat() {
+    for path in [decks("examples"), decks("crates/core/src/deck/templates")].concat() {
         let text = std::fs::read_to_string(&path).unwrap();
         let first = text.lines().next().unwrap();
         assert!(

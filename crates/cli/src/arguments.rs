@@ -17,7 +17,7 @@ pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 /// Computes the collapse of masonry walls by the detailed micro-model.
 ///
 /// Bricks and mortar are solids that crack and crush, joined by interfaces that open and slide. A model is one TOML
-/// file (docs/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
+/// file (docs/reference/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
 #[derive(Debug, Parser)]
 #[command(name = "wythe", version, after_help = EXIT_CODES)]
 pub struct Arguments {

@@ -1,10 +1,10 @@
 //! Failures of the command and their exit codes.
 
+use crate::study::StudyError;
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
 use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
-use wythe_core::study::StudyError;
 
 use crate::say::tell;
 use crate::unicode;

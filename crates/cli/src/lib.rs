@@ -20,7 +20,7 @@ mod salvage;
 mod say;
 mod schema;
 mod shell;
-mod study;
+pub mod study;
 mod terminal;
 mod unicode;
 
@@ -106,7 +106,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
-        Command::Study(arguments) => study::study(arguments, program),
+        Command::Study(arguments) => study::command::study(arguments, program),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),
     }

@@ -18,5 +18,4 @@ pub mod point;
 pub mod results;
 pub mod solve;
 pub mod state;
-pub mod study;
 pub mod tensor;

@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use crate::study::accuracy::SCENES;
 use clap::{Args, Subcommand};
-use wythe_core::study::accuracy::SCENES;
 
 use super::key_value;
 

@@ -1,28 +1,29 @@
-//! Points on branches of the shifted law that have no stiffness.
+//! Branch holding for points on branches of the shifted law without stiffness.
 //!
-//! Where a crack runs, Newton's method sends a point that has just come to its envelope far along it, for there
-//! it has no stiffness; its neighbours unload, come back by another branch with all of theirs, and the next
-//! iterate goes the other way. So do points at their shear limit, and what has no bond and opens. A point that has
-//! changed twice between such a branch and another is held on it to the end of the increment: by its tangent, the
-//! forces stay those of the law.
+//! In a growing crack, a point that has just reached its envelope has no stiffness, and Newton's method moves it
+//! far along the envelope. Its neighbours unload; they return by another branch with full stiffness, and the next
+//! iterate moves back. Points at their shear limit and opening points without bond behave alike. A point that has
+//! changed twice between such a branch and another is held there to the end of the increment: its tangent becomes a
+//! secant. Its forces stay those of the law.
 
 use wythe_contact::Loose;
 
-/// The branches of all points since an increment began.
+/// Branches of all points since the increment began.
 #[derive(Clone, Debug, Default)]
 pub struct HeldBranches {
-    /// On which of them each point is. `[point]`
+    /// Branches without stiffness that each point is on. `[point]`
     pub now: Vec<Loose>,
-    /// Those between which and another it has changed twice since the increment began. `[point]`
+    /// Branches without stiffness to or from which each point has changed at least twice in this increment.
+    /// `[point]`
     pub held: Vec<Loose>,
     /// The same, once. `[point]`
     changed: Vec<Loose>,
-    /// Where it was at the last iterate, none at the first. `[point]`
+    /// Branches at the last iterate. Empty before the first iterate. `[point]`
     before: Vec<Loose>,
 }
 
 impl HeldBranches {
-    /// Begins an increment: nothing has changed yet.
+    /// Begins an increment, without any change so far.
     pub fn start(&mut self) {
         self.before.clear();
         self.changed.fill(Loose::default());
@@ -36,7 +37,7 @@ impl HeldBranches {
         self.held.resize(n, Loose::default());
     }
 
-    /// This iterate becomes the last: what has changed its branch twice is held on it.
+    /// Compares this iterate with the last one. A second change of a branch holds the point on it.
     pub fn keep(&mut self) {
         for (p, before) in self.before.iter().enumerate() {
             for (i, before) in before.iter().enumerate() {
@@ -58,18 +59,18 @@ mod tests {
     fn what_goes_forth_and_back_is_held_to_the_end_of_the_increment() {
         let mut points = HeldBranches::default();
         points.resize(2);
-        // The first iterate of an increment changes nothing.
+        // The first iterate of an increment counts no change.
         points.now = vec![[true, false, false], [false; 3]];
         points.keep();
-        // One stays on its envelope; the other comes to its shear limit, for the first time.
+        // Point 0 stays on its envelope. Point 1 reaches its shear limit for the first time.
         points.now[1][1] = true;
         points.keep();
         assert_eq!(points.held, [[false; 3]; 2]);
-        // Now it leaves it, and the first its envelope.
+        // Point 1 leaves its shear limit, point 0 its envelope.
         points.now = vec![[false; 3]; 2];
         points.keep();
         assert_eq!(points.held, [[false; 3], [false, true, false]]);
-        // The first comes back, the other stays held.
+        // Point 0 returns to its envelope. Point 1 stays held.
         points.now[0][0] = true;
         points.keep();
         assert_eq!(points.held, [[true, false, false], [false, true, false]]);

@@ -1,4 +1,4 @@
-//! The solids: every element's forces and stiffness, in parallel, each in its own slot.
+//! Solids: forces and stiffness of all elements, in parallel. Each element writes to its own slot.
 
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -16,18 +16,20 @@ use crate::material::{
 use crate::model::Model;
 use crate::state::State;
 
-/// How the solids answer within an increment.
+/// Treatment of the solids within an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solids {
-    /// The law itself, with its consistent tangent.
+    /// Material law with its consistent tangent.
     Implicit,
-    /// The law itself, with its secant stiffness (1−d) C₀: symmetric and positive definite.
+    /// Material law with its secant stiffness (1−d) C₀, which is symmetric and positive definite.
     Secant,
-    /// The law itself, with a symmetric stiffness that knows of softening but stays positive definite.
+    /// Material law with a symmetric stiffness that includes softening but stays positive definite
+    /// (theory/equilibrium.md, eq. 5).
     Softened,
-    /// Linear about the trial's last update: its viscous strain and damage held.
+    /// Linear response about the trial's last update, with its viscous strain and damage.
     Held,
-    /// Plastic strain and damage extrapolated with the last step's change times `ratio` = Δt/Δt_n.
+    /// Viscous strain and damage extrapolated by their last change times `ratio` = Δt/Δt_n (theory/equilibrium.md,
+    /// eqs 19 and 20).
     Extrapolated {
         /// Δt/Δt_n.
         ratio: f64,
@@ -42,7 +44,7 @@ pub enum BulkError {
     Shape {
         /// Element.
         element: usize,
-        /// What is wrong.
+        /// Reason.
         why: ShapeError,
     },
     /// The tables do not fit the size of an element.
@@ -54,13 +56,13 @@ pub enum BulkError {
         element: usize,
         /// Its equivalent length [mm].
         l_eq: f64,
-        /// What is wrong.
+        /// Reason.
         why: TableError,
     },
 }
 
 impl BulkError {
-    /// The same of an element that is called otherwise where it is told of.
+    /// The same error with the number under which messages name the element.
     pub(crate) fn with_number(mut self, number: impl Fn(usize) -> usize) -> Self {
         let (Self::Shape { element, .. } | Self::Table { element, .. }) = &mut self;
         *element = number(*element);
@@ -68,7 +70,7 @@ impl BulkError {
     }
 }
 
-/// Elements, their shapes and their laws. Equal elements share both.
+/// Elements, their shapes and their material laws. Equal elements share both.
 #[derive(Clone, Debug)]
 pub struct Bulk {
     /// Connectivity. `[element]`
@@ -79,11 +81,11 @@ pub struct Bulk {
     shape_of: Vec<u32>,
     laws: Vec<Material>,
     law_of: Vec<u32>,
-    /// Number of elements, of each the part that counts.
+    /// Number of elements. An element across a plane of symmetry counts in part.
     pub(super) count: f64,
 }
 
-/// Geometries closer than this fraction of the element's size are one shape.
+/// Geometries that differ by less than this part of the element's size share one shape.
 const SAME: f64 = 1e-9;
 
 impl Bulk {
@@ -103,7 +105,7 @@ impl Bulk {
             count: 0.0,
         };
         let mut known: HashMap<(Vec<i64>, u16, u64), u32> = HashMap::new();
-        // Of each shape the first element, its material, and how far it reaches.
+        // First element of each shape, its material and its extent.
         let mut extents: Vec<(usize, u16, Extent)> = Vec::new();
         for (e, &material) in mesh.material.iter().enumerate() {
             let corners = mesh.corners(e);
@@ -130,7 +132,7 @@ impl Bulk {
         let mut curves = MaterialCurves::default();
         for (element, material, extent) in &extents {
             let named = &model.materials[*material as usize];
-            // What a table warns of, the model has told when it was built.
+            // Warnings of tables were reported when the model was built.
             let law = curves.law(*material, &named.parameters, *extent, &extents);
             bulk.laws.push(law.map_err(|why| BulkError::Table {
                 material: named.name.clone(),
@@ -142,7 +144,7 @@ impl Bulk {
         Ok(bulk)
     }
 
-    /// Takes over the viscosity of a step [s].
+    /// Sets the viscosity [s] and the largest rate of damage [1/s] of a step.
     pub fn stabilise(&mut self, viscosity: f64, damage_rate: f64) {
         for law in &mut self.laws {
             if let Material::DamagePlasticity(law) = law {
@@ -164,7 +166,7 @@ impl Bulk {
     /// Forces and, where asked for, stiffness of every element at the trial's positions.
     ///
     /// # Errors
-    /// The first element (by number) whose law gave no answer.
+    /// Number of the first element whose law found no solution, and the reason.
     pub fn evaluate(
         &self,
         state: &State,
@@ -224,14 +226,14 @@ impl Bulk {
     }
 }
 
-/// The curves of materials whose bands have widths of their own: one ladder for all elements of a material.
+/// Curves of materials whose crack bands have widths of their own. Elements of one material share a set of curves.
 #[derive(Default)]
 struct MaterialCurves {
     ladders: HashMap<u16, Arc<Curves>>,
 }
 
 impl MaterialCurves {
-    /// The law of a material in an element that reaches so far, beside `all` others.
+    /// Law of a material in an element of this extent. `all`: elements, materials and extents of all shapes.
     fn law(
         &mut self,
         material: u16,
@@ -268,7 +270,7 @@ fn shape_key(corners: &[[f64; 3]; 8]) -> Vec<i64> {
                 - values.iter().copied().fold(f64::MAX, f64::min)
         })
         .fold(0.0, f64::max);
-    // A power of two keeps the unit the same for sizes that differ by rounding.
+    // Rounding up to a power of two gives the same unit to sizes that differ by rounding.
     let unit = SAME * size.max(f64::MIN_POSITIVE).log2().ceil().exp2();
     corners
         .iter()

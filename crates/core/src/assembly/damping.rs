@@ -1,8 +1,8 @@
-//! Stiffness-proportional damping of the solids: forces b R K̄₀ Rᵀ v that turn with the element.
+//! Stiffness-proportional damping of the solids: forces b R K̄₀ Rᵀ v in the rotating frame of the element
+//! (theory/inertia.md, eq. 8).
 //!
-//! K̄₀ is the elastic stiffness of the element as it was, so that cracking does not take the damping
-//! with it, and a rigid rotation costs nothing. The interfaces have none: their stiffness is a
-//! penalty, and b times it would be glue.
+//! K̄₀ is the initial elastic stiffness of the element, so cracking does not reduce the damping and a rigid
+//! rotation causes no damping. Joints have no damping: b times their penalty stiffness would glue them.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use super::pattern::CELL;
 use super::{System, Trial};
 use crate::element::Corotated;
 
-/// Damping of one evaluation, with its scratch.
+/// Damping of one evaluation and its working arrays.
 #[derive(Clone, Debug, Default)]
 pub struct StiffnessDamping {
     /// b [s].
@@ -29,11 +29,11 @@ impl StiffnessDamping {
         }
     }
 
-    /// Forces at the trial's positions and generalised velocities `[slot]` [mm/s] into `force`
-    /// `[slot]` [N]. With `by_displacement` = ∂v/∂u [1/s] the stiffness b ∂v/∂u K₀ joins that of the
-    /// trial's elements, the turning of the frame left out.
+    /// Writes the forces `[slot]` [N] at the trial's positions and generalised velocities `[slot]` [mm/s] to
+    /// `force`. With `by_displacement` = ∂v/∂u [1/s] the stiffness b ∂v/∂u K₀ is added to that of the trial's
+    /// elements; the rotation of the frame is left out.
     ///
-    /// The trial must have been evaluated there: an element that it could not evaluate has no damping.
+    /// The trial must have been evaluated at these positions. An inverted element has no damping.
     pub fn evaluate(
         &mut self,
         system: &System,

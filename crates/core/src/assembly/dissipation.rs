@@ -1,10 +1,11 @@
-//! Where an increment dissipated, as a linear measure of the next one (solve::path).
+//! Work and dissipation of an increment. The dissipation is also a linear measure of the next increment
+//! (`solve::path`).
 
 use super::{System, Trial};
 
 impl System {
-    /// Work that an increment turns over: Σ |f·Δu| of the elements and contact cells that `trial` has
-    /// after it, over its way `dq` [mm] `[slot]`; N mm. Rigid motion turns over nothing.
+    /// Work of the internal forces of an increment: Σ |f·Δu| over the elements and contact cells [N mm]. `trial`
+    /// ends the increment, `dq` is its displacement [mm] `[slot]`. Rigid motion does no work.
     pub fn work_turned_over(&self, trial: &Trial, dq: &[f64]) -> f64 {
         let mut way = vec![[0.0; 3]; self.bulk.reference.len()];
         self.dofs.spread(dq, &mut way);
@@ -14,10 +15,11 @@ impl System {
             .sum()
     }
 
-    /// c with c·Δq = Σ of what the elements and facets dissipated in the increment that `trial` ends,
-    /// over its way `dq` [mm] `[slot]`; N. `[slot]`
+    /// Gradient c with c·Δq = dissipation of the elements and facets in the increment that `trial` ends [N].
+    /// `[slot]`
     ///
-    /// A cell with nodal forces f that dissipated D over the way Δu of its nodes has c = D/(f·Δu) f.
+    /// `dq` is the displacement of that increment [mm] `[slot]`. A cell with nodal forces f that dissipated D over
+    /// the nodal displacements Δu contributes c = D/(f·Δu) f (theory/procedures.md, eq. 5).
     pub fn dissipation_gradient(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
         let nodes = self.bulk.reference.len();
         let mut way = vec![[0.0; 3]; nodes];
@@ -67,7 +69,7 @@ impl System {
     }
 }
 
-/// f·Δu of the eight nodes of a cell.
+/// Work f·Δu of the eight nodes of a cell.
 fn work(nodes: &[u32; 8], force: &[[f64; 3]; 8], way: &[[f64; 3]]) -> f64 {
     nodes
         .iter()

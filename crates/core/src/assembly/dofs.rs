@@ -1,35 +1,35 @@
 //! Generalised degrees of freedom: free nodes, level beams, supports.
 //!
-//! Every nodal displacement is a generalised one, `u[node][i] = q[slot]`, or held at zero. A level
-//! beam (no rotation) is three generalised displacements that many nodes share, so a tie costs no
-//! constraint equation. Slots run node by node and end with those of the beams; which beam slots
-//! are unknowns is a matter of the step ([`Equations`]), so a locked beam needs no new numbering of
-//! the nodes. A node that is seen in a plane of symmetry shares the slots of the one that it is the image of, with
-//! the other sign along the normal.
+//! A nodal displacement is a generalised displacement, `u[node][i] = ±q[slot]`, or zero at a support
+//! (theory/equilibrium.md, eq. 1). A level beam, which does not rotate, is three generalised displacements
+//! shared by many nodes, so a tie needs no constraint equation. Node slots come first, in the order of nodes;
+//! beam slots follow. Which beam slots are unknowns depends on the step ([`Equations`]), so a locked beam needs
+//! no new numbering of the nodes. An image node beyond a plane of symmetry shares the slots of its original,
+//! with the opposite sign along the normal.
 
 use crate::model::Model;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{Beam, BeamMotion, Step, Support};
 
-/// Slot of a nodal displacement that a support holds at zero.
+/// Slot of a nodal displacement that a support keeps at zero.
 pub const HELD: u32 = u32::MAX;
 
-/// Equation of a slot that is no unknown.
+/// Equation of a slot that is not an unknown.
 pub const PRESCRIBED: u32 = u32::MAX;
 
-/// Which generalised displacement drives each nodal displacement.
+/// Map from generalised to nodal displacements.
 #[derive(Clone, Debug)]
 pub struct DofMap {
     /// Slot of each nodal displacement or [`HELD`]. `[node][xyz]`
     pub slot: Vec<[u32; 3]>,
-    /// What takes the slot's displacement to the node's: −1 where it is seen in a plane of symmetry, else 1.
-    /// `[node][xyz]`
+    /// Sign of the nodal displacement relative to the slot's: −1 along the normal for an image in a plane of
+    /// symmetry, else 1. `[node][xyz]`
     pub sign: Vec<[f64; 3]>,
     /// Number of generalised displacements.
     pub slots: usize,
     /// First slot of the beams; beam `b` owns `beam_start + 3 b ..+ 3`.
     pub beam_start: usize,
-    /// First node that each slot moves, and the direction. `[slot]`
+    /// First node that each slot moves, and its direction. `[slot]`
     owner: Vec<(u32, u8)>,
     /// Images in planes of symmetry.
     reflected: Vec<Reflected>,
@@ -42,11 +42,11 @@ impl DofMap {
         Self::of(nodes, &model.beams, &model.supports, &model.mesh.reflected)
     }
 
-    /// Those of so many nodes that are tied, held and images.
+    /// Numbers the generalised displacements of `nodes` nodes with these beams, supports and images.
     pub fn of(nodes: usize, beams: &[Beam], supports: &[Support], reflected: &[Reflected]) -> Self {
         const UNSET: u32 = u32::MAX - 1;
         let mut slot = vec![[UNSET; 3]; nodes];
-        // A tie first, a support over it: a held node does not follow a beam.
+        // Ties are set first and supports over them: a supported node does not follow its beam.
         for (b, beam) in beams.iter().enumerate() {
             for &n in &beam.nodes {
                 slot[n as usize] = [0, 1, 2].map(|i| UNSET - 1 - (3 * b as u32 + i));
@@ -61,7 +61,7 @@ impl DofMap {
                 }
             }
         }
-        // Images have the slots of what they are images of, below.
+        // Images take the slots of their originals below.
         for image in reflected {
             slot[image.node as usize] = [HELD; 3];
         }
@@ -102,7 +102,7 @@ impl DofMap {
         }
     }
 
-    /// A node that the slot moves, and the direction.
+    /// A node that the slot moves, and its direction.
     pub fn node_of(&self, slot: usize) -> (usize, usize) {
         let (node, direction) = self.owner[slot];
         (node as usize, direction as usize)
@@ -131,7 +131,7 @@ impl DofMap {
         &self.reflected
     }
 
-    /// Lets forces on images act on what they are images of.
+    /// Adds forces on images to their originals and clears them.
     pub fn fold(&self, f: &mut [[f64; 3]]) {
         for image in &self.reflected {
             let own = std::mem::take(&mut f[image.node as usize]);
@@ -140,7 +140,7 @@ impl DofMap {
         }
     }
 
-    /// Generalised forces of nodal ones, summed in node order [N].
+    /// Generalised forces [N] from nodal forces [N], summed in node order.
     pub fn collect(&self, f: &[[f64; 3]], p: &mut [f64]) {
         p.fill(0.0);
         for ((f, s), sign) in f.iter().zip(&self.slot).zip(&self.sign) {
@@ -184,7 +184,7 @@ impl Equations {
         self.slot_of.len()
     }
 
-    /// True if nothing is free.
+    /// True if there are no unknowns.
     pub fn is_empty(&self) -> bool {
         self.slot_of.is_empty()
     }

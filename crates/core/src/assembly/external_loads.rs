@@ -1,8 +1,8 @@
-//! Loads with a name: their forces on the nodes, and how those of a follower pressure turn with its
+//! Named loads: their nodal forces, and the stiffness of follower pressures, whose direction turns with their
 //! facets.
 //!
-//! The stiffness that a follower pressure takes away, −∂F/∂x, is a cell of its facet's four nodes; the
-//! other four places of the cell repeat the first node and stay zero.
+//! The stiffness −∂F/∂x of a follower pressure is a cell of its facet's four nodes. The other four places of the
+//! cell repeat the first node and stay zero.
 
 use super::pattern::CELL;
 use crate::element::facet;
@@ -12,7 +12,7 @@ use crate::model::loads::LoadOn;
 /// Loads of a model.
 #[derive(Clone, Debug, Default)]
 pub struct ExternalLoads {
-    /// What a value does. `[load]`
+    /// Action of each load. `[load]`
     acts: Vec<LoadOn>,
     /// Facets under follower pressure.
     facets: Vec<Pressed>,
@@ -24,7 +24,7 @@ pub struct ExternalLoads {
 struct Pressed {
     nodes: [u32; 4],
     load: usize,
-    /// Part of it that counts.
+    /// Part of the facet that counts: less than 1 across a plane of symmetry.
     share: f64,
 }
 
@@ -62,7 +62,7 @@ impl ExternalLoads {
         &self.cells
     }
 
-    /// Adds the forces of one load of this value on nodes at `x` [mm] to `force` [N]. `[node][xyz]`
+    /// Adds the forces [N] of one load with this value on nodes at `x` [mm] to `force`. `[node][xyz]`
     pub fn add(&self, load: usize, value: [f64; 3], x: &[[f64; 3]], force: &mut [[f64; 3]]) {
         match &self.acts[load] {
             LoadOn::Follower(_) => {
@@ -74,22 +74,22 @@ impl ExternalLoads {
         }
     }
 
-    /// Adds the forces of all loads of these values that do not turn with what they act on.
+    /// Adds the forces of all loads of fixed direction with these values.
     pub fn add_dead(&self, values: &[[f64; 3]], force: &mut [[f64; 3]]) {
         for (acts, value) in self.acts.iter().zip(values) {
             add_dead(acts, *value, force);
         }
     }
 
-    /// Adds the forces of the follower pressures among loads of these values at `x` [mm].
+    /// Adds the forces of the follower pressures among the loads with these values at `x` [mm].
     pub fn add_followers(&self, values: &[[f64; 3]], x: &[[f64; 3]], force: &mut [[f64; 3]]) {
         for facet in &self.facets {
             press(facet, values[facet.load][0], x, force);
         }
     }
 
-    /// Writes −∂F/∂x of the follower pressures at `x` into the cells [N/mm] `[cell][CELL]`, and which of
-    /// them count.
+    /// Writes −∂F/∂x of the follower pressures at `x` to the cells [N/mm] `[cell][CELL]`, and to `active` which
+    /// cells contribute.
     pub fn write_stiffness(
         &self,
         values: &[[f64; 3]],
@@ -120,7 +120,7 @@ impl ExternalLoads {
     }
 }
 
-/// Adds −p A_a to the nodes of a facet.
+/// Adds the forces −p A_a to the nodes of a facet.
 fn press(facet: &Pressed, p: f64, x: &[[f64; 3]], force: &mut [[f64; 3]]) {
     let p = facet.share * p;
     if p == 0.0 {

@@ -1,7 +1,7 @@
-//! Work that joints and solids do between the ends of an increment, where their gaps and strains go straight from one to
-//! the other (docs/theory/procedures.md, eq. 15).
+//! Work of joints and solids within an increment, along a straight path from the gaps and strains at its start to
+//! those at its end (theory/procedures.md, eq. 15).
 //!
-//! An increment knows the tractions at its ends only. A bond that breaks within it has carried more in between:
+//! An increment has tractions at its ends only. A bond that breaks within it has carried more in between:
 //!
 //! ```text
 //! t |   /\              t(s): the law, from the old history, at the gap g₀ + s Δg
@@ -22,8 +22,8 @@ use crate::material::MaterialHistory;
 use crate::model::Model;
 use crate::state::State;
 
-/// Parts of an increment at which its work is looked at: finely at its start, where a bond breaks that a long increment
-/// tears.
+/// Parts of an increment at which this work is computed. They are dense at its start, where a bond breaks that a
+/// long increment tears.
 pub const PARTS: [f64; 14] = [
     1.0 / 4096.0,
     1.0 / 1024.0,
@@ -41,10 +41,10 @@ pub const PARTS: [f64; 14] = [
     7.0 / 8.0,
 ];
 
-/// Points or elements of one task. The sums of tasks are added in their order.
+/// Points or elements of one task. Sums of tasks are added in the order of the tasks.
 const TASK: usize = 128;
 
-/// Change of a damage that counts [-].
+/// Smallest change of damage that counts [-].
 const CHANGES: f64 = 1e-6;
 
 /// W at each of [`PARTS`] [N mm].
@@ -73,7 +73,8 @@ impl Contact {
             let (from, to) = (gap(old), gap(new));
             let way = [0, 1, 2].map(|i| to[i] - from[i]);
             let along = |t: &[f64; 3]| (0..3).map(|i| t[i] * way[i]).sum::<f64>();
-            // Of the commits: where the penalty is shifted the law at their gaps tells of others.
+            // Tractions of the commits are used here. With the shifted penalty the law at their gaps gives slightly
+            // different ones.
             let [start, end] = [old, new].map(|h| along(&h.traction));
             for (sum, s) in sum.iter_mut().zip(PARTS) {
                 let at = [0, 1, 2].map(|i| from[i] + s * way[i]);
@@ -114,7 +115,7 @@ impl Bulk {
         })
     }
 
-    /// The strain of a point with this history [-], from its stress; none where nothing is left of its stiffness.
+    /// Strain of a point with this history [-], from its stress. None where the point has lost its stiffness.
     fn strain(&self, e: usize, history: &MaterialHistory) -> Option<Vector6<f64>> {
         let intact = 1.0 - history.viscous_damage;
         (intact > 1e-6).then(|| {
@@ -129,7 +130,7 @@ fn add(sum: &mut Works, more: &Works) {
     }
 }
 
-/// The sum of the works that `work` adds for each of 0 to `count`, the same for any number of threads.
+/// Sum of the works that `work` adds for each index below `count`. It is the same on any number of threads.
 fn in_order(count: usize, work: impl Fn(usize, &mut Works) + Sync) -> Works {
     let tasks: Vec<Works> = (0..count.div_ceil(TASK))
         .into_par_iter()

@@ -1,13 +1,14 @@
 //! Lumped mass from the densities, and the forces of a uniform acceleration.
 //!
-//! Row sum of the consistent mass, element by element (Hughes 2000, §7.3.2):
+//! Each mass is a row sum of the consistent mass matrix of the element (Hughes 2000, §7.3.2; theory/inertia.md, eq.
+//! 7):
 //!
 //! ```text
 //! m_a = Σ_b ∫ ρ N_a N_b dV = ∫ ρ N_a dV
 //! ```
 //!
-//! with the element's own 2×2×2 points, which integrate the volume of a trilinear hexahedron exactly:
-//! the total is the mass. Nodes tied to a beam add to its mass; what a support holds moves nothing.
+//! The 2×2×2 Gauss points of the element integrate the volume of a trilinear hexahedron exactly, so the total mass
+//! is exact. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
 
 use super::Bulk;
 use super::dofs::{DofMap, HELD};
@@ -21,9 +22,9 @@ pub struct Mass {
     pub node: Vec<f64>,
     /// Mass that each generalised displacement moves [tonne]. `[slot]`
     pub slot: Vec<f64>,
-    /// Direction of each generalised displacement. `[slot]`
+    /// Direction of each slot's displacement. `[slot]`
     direction: Vec<u8>,
-    /// Elements, for the mean over their nodes; of each the part that counts.
+    /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
     elements: f64,
 }
 
@@ -57,24 +58,24 @@ impl Mass {
         }
     }
 
-    /// Mass of everything [tonne].
+    /// Total mass [tonne].
     pub fn total(&self) -> f64 {
         self.node.iter().sum()
     }
 
-    /// Acceleration of a slot in a uniform one.
+    /// Component of a uniform acceleration along a slot.
     pub fn along(&self, slot: usize, acceleration: [f64; 3]) -> f64 {
         acceleration[self.direction[slot] as usize]
     }
 
-    /// Forces M a of a uniform acceleration [N]. `[slot]`
+    /// Inertia forces M a of a uniform acceleration [N]. `[slot]`
     pub fn forces(&self, acceleration: [f64; 3], forces: &mut [f64]) {
         for ((f, m), &i) in forces.iter_mut().zip(&self.slot).zip(&self.direction) {
             *f = m * acceleration[i as usize];
         }
     }
 
-    /// Generalised velocities of nodal ones `[node]` [mm/s]: what is tied keeps its momentum.
+    /// Generalised velocities from nodal ones `[node]` [mm/s]. They preserve the momentum of tied nodes.
     pub fn mean_velocity(&self, dofs: &DofMap, nodal: &[[f64; 3]], velocity: &mut [f64]) {
         velocity.fill(0.0);
         let nodes = nodal.iter().zip(&self.node).zip(&dofs.slot);
@@ -87,14 +88,14 @@ impl Mass {
         }
     }
 
-    /// ½ vᵀ M v [N mm].
+    /// Kinetic energy ½ vᵀ M v [N mm].
     pub fn kinetic_energy(&self, velocity: &[f64]) -> f64 {
         let twice: f64 = self.slot.iter().zip(velocity).map(|(m, v)| m * v * v).sum();
         0.5 * twice
     }
 
-    /// Mean magnitude of M a over the elements' nodes [N], a by slot [mm/s²]: a scale of forces where
-    /// nothing is stressed.
+    /// Mean magnitude of M a over the elements' nodes [N], with the acceleration a of each slot [mm/s²]. It is the
+    /// scale of forces where nothing is stressed.
     pub fn mean_force(&self, acceleration: impl Iterator<Item = f64>) -> f64 {
         let sum: f64 = self
             .slot
@@ -106,7 +107,7 @@ impl Mass {
     }
 }
 
-/// ∫ N_a dV from det J · w at the Gauss points, which lie in the order of the nodes [mm³].
+/// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
 fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
     let at = 1.0 / 3.0_f64.sqrt();
     CORNERS.map(|a| {

@@ -1,4 +1,5 @@
-//! From point laws to a system of equations: unknowns, pattern, gather, linear solvers.
+//! Assembly of the equations of a model: unknowns, matrix pattern, forces and stiffness of solids, joints,
+//! springs and loads.
 
 mod branch_holding;
 pub mod bulk;
@@ -41,38 +42,38 @@ use pattern::CELL;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wythe_contact::PointPair;
 
-/// What an evaluation of the forces is for.
+/// Settings of one evaluation of forces and stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evaluation {
-    /// Step time of the increment [s].
+    /// Size of the increment in step time [s].
     pub dt: f64,
-    /// How the solids answer.
+    /// Treatment of the solids.
     pub solids: Solids,
-    /// Shifted penalty, or the law taken directly.
+    /// True: joints iterate with the shifted penalty. False: their law is applied directly.
     pub shifted: bool,
-    /// Tangents wanted.
+    /// Whether stiffness is written as well.
     pub tangent: bool,
-    /// What of follower pressures is among them.
+    /// Part of the stiffness of follower pressures that is written.
     pub turning: Turning,
 }
 
-/// What the matrix knows of follower pressures, which turn with what they press.
+/// Treatment in the matrix of follower pressures, whose direction turns with their facets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
-    /// Nothing.
+    /// Their stiffness is left out.
     #[default]
     Ignored,
-    /// Their stiffness, which is unsymmetric.
+    /// Their full stiffness, which is unsymmetric.
     Exact,
 }
 
-/// Everything of a model that is prepared once and evaluated often.
+/// All parts of a model that are prepared once and evaluated in every iterate.
 pub struct System {
     /// Unknowns.
     pub dofs: DofMap,
-    /// Solids.
+    /// Solid elements.
     pub bulk: Bulk,
-    /// Interfaces.
+    /// Joints: planned contact.
     pub contact: Contact,
     /// General contact.
     pub general: General,
@@ -80,22 +81,24 @@ pub struct System {
     pub mass: Mass,
     /// Springs to the ground.
     pub springs: Springs,
-    /// Loads with a name.
+    /// Named loads.
     pub outside: ExternalLoads,
-    /// Stiffness along the displacement that steers the load of a step, where one does.
+    /// Stiffness along the displacement that controls the load, in steps with such a displacement.
     pub steered: Option<Steered>,
-    /// Nodal force that rounding of the positions can make [N]: one below some multiple of it is none.
+    /// Nodal force that the rounding of positions can cause [N]. Forces below a small multiple of it count as
+    /// zero.
     pub rounding_force: f64,
     gather: Option<Gather>,
-    /// Of the last matrix: that of the next step, or of what leaves a plane of symmetry, often has its pattern.
+    /// Symbolic analysis of the last matrix. The next step and the check of symmetry often have the same
+    /// pattern.
     analysis: Option<Analysis>,
     analysed_version: usize,
     analysed_pairs: Vec<[u32; 2]>,
 }
 
 impl Evaluation {
-    /// Whether stiffness may be kept that was written at `poses`: a symmetric one, which only iterates see, and not
-    /// under loads with a name, where that of the points grows.
+    /// Whether stiffness written at `poses` may be reused. The matrix must be symmetric and used by iterates
+    /// only. Named loads exclude reuse because the numerical stiffness of the points grows under them.
     fn keeps(&self, poses: &Poses, trial: &Trial) -> bool {
         let secant = matches!(self.solids, Solids::Secant | Solids::Softened);
         let kept = self.tangent && self.shifted && secant && !poses.is_empty();
@@ -104,7 +107,7 @@ impl Evaluation {
 }
 
 impl System {
-    /// Prepares a model.
+    /// Prepares the parts of a model.
     ///
     /// # Errors
     /// [`bulk::BulkError`] if an element or its material cannot be prepared.
@@ -128,7 +131,7 @@ impl System {
         })
     }
 
-    /// State of rest.
+    /// State at rest.
     pub fn initial_state(&mut self, model: &Model) -> State {
         let mut state = State {
             increments: 0,
@@ -154,7 +157,7 @@ impl System {
             fell: false,
             wants_double: false,
         };
-        // What touches at rest sticks where it is.
+        // Points in contact at rest begin to stick where they are.
         let mut trial = Trial::default();
         trial.start(&state);
         self.search(&mut trial, &state.q);
@@ -163,7 +166,7 @@ impl System {
         state
     }
 
-    /// Where stiffness is taken at rest: where bodies are, unless the model keeps that of what hardly turns.
+    /// Poses for stiffness reuse at rest. They are empty where `fidelity` excludes reuse.
     fn poses(&self, model: &Model) -> Poses {
         match model.fidelity {
             Fidelity::Auto => Poses::at_rest(&self.bulk, &self.contact),
@@ -171,7 +174,8 @@ impl System {
         }
     }
 
-    /// Takes the stiffness of what has turned too far since where the trial ends. `poses`: of the state that it becomes.
+    /// Renews the poses of elements and points that have moved too far from them, at the positions at which the
+    /// trial ends. `poses` belongs to the state that the trial becomes.
     pub fn follow(&self, poses: &mut Poses, trial: &mut Trial) {
         if !poses.is_empty() {
             poses.follow(&self.bulk, &self.contact, trial);
@@ -194,7 +198,8 @@ impl System {
         self.general.search(trial);
     }
 
-    /// Starts the tractions of an increment where the last one would lead, `ratio` times its size.
+    /// Extrapolates the tractions of the last increment: the predictor of an increment of `ratio` times its
+    /// size.
     pub fn extrapolate_tractions(
         &self,
         model: &Model,
@@ -224,14 +229,14 @@ impl System {
         }
     }
 
-    /// True if the candidates of contact changed since the last analysis.
+    /// True if contact candidates have changed since the last analysis.
     pub fn pattern_changed(&self) -> bool {
         self.gather.is_none()
             || self.analysed_version != self.contact.version()
             || self.analysed_pairs != self.general.pairs()
     }
 
-    /// Orders and analyses the matrix of the present candidates; returns its number of entries.
+    /// Orders and analyses the matrix for the present candidates. Returns its number of entries and its solver.
     ///
     /// # Errors
     /// [`LinearError`] of the analysis.
@@ -250,7 +255,7 @@ impl System {
         Ok((entries, solver))
     }
 
-    /// Pattern and order of the matrix of the present candidates in these unknowns.
+    /// Matrix pattern, elimination order and solver for the present candidates and the given unknowns.
     fn ordered(
         &self,
         dofs: &DofMap,
@@ -270,7 +275,7 @@ impl System {
         for &slot in &equations.slot_of {
             let (node, _) = dofs.node_of(slot as usize);
             if node != last {
-                // A beam has no place.
+                // A beam couples many nodes and has no position.
                 let at_beam = slot as usize >= dofs.beam_start;
                 coordinates.push(if at_beam {
                     [f64::NAN; 3]
@@ -288,8 +293,8 @@ impl System {
         Ok((gather, solver))
     }
 
-    /// Factorises the symmetric matrix of the trial's cells in other unknowns, if it is positive definite: with this part of its
-    /// diagonal added.
+    /// Factorises the symmetric matrix of the trial's cells in the given unknowns. Each diagonal entry is first
+    /// increased by `part_of_own` times itself. Success proves that the matrix is positive definite.
     ///
     /// # Errors
     /// [`LinearError`] of the analysis or the factorisation.
@@ -319,9 +324,11 @@ impl System {
         }
     }
 
-    /// The same of a matrix that was filled from this pattern before, at `last`: entries which no changed cell enters stay.
+    /// Sums the cells into a matrix that was filled from this pattern before, at filling `last`. Only entries
+    /// with a contribution of a changed cell are summed again.
     pub fn refill(&self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
-        /// One number for each filling: a trial that is taken back, or another matrix, is told from this.
+        /// Each filling has its own number. It identifies the trial and the matrix that belong together, also
+        /// after a rejected increment.
         static FILLINGS: AtomicU64 = AtomicU64::new(1);
         let Some(gather) = &self.gather else { return };
         let known = *last == Some(trial.filling) && trial.changed.len() == trial.active.len();
@@ -338,7 +345,8 @@ impl System {
         self.add_diagonal(equations, factor, &self.mass.slot, values);
     }
 
-    /// Adds `factor` times these coefficients to the diagonal of the matrix of `equations`. `coefficients`: `[slot]`
+    /// Adds `factor` times the given coefficients to the diagonal of the matrix of `equations`. `coefficients`:
+    /// `[slot]`
     pub fn add_diagonal(
         &self,
         equations: &Equations,
@@ -349,17 +357,18 @@ impl System {
         let Some(gather) = &self.gather else { return };
         for (e, &slot) in equations.slot_of.iter().enumerate() {
             let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
-            // Rows ascend; an element couples every unknown with itself.
+            // Rows of a column ascend. The diagonal entry exists because an element couples every unknown with
+            // itself.
             if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
                 values[column.start + k] += factor * coefficients[slot as usize];
             }
         }
     }
 
-    /// Forces, and tangents where asked for, at generalised displacements `q`.
+    /// Evaluates forces, and stiffness where the setting asks for it, at generalised displacements `q`.
     ///
     /// # Errors
-    /// Element and reason, if a law gave no answer.
+    /// Number of the element and the reason, if a law found no solution.
     pub fn evaluate(
         &mut self,
         model: &Model,
@@ -445,14 +454,14 @@ impl System {
         Ok(())
     }
 
-    /// From here on only what touches these slots is evaluated, until `trial.awake` is taken away: nothing else moves. Forces
-    /// and stiffness of all else stay those of the last evaluation.
+    /// Restricts evaluation to the cells at the nodes of these slots until `trial.awake` is removed. Forces and
+    /// stiffness of all other cells stay those of the last evaluation, because no other node moves.
     pub fn watch(&self, trial: &mut Trial, slots: impl IntoIterator<Item = u32>) {
         let mut moves = vec![false; self.dofs.slots];
         for slot in slots {
             moves[slot as usize] = true;
         }
-        // Held directions have no slot.
+        // Supported directions have no slot.
         let moving = |slot: &u32| moves.get(*slot as usize).is_some_and(|moves| *moves);
         let nodes: Vec<bool> = (self.dofs.slot.iter())
             .map(|slots| slots.iter().any(moving))
@@ -475,7 +484,7 @@ impl System {
             .chain(self.general.cells())
     }
 
-    /// Area at rest of what presses at a commit [mm²].
+    /// Area at rest of the contact points under pressure at a commit [mm²].
     pub fn pressed_area(&self, state: &State) -> f64 {
         let planned = self.contact.pressed_area(&state.interface);
         if self.general.is_absent() {
@@ -486,7 +495,7 @@ impl System {
         planned + pressed.map(|touch| touch.area).sum::<f64>()
     }
 
-    /// Dissipation of the interfaces in the increment that `trial` ends [N mm].
+    /// Dissipation of the joints in the increment that `trial` ends [N mm].
     pub fn interface_dissipation(&self, trial: &Trial) -> f64 {
         let planned = trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
         if self.general.is_absent() {
@@ -495,7 +504,8 @@ impl System {
         planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss[0]
     }
 
-    /// What the trapezoidal rule makes of what opens or closes in the increment that `trial` ends [N mm].
+    /// Terms of the trapezoidal rule for points that open or close in the increment that `trial` ends [N mm]
+    /// (theory/energies.md, eqs 9 and 10).
     pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
         let planned = self.contact.crossing_work(model, state, trial);
         if self.general.is_absent() {
@@ -504,8 +514,8 @@ impl System {
         planned + self.general.crossing_work(trial)
     }
 
-    /// What the nodal forces of open points do beside the work of their tractions in the increment that `trial` ends
-    /// [N mm], see [`Contact::turning_work`].
+    /// Work of the nodal forces of open points beyond the work of their tractions in the increment that `trial`
+    /// ends [N mm]. See [`Contact::turning_work`].
     pub fn turning_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
         self.contact.turning_work(model, state, trial)
     }
@@ -514,7 +524,7 @@ impl System {
         self.steered.as_ref().map_or(&[], Steered::cells)
     }
 
-    /// Elastic energy of solids, interfaces and springs at the trial's positions [N mm].
+    /// Elastic energy of solids, joints and springs at the trial's positions [N mm].
     pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
         trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
             + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
@@ -528,8 +538,8 @@ impl System {
         self.springs.forces(&trial.displacement, ends).collect()
     }
 
-    /// Internal forces of the springs for ends that move by `by` [mm] `[spring][xyz]` while the bodies
-    /// stay [N]. `[slot]`
+    /// Internal forces of the springs if their ends move by `by` [mm] `[spring][xyz]` and the bodies stay [N].
+    /// `[slot]`
     pub fn spring_pull(&self, by: &[[f64; 3]]) -> Vec<f64> {
         let mut p = vec![0.0; self.dofs.slots];
         if !by.is_empty() {
@@ -541,13 +551,12 @@ impl System {
         p
     }
 
-    /// Forces on the unknowns, and on what is prescribed, of loads of these values that do not turn [N].
-    /// `[slot]`
+    /// Forces of loads with fixed direction and these values on all slots, unknown and prescribed [N]. `[slot]`
     pub fn dead_loads(&self, values: &[[f64; 3]]) -> Vec<f64> {
         self.on_slots(|force| self.outside.add_dead(values, force))
     }
 
-    /// The same of follower pressures, where nodes are at `x` [mm] [N]. `[slot]`
+    /// Forces of follower pressures of these values on all slots, for nodes at `x` [mm] [N]. `[slot]`
     pub fn follower_loads(&self, values: &[[f64; 3]], x: &[[f64; 3]]) -> Vec<f64> {
         self.on_slots(|force| self.outside.add_followers(values, x, force))
     }
@@ -560,7 +569,7 @@ impl System {
         slots
     }
 
-    /// K Δq over all cells, for the change of prescribed displacements [N]. `[slot]`
+    /// Product K Δq over all cells, for a change of the prescribed displacements [N]. `[slot]`
     pub fn multiply(&self, trial: &Trial, dq: &[f64]) -> Vec<f64> {
         let nodes = self.bulk.reference.len();
         let mut du = vec![[0.0; 3]; nodes];

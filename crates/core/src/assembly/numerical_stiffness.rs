@@ -1,4 +1,4 @@
-//! The stiffness that the shifted penalty iterates with.
+//! Numerical stiffness of the shifted penalty.
 
 use std::collections::HashMap;
 
@@ -8,20 +8,20 @@ use wythe_contact::frame_at;
 use crate::element::hex8::FACES;
 use crate::model::Model;
 
-/// The numerical stiffness of the shifted penalty, over E/h of the slave's element: soft enough not to
-/// chatter; it grows where nothing does (docs/decisions.md).
+/// Numerical stiffness over E/h of the slave's element. It is low enough to prevent oscillation and grows where
+/// nothing oscillates (theory/equilibrium.md, eq. 7).
 const NUMERICAL_PENALTY: f64 = 1.0;
-/// A point whose shear is below this part of its limit is in no danger of chatter, and takes [`FIRM`]
-/// times the numerical stiffness (docs/decisions.md).
+/// A point whose shear is below this part of its limit does not oscillate between stick and slip. It gets [`FIRM`]
+/// times the numerical stiffness (theory/equilibrium.md, eq. 7).
 pub(super) const WELL_WITHIN: f64 = 0.85;
 /// Factor of the numerical stiffness of such a point.
 pub(super) const FIRM: f64 = 3.0;
 
-/// Least numerical stiffness over the steepest softening of the law, so that the return converges.
+/// Least numerical stiffness over the steepest softening of the law. It makes the fixed-point iteration converge.
 const LEAST_OVER_SOFTENING: f64 = 4.0;
 
-/// Normal and shear stiffness of the shifted penalty from the element behind each slave facet
-/// [N/mm³], and the mass of its half [tonne/mm²]. `[slave facet]`
+/// Normal and shear numerical stiffness from the element behind each slave facet [N/mm³], and half of the element's
+/// mass over the facet's area [tonne/mm²]. `[slave facet]`
 pub fn numerical_stiffness(model: &Model) -> (Vec<[f64; 2]>, Vec<f64>) {
     let mut owner: HashMap<[u32; 4], usize> = HashMap::new();
     for (e, nodes) in model.mesh.elements.iter().enumerate() {
@@ -59,7 +59,7 @@ pub fn numerical_stiffness(model: &Model) -> (Vec<[f64; 2]>, Vec<f64>) {
         .unzip()
 }
 
-/// Size of an element normal to one of its faces: mean height of its corners over the face.
+/// Size of an element normal to one of its faces: twice the mean distance of its corners from the face.
 fn thickness(corners: &[[f64; 3]; 8], face: &[[f64; 3]; 4]) -> f64 {
     let normal = frame_at(face, [0.0; 2])[0];
     let base: f64 = face

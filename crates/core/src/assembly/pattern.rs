@@ -1,43 +1,43 @@
-//! Pattern of the system matrix, and the ordered gather that fills it.
+//! Pattern of the system matrix, and its assembly in a fixed order.
 //!
-//! Cells (elements and contact pairs) own disjoint slots of 8 × 8 blocks of 3 × 3. Each block of
-//! the matrix lists the cell blocks that it sums, in a fixed order, so that the assembled matrix is
-//! the same to the last bit on any number of threads. Columns of one node lie together in the
-//! compressed values, so chunks of node columns are filled in parallel.
+//! Cells (elements and contact pairs) own disjoint slots of 8 × 8 blocks of 3 × 3. Each block of the matrix lists
+//! the cell blocks that it sums, in a fixed order. So the assembled matrix has the same bits on any number of
+//! threads. Columns of one node lie together in the compressed values, so groups of node columns are filled in
+//! parallel.
 
 use rayon::prelude::*;
 
 use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
 use crate::linear::Kind;
 
-/// Values of one cell's matrix: `[a][b][i][j]`, a, b local nodes, i, j directions.
+/// Number of values in one cell's matrix: `[a][b][i][j]` with local nodes a, b and directions i, j.
 pub const CELL: usize = 8 * 8 * 9;
 
-/// No position in the matrix: the row or the column is prescribed.
+/// Marks a missing position in the matrix: the row or the column is prescribed.
 const NONE: u32 = u32::MAX;
 
-/// A block of the matrix and where it goes.
+/// A block of the matrix and the positions of its entries.
 #[derive(Clone, Debug)]
 struct Block {
     /// Position in the values of each entry of a cell's block, or [`NONE`].
     position: [u32; 9],
-    /// A bit for each entry that is subtracted: one of its directions is seen in a plane of symmetry, not both.
+    /// One bit for each entry that is subtracted: exactly one of its two displacements changes sign by reflection.
     turned: u16,
-    /// Its contributions: a range of [`Gather::sources`].
+    /// First contribution, in [`Gather::sources`]. The range ends before `end`.
     start: u32,
     end: u32,
 }
 
-/// Columns that are filled by one task.
+/// Columns filled by one task.
 #[derive(Clone, Debug)]
 struct Chunk {
     blocks: std::ops::Range<usize>,
     values: std::ops::Range<usize>,
-    /// Cells that enter them.
+    /// Cells that contribute to them.
     cells: Vec<u32>,
 }
 
-/// Pattern of the matrix in compressed columns and the map that fills it.
+/// Pattern of the matrix in compressed columns and the map by which it is filled.
 #[derive(Clone, Debug)]
 pub struct Gather {
     /// Number of equations.
@@ -47,15 +47,15 @@ pub struct Gather {
     /// Row of each entry, ascending in a column.
     pub row_idx: Vec<u32>,
     blocks: Vec<Block>,
-    /// Cell block `cell · 64 + a · 8 + b` of each contribution; of a symmetric matrix that of the
-    /// transposed, because the blocks of a column of nodes then lie side by side in the cell.
+    /// Cell block `cell · 64 + a · 8 + b` of each contribution. For a symmetric matrix it is the transposed block,
+    /// because the blocks of a node column then lie side by side in the cell.
     sources: Vec<u32>,
     chunks: Vec<Chunk>,
 }
 
 impl Gather {
-    /// Builds the pattern of `cells` (eight nodes each; structurally symmetric). Where the matrix is
-    /// symmetric, and so every cell, the blocks above the diagonal stay zero: nobody reads them.
+    /// Builds the pattern of `cells`, which have eight nodes each and are structurally symmetric. For a symmetric
+    /// matrix the blocks above the diagonal stay zero, because the solver does not read them.
     pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations, kind: Kind) -> Self {
         let n = equations.len();
         let symmetric = kind == Kind::Symmetric;
@@ -72,7 +72,7 @@ impl Gather {
         for (p, &node) in order.iter().enumerate() {
             place[node as usize] = p as u32;
         }
-        // Places of (column, row) with the cell blocks that feed them, in cell order.
+        // Places (column, row) and the cell blocks that contribute to them, in cell order.
         let mut pairs: Vec<(u64, u32)> = Vec::with_capacity(cells.len() * 64);
         for (c, cell) in cells.iter().enumerate() {
             let places = cell.map(|node| place[node as usize]);
@@ -93,7 +93,7 @@ impl Gather {
         let nodes_of = |pair: u64| (order[(pair >> 32) as usize], order[pair as u32 as usize]);
 
         let (col_ptr, row_idx) = compress(&pairs, n, &nodes_of, &equation);
-        // Rows of a column are asked for in ascending order, mostly.
+        // Rows of a column are usually requested in ascending order.
         let mut expected = [0; 3];
         let mut find = |row: u32, col: u32, j: usize| -> u32 {
             let range = col_ptr[col as usize]..col_ptr[col as usize + 1];
@@ -112,7 +112,7 @@ impl Gather {
         let mut last = u64::MAX;
         for &(pair, source) in &pairs {
             let (col, row) = nodes_of(pair);
-            // Equal ranks share columns and hold both triangles.
+            // Nodes of equal rank share columns and fill both triangles.
             if symmetric && rank[row as usize] < rank[col as usize] {
                 continue;
             }
@@ -166,10 +166,10 @@ impl Gather {
         }
     }
 
-    /// Fills the matrix from the cells' slots. Inactive cells are passed over.
+    /// Fills the matrix from the cells' slots. Inactive cells are skipped.
     ///
-    /// `values` has one entry per `row_idx`; `cells` is `[cell][CELL]`; `active` is `[cell]`. With `changed` `[cell]` the
-    /// values are those of the last filling, and stay where none of these cells enters.
+    /// `values` has one entry for each `row_idx`; `cells` is `[cell][CELL]`; `active` is `[cell]`. If `changed`
+    /// `[cell]` is given, `values` are those of the last filling, and chunks without a changed cell keep them.
     pub fn fill(
         &self,
         cells: &[f64],
@@ -218,8 +218,8 @@ impl Gather {
     }
 }
 
-/// Order of the nodes' columns: by first equation; nodes tied to beams last, under one rank;
-/// nodes without unknowns [`NONE`].
+/// Order of the columns of nodes: by their first equation. Nodes tied to beams come last with one common rank.
+/// Nodes without unknowns have [`NONE`].
 fn node_rank(dofs: &DofMap, equations: &Equations) -> Vec<u32> {
     let beams = dofs.beam_start as u32;
     dofs.slot
@@ -236,7 +236,8 @@ fn node_rank(dofs: &DofMap, equations: &Equations) -> Vec<u32> {
         .collect()
 }
 
-/// The pairs by column, row and source, which they came in the order of: by counting rows, then columns, below `places`.
+/// Sorts pairs by column, then row, then source. They come in the order of sources, so a stable counting sort by
+/// rows and then by columns suffices. All places are below `places`.
 fn sorted(mut pairs: Vec<(u64, u32)>, places: usize) -> Vec<(u64, u32)> {
     let mut to = pairs.clone();
     for shift in [0, 32] {
@@ -258,7 +259,7 @@ fn sorted(mut pairs: Vec<(u64, u32)>, places: usize) -> Vec<(u64, u32)> {
     pairs
 }
 
-/// Compressed columns of the node pairs, sorted by column.
+/// Compressed columns of node pairs sorted by column.
 fn compress(
     pairs: &[(u64, u32)],
     n: usize,
@@ -266,7 +267,7 @@ fn compress(
     equation: &impl Fn(u32, usize) -> u32,
 ) -> (Vec<usize>, Vec<u32>) {
     let equations = |node: u32| [0, 1, 2].map(|i| equation(node, i));
-    // Rows of nodes that share their columns, as a node and its image do, and which columns have them.
+    // Rows of nodes that share their columns, such as a node and its image, and the columns that have these rows.
     let mut rows: Vec<u32> = Vec::new();
     let mut parts: Vec<(u32, std::ops::Range<usize>)> = Vec::new();
     let mut of_columns = pairs
@@ -282,7 +283,7 @@ fn compress(
         if of_columns.peek().is_some_and(|next| next.0 == columns) {
             continue;
         }
-        // Rows repeat where nodes are images, or tied to one beam.
+        // Rows repeat for images and for nodes tied to one beam.
         own.sort_unstable();
         own.dedup();
         let start = rows.len();
@@ -299,7 +300,7 @@ fn compress(
             row_idx.extend_from_slice(&rows[parts[next].1.clone()]);
             next += 1;
         }
-        // Columns do as well, where nodes have some directions in common.
+        // Columns repeat as well, for nodes that share some of their directions.
         if next > first + 1 {
             let mut all = row_idx.split_off(col_ptr[c]);
             all.sort_unstable();
@@ -311,7 +312,7 @@ fn compress(
     (col_ptr, row_idx)
 }
 
-/// Cuts the blocks into tasks of whole node columns; the beams' columns are one task, the last.
+/// Divides the blocks into tasks of whole node columns. The columns of beams are one task, the last.
 fn chunk(
     blocks: &[Block],
     columns: &[u32],
@@ -320,14 +321,14 @@ fn chunk(
     dofs: &DofMap,
     equations: &Equations,
 ) -> Vec<Chunk> {
-    /// Matrix entries of a task: enough to outweigh its scheduling.
+    /// Matrix entries of a task: enough for its work to exceed the cost of its scheduling.
     const ENTRIES: usize = 20_000;
     let beams = dofs.beam_start as u32;
     let last_value = *col_ptr.last().unwrap_or(&0);
     let mut chunks: Vec<Chunk> = Vec::new();
     let (mut block_start, mut value_start) = (0, 0);
     for k in 1..=blocks.len() {
-        // What has one rank, as a node and its image, shares columns.
+        // Nodes of one rank, such as a node and its image, share columns.
         let rank_of = |k: usize| rank[columns[k] as usize];
         let boundary = k == blocks.len() || rank_of(k) != rank_of(k - 1);
         if !boundary {

@@ -1,4 +1,4 @@
-//! One element: its forces and stiffness from the frame, the law of its points and their histories.
+//! Forces and stiffness of one element from its rotated frame, its material law and its histories.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -9,36 +9,36 @@ use crate::element::{Corotated, ElementShape};
 use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, Wanted};
 use crate::tensor::ByPoint;
 
-/// Where one element writes.
+/// Output of the evaluation of one element.
 #[derive(Debug)]
 pub struct ElementSlot<'a> {
     /// Nodal forces [N]. `[node][xyz]`
     pub force: &'a mut [[f64; 3]; 8],
     /// Stiffness [N/mm], written if the setting asks for tangents. `[CELL]`
     pub cell: &'a mut [f64],
-    /// Set where the stiffness was written; never cleared.
+    /// Set to true where the stiffness was written. Never cleared here.
     pub written: &'a mut bool,
-    /// New histories, written if implicit. `[gauss point]`
+    /// New histories, written unless the solids are extrapolated or kept linear. `[gauss point]`
     pub new: &'a mut [MaterialHistory],
-    /// Energies, written if implicit [N mm].
+    /// Energies, written in the same case [N mm].
     pub energy: &'a mut PointEnergy,
-    /// What the histories hold.
+    /// Points with a history.
     pub marks: &'a mut Marks,
-    /// Where stiffness may be taken; none: where the element is.
+    /// Position at which elastic stiffness may be taken. None: the present position.
     pub kept: Option<&'a mut Kept>,
 }
 
-/// A bit for each point of an element which is not virgin: the histories of the others need not be read.
+/// One bit for each Gauss point that is not virgin. Histories of the others need not be read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// At the last commit.
     pub old: u8,
-    /// Where implicit solids were last evaluated.
+    /// At the last evaluation by the law.
     pub new: u8,
 }
 
 impl Marks {
-    /// Those of the histories of an element. `[gauss point]`
+    /// Marks of the histories of one element. `[gauss point]`
     pub fn of(old: &[MaterialHistory], new: &[MaterialHistory]) -> Self {
         let bits = |records: &[MaterialHistory]| {
             let marked = records.iter().enumerate().filter(|(_, h)| !h.is_virgin());
@@ -51,10 +51,10 @@ impl Marks {
     }
 }
 
-/// One element with nodes at `positions` [mm] and histories `old` of its eight points.
+/// Evaluates one element with nodes at `positions` [mm] and histories `old` of its eight points.
 ///
 /// # Errors
-/// [`LocalFailure`] if it is inverted or its law gave no answer.
+/// [`LocalFailure`] if the element is inverted or its law found no solution.
 pub fn element(
     shape: &ElementShape,
     law: &Material,
@@ -63,8 +63,8 @@ pub fn element(
     setting: Evaluation,
     slot: &mut ElementSlot,
 ) -> Result<(), LocalFailure> {
-    // What is inlined below is compiled once for every vector unit, and the widest one is taken.
-    // The operations and their order stay the same, and so does every bit of the results.
+    // Functions inlined below are compiled once for each vector width, and the widest available one is used.
+    // Operations and their order are the same, and so are all bits of the results.
     pulp::Arch::new().dispatch(OneElement {
         shape,
         law,
@@ -101,11 +101,12 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
     }
 }
 
-/// Points up to which K̄ ū and their differences to it are cheaper than the stresses of all.
+/// Up to this number of points that follow their law, K̄ ū plus corrections at them is cheaper than stresses of
+/// all points.
 const FEW: u32 = 4;
 
 impl OneElement<'_, '_> {
-    /// Linear about the last commit, or about the last histories.
+    /// Linear response about the last commit (extrapolated solids) or about the last histories.
     #[inline(always)]
     fn extrapolated(&mut self, frame: &Corotated) {
         let (shape, slot) = (self.shape, &mut *self.slot);
@@ -133,7 +134,7 @@ impl OneElement<'_, '_> {
         }
     }
 
-    /// Each point by its law; those which nothing has happened to and nothing happens to now all at once.
+    /// Response by the material law. Virgin points that stay elastic are treated together.
     #[inline(always)]
     fn by_law(&mut self, frame: &Corotated) -> Result<(), LocalFailure> {
         let (shape, law, setting) = (self.shape, self.law, self.setting);
@@ -167,7 +168,7 @@ impl OneElement<'_, '_> {
                 shape.add_force(g, &of_point(&stresses, g), &mut force);
             }
         }
-        // Parts of the elastic stiffness, and what takes the place of others.
+        // Remaining part of the elastic stiffness of each point, and tangents that replace it.
         let mut intact = [1.0; 8];
         let mut others = [(0, Matrix6::zeros()); 8];
         let mut count = 0;
@@ -229,7 +230,7 @@ impl OneElement<'_, '_> {
         Ok(())
     }
 
-    /// Stiffness of an element that nothing happened to, at its pose if it is near.
+    /// Writes the stiffness of an elastic element, at its pose if the element is close to it.
     #[inline(always)]
     fn write_elastic(&mut self, frame: &Corotated, force: &Nodal) {
         let (shape, slot) = (self.shape, &mut *self.slot);
@@ -253,7 +254,7 @@ impl OneElement<'_, '_> {
         frame.symmetric_stiffness(shape, k, force, slot.cell);
     }
 
-    /// Histories and energies of points that stay virgin.
+    /// Histories and energies of virgin points that stay elastic.
     #[inline(always)]
     fn rest(&mut self, at_rest: u8, strains: &ByPoint, stresses: &ByPoint) {
         let slot = &mut *self.slot;
@@ -288,7 +289,7 @@ impl OneElement<'_, '_> {
     }
 }
 
-/// Components of point `g`.
+/// Six components of point `g`.
 #[inline(always)]
 fn of_point(components: &ByPoint, g: usize) -> Vector6<f64> {
     let mut one = Vector6::zeros();
@@ -298,7 +299,7 @@ fn of_point(components: &ByPoint, g: usize) -> Vector6<f64> {
     one
 }
 
-/// Stiffness of an element whose points keep the parts `intact` of theirs.
+/// Writes the secant stiffness: point `g` has the part `intact[g]` of its elastic stiffness.
 #[inline(always)]
 fn write_secant(
     shape: &ElementShape,

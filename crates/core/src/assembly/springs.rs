@@ -1,9 +1,9 @@
-//! Springs from groups of nodes to the ground: force k (e − ū) on the mean ū of the group, shared
+//! Springs from groups of nodes to the ground: force k (e − ū) on the mean displacement ū of the group, shared
 //! equally.
 //!
-//! A group of n nodes couples all its nodes by blocks k/n². They are cut into cells of eight nodes as
-//! elements are: four nodes with another four, or with themselves. A short group repeats a node whose
-//! blocks stay zero.
+//! A group of n nodes couples all its nodes by blocks k/n². The coupling is divided into cells of eight nodes
+//! like those of elements: four nodes with another four, or with themselves. Unused places of a cell repeat a
+//! node and stay zero.
 
 use super::pattern::CELL;
 use crate::model::Model;
@@ -11,12 +11,12 @@ use crate::model::Model;
 /// Nodes of half a cell.
 const HALF: usize = 4;
 
-/// One cell: the spring, and how many nodes of each half count.
+/// One cell: its spring and the number of nodes used in each half.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     spring: usize,
     rows: usize,
-    /// 0 where the four nodes meet themselves.
+    /// 0 where the four nodes couple with themselves.
     columns: usize,
 }
 
@@ -60,7 +60,7 @@ impl Springs {
         springs
     }
 
-    /// Other stiffnesses [N/mm] `[spring][xyz]`; returns what they were.
+    /// Replaces the stiffnesses [N/mm] `[spring][xyz]`. Returns the former ones.
     pub fn stiffen(&mut self, stiffness: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         std::mem::replace(&mut self.stiffness, stiffness)
     }

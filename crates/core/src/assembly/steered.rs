@@ -1,14 +1,14 @@
-//! A stiffness along the displacement that steers a load, so that what only this displacement holds is
-//! held in the matrix, too.
+//! Stiffness along the displacement that controls a load. It supports motion in the matrix that only this
+//! displacement prevents (theory/procedures.md, eq. 6).
 //!
-//! With c·Δq = s prescribed, the iterates d of K d = −r − δλ ∂r/∂λ that satisfy it are those of
+//! With c·Δq = s prescribed, the iterates d of K d = −r − δλ ∂r/∂λ that satisfy this constraint are those of
 //!
 //! ```text
 //! (K + α c cᵀ) d = −r − δλ ∂r/∂λ + α c (s − c·Δq)
 //! ```
 //!
-//! whatever α, because α c (c·d) stands on both sides. Secant tangents know no geometric stiffness: two
-//! halves of a wall that rock about their hinges have none, and K alone would be singular.
+//! for any α, because α c (c·d) stands on both sides. Secant tangents have no geometric stiffness. Two halves of a
+//! wall that rock about their hinges then have no stiffness, and K alone would be singular.
 
 use std::collections::BTreeMap;
 
@@ -18,27 +18,27 @@ use crate::model::scene::Control;
 
 /// Nodes of half a cell.
 const HALF: usize = 4;
-/// Nodes of a probe above which it would couple too many: its displacement is not stiffened.
+/// Largest number of nodes of a probe. With more, the stiffness would couple too many nodes and is left out.
 const MOST: usize = 64;
 
-/// The stiffness of one step.
+/// Stiffness of one step.
 #[derive(Clone, Debug)]
 pub struct Steered {
     /// α [N/mm].
     pub stiffness: f64,
     axis: usize,
-    /// c of the nodes.
+    /// Weights c of the nodes.
     weights: Vec<(u32, f64)>,
     cells: Vec<[u32; 8]>,
-    /// Halves of each cell, as groups of `weights`.
+    /// Halves of each cell, as indices of groups in `weights`.
     halves: Vec<[usize; 2]>,
 }
 
 impl Steered {
-    /// That of a controlled step; none of a probe of very many nodes.
+    /// Stiffness for a step with control by a displacement. None for a probe of more than [`MOST`] nodes.
     pub fn new(model: &Model, control: Control) -> Option<Self> {
         let probe = &model.probes[control.probe];
-        // A node of a half counts twice, once for its image.
+        // In a mirror half a node may count twice, once for its image.
         let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
         for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
             for &n in nodes {
@@ -63,7 +63,7 @@ impl Steered {
                 halves.push([i, j]);
             }
         }
-        // E h of an element at the probe: as stiff as what it holds.
+        // α = E h of an element at the probe, comparable to the stiffness of its surroundings.
         let (mesh, node) = (&model.mesh, weights[0].0);
         let element = mesh.elements.iter().position(|e| e.contains(&node))?;
         let material = &model.materials[mesh.material[element] as usize].parameters;

@@ -1,13 +1,14 @@
-//! Stiffness of what hardly turns: written once, for many iterates.
+//! Stiffness reuse for elements and points that hardly move.
 //!
-//! A crack turns few elements and opens few joints of a façade. The stiffness of an elastic element depends on its
-//! turning and, a little, on its stress; that of a point that sticks on its facet's turning. Where neither has turned
-//! by more than [`TURN`] from where it was when the stiffness was written, and the element is strained much as it was,
-//! the cell stays as it is, to the last bit, and with it all that the factorisation made of it (`linear::reuse`).
-//! Forces are always those of the law at the present place, and so is the balance that ends an increment: what is kept
-//! costs no accuracy, only a ten-thousandth of the tangent, and a twentieth of what stress adds to it.
+//! A crack in a façade rotates few elements and opens few joints. The stiffness of an elastic element depends on
+//! its rotation and, slightly, on its stress. The stiffness of a sticking point depends on the rotation of its
+//! facet. The pose is the position at which the stiffness was written. While the rotation from the pose is at most
+//! [`TURN`] and the strain is close to that at the pose, the cell keeps its bits, and the factorisation keeps its
+//! results for it (`linear::reuse`). Forces always follow the laws at the present positions, and so does the
+//! equilibrium check. Reuse therefore costs no accuracy: the tangent errs by 1e-4 and its stress terms by a
+//! twentieth (theory/linear-solver.md, eq. 10).
 //!
-//! These places are part of the state, so that a run which is resumed goes the same way.
+//! Poses are part of the state, so a resumed run takes the same iterates.
 
 use crate::state::{PointPose, Poses};
 use rayon::prelude::*;
@@ -18,53 +19,55 @@ use super::contact::Sight;
 use super::{Bulk, Contact, Trial};
 use crate::element::{ElementShape, green_strain};
 
-/// How far a body may turn, over its size, before its stiffness is written anew [-].
+/// Largest relative movement of corners over the element's size at which its stiffness is reused [-].
 const TURN: f64 = 1e-4;
-/// How far its strain may change: stress stiffens and softens what is slender. By this part of itself ...
+/// Stress stiffens and softens slender bodies, so the change of strain is bounded: by this part of it ...
 const SHARE: f64 = 0.05;
-/// ... or by what nothing buckles at that is less than 450 times as high as thick (π²/48 (t/h)²) [-].
+/// ... or by this strain, at which no wall buckles that is less than 450 times as high as thick (π²/48 (t/h)²) [-].
 const STRAIN: f64 = 1e-6;
-/// Part of all these at a commit: what is nearly there would be there in the next iterates.
+/// Part of these bounds that applies at a commit. A pose close to its bounds would exceed them in the next
+/// iterates.
 const AT_COMMIT: f64 = 0.5;
 
-/// Part of the points that slide up to which it pays that the others keep their numerical stiffness: where joints slide all
-/// over a wall (a tenth to a third of J7D's points) no part of the factorisation stays, and the iterates need the growth of
-/// all (J7D to 3.3 mm 286 solves instead of 269). Of a façade with one crack a hundredth slides.
+/// Largest part of the points that may slide if sticking points are to keep their numerical stiffness. Where joints
+/// slide all over a wall (a tenth to a third of J7D's points), no part of the factorisation can be reused, and the
+/// iterates need the growth of all numerical stiffnesses (J7D to 3.3 mm: 269 solves with it, 286 without). In a
+/// façade with one crack a hundredth of the points slides.
 const FEW: f64 = 0.05;
 
-/// What the cells of a slave facet hold.
+/// Stiffness in the cells of a slave facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Joint {
-    /// Whether they hold the stiffness of these points at their poses.
+    /// Whether the cells contain the stiffness of these points at their poses.
     pub held: bool,
-    /// A bit for each point that is seen.
+    /// One bit for each point with a master facet.
     pub seen: u8,
     /// Unique entries of each point's stiffness, `[n, 11, 12, 22]` [N/mm³].
     pub k: [[f64; 4]; 4],
 }
 
-/// Where the stiffness of an elastic element was written in this increment.
+/// Position at which the stiffness of an elastic element is written in this increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Kept {
     /// Positions of the corners [mm]. `[node][xyz]`
     pub pose: [[f64; 3]; 8],
-    /// Whether the cell holds the stiffness there.
+    /// Whether the cell contains the stiffness at this position.
     pub held: bool,
 }
 
-/// What the cells of a trial hold; written anew wherever it is empty.
+/// Contents of the cells of a trial. Cells without an entry are written again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
     /// `[element]`
     pub solids: Vec<Kept>,
     /// `[slave facet]`
     pub joints: Vec<Joint>,
-    /// Version of the candidates that the joints' cells belong to.
+    /// Version of the contact candidates for which the joints' cells were written.
     pub version: usize,
 }
 
 impl Held {
-    /// An increment begins: with the poses of the state, whatever an attempt wrote meanwhile.
+    /// Begins an increment with the poses of the state, whatever a rejected attempt wrote since.
     pub fn begin(&mut self, poses: &Poses) {
         if poses.is_empty() {
             return;
@@ -85,14 +88,14 @@ impl Held {
         self.solids.resize(elements, Kept::default());
     }
 
-    /// The cells of the elements have been written without regard to poses.
+    /// Marks that the cells of the elements were written without their poses.
     pub fn forget_solids(&mut self) {
         for kept in &mut self.solids {
             kept.held = false;
         }
     }
 
-    /// Makes room for all facets; cells of other candidates hold nothing.
+    /// Makes room for all facets. Cells written for other candidates are invalid.
     pub fn fit_joints(&mut self, facets: usize, version: usize) {
         if self.version != version {
             self.joints.clear();
@@ -101,22 +104,22 @@ impl Held {
         self.joints.resize(facets, Joint::default());
     }
 
-    /// The points of a slave facet are elsewhere on it than when its cells were written.
+    /// Marks that the points of a slave facet have changed their places on it since its cells were written.
     pub fn forget_joint(&mut self, facet: usize) {
         if let Some(joint) = self.joints.get_mut(facet) {
             *joint = Joint::default();
         }
     }
 
-    /// Cells have been written without regard to poses.
+    /// Marks that all cells were written without their poses.
     pub fn forget(&mut self) {
         self.forget_solids();
         self.joints.clear();
     }
 }
 
-/// Whether the stiffness at `pose` may stand for that of an element with corners `x`: up to `part` of what it may
-/// turn and be strained.
+/// Whether the stiffness at `pose` is accurate enough for an element with corners `x`. `part` scales the bounds on
+/// rotation and strain.
 #[inline(always)]
 pub(super) fn stands_for(
     pose: &[[f64; 3]; 8],
@@ -141,7 +144,7 @@ pub(super) fn stands_for(
 }
 
 impl PointPose {
-    /// Whether a point with this foot and frame is where the pose is.
+    /// Whether the foot and the frame of a point are those of the pose, up to `turn`.
     #[inline(always)]
     fn is_near(&self, pair: &PointPair, frame: &[[f64; 3]; 3], turn: f64) -> bool {
         if self.pair.facet != pair.facet {
@@ -159,13 +162,13 @@ impl PointPose {
         most <= turn
     }
 
-    /// Whether what is seen is near enough for its stiffness to be taken at the pose.
+    /// Whether the present kinematics are close enough for the stiffness to be taken at the pose.
     #[inline(always)]
     pub(super) fn stands_for(&self, pair: &PointPair, sight: &Sight) -> bool {
         self.is_near(pair, &sight.frame, TURN)
     }
 
-    /// The stiffness of a point with slave weights `slave` at the pose.
+    /// Stiffness at the pose of a point with slave weights `slave`.
     #[inline(always)]
     pub(super) fn stiffness(&self, slave: &[f64; 4], k: [f64; 4], area: f64) -> Symmetric {
         let [a, b, c, d] = weights_at(self.pair.xi);
@@ -176,7 +179,7 @@ impl PointPose {
 }
 
 impl Poses {
-    /// Those of bodies at rest, whose points have not been seen yet.
+    /// Poses of bodies at rest. Those of contact points are still undetermined.
     pub fn at_rest(bulk: &Bulk, contact: &Contact) -> Self {
         let corners = |nodes: &[u32; 8]| nodes.map(|n| bulk.reference[n as usize]);
         Self {
@@ -186,12 +189,12 @@ impl Poses {
         }
     }
 
-    /// True where stiffness is not kept.
+    /// True where stiffness is not reused.
     pub fn is_empty(&self) -> bool {
         self.solids.is_empty()
     }
 
-    /// What has turned too far since, at the positions that `trial` ends with, is taken there from now on.
+    /// Renews the poses that are too far from the positions at which `trial` ends.
     pub(super) fn follow(&mut self, bulk: &Bulk, contact: &Contact, trial: &mut Trial) {
         let slides = trial.status.iter().filter(|s| **s == PointStatus::Slip);
         self.steady = slides.count() as f64 <= FEW * self.points.len() as f64;
@@ -222,7 +225,7 @@ impl Poses {
 }
 
 impl Contact {
-    /// n, t₁, t₂ at the foot of a point; none if it faces nothing.
+    /// n, t₁, t₂ at the foot of a point. None if it has no master facet.
     fn frame_of(&self, pair: &PointPair, x: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
         let corners = self.master.corners(pair.facet? as usize, x);
         Some(frame_at(&corners, pair.xi).map(Into::into))
@@ -232,9 +235,9 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::Formulation;
+    use crate::element::hex8::CORNERS;
     use crate::material::ElasticParameters;
-    use crate::model::mesh::CORNERS;
-    use crate::model::scene::Formulation;
 
     /// A cube of 100 mm.
     fn cube() -> ([[f64; 3]; 8], ElementShape) {
@@ -248,7 +251,7 @@ mod tests {
         (corners, shape)
     }
 
-    /// Turned about z by an angle, strained along it.
+    /// Corners rotated about z by an angle and strained along z.
     fn moved(corners: &[[f64; 3]; 8], angle: f64, strain: f64) -> [[f64; 3]; 8] {
         let (s, c) = angle.sin_cos();
         corners.map(|[x, y, z]| [c * x - s * y + 3.0, s * x + c * y, (1.0 + strain) * z])
@@ -261,16 +264,16 @@ mod tests {
             let [pose, now] = [pose, now].map(|[angle, strain]| moved(&corners, angle, strain));
             stands_for(&pose, &now, &shape, part)
         };
-        // Turning.
+        // Rotation.
         assert!(kept([0.0; 2], [0.6 * TURN, 0.0], 1.0));
         assert!(!kept([0.0; 2], [0.6 * TURN, 0.0], AT_COMMIT));
         assert!(!kept([0.0; 2], [1.5 * TURN, 0.0], 1.0));
-        // From no strain, and from one of 1e-4.
+        // Strain, starting from zero and from 1e-4.
         assert!(kept([0.0; 2], [0.0, 0.9 * STRAIN], 1.0));
         assert!(!kept([0.0; 2], [0.0, 1.1 * STRAIN], 1.0));
         assert!(kept([0.0, -1e-4], [0.0, -1e-4 * (1.0 - 0.9 * SHARE)], 1.0));
         assert!(!kept([0.0, -1e-4], [0.0, -1e-4 * (1.0 - 1.1 * SHARE)], 1.0));
-        // What turns has no strain by that.
+        // Rotation alone causes no strain.
         let turned = green_strain(&shape, &moved(&corners, 0.5, 1e-3));
         // (1 + e)²/2 − 1/2, to rounding of coordinates over the size.
         assert!((turned.m33 - (1e-3 + 0.5e-6)).abs() < 1e-14, "{turned}");

@@ -1,19 +1,19 @@
-//! Traction patterns that the nodes hardly feel, brought to the law at once (shifted penalty).
+//! Direct update of traction patterns that nodes hardly feel (shifted penalty; theory/equilibrium.md, eq. 10).
 //!
-//! Four points on a facet carry more patterns of tractions than its nodes have displacements. Where
-//! bent faces have slid on each other their gaps hold such patterns, and the law asks for t = k g of
-//! them; an iterate of the shifted penalty brings the part k'/k of what is missing, some thousandths,
-//! and no node tells. Their pressure bounds the friction of points that slide, so that they matter.
+//! Four points of a facet carry more traction patterns than its nodes have displacements. Where curved faces have
+//! slid on each other, their gaps contain such patterns, and the law demands t = k g for them. An iterate of the
+//! shifted penalty reduces the error of these patterns by the part k'/k only, some thousandths, and nodal forces do
+//! not show it. The patterns matter, because their pressure bounds the friction of sliding points.
 //!
-//! What an elastic point misses is m = k g − t. With every node on springs of the numerical stiffness
-//! the change of the tractions that settles it is
+//! The error of an elastic point is m = k g − t. If every node is supported by springs of the numerical stiffness,
+//! the change of tractions that removes the error is
 //!
 //! ```text
 //! δt = m − B y,   (BᵀA B + Λ) y = BᵀA m
 //! ```
 //!
-//! B y: relative displacements of the points, A: their areas, Λ: k'/k times the diagonal of BᵀA B. What
-//! nodes do not feel (BᵀA m = 0) changes by all of m, what they feel by no more than in an iterate.
+//! with the relative displacements B y of the points, their areas A, and Λ = k'/k times the diagonal of BᵀA B.
+//! Patterns that nodes do not feel (BᵀA m = 0) change by all of m. The others change by no more than in an iterate.
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -25,35 +25,35 @@ use crate::assembly::DofMap;
 use crate::model::Model;
 use crate::state::State;
 
-/// Most steps of conjugate gradients: BᵀA B is a mass matrix, each step halves what is left.
+/// Largest number of conjugate gradient steps. BᵀA B is a mass matrix, and each step halves the residual.
 const STEPS: usize = 60;
-/// Accepted fall of their residual over the least k'/k: what nodes feel is in m k/k' times as large as in
-/// the tractions.
+/// Accepted reduction of their residual, over the least k'/k. Parts that nodes feel are k/k' times as large in m as
+/// in the tractions.
 const FALL: f64 = 0.3;
 
-/// Least k'/k: where the penalty is stiffer its patterns exceed the strengths, and no iteration finds a
-/// balance with them.
+/// Least k'/k for this update. With a stiffer penalty the patterns exceed the strengths, and no iteration finds
+/// equilibrium with them.
 const SOFTEST: f64 = 1e-3;
 
-/// A point that presses.
+/// A point under pressure.
 struct Pressed {
-    /// Its place among all points.
+    /// Its index among all points.
     point: usize,
     nodes: [u32; 8],
     weights: [f64; 8],
     /// n, t₁, t₂.
     frame: [Vector3<f64>; 3],
     area: f64,
-    /// Projector on the elastic directions: n, and all where it sticks.
+    /// Projector on the elastic directions: n, and all directions where the point sticks.
     elastic: Matrix3<f64>,
-    /// m in these directions [MPa].
+    /// Error m in these directions [MPa].
     missing: Vector3<f64>,
     /// k'/k.
     softness: f64,
 }
 
 impl Pressed {
-    /// Movement of the slave against the master [mm] of nodes that move by `y`. `[node]`
+    /// Movement of the slave relative to the master [mm] if nodes move by `y`. `[node]`
     fn relative(&self, y: &[Vector3<f64>]) -> Vector3<f64> {
         let nodes = self.nodes.iter().zip(&self.weights);
         nodes.fold(Vector3::zeros(), |sum, (&n, w)| sum + y[n as usize] * *w)
@@ -61,8 +61,8 @@ impl Pressed {
 }
 
 impl System {
-    /// Tractions of points with their patterns settled [MPa], where that would change the work of sliding
-    /// points by more than `most` [N mm] over the way `dq` of the increment [mm] `[slot]`; else none.
+    /// Tractions of points with their patterns updated [MPa]. They are returned only if the update changes the work
+    /// of sliding points by more than `most` [N mm] over the displacement `dq` of the increment [mm] `[slot]`.
     pub fn settled_tractions(
         &self,
         model: &Model,
@@ -81,7 +81,7 @@ impl System {
         let points = self.contact.pressed(model, trial);
         let changes = settling(&points, &self.dofs);
         let settle = |(pressed, change): (&Pressed, [f64; 3])| {
-            // Beyond its bounds a traction would be read as an opening of the joint.
+            // A traction beyond its bounds would be interpreted as an opening of the joint.
             let history = &trial.interface[pressed.point];
             let law = self.contact.law(model, pressed.point);
             let settled = [0, 1, 2].map(|i| history.traction[i] + change[i]);
@@ -108,18 +108,19 @@ impl System {
 /// Points and nodes of a task.
 const TASK: usize = 512;
 
-/// Who moves whom.
+/// Connectivity of points and nodes.
 struct Web {
-    /// Nodes of each point, as places among those of any point and what they are images of, which ascend.
+    /// Nodes of each point. Nodes are indices in the ascending list of the points' nodes and the originals of
+    /// images among them.
     at: Vec<[u32; 8]>,
-    /// Start of each node's part of `of`. `[place + 1]`
+    /// Start of each node's entries in `of`. `[node index + 1]`
     start: Vec<u32>,
-    /// Points that a node belongs to, in their order, and which of its nodes it is.
+    /// Points of each node, ascending, and the position of the node in the point.
     of: Vec<(u32, u8)>,
     images: Vec<Image>,
 }
 
-/// A node beyond a plane of symmetry, and what it is an image of, as places.
+/// A node beyond a plane of symmetry and its original, as indices.
 struct Image {
     node: usize,
     of: usize,
@@ -175,7 +176,7 @@ impl Web {
         }
     }
 
-    /// Sum over the points of each node. `[place]`
+    /// Sum over the points of each node. `[node index]`
     fn sum<T>(&self, term: impl Fn(usize, usize) -> T + Sync, zero: T) -> Vec<T>
     where
         T: Copy + Send + Sync + std::ops::AddAssign,
@@ -192,7 +193,7 @@ impl Web {
             .collect()
     }
 
-    /// Movement of each point's slave against its master [mm] where nodes move by `y` `[place]`. `[point]`
+    /// Movement of each point's slave relative to its master [mm] if nodes move by `y` `[node index]`. `[point]`
     fn relative<'a>(
         &'a self,
         points: &'a [Pressed],
@@ -206,7 +207,7 @@ impl Web {
         })
     }
 
-    /// Lets what acts on images act on what they are images of.
+    /// Adds forces on images to their originals and clears them.
     fn fold(&self, f: &mut [Vector3<f64>]) {
         for image in &self.images {
             let own = std::mem::take(&mut f[image.node]);
@@ -215,7 +216,7 @@ impl Web {
     }
 }
 
-/// δt of each point in its frame [MPa], by conjugate gradients with the diagonal.
+/// δt of each point in its frame [MPa], by conjugate gradients preconditioned with the diagonal.
 fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
     let web = Web::new(points, dofs);
     let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {
@@ -254,7 +255,7 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
         if size.is_nan() || size <= enough {
             break;
         }
-        // Images move as what they are images of.
+        // Images move with their originals.
         for image in &web.images {
             direction[image.node] = direction[image.of].component_mul(&image.sign);
         }
@@ -291,7 +292,7 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
 }
 
 impl Contact {
-    /// The points that press on facets where one slides.
+    /// Points under pressure on facets where at least one point slides.
     fn pressed(&self, model: &Model, trial: &Trial) -> Vec<Pressed> {
         let facets = trial.status.par_chunks_exact(4).enumerate();
         facets
@@ -300,7 +301,7 @@ impl Contact {
             .collect()
     }
 
-    /// Those of a facet whose points do this.
+    /// Those of one facet whose points have this status.
     fn pressed_of(
         &self,
         model: &Model,
@@ -344,7 +345,7 @@ impl Contact {
         [0, 1, 2, 3].map(press).into_iter().flatten()
     }
 
-    /// Change of the shifted law's traction at a point when that of the last iterate is `settled` and not
+    /// Change of the traction from the shifted law at a point if the traction carried over is `settled` instead of
     /// the present one [MPa].
     fn change_of(
         &self,
@@ -383,7 +384,7 @@ impl Contact {
 mod tests {
     use super::*;
 
-    /// Two points that hang on the same node of a fixed master and miss `m` [MPa] across their face.
+    /// Two points that depend on the same node, over a fixed master, with the normal errors `m` [MPa].
     fn pair(m: [f64; 2], softness: f64) -> Vec<Pressed> {
         let frame = [Vector3::x(), Vector3::y(), Vector3::z()];
         m.iter()

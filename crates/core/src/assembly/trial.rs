@@ -1,4 +1,4 @@
-//! Scratch of one increment, and how the tractions of its iterates follow one another.
+//! Working data of one increment, and the tractions carried over from iterate to iterate.
 
 use super::branch_holding::HeldBranches;
 use super::bulk::Marks;
@@ -8,14 +8,15 @@ use crate::material::{MaterialHistory, PointEnergy};
 use crate::state::State;
 use wythe_contact::{InterfaceHistory, PointPair, PointStatus};
 
-/// Largest factor of the numerical stiffness [-].
+/// Largest factor on the numerical stiffness [-].
 pub(super) const STIFFEST: f64 = 8.0;
-/// The same under loads with a name, which may be small beside the weight [-]: as stiff as the law.
+/// Largest factor under named loads, which may be small beside the weight [-]. The numerical stiffness may then
+/// reach that of the law.
 pub const STIFFEST_UNDER_LOADS: f64 = 512.0;
-/// Growth of the factor from the first of these on [-]; below it is 2.
+/// Growth of the factor from [`STIFFEST`] upwards [-]. Below, it doubles.
 const QUICKER: f64 = 4.0;
 
-/// Scratch of one increment; may be dropped at any time without changing a result.
+/// Working data of one increment. It may be dropped at any time without a change of results.
 #[derive(Clone, Debug, Default)]
 pub struct Trial {
     /// Current positions [mm]. `[node]`
@@ -25,15 +26,16 @@ pub struct Trial {
     pub cell_force: Vec<[[f64; 3]; 8]>,
     /// Stiffness of each cell [N/mm]. `[cell][CELL]`
     pub(super) cells: Vec<f64>,
-    /// What the cells hold.
+    /// Positions at which the stiffness in `cells` was written.
     pub(super) held: Held,
-    /// Cells that have a stiffness now. `[cell]`
+    /// Whether a cell contributes stiffness now. `[cell]`
     pub(super) active: Vec<bool>,
-    /// Cells whose stiffness was written, or began or ceased to count, since a matrix was last filled. `[cell]`
+    /// Cells that changed since a matrix was last filled: their stiffness was written, or they began or ceased
+    /// to contribute. `[cell]`
     pub(super) changed: Vec<bool>,
-    /// Which filling that was.
+    /// Number of that filling.
     pub(super) filling: u64,
-    /// Internal forces of the nodes, held ones too [N]. `[node][xyz]`
+    /// Internal forces of all nodes, supported ones included [N]. `[node][xyz]`
     pub node_force: Vec<[f64; 3]>,
     /// Generalised internal forces [N]. `[slot]`
     pub force: Vec<f64>,
@@ -41,62 +43,61 @@ pub struct Trial {
     pub material: Vec<MaterialHistory>,
     /// Energies of the solids, integrated over each element [N mm]. `[element]`
     pub element_energy: Vec<PointEnergy>,
-    /// What both histories of the solids hold; none: not looked at yet. `[element]`
+    /// Points with a history in each element. Empty: not determined yet. `[element]`
     pub(super) marks: Vec<Marks>,
-    /// New histories of the interfaces. `[point]`
+    /// New histories of the joints. `[point]`
     pub interface: Vec<InterfaceHistory>,
     /// Elastic energy and dissipation of each point [N mm]. `[point]`
     pub point_energy: Vec<[f64; 2]>,
-    /// What each point does. `[point]`
+    /// Status of each point. `[point]`
     pub status: Vec<PointStatus>,
-    /// Master facet of each point now, and the foot of its perpendicular. `[point]`
+    /// Present master facet of each point and the foot of the perpendicular on it. `[point]`
     pub pairs: Vec<PointPair>,
-    /// Where the slip of this increment is measured from: the pair at the last commit, or where a
-    /// point came into contact. `[point]`
+    /// Position from which the slip of this increment is measured: the pair at the last commit, or the position
+    /// at which a point came into contact. `[point]`
     pub anchors: Vec<PointPair>,
-    /// Whether a point faced nothing at the last commit. `[point]`
+    /// Whether a point had no master facet at the last commit. `[point]`
     pub free: Vec<bool>,
-    /// Positions at the last commit [mm], none when the run begins. `[node]`
+    /// Positions at the last commit [mm]. Empty when the run begins. `[node]`
     pub x_start: Vec<[f64; 3]>,
     /// Tractions of the last iterate (shifted penalty) [MPa]. `[point]`
     pub traction: Vec<[f64; 3]>,
     /// Normal traction that bounds the shear of the next iterate (shifted penalty) [MPa]. `[point]`
     pub bounding: Vec<f64>,
-    /// Its last change [MPa]: one of the other sign is a swing. `[point]`
+    /// Last change of `bounding` [MPa]. A next change of the opposite sign is an oscillation. `[point]`
     swing: Vec<f64>,
     /// Factor of the numerical stiffness of all points (shifted penalty) [-].
     pub stiffening: f64,
-    /// The largest that it may grow to in this increment [-].
+    /// Largest value of that factor in this increment [-].
     pub stiffest: f64,
-    /// Whether points at their shear limit resist along the slip: where a load turns round, what slid
-    /// sticks.
+    /// Whether points at their shear limit keep their stiffness along the slip. It is set where a load
+    /// reverses, because sliding points stick then.
     pub sticks: bool,
-    /// Where the driven ends of the springs are [mm]. `[spring][xyz]`
+    /// Positions of the driven ends of the springs [mm]. `[spring][xyz]`
     pub spring_ends: Vec<[f64; 3]>,
-    /// Values of the loads with a name. `[load]`
+    /// Values of the named loads. `[load]`
     pub loads: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
     pub inertia: f64,
-    /// What touches by general contact, or is near.
+    /// Touches of general contact, and pairs close to touching.
     pub touches: Vec<Live>,
-    /// Energy that touches set free which are no more, and the work of their last forces in the increment
-    /// [N mm].
+    /// Energy released by touches that ended, and the work of their last forces in the increment [N mm].
     pub touch_loss: [f64; 2],
-    /// Normal gaps where the forces were taken last [mm]. `[point]`
+    /// Normal gaps at the last evaluation of forces [mm]. `[point]`
     pub(super) gaps: Vec<f64>,
-    /// Positions there [mm], none where points were paired anew since. `[node]`
+    /// Positions at that evaluation [mm]. Empty where points were paired anew since. `[node]`
     pub(super) seen_at: Vec<[f64; 3]>,
-    /// Points on branches without stiffness (shifted penalty).
+    /// Points on branches without stiffness (shifted penalty), and those that are given a secant there.
     pub loose: HeldBranches,
-    /// What each point did in the last iterate. `[point]`
+    /// Status of each point in the last iterate. `[point]`
     before: Vec<PointStatus>,
     /// Mean magnitude of the elements' nodal forces [N].
     pub mean_nodal_force: f64,
-    /// What is evaluated; none: everything.
+    /// Cells that are evaluated. None: all cells.
     pub awake: Option<Awake>,
 }
 
-/// Cells near what moves: the forces and stiffness of all others are those of the last evaluation.
+/// Cells near moving nodes. Forces and stiffness of all others are those of the last evaluation.
 #[derive(Clone, Debug, Default)]
 pub struct Awake {
     /// Solids. `[element]`
@@ -126,10 +127,10 @@ impl Trial {
         self.inertia = 0.0;
         self.before.clear();
         self.loose.start();
-        // A run that is resumed here does not have them.
+        // A resumed run does not have these positions.
         self.seen_at.clear();
-        // Where a law gives no answer the evaluation ends early: what it leaves out is nothing, not
-        // something of the increment before.
+        // An evaluation that fails ends early. Its missing entries must be empty, not those of an earlier
+        // increment.
         self.cell_force.clear();
         self.element_energy.clear();
         self.point_energy.clear();
@@ -138,7 +139,7 @@ impl Trial {
         self.awake = None;
     }
 
-    /// A copy to go back to, without the stiffness: most of a trial's memory.
+    /// Copy to which the trial can be restored, without the cells' stiffness, which takes most of its memory.
     #[must_use]
     pub fn without_stiffness(&mut self) -> Self {
         let cells = std::mem::take(&mut self.cells);
@@ -147,8 +148,8 @@ impl Trial {
         copy
     }
 
-    /// Goes back to a copy without stiffness. The cells keep what they hold now: the next evaluation with tangents finds
-    /// there what need not be written.
+    /// Restores a copy made without stiffness. The cells keep their present stiffness, so that the next
+    /// evaluation with tangents can reuse it.
     pub fn go_back(&mut self, copy: Self) {
         let now = std::mem::replace(self, copy);
         self.cells = now.cells;
@@ -158,22 +159,22 @@ impl Trial {
         self.filling = now.filling;
     }
 
-    /// Whether the numerical stiffness may grow to that of the law.
+    /// Whether the increment has named loads: the numerical stiffness may grow to that of the law.
     pub(super) fn is_under_loads(&self) -> bool {
         self.stiffest > STIFFEST
     }
 
-    /// Whether the tractions of the last iterate are those of what touches.
+    /// Whether the tractions of the last iterate belong to the touches of this one.
     pub fn is_settled(&self) -> bool {
         self.touches.iter().all(|one| one.settled)
     }
 
-    /// Whether anything near does not touch now.
+    /// Whether a pair of general contact is near but open.
     pub fn may_meet(&self) -> bool {
         self.touches.iter().any(Live::is_open)
     }
 
-    /// The normal tractions of the last iterate bound the shear of the next one.
+    /// Takes the normal tractions of the last iterate as bounds of the shear of the next one.
     pub(super) fn bound_by_traction(&mut self) {
         self.bounding.clear();
         self.bounding.extend(self.traction.iter().map(|t| t[0]));
@@ -182,7 +183,7 @@ impl Trial {
         self.touches.iter_mut().for_each(Live::bound_by_traction);
     }
 
-    /// The tractions of this iterate become those of the last, but those of some points others.
+    /// Takes over the tractions of this iterate, and `others` at the given points.
     pub fn take_tractions(&mut self, others: Vec<(usize, [f64; 3])>) {
         self.keep_tractions();
         for (point, traction) in others {
@@ -191,13 +192,13 @@ impl Trial {
         self.bound_by_traction();
     }
 
-    /// The tractions of this iterate become those of the last. Where pressure and friction swing
-    /// against one another, the bound moves by half the change only: the fixed point is the same. Where
-    /// no point changed what it does, the numerical stiffness doubles, and where it may grow beyond the usual
-    /// bound grows fourfold there: nothing chatters, and a stiffer one gets there sooner.
+    /// Takes over the tractions of this iterate as those of the last one. Where pressure and friction
+    /// oscillate, the bound changes by half only; the fixed point is the same. Where no point changed its
+    /// status, the numerical stiffness doubles, and beyond the usual bound it grows fourfold: nothing
+    /// oscillates, and a stiffer penalty converges faster.
     pub fn keep_tractions(&mut self) {
         if let Some(awake) = &self.awake {
-            // An iterate of these alone: what all points do is told by those of the whole.
+            // Only part of the cells was evaluated. Status changes are counted in iterates of all cells only.
             for (p, history) in self.interface.iter().enumerate() {
                 if awake.facets[p / 4] {
                     self.traction[p] = history.traction;

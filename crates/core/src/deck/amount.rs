@@ -1,27 +1,30 @@
-//! How much a deck asks for: counted before anything is laid out, so that a slip costs neither time nor memory.
+//! Size of the scene that a deck asks for.
+//!
+//! It is counted before any body is built, so that a mistake in the deck costs neither time nor memory.
 
 use super::masonry::Refusal;
 use super::quantity::Quantity;
 use super::schema::{Bond, Deck, DeckArch, DeckBlock, Wall};
 use crate::error::ModelError;
 
-/// Most elements of a scene: 2e6 unknowns, which want more than 30 GB. `wythe check` takes some 5 s and 1 GB for it.
+/// Largest number of elements of a scene: 2e6 unknowns, which need more than 30 GB. `wythe check` takes some 5 s
+/// and 1 GB for it.
 pub(super) const MOST_ELEMENTS: f64 = 5e5;
 
-/// Most bodies: units, blocks, voussoirs.
+/// Largest number of bodies: units, blocks, voussoirs.
 pub(super) const MOST_BODIES: f64 = 5e4;
 
-/// Most points of contact.
+/// Largest number of contact points.
 pub(super) const MOST_POINTS: f64 = 1e7;
 
-/// Most steps, and most changes that they make to faces, springs and loads together.
+/// Largest number of steps, and of the changes that they make to faces, springs and loads together.
 const MOST_STEPS: usize = 10_000;
 const MOST_CHANGES: usize = 2_000_000;
 
-/// Most entries of each list of a deck that is searched for every other.
+/// Longest list of a deck whose entries are compared with all others.
 const MOST_ENTRIES: usize = 20_000;
 
-/// Elements and bodies.
+/// Number of elements and of bodies.
 #[derive(Clone, Copy, Default)]
 struct Amount {
     elements: f64,
@@ -48,7 +51,7 @@ fn of_arch(arch: &DeckArch) -> Amount {
     }
 }
 
-/// About as many as a wall has; its sizes are above 0.
+/// Approximate number of elements and bodies of a wall with positive sizes.
 fn of_wall(wall: &Wall) -> Amount {
     let [length, width, _] = wall.unit.map(Quantity::get);
     let head = wall.head_joint.get();
@@ -56,7 +59,7 @@ fn of_wall(wall: &Wall) -> Amount {
     let a_course = match wall.bond {
         Bond::Stretcher | Bond::Stack => f64::from(wall.leaves) * in_row(length),
         Bond::Header => in_row(width),
-        // Headers, or two leaves of stretchers.
+        // Headers, or two leaves of stretchers, whichever are more.
         Bond::English | Bond::EnglishCross | Bond::Flemish => {
             in_row(width).max(2.0 * in_row(length))
         }
@@ -80,7 +83,7 @@ fn of_wall(wall: &Wall) -> Amount {
     }
 }
 
-/// Units of a leaf that is written out, from where it begins to the end of the wall.
+/// Number of units of a leaf of a written bond, from its first unit to the end of the wall.
 pub(super) fn units_of(wall: &Wall, leaf: &crate::deck::schema::DeckLeaf) -> f64 {
     let round: f64 = leaf
         .units
@@ -91,10 +94,10 @@ pub(super) fn units_of(wall: &Wall, leaf: &crate::deck::schema::DeckLeaf) -> f64
     (rounds.max(0.0).ceil() + 1.0) * leaf.units.len() as f64
 }
 
-/// Refuses a scene of more elements or bodies than can be built. Walls have sizes above 0.
+/// Rejects a scene with more elements or bodies than can be built. Walls must have positive sizes.
 ///
 /// # Errors
-/// The path and the key of the wall or block that has most of them.
+/// Path and key of the wall or block that has most of them.
 pub(super) fn require_countable(deck: &Deck) -> Result<(), (String, Refusal)> {
     let mut parts: Vec<(String, Amount)> = Vec::new();
     for (path, _, wall) in deck.walls() {
@@ -154,10 +157,10 @@ pub(super) fn require_countable(deck: &Deck) -> Result<(), (String, Refusal)> {
     Err((path.clone(), refusal))
 }
 
-/// Refuses lists of a deck that are too long to be judged.
+/// Rejects lists of a deck that are too long to be checked.
 ///
 /// # Errors
-/// The first that is.
+/// The first list that is too long.
 pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
     let loads: usize = deck.steps.iter().map(|step| step.loads.len()).sum();
     let faces = deck.steps.iter().filter(|step| step.face.is_some()).count();

@@ -9,17 +9,17 @@
 //! ```
 
 use super::schema::DeckArch;
-use crate::model::hexahedron::Corners;
+use crate::element::hexahedron::Corners;
 
-/// The stones of an arch.
+/// Bodies of an arch.
 pub(super) struct Stones {
-    /// From left to right.
+    /// Voussoirs from left to right.
     pub(super) voussoirs: Vec<Corners>,
-    /// Left and right, each as deep as the arch is thick.
+    /// Left and right springing, each as deep as the arch is thick.
     pub(super) springings: [Corners; 2],
 }
 
-/// Stones with flat faces: corners on the circles of radius R ∓ t/2 at equal angles.
+/// Stones with flat faces: their corners lie on the circles of radius R ∓ t/2 at equal angles.
 pub(super) fn stones(arch: &DeckArch) -> Stones {
     let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
     let width = arch.width.get();
@@ -42,7 +42,7 @@ pub(super) fn stones(arch: &DeckArch) -> Stones {
             on(l, outer, width),
         ]
     };
-    // A springing goes on along the tangent of the arch; −1 at its left end, 1 at its right.
+    // A springing continues along the tangent of the arch; `side` is −1 at its left end, 1 at its right.
     let springing = |i: usize, side: f64| {
         let at = joint(i);
         let (low, high) = (inner - 0.25 * thickness, outer + 0.25 * thickness);

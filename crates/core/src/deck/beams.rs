@@ -1,4 +1,4 @@
-//! Loading beams: `[[beams]]` written out as what the solver knows.
+//! Loading beams: converts `[[beams]]` to blocks, contacts and springs.
 //!
 //! ```text
 //!   p, over the beam's area                  a beam that turns: a stiff block on the faces, its weight and load
@@ -15,24 +15,24 @@ use super::schema::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
     StepKind, Turning,
 };
+use crate::element::hexahedron::range;
 use crate::error::{Errors, ModelError};
-use crate::model::hexahedron::range;
 use crate::model::scene::Increments;
 use std::borrow::Cow;
 
-/// Young's modulus of a beam over the largest of what stands in the scene.
+/// Young's modulus of a beam over the largest one in the scene.
 const STIFFER: f64 = 100.0;
 
-/// Density of a beam that has none [tonne/mm³]: that of air.
+/// Density of a beam for which the deck gives none [tonne/mm³]: that of air.
 const AIR: f64 = 1.2e-12;
 
-/// A face is level if its nodes differ in height by less [mm].
+/// A face is level if the heights of its nodes differ by less than this [mm].
 const LEVEL: f64 = 0.01;
 
-/// The deck with its beams as blocks, contacts and springs, and the steps that name them.
+/// Returns the deck with its beams replaced by blocks, contacts and springs, and with the steps that move them.
 ///
 /// # Errors
-/// Faces that are not level, or not of one height; names of nothing.
+/// Faces that are not level, or not at one height; unknown names.
 pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     if deck.beams.is_empty() {
         return Ok(Cow::Borrowed(deck));
@@ -41,7 +41,8 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     plain.beams.clear();
     let mut errors = Errors::default();
     let blocks = {
-        // All is laid for where the beams lie, and once more with them: of a deck with beams, files are read twice.
+        // Bodies are built here to find where the beams lie, and a second time with the beams. Files named by the
+        // deck are therefore read twice.
         let bodies = Bodies::new(&plain)?;
         let modulus = modulus(&bodies);
         let mut blocks = Vec::new();
@@ -61,7 +62,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     for (i, step) in plain.steps.iter_mut().enumerate() {
         let of = |name: &String| deck.beams.iter().position(|beam| beam.name == *name);
         let Some(b) = step.beam.as_ref().and_then(of) else {
-            continue; // none, or refused when the deck was read
+            continue; // no beam, or an unknown one, which was rejected when the deck was read
         };
         take_over(step, &deck.steps[i], &deck.beams[b], &blocks[b]);
         for key in ["face", "spring"] {
@@ -74,13 +75,13 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     Ok(Cow::Owned(plain))
 }
 
-/// A beam that is laid.
+/// Position and stiffness of a beam.
 struct Laid {
-    /// Its lowest corner [mm].
+    /// Lowest corner [mm].
     at: [f64; 3],
-    /// Its sizes [mm].
+    /// Sizes [mm].
     size: [f64; 3],
-    /// Its Young's modulus [MPa].
+    /// Young's modulus [MPa].
     modulus: f64,
 }
 
@@ -90,13 +91,14 @@ impl Laid {
         self.size[0] * self.size[1]
     }
 
-    /// Stiffness of its jack [N/mm]: that of the beam along its shortest side.
+    /// Stiffness of the jack [N/mm]: that of the beam along its shortest side.
     fn jack(&self) -> f64 {
         self.modulus * self.size.into_iter().fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Young's modulus of beams in a scene [MPa]: [`STIFFER`] times the largest; what is rigid-like is stiff enough.
+/// Young's modulus of the beams of a scene [MPa]: [`STIFFER`] times the largest one. Rigid-like materials are
+/// not multiplied: they are stiff enough.
 fn modulus(bodies: &Bodies<'_>) -> f64 {
     let materials = bodies.materials.iter();
     let of = materials.filter_map(|name| {
@@ -137,7 +139,7 @@ fn outline(
     Ok(([x[0], y[0], z[1]], sizes))
 }
 
-/// Adds what a beam is made of; tells the paths of that.
+/// Adds the material, block, contact and spring of a beam; returns their paths.
 fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
     let name = &beam.name;
     let mut paths = vec![
@@ -192,7 +194,7 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
     paths
 }
 
-/// Says what a step does with a beam by its face, its jack or a load on it.
+/// Translates a step on a beam into one on its face, its jack or a load.
 fn take_over(step: &mut DeckStep, said: &DeckStep, beam: &DeckBeam, laid: &Laid) {
     step.beam = None;
     let name = &beam.name;
@@ -200,7 +202,7 @@ fn take_over(step: &mut DeckStep, said: &DeckStep, beam: &DeckBeam, laid: &Laid)
         (Turning::Level, _) => step.face = Some(Names(vec![format!("{name}.top")])),
         (Turning::Free, StepKind::Drive) => step.spring = Some(name.clone()),
         (Turning::Free, _) => {
-            // What is not said stays as a preload's.
+            // Increment sizes that the deck does not give remain those of a preload.
             let Increments {
                 initial, max, min, ..
             } = said.increments();

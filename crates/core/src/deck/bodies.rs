@@ -1,4 +1,4 @@
-//! The bodies of a scene: names, mesh, supports, springs, velocities.
+//! Bodies of a scene: names, mesh, supports, springs, velocities.
 
 use super::amount;
 use super::arch::{Stones, stones};
@@ -11,52 +11,51 @@ use super::quantity::Quantity;
 use super::rigid;
 use super::schema::Rotation;
 use super::schema::{Deck, DeckBlock, Material, Names};
+use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::Mesh;
-use crate::model::hexahedron::{Corners, area_vector, norm};
 use crate::model::scene::{HeldBy, Spring, Support, turned};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-/// The bodies of a scene in the mesh, and how a deck calls them.
+/// Bodies of a scene, their mesh and their names in the deck.
 pub(super) struct Bodies<'a> {
-    /// What the deck says.
+    /// The deck.
     pub(super) deck: &'a Deck,
-    /// The solids.
+    /// Mesh of the solids.
     pub(super) mesh: Mesh,
-    /// Names of the materials by index.
+    /// Names of the materials. `[material]`
     pub(super) materials: Vec<String>,
-    /// In order: units of walls, blocks, imported bodies, the arch: voussoirs, left springing, right springing.
+    /// Bodies in this order: units of walls, blocks, imported bodies, voussoirs, left springing, right springing.
     pub(super) all: Vec<Body>,
-    /// The walls, whose units are the first bodies.
+    /// Walls; their units are the first bodies.
     pub(super) walls: Vec<Masonry<'a>>,
-    /// Materials that imported files bring, by name.
+    /// Materials that are not in the deck, by name: those of imported files and of rigid-like bodies.
     brought: BTreeMap<String, Material>,
-    /// What the author should know of imported files.
+    /// Warnings about imported files.
     pub(super) warnings: Vec<Warning>,
-    /// Their names.
+    /// Names of the bodies.
     roll: NameRegistry,
-    /// Velocity at the beginning [mm/s]; empty = rest. `[node]`
+    /// Initial velocity [mm/s]; empty if all bodies are at rest. `[node]`
     pub(super) velocity: Vec<[f64; 3]>,
-    /// What stands for the other half where planes of symmetry cut joints.
+    /// Facets that represent the other half where planes of symmetry cut joints.
     pub(super) mirrors: Vec<Mirror>,
-    /// Nodes that the deck has named so far, each as often as it is named.
+    /// Number of nodes that the deck has named so far; a node counts as often as it is named.
     named: Cell<usize>,
 }
 
-/// Nodes that a deck may name, each as often as it is named: they are kept for each support, probe and load.
+/// Largest value of [`Bodies::named`]: each support, probe and load stores its nodes.
 const MOST_NAMED: usize = 30_000_000;
 
-/// Most places that are searched for by a deck, times the nodes among which they are.
+/// Largest product of the number of points that a deck searches for and the number of nodes among them.
 const MOST_SEARCHED: usize = 1_000_000_000;
 
 impl<'a> Bodies<'a> {
-    /// Lays all bodies of a deck.
+    /// Builds all bodies of a deck.
     ///
     /// # Errors
-    /// Too many elements, names that two bodies have, walls that cannot be laid, files of nodes that are
-    /// none.
+    /// Too many elements, two bodies of one name, walls that cannot be built, unreadable files of nodes.
     pub(super) fn new(deck: &'a Deck) -> Result<Self, ModelError> {
         let mut bodies = Self {
             deck,
@@ -80,7 +79,7 @@ impl<'a> Bodies<'a> {
             imports.extend(errors.keep(Imported::read(deck, i)));
         }
         if imports.len() < deck.imports.len() {
-            return errors.end(bodies); // what they hold is not known
+            return errors.end(bodies); // the contents of the files are unknown
         }
         if let Some((roll, twice)) = NameRegistry::call(deck, &walls, Some(&imports)) {
             bodies.roll = roll;
@@ -123,12 +122,12 @@ impl<'a> Bodies<'a> {
         errors.end(bodies)
     }
 
-    /// The wall of which body `body` is a unit, if it is one.
+    /// Returns the wall to which body `body` belongs as a unit, if any.
     pub(super) fn wall_of(&self, body: usize) -> Option<&Masonry<'a>> {
         self.walls.iter().find(|wall| wall.bodies.contains(&body))
     }
 
-    /// Whether two bodies are units of one wall, or of walls that pass through each other.
+    /// Returns whether two bodies are units of one wall, or of walls that pass through each other.
     pub(super) fn in_one_wall(&self, a: usize, b: usize) -> bool {
         let of = |body: usize| {
             self.walls
@@ -141,7 +140,7 @@ impl<'a> Bodies<'a> {
         a == b || self.walls[a].joined.contains(&b)
     }
 
-    /// Names of all bodies by their number in the mesh.
+    /// Names of all bodies. `[number in the mesh]`
     pub(super) fn names(&self) -> Vec<String> {
         let count = self.all.iter().map(|body| body.number as usize + 1).max();
         let mut names = vec![String::new(); count.unwrap_or(0)];
@@ -151,7 +150,7 @@ impl<'a> Bodies<'a> {
         names
     }
 
-    /// How a message calls a body.
+    /// Name of a body in messages.
     pub(super) fn called(&self, body: usize) -> String {
         let name = &self.all[body].name;
         match self.wall_of(body) {
@@ -163,10 +162,10 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// Lays the units of a wall.
+    /// Adds the units of a wall.
     ///
     /// # Errors
-    /// Rigid units between so many neighbours that they have too many elements.
+    /// Rigid units that need too many elements, because the grid lines of their neighbours divide them.
     fn lay_wall(&mut self, wall: Masonry<'a>) -> Result<(), ModelError> {
         let said = wall.wall;
         let rigid = said.rigid;
@@ -202,7 +201,7 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
-    /// Lays a block and its copies.
+    /// Adds a block and its copies.
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
         let material = self.solid(&block.material, block.rigid);
         let own = match self.deck.block_nodes(index)? {
@@ -242,8 +241,8 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
-    /// Lays the bodies of an import. Materials of its file are called as they are there, or after the import
-    /// too, where another one brings a different material of that name.
+    /// Adds the bodies of an import. Materials keep the names of their file. If another import has a different
+    /// material of the same name, the name of this import is put before it.
     fn lay_import(&mut self, import: Imported) {
         let mut index = Vec::with_capacity(import.materials.len());
         for (name, own) in &import.materials {
@@ -263,7 +262,7 @@ impl<'a> Bodies<'a> {
     /// Parameters of the material `name`, of the deck or of an imported file.
     ///
     /// # Errors
-    /// No such material.
+    /// Unknown material.
     pub(super) fn parameters(&self, name: &str) -> Result<MaterialParameters, ModelError> {
         match self.brought.get(name) {
             Some(material) => Ok(material.parameters()),
@@ -303,7 +302,7 @@ impl<'a> Bodies<'a> {
         });
     }
 
-    /// Index of the material `name`, or of what rigid-like bodies of it are of.
+    /// Index of the material `name`, or of its rigid-like substitute.
     fn solid(&mut self, name: &str, rigid: bool) -> u16 {
         let (Some(own), Some(stiffness)) = (
             self.deck.materials.get(name).filter(|_| rigid),
@@ -317,7 +316,7 @@ impl<'a> Bodies<'a> {
         self.material(&called)
     }
 
-    /// Index of a material, added where it is new.
+    /// Index of a material; adds it if it is new.
     fn material(&mut self, name: &str) -> u16 {
         let found = self.materials.iter().position(|m| m == name);
         found.unwrap_or_else(|| {
@@ -326,10 +325,10 @@ impl<'a> Bodies<'a> {
         }) as u16
     }
 
-    /// What the names at `path` stand for, see [`NameRegistry::places`].
+    /// Bodies and faces that the names at `path` denote, see [`NameRegistry::places`].
     ///
     /// # Errors
-    /// No such block or face.
+    /// Unknown block or face.
     pub(super) fn places(
         &self,
         path: &str,
@@ -355,7 +354,7 @@ impl<'a> Bodies<'a> {
         Ok(places)
     }
 
-    /// Nodes of these places, ascending and each once.
+    /// Nodes of these places, in ascending order, each once.
     pub(super) fn nodes(&self, places: &[Place]) -> Vec<u32> {
         let of = |place: &Place| -> Vec<u32> {
             let body = &self.all[place.body];
@@ -374,7 +373,7 @@ impl<'a> Bodies<'a> {
         nodes
     }
 
-    /// Sum of the area vectors of faces, pointing outwards [mm²], and of their magnitudes.
+    /// Sum of the outward area vectors of faces [mm²], and sum of their magnitudes [mm²].
     pub(super) fn area(&self, places: &[Place]) -> ([f64; 3], f64) {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for place in places {
@@ -391,14 +390,14 @@ impl<'a> Bodies<'a> {
     /// Nodes of these places that lie in the box of support `i`, if it has one.
     ///
     /// # Errors
-    /// A box with nothing in it.
+    /// A box that contains no node.
     fn nodes_within(&self, i: usize, places: &[Place]) -> Result<Vec<u32>, ModelError> {
         let mut nodes = self.nodes(places);
         let Some([low, high]) = self.deck.supports[i].within else {
             return Ok(nodes);
         };
         let (low, high) = (low.map(Quantity::get), high.map(Quantity::get));
-        // Decks round to 0.01 mm.
+        // Coordinates in decks are rounded to 0.01 mm.
         nodes.retain(|n| {
             let x = self.mesh.nodes[*n as usize];
             (0..3).all(|d| low[d] - BESIDE <= x[d] && x[d] <= high[d] + BESIDE)
@@ -416,7 +415,7 @@ impl<'a> Bodies<'a> {
     /// Supports of the deck and of the springings.
     ///
     /// # Errors
-    /// Names of nothing.
+    /// Unknown names.
     pub(super) fn supports(&self) -> Result<Vec<Support>, ModelError> {
         let mut supports = masonry::supports(self);
         for (i, support) in self.deck.supports.iter().enumerate() {
@@ -447,7 +446,7 @@ impl<'a> Bodies<'a> {
     /// Springs of the deck.
     ///
     /// # Errors
-    /// Names of nothing.
+    /// Unknown names.
     pub(super) fn springs(&self) -> Result<Vec<Spring>, ModelError> {
         let mut springs: Vec<Spring> = Vec::new();
         for (i, spring) in self.deck.springs.iter().enumerate() {
@@ -462,19 +461,19 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// How far beside a box nodes count as in it [mm].
+/// Nodes within this distance of a box count as in it [mm].
 const BESIDE: f64 = 0.01;
 
-/// What a block looks like.
+/// Geometry of a block.
 enum Shape {
-    /// Its corners [mm]; all else lies between them.
+    /// Its corners [mm]; all other points are interpolated.
     Hexahedron(Corners),
-    /// The nodes of its grid [mm], along ξ first, then η, ζ. `[node][xyz]`
+    /// Nodes of its grid [mm], along ξ first, then η, ζ. `[node][xyz]`
     Grid(Vec<[f64; 3]>),
 }
 
 impl Shape {
-    /// The same shape elsewhere.
+    /// Applies a map to all points.
     fn map(&self, to: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         match self {
             Self::Hexahedron(corners) => Self::Hexahedron(corners.map(to)),
@@ -483,7 +482,7 @@ impl Shape {
     }
 }
 
-/// Corners of a block [mm]: its box or its own, before it is laid.
+/// Corners of a block before it is placed [mm]: those of its box, or those given in the deck.
 fn corners(block: &DeckBlock) -> Corners {
     let size = block.size.map_or([0.0; 3], |s| s.map(Quantity::get));
     let [l, t, h] = size;
@@ -502,14 +501,14 @@ fn corners(block: &DeckBlock) -> Corners {
     )
 }
 
-/// Where a point of a block lies [mm]: turned about the origin, then moved to `at`.
+/// Position of a point of a block [mm]: rotated about the origin, then moved to `at`.
 fn laid(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
     let at = block.at.map(Quantity::get);
     let x = turned_with(block, x);
     [0, 1, 2].map(|d| at[d] + x[d])
 }
 
-/// A point turned about the origin as its block is [mm].
+/// Rotates a point about the origin by the rotation of its block [mm].
 fn turned_with(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
     block.rotate.map_or(x, |Rotation { axis, angle }| {
         let (d, sign) = axis.axis();

@@ -1,39 +1,38 @@
-//! The bodies of a scene, whatever described them, and their faces.
+//! Bodies of a scene and their faces, independent of the kind of input that describes them.
 
+use crate::element::hexahedron::{Corners, Face, PLACES, area_vector, norm, point};
 use crate::model::Mesh;
-use crate::model::hexahedron::{Corners, Face, PLACES, area_vector, norm, point};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A body: hex8 elements with nodes of their own, which other bodies meet at its faces.
+/// A body: hex8 elements with nodes of their own. Other bodies touch it at its faces.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Name in the deck, with the numbers of its copy or of its place in a wall.
+    /// Name in the deck, with the indices of a copy, or with course and position in a wall.
     pub name: String,
-    /// Its number, that of its elements in [`Mesh::unit`].
+    /// Number of the body in [`Mesh::unit`].
     pub number: u32,
-    /// Its nodes in the mesh.
+    /// Range of its nodes in the mesh.
     pub nodes: Range<u32>,
-    /// Its faces; of a block and of a unit the six of [`Face::ALL`], in that order. Of an imported body
-    /// first those of its skin, then sets of its file, which may lie over them and over each other.
+    /// Faces. A block or a unit has the six of [`Face::ALL`], in that order. An imported body has first the faces
+    /// of its boundary, then sets of its file, which may overlap these and each other.
     pub faces: Vec<BodyFace>,
-    /// How many faces are its skin.
+    /// Number of faces that make up its boundary.
     pub skin: usize,
-    /// Its faces may be curved: their outlines are their facets.
+    /// Whether its faces may be curved; their outlines are then their facets.
     pub curved: bool,
 }
 
-/// A face of a body: facets that have a name together.
+/// A face of a body: facets under one name.
 #[derive(Clone, Debug)]
 pub struct BodyFace {
     /// Name in the deck, after that of the body and a dot.
     pub name: Cow<'static, str>,
-    /// Facets, counter-clockwise seen from outside, with their elements.
+    /// Elements and their facets, whose nodes run counter-clockwise seen from outside.
     pub facets: Vec<(usize, [u32; 4])>,
-    /// Flat parts that make up the face, counter-clockwise seen from outside [mm].
-    /// `[part][corner][xyz]`
+    /// Flat parts of the face, counter-clockwise seen from outside [mm]. `[part][corner][xyz]`
     pub outlines: Vec<[[f64; 3]; 4]>,
-    /// Its nodes, where they are not those of its facets: of a set of nodes.
+    /// Nodes of a set of nodes; none if the nodes are those of the facets.
     pub nodes: Option<Vec<u32>>,
 }
 
@@ -45,19 +44,19 @@ impl BodyFace {
     }
 }
 
-/// A regular grid of nodes, some of whose cells are solid.
+/// A structured grid of nodes of which some cells are solid.
 pub struct Grid<'a> {
-    /// Cells along ξ, η, ζ.
+    /// Number of cells along ξ, η, ζ.
     pub cells: [usize; 3],
-    /// Material of the cell i, j, k; none where nothing is.
+    /// Material of the cell i, j, k; none if the cell is empty.
     pub material: &'a dyn Fn([usize; 3]) -> Option<u16>,
-    /// Place of the node i, j, k [mm].
+    /// Position of the node i, j, k [mm].
     pub node: &'a dyn Fn([usize; 3]) -> [f64; 3],
 }
 
 impl Body {
-    /// Cuts a hexahedron into cells by trilinear interpolation of its corners and appends it to the mesh.
-    /// Neighbours with common corners have common nodes in the same places, to the bit.
+    /// Divides a hexahedron into cells by trilinear interpolation of its corners and appends it to the mesh.
+    /// Neighbours with common corners have bitwise equal node coordinates there.
     pub fn hexahedron(
         mesh: &mut Mesh,
         name: String,
@@ -74,7 +73,7 @@ impl Body {
         body
     }
 
-    /// Appends a grid of nodes `[node][xyz]` [mm], along ξ first, then η, ζ, to the mesh.
+    /// Appends a grid of nodes `[node][xyz]` [mm] to the mesh, along ξ first, then η, ζ.
     pub fn grid(
         mesh: &mut Mesh,
         name: String,
@@ -89,7 +88,7 @@ impl Body {
         body
     }
 
-    /// A grid all of one material.
+    /// Appends a grid of one material.
     fn uniform(
         mesh: &mut Mesh,
         name: String,
@@ -106,8 +105,8 @@ impl Body {
         Self::new(mesh, name, &grid)
     }
 
-    /// Appends the solid cells of a grid, and their nodes, to the mesh. Outlines of its faces are its
-    /// facets. Nodes and elements go along ξ first, then η, ζ; so do the facets.
+    /// Appends the solid cells of a grid and their nodes to the mesh. The outlines of its faces are its facets.
+    /// Nodes, elements and facets are numbered along ξ first, then η, ζ.
     pub fn new(mesh: &mut Mesh, name: String, grid: &Grid<'_>) -> Self {
         let number = mesh.unit.last().map_or(0, |u| u + 1);
         let [nx, ny, nz] = grid.cells;

@@ -1,4 +1,4 @@
-//! Deck → [`Model`].
+//! Builds the [`Model`] of a deck.
 
 use super::amount;
 use super::beams;
@@ -22,11 +22,11 @@ use crate::material::MaterialParameters;
 use crate::model::scene::{Beam, Model, NamedMaterial, Spring, Support};
 
 impl Model {
-    /// Builds the model that a deck describes, with what its author should know.
+    /// Builds the model that a deck describes; returns it with all warnings.
     ///
     /// # Errors
-    /// No scene or step, names of nothing, contradictions, softening that would snap back in the elements
-    /// of this mesh, bodies that nothing holds: all that can be found, with the warnings.
+    /// A deck without a scene or steps, unknown names, contradictions, softening that would snap back within an
+    /// element of this mesh, unsupported bodies. All errors that can be found are returned, with the warnings.
     pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
         if !deck.has_scene() {
             return Err(nothing_to_load(deck));
@@ -61,7 +61,7 @@ impl Model {
                 },
         } = match surfaces(deck, &bodies) {
             Ok(surfaces) => surfaces,
-            // The sizes of the elements are not known.
+            // The sizes of the elements are unknown here, so that softening cannot be checked.
             Err(error) => return Err(errors.and(error)),
         };
         let moved = loading.is_some();
@@ -81,7 +81,7 @@ impl Model {
             )));
         }
         contact.divide(deck.contact.parts, &bodies.mesh.nodes);
-        // Planes of symmetry hold nothing in the plane.
+        // Supports of symmetry planes come after `held_by_deck`: they hold no body against motion in the plane.
         let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
         let mut floats = None;
         if moved && is_known {
@@ -146,7 +146,7 @@ fn nothing_to_load(deck: &Deck) -> ModelError {
     )
 }
 
-/// Nodes that supports, springs and faces that move as one hold.
+/// Nodes that are held by supports, springs or faces that move as one.
 fn nodes_held(supports: &[Support], springs: &[Spring], beams: &[Beam]) -> Vec<u32> {
     let of_supports = supports.iter().map(|s| &s.nodes);
     let of_springs = springs.iter().map(|s| &s.nodes);
@@ -162,7 +162,7 @@ fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> V
         .collect()
 }
 
-/// Materials of the bodies, and what meets.
+/// Parameters of the materials, and the contact surfaces.
 struct Surfaces {
     parameters: Vec<MaterialParameters>,
     meeting: Meeting,
@@ -193,7 +193,7 @@ fn require_steps(deck: &Deck) -> Result<(), ModelError> {
     ))
 }
 
-/// Refuses gravity and motion of what has no mass.
+/// Rejects gravity and inertia for materials without density.
 fn require_mass(deck: &Deck, bodies: &Bodies<'_>) -> Result<(), ModelError> {
     let needs = |s: &DeckStep| {
         let inertia = [DeckProcedure::QuasiStatic, DeckProcedure::Dynamic];

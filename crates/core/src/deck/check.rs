@@ -1,4 +1,4 @@
-//! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
+//! Report of `wythe check`: warnings, notes on derived values, and the size of the model.
 
 use super::findings;
 use super::masonry::{self, Masonry};
@@ -18,18 +18,19 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
-/// The checker's findings about a deck that is free of errors.
+/// Findings about a deck without errors.
 #[derive(Clone, Debug)]
 pub struct CheckReport {
     /// Title of the deck.
     pub title: String,
-    /// What its author should know.
+    /// Warnings.
     pub warnings: Vec<Warning>,
-    /// What follows from the deck, a line each.
+    /// Values derived from the deck, one line each.
     pub notes: Vec<String>,
-    /// Sizes of the model.
+    /// Size of the model.
     pub sizes: Sizes,
-    /// Estimated peak memory [MB], of a half where one half is solved; of factors of single precision where they are tried.
+    /// Estimated peak memory [MB]: of the mirror half where one is solved, with factors of single precision where
+    /// they are tried.
     pub memory_mb: f64,
 }
 
@@ -61,12 +62,12 @@ impl fmt::Display for CheckReport {
     }
 }
 
-/// Tells of a model and the deck it was made from.
+/// Reports on a model and the deck from which it was built.
 pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     let sizes = sizes(model);
     let (planes, least) = mirrored::reduced(model);
     let [memory_mb, in_double] = match &least {
-        // As much again for the question of symmetry.
+        // Factor 2: the check of symmetry needs as much again.
         Cow::Owned(half) if model.fidelity != Fidelity::Full => memory_mb(deck, half, 2.0),
         _ => memory_mb(deck, model, 1.0),
     };
@@ -86,14 +87,17 @@ pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     }
 }
 
-/// Estimated peak memory [MB] with factors of single precision, and with those of double: the program, two histories of 8 points
-/// an element, matrices of elements and contact pairs, and what the linear solver needs, so many `times` over; unsymmetric that is
-/// always of double precision and a fifth more.
+/// Estimated peak memory [MB] with factors in single and in double precision.
 ///
-/// The factor of a wall that is w unknowns thick grows as that of a plane grid. In double precision that is w log₂(n/w) bytes for
-/// each of n unknowns; in single, where less than a half is the factor's, the logarithm is lost in the rest. Constants are measured on
-/// walls of 12,000 to 1,430,000 unknowns, which are met within a sixth. What has blocks is taken for a
-/// cube, n^1.22 bytes, measured at 14,000 and 86,000 unknowns: flat scenes take less.
+/// The sum has the program, two histories at 8 points of each element, matrices of elements and contact pairs, and
+/// the linear solver, which counts `times` over. Unsymmetric factors are always in double precision and take a
+/// fifth more.
+///
+/// The factor of a wall that is w unknowns thick grows as that of a plane grid: w log₂(n/w) bytes for each of n
+/// unknowns in double precision. In single precision the factor is less than half of all memory, and the logarithm
+/// is not noticeable. The constants are measured on walls of 12,000 to 1,430,000 unknowns and are within a sixth of
+/// these. Scenes with blocks count as a cube, n^1.22 bytes, measured at 14,000 and 86,000 unknowns; flat scenes
+/// take less.
 fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
     let sizes = sizes(model);
     let element = 2 * 8 * size_of::<MaterialHistory>() + 24 * 24 * 8;
@@ -118,11 +122,11 @@ fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
     solvers.map(|solver| PROGRAM_MB + (bodies as f64 + times * solver) * 1e-6)
 }
 
-/// More than that is worth a word [MB].
+/// A difference in memory that is worth a note [MB].
 const WORTH_TELLING_MB: f64 = 500.0;
 
-/// Planes of nodes one behind the other through the thickness of the walls: those of a unit, as often as it goes into
-/// the thickness. None without walls.
+/// Number of node planes through the thickness of the walls: those of a unit times the number of units through the
+/// thickness. None without walls.
 fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
     let walls = || deck.walls().map(|(_, _, wall)| wall);
     let thickness = walls().map(masonry::thickness).max_by(f64::total_cmp)?;
@@ -131,7 +135,7 @@ fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
         .filter(|d| walls().any(|wall| wall.axes().1 == *d))
         .collect();
     let mesh = &model.mesh;
-    // Of half a wall, where a plane of symmetry cuts it.
+    // Only half of the thickness is present where a plane of symmetry cuts it.
     let laid = [0, 1].map(|d| {
         let [front, back] = mesh.extent(d);
         back - front
@@ -147,19 +151,19 @@ fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
     };
     let elements: Vec<usize> = (0..mesh.elements.len()).collect();
     let units = elements.chunk_by(|a, b| mesh.unit[*a] == mesh.unit[*b]);
-    // Of walls that run both ways a unit may lie either way: the lesser counts.
+    // Where walls run along both axes, the orientation of a unit is unknown: the smaller count is taken.
     units
         .filter_map(|unit| axes.iter().map(|d| planes(unit, *d)).min())
         .max()
 }
 
-/// A wall has no more [-].
+/// Upper bound of the number of units through a wall [-].
 const MOST_LEAVES: f64 = 100.0;
 
 /// Nodes closer along an axis lie in one plane [mm].
 const SAME_PLANE: f64 = 1e-6;
 
-/// What a run of two bricks takes [MB].
+/// Memory of a run of two bricks [MB].
 const PROGRAM_MB: f64 = 23.0;
 
 fn notes(deck: &Deck, model: &Model) -> Vec<String> {
@@ -221,7 +225,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     notes
 }
 
-/// Bond and mesh of a wall.
+/// Notes on bond and mesh of a wall.
 fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let only = deck.walls().count() == 1;
@@ -237,7 +241,7 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
         ));
     }
     if masonry.wall.rigid {
-        return notes; // told with all that is rigid
+        return notes; // reported together with all rigid-like bodies
     }
     let Subdivision {
         length,
@@ -256,7 +260,7 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
     notes
 }
 
-/// What became of rigid-like bodies.
+/// Note on the modulus of rigid-like bodies.
 fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
     let rigid::Stiffness {
         modulus,
@@ -283,7 +287,7 @@ fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
     ))
 }
 
-/// What beams are.
+/// Notes on loading beams.
 fn beams_notes(deck: &Deck, model: &Model) -> Vec<String> {
     let note = |beam: &DeckBeam| {
         let material = model.materials.iter().find(|m| m.name == beam.name)?;
@@ -304,7 +308,7 @@ fn beams_notes(deck: &Deck, model: &Model) -> Vec<String> {
     deck.beams.iter().filter_map(note).collect()
 }
 
-/// Which part of the whole is modelled.
+/// Note on the part of the scene that the deck models.
 fn symmetry_note(deck: &Deck) -> Option<String> {
     let planes = Plane::all(deck);
     let told: Vec<String> = planes
@@ -328,7 +332,8 @@ fn symmetry_note(deck: &Deck) -> Option<String> {
     ))
 }
 
-/// What need not be computed: halves of a scene that is its own mirror image in these planes. `least`: what is left of it.
+/// Note on the part of the scene that is solved, where the scene is its own mirror image in these planes. `least`:
+/// the part that is solved.
 fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> Option<String> {
     let part = mirrored::part(planes.len())?;
     let unknowns = sizes(least).dofs;
@@ -349,7 +354,7 @@ fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> O
     })
 }
 
-/// What an interface is, and its stiffnesses in this model.
+/// Parameters of an interface, and its stiffnesses in this model.
 fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     let kind = if f.is_dry() {
         format!("interface {name}: dry, friction {}", f.mu.get())
@@ -372,7 +377,7 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     });
     let mut pairs: Vec<String> = pairs.collect();
     let mut told = HashSet::new();
-    pairs.retain(|pair| told.insert(pair.clone())); // units that scatter have the same ones
+    pairs.retain(|pair| told.insert(pair.clone())); // units that scatter have equal stiffnesses
     let stiffness = format!(
         "interface {name}: k_n / k_s = {} N/mm^3{}",
         pairs.join(", "),
@@ -385,7 +390,7 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     [kind, stiffness]
 }
 
-/// Without decimals; beyond ten digits with an exponent.
+/// Formats a stiffness without decimals, or with an exponent if it has more than ten digits.
 fn rounded(stiffness: f64) -> String {
     if stiffness < 1e10 {
         format!("{stiffness:.0}")
@@ -394,7 +399,7 @@ fn rounded(stiffness: f64) -> String {
     }
 }
 
-/// What was drawn for the units, if their bond scatters.
+/// Note on the strength factors of the units, if the bond of the interface scatters.
 fn scatter_note(deck: &Deck, name: &str, model: &Model) -> Option<String> {
     let scatter = deck.interfaces.get(name)?.scatter?;
     let factors = scatter::factors(deck, &model.contact, name)?;
@@ -411,7 +416,7 @@ fn scatter_note(deck: &Deck, name: &str, model: &Model) -> Option<String> {
     ))
 }
 
-/// Mass, surfaces, arch.
+/// Notes on mass, surfaces and the arch.
 fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
     let mesh = &model.mesh;
     let volume: f64 = (0..mesh.elements.len()).map(|e| mesh.volume(e)).sum();
@@ -445,8 +450,8 @@ fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
     notes
 }
 
-/// Gauss points lie (1 − 1/√3)/2 = 0.211 of a facet inside its edge, and with them every pivot about
-/// which blocks can rock (theory C.8).
+/// Note on the pivots of rocking blocks. Gauss points, and so all pivots, lie (1 − 1/√3)/2 = 0.211 of a facet
+/// inside its edge (theory/joint.md, eq. 35).
 fn pivot_note(model: &Model) -> Option<String> {
     if model.contact.points == ContactPoints::Corner {
         return None;

@@ -1,25 +1,27 @@
-//! Supports against steps: a face that a step presses, drives or frees in a direction in which supports hold all of it.
+//! Contradictions between supports and steps: a step presses, drives or frees a face in a direction in which
+//! supports hold the whole face.
 
 use super::schema::{Deck, StepKind, Vertical};
 use crate::error::{Errors, ModelError};
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Step, Support};
 
-/// Names of the supports that hold nodes of a face in a direction, if together they hold all of them.
+/// Names of the supports that hold nodes of a face in a direction, if together they hold all of its nodes.
 fn holders<'a>(beam: &Beam, axis: usize, supports: &'a [Support]) -> Option<Vec<&'a str>> {
     let of = |s: &&Support| s.fixed[axis] && s.nodes.iter().any(|n| beam.nodes.contains(n));
     let holders: Vec<&Support> = supports.iter().filter(of).collect();
     let held = |n: &u32| holders.iter().any(|s| s.nodes.contains(n));
-    // Planes of symmetry are judged by themselves.
+    // Planes of symmetry are checked in `symmetry`.
     let by_ground = holders.iter().any(|s| matches!(s.by, HeldBy::Ground));
     let all = !beam.nodes.is_empty() && by_ground && beam.nodes.iter().all(held);
     all.then(|| holders.iter().map(|s| s.name.as_str()).collect())
 }
 
-/// Refuses steps that press, drive or free a face in a direction in which supports hold it. Faces that nothing moves yet are
-/// held there, for nothing else is left to solve for.
+/// Rejects steps that press, drive or free a face in a direction in which supports hold it. The face is locked in
+/// this direction in all steps, because it has no other unknown there.
 ///
 /// # Errors
-/// One for each step and direction, naming the supports and the step. `beam_of`: the face that a step means.
+/// One for each step and direction, with the names of the supports and the step. `beam_of`: the face that a step
+/// moves.
 pub(super) fn judge(
     deck: &Deck,
     beams: &[Beam],
@@ -47,7 +49,7 @@ pub(super) fn judge(
     errors.end(())
 }
 
-/// What a step of the deck does to its face in a direction, that holding it there contradicts.
+/// Action of a step on its face in a direction that contradicts a support.
 #[derive(Clone, Copy)]
 enum Does {
     Presses,

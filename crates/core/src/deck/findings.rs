@@ -1,4 +1,4 @@
-//! Physics of a model that can be judged before it is run.
+//! Checks of the physics of a model before it is run.
 
 use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, Unit};
@@ -10,7 +10,7 @@ use crate::material::{Extent, MaterialParameters};
 use crate::model::Model;
 use std::collections::{HashMap, HashSet};
 
-/// Equivalent lengths l_eq = V^(1/3) of elements [mm] (α_h = 1 for hex8), ascending and each once.
+/// Equivalent lengths l_eq = V^(1/3) of elements [mm] (α_h = 1 for hex8), ascending, each once.
 pub(super) fn equivalent_lengths(model: &Model, elements: &[usize]) -> Vec<f64> {
     let mesh = &model.mesh;
     let mut lengths: Vec<f64> = elements.iter().map(|e| mesh.volume(*e).cbrt()).collect();
@@ -19,7 +19,7 @@ pub(super) fn equivalent_lengths(model: &Model, elements: &[usize]) -> Vec<f64> 
     lengths
 }
 
-/// Elements of each name of a material: several indices may have one.
+/// Elements by the name of their material; several material indices may have one name.
 pub(super) fn elements_by_name(model: &Model) -> HashMap<&str, Vec<usize>> {
     let mut of_index: Vec<Vec<usize>> = vec![Vec::new(); model.materials.len()];
     for (e, material) in model.mesh.material.iter().enumerate() {
@@ -35,7 +35,7 @@ pub(super) fn elements_by_name(model: &Model) -> HashMap<&str, Vec<usize>> {
     by_name
 }
 
-/// Least and largest width of elements across any direction [mm].
+/// Least and largest width of elements in any direction [mm].
 pub(super) fn band_widths(model: &Model, elements: &[usize]) -> [f64; 2] {
     let mesh = &model.mesh;
     let extents: Vec<Extent> = elements
@@ -45,14 +45,14 @@ pub(super) fn band_widths(model: &Model, elements: &[usize]) -> [f64; 2] {
     Extent::range(extents.iter())
 }
 
-/// Lengths closer than this fraction are one: coordinates of the mesh are sums of sizes.
+/// Lengths that differ by less than this fraction are equal: coordinates of the mesh are sums of sizes.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The model with its warnings, if there were no errors before and the physics has none. `laid`: warnings
-/// of bonds and surfaces.
+/// Returns the model with its warnings if there are no errors, neither earlier ones nor in its physics. `laid`:
+/// warnings about bonds and surfaces.
 ///
 /// # Errors
-/// Those that there were, and softening that would snap back within an element, with the warnings.
+/// The earlier errors, and softening that would snap back within an element; with the warnings.
 pub(super) fn judged(
     deck: &Deck,
     mut model: Model,
@@ -72,8 +72,7 @@ pub(super) fn judged(
     }
 }
 
-/// All warnings of a model, and all errors of its physics: softening that would snap back within an
-/// element.
+/// All warnings about a model, and all errors in its physics: softening that would snap back within an element.
 pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelError>) {
     let mut warnings = Vec::new();
     let mut errors = Vec::new();
@@ -111,7 +110,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     (warnings, errors)
 }
 
-/// Steps that say how well a peak is seen, and see none.
+/// Warnings about steps with `increments.peak` but without peak control.
 fn peaks_not_seen(deck: &Deck) -> Vec<Warning> {
     let says = |step: &DeckStep| step.increments.peak.is_some() && !step.sees_peaks();
     let steps = deck.steps.iter().enumerate();
@@ -135,7 +134,7 @@ pub(super) fn interfaces<'a>(deck: &'a Deck, model: &'a Model) -> Vec<(&'a str, 
     names.into_iter().filter_map(with_law).collect()
 }
 
-/// A material whose tables are not scaled.
+/// Warning about a material whose tables are not scaled to the elements.
 fn unscaled(deck: &Deck, name: &str) -> Warning {
     deck.warning(
         &format!("materials.{name}"),
@@ -204,8 +203,10 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     warnings
 }
 
-/// Of the laws of an interface the stiffness that is least above the steepest softening, which it must
-/// not reach (theory C.5), and that [N/mm³], in opening or in slip; none if nothing softens or meets.
+/// Stiffness and steepest softening slope [N/mm³] of the law of an interface that is closest to snap-back, in
+/// opening (`mode` 0) or slip (1).
+///
+/// The slope must stay below the stiffness (theory/joint.md, eq. 23). None if no law softens.
 fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 2]> {
     let contact = &model.contact;
     let laws = contact.laws.iter().zip(&contact.law_names);
@@ -218,7 +219,7 @@ fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 
         .min_by(|[k, slope], [l, other]| (k / slope).total_cmp(&(l / other)))
 }
 
-/// Slivers and joints that run through.
+/// Warnings about slivers and about head joints that run through.
 pub(super) fn bond(deck: &Deck, walls: &[Masonry<'_>]) -> Vec<Warning> {
     walls.iter().flat_map(|wall| bond_of(deck, wall)).collect()
 }
@@ -255,7 +256,7 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
     warnings
 }
 
-/// Keys of a wall that other keys leave without effect.
+/// Warnings about keys of a wall that have no effect because of other keys.
 fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
     let (wall, path) = (masonry.wall, &masonry.path);
     let mut warnings = Vec::new();
@@ -272,7 +273,7 @@ fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
     warnings
 }
 
-/// Head joints that are wider than the wall's, as patterns and lintels may leave them.
+/// Warning about head joints wider than those of the wall, which patterns and lintels may cause.
 fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     let (along, _) = masonry.wall.axes();
     let joint = masonry.wall.head_joint.get();
@@ -303,7 +304,7 @@ fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     ))
 }
 
-/// Units of one course beside each other that no joint joins.
+/// Warning about neighbouring units of a course without a joint between them.
 fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     let wall = masonry.wall;
     let (along, _) = wall.axes();
@@ -319,7 +320,7 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
             courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x)
         })
     };
-    // Where another wall passes through, its thickness is missing here.
+    // Where another wall passes through, a gap of its thickness is intended.
     let most = if masonry.joined.is_empty() {
         f64::INFINITY
     } else {
@@ -363,8 +364,8 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     ))
 }
 
-/// The next unit of a course behind `unit` in each leaf that it goes through, in ascending order. `by_start`: units of
-/// the course in the order in which they begin.
+/// Next units of a course after `unit`, one in each leaf that it goes through, in ascending order. `by_start`:
+/// units of the course in the order of their starts.
 fn following(wall: &Wall, course: &[Unit], by_start: &[usize], unit: &Unit) -> Vec<usize> {
     let (along, through) = wall.axes();
     let least = 1e-6 * wall.unit[0].get();
@@ -375,12 +376,12 @@ fn following(wall: &Wall, course: &[Unit], by_start: &[usize], unit: &Unit) -> V
     };
     let behind = by_start.partition_point(|i| start(*i) <= unit.own[along][1] - least);
     let (mut seen, mut next): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
-    // Parts of its thickness behind which nothing has come yet.
+    // Parts of the thickness of `unit` without a next unit so far.
     let mut left = vec![unit.own[through]];
     for &i in &by_start[behind..] {
         let last = seen.last().map_or(f64::INFINITY, |i| start(*i));
         if left.is_empty() && start(i) > last + least {
-            break; // all that follow stand behind others
+            break; // all others stand behind units found before
         }
         let other = &course[i];
         if !beside(unit, other) {

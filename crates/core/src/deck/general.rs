@@ -1,14 +1,14 @@
-//! General contact, as the deck says it.
+//! General contact of a deck.
 
 use super::schema::Deck;
 use crate::error::ModelError;
 use crate::model::Model;
 use crate::model::general::GeneralContact;
 
-/// The general contact of a model, if its deck wants it.
+/// General contact of a model, if its deck asks for it.
 ///
 /// # Errors
-/// An interface that is not there, or that is bonded.
+/// An unknown interface.
 pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContact>, ModelError> {
     let Some(name) = &deck.contact.general else {
         return Ok(None);

@@ -1,15 +1,15 @@
-//! What gravity does in each step of a deck.
+//! Gravity in each step of a deck.
 
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckStep, StepKind};
 use crate::error::ModelError;
 use crate::model::scene::{Gravity, turned};
 
-/// Gravity as the steps before left it.
+/// State of gravity after the steps so far.
 pub(super) struct GravityNow {
-    /// Magnitude [mm/s²]; 0 before any.
+    /// Magnitude [mm/s²]; 0 before gravity acts.
     magnitude: f64,
-    /// Unit vector about which the ground is tilted.
+    /// Unit vector of the axis about which the ground is tilted.
     axis: [f64; 3],
     /// Inclination of the ground [rad].
     angle: f64,
@@ -24,7 +24,8 @@ impl GravityNow {
         }
     }
 
-    /// Seen from ground that is turned by the angle, gravity is turned back by it.
+    /// Gravity vector in the frame of the ground [mm/s²]: if the ground is turned by the angle, gravity is turned
+    /// back by it.
     fn vector(&self) -> [f64; 3] {
         let down = [0.0, 0.0, -self.magnitude];
         if self.angle == 0.0 {
@@ -34,10 +35,10 @@ impl GravityNow {
         }
     }
 
-    /// Gravity during step `index`, and from then on.
+    /// Gravity during step `index`; updates the state.
     ///
     /// # Errors
-    /// Gravity that grows twice, a tilt without gravity or about a second axis.
+    /// Gravity that is applied twice, a tilt without gravity, a tilt about a second axis.
     pub(super) fn step(
         &mut self,
         deck: &Deck,
@@ -89,7 +90,7 @@ impl GravityNow {
         }
     }
 
-    /// What a step says; the rest as it was, or as is usual.
+    /// Takes the values of a step; missing ones keep their value or take the default.
     fn say(&mut self, step: &DeckStep) {
         let usual = if self.magnitude > 0.0 {
             self.magnitude
@@ -104,7 +105,7 @@ impl GravityNow {
     }
 }
 
-/// The angle of a step [rad].
+/// Angle of a step, converted from degrees [rad].
 fn degrees(step: &DeckStep) -> f64 {
     step.angle.map_or(0.0, Quantity::get).to_radians()
 }

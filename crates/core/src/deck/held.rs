@@ -1,4 +1,4 @@
-//! Is every body held? A body that nothing holds makes the equations singular.
+//! Checks that every body is held. A body without support makes the equations singular.
 
 use super::bodies::Bodies;
 use super::meeting::Touching;
@@ -7,9 +7,10 @@ use super::schema::{Deck, DeckProcedure, DeckStep, Direction, StepKind};
 use crate::error::{ModelError, Warning};
 use crate::model::scene::{Beam, BeamMotion, Spring, Step, Support};
 
-/// Refuses a body that floats: one that no chain of contacts joins to the ground when a step seeks
-/// its equilibrium. A dry contact holds if it rubs and something presses. With general contact what lies beside
-/// something may rest on it, and what floats is a warning where inertia may carry it.
+/// Rejects a floating body: no chain of contacts joins it to the ground when a step seeks its equilibrium.
+///
+/// A dry contact holds a body if it has friction and is pressed. With general contact a body may rest on any
+/// neighbour; a floating body is then a warning if the procedure has inertia.
 pub(super) fn require_held(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -17,10 +18,10 @@ pub(super) fn require_held(
     touching: &[Touching],
 ) -> Result<Option<Warning>, ModelError> {
     let Some(at_rest) = deck.steps.iter().position(|s| s.kind != StepKind::Free) else {
-        return Ok(None); // all flies
+        return Ok(None); // all bodies move freely
     };
     let step = &deck.steps[at_rest];
-    // What flew before may have come to rest.
+    // Bodies that moved freely in an earlier step may have come to rest.
     let pressed = presses(deck, step) || at_rest > 0;
     let mut held = vec![false; bodies.all.len()];
     let mut body_of = vec![0; bodies.mesh.nodes.len()];
@@ -43,7 +44,7 @@ pub(super) fn require_held(
         Some(_) => overlap::near(&boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?,
         None => Vec::new(),
     };
-    // Anything may rest on anything that it is beside.
+    // With general contact a body may rest on any neighbour.
     let near = near.iter().map(|(a, b)| (*a as u32, *b as u32));
     let unheld = unheld_bodies(&held, joints.chain(near));
     let Some(&body) = unheld.first() else {
@@ -68,7 +69,7 @@ pub(super) fn require_held(
     Err(loose(deck, &path, &who, touching.iter().find(touches)))
 }
 
-/// What holds bodies in a scene.
+/// Supports, springs, beams and steps of a scene.
 #[derive(Clone, Copy)]
 pub(super) struct Holding<'a> {
     pub(super) supports: &'a [Support],
@@ -78,7 +79,7 @@ pub(super) struct Holding<'a> {
 }
 
 impl Holding<'_> {
-    /// Nodes that something holds in a direction during a step.
+    /// Nodes that are held in a direction during a step.
     fn nodes(&self, step: usize, axis: usize) -> impl Iterator<Item = u32> {
         let supports = self.supports.iter().filter(move |s| s.fixed[axis]);
         let springs = self
@@ -95,8 +96,10 @@ impl Holding<'_> {
     }
 }
 
-/// Refuses a step that presses or drives what nothing holds in a direction: all that touches moves that way as one, and
-/// no equilibrium is the only one. Steps that are about motion, or whose load a displacement finds, are not asked.
+/// Rejects a step that presses or drives bodies which are not held in a direction: they can move that way as one,
+/// and equilibrium is not unique.
+///
+/// Steps with inertia, and steps under displacement control, are not checked.
 ///
 /// # Errors
 /// The first such step, with the body and the direction.
@@ -112,7 +115,7 @@ pub(super) fn require_held_each_way(
         matches!(step.kind, StepKind::Preload | StepKind::Drive)
             && !moves.contains(&step.procedure)
             && step.control.is_none()
-            // With mass, `auto` goes over to inertia where nothing holds.
+            // With mass in all materials, `auto` changes to inertia.
             && !(step.procedure == DeckProcedure::Auto && all_has_mass)
     };
     let mut body_of = vec![0; bodies.mesh.nodes.len()];
@@ -163,10 +166,10 @@ pub(super) fn require_held_each_way(
     Ok(())
 }
 
-/// A body that lies on nothing, where anything may rest on anything.
+/// Warning about a floating body in a scene with general contact.
 ///
 /// # Errors
-/// A step that knows no inertia.
+/// A step whose procedure has no inertia.
 fn falls(deck: &Deck, step: &DeckStep, path: &str, who: &str) -> Result<Warning, ModelError> {
     let inertia = [
         DeckProcedure::Auto,
@@ -184,7 +187,7 @@ fn falls(deck: &Deck, step: &DeckStep, path: &str, who: &str) -> Result<Warning,
     ))
 }
 
-/// Why a body is held by nothing. `touches`: what it touches, if anything.
+/// Error about a body that is not held. `touches`: a contact of the body, if it has one.
 fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> ModelError {
     let Some(touches) = touches else {
         return deck.error(
@@ -212,10 +215,10 @@ fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> Mode
     )
 }
 
-/// Bodies whose boxes are no farther apart may rest on each other [mm].
+/// Bodies whose boxes are no farther apart than this may rest on each other [mm].
 const BESIDE: f64 = 0.1;
 
-/// Whether a step presses on joints.
+/// Returns whether a step presses joints together.
 fn presses(deck: &Deck, step: &DeckStep) -> bool {
     match step.kind {
         StepKind::Preload => {
@@ -231,10 +234,10 @@ fn presses(deck: &Deck, step: &DeckStep) -> bool {
     }
 }
 
-/// Bodies that no chain of interfaces joins to a held one.
+/// Bodies that no chain of interfaces joins to a held body.
 ///
-/// `held`: touched by a support or a beam, `[body]`; `joints`: pairs of bodies whose interface can
-/// carry force in all directions.
+/// `held`: whether a support or a beam holds the body, `[body]`; `joints`: pairs of bodies whose interface
+/// transfers force in all directions.
 fn unheld_bodies(held: &[bool], joints: impl Iterator<Item = (u32, u32)>) -> Vec<usize> {
     let ground = held.len();
     let mut parent: Vec<usize> = (0..=ground).collect();
@@ -270,7 +273,7 @@ mod tests {
     #[test]
     fn a_chain_from_the_ground_holds() {
         let held = [true, false, false, false, false];
-        // 0–2–1 hangs on the ground, 3–4 hangs on nothing
+        // 0–2–1 is joined to the ground, 3–4 is not.
         let joints = [(2, 1), (0, 2), (3, 4)];
         assert_eq!(unheld_bodies(&held, joints.into_iter()), vec![3, 4]);
         assert_eq!(

@@ -1,46 +1,46 @@
-//! An imported mesh in a scene: where it stands, what it is made of, its bodies and their faces.
+//! An imported mesh in a scene: its placement, materials, bodies and their faces.
 
 use super::body::{Body, BodyFace};
 use super::import::{self, ImportedMesh, Lengths, SIDES, Units};
 use super::keys::nearest;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckImport, Material, Rotation, validate};
+use crate::element::hexahedron::{area_vector, dot, norm};
 use crate::error::{Errors, ModelError, Warning};
-use crate::model::hexahedron::{area_vector, dot, norm};
 use crate::model::mesh::Mesh;
 use crate::model::scene::turned;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
-/// Facets with a common edge belong to one face of the skin if their unit normals have at least this
-/// product: 30° between them.
+/// Boundary facets with a common edge belong to one face if the product of their unit normals is at least this: an
+/// angle of 30°.
 const SMOOTH: f64 = 0.866;
 
-/// A body and one of its faces, or all of it.
+/// A body and one of its faces, or the whole body.
 pub(super) type Part = (usize, Option<usize>);
 
 /// A mesh that a deck imports.
 pub(super) struct Imported {
-    /// Its name in the deck.
+    /// Name in the deck.
     pub(super) name: String,
     mesh: ImportedMesh,
     bodies: import::Bodies,
-    /// Materials that it uses, by name; with their tables where the file brings them.
+    /// Materials that it uses, by name; with their tables if they come from the file.
     pub(super) materials: Vec<(String, Option<Material>)>,
     /// Index into `materials`. `[element]`
     material: Vec<u16>,
-    /// Faces: the skin, then what the deck mentions. `[body][face]`
+    /// Faces: those of the boundary, then the sets that the deck mentions. `[body][face]`
     pub(super) faces: Vec<Vec<Face>>,
-    /// How many faces of each body are its skin. `[body]`
+    /// Number of faces that make up the boundary of each body. `[body]`
     skin: Vec<usize>,
-    /// Bodies and faces of what the deck mentions, by the name after that of the import: with their nodes,
+    /// Bodies and faces of each set that the deck mentions, by its name without that of the import: all of them,
     /// and those with facets. `[name][faces only]`
     pub(super) sets: HashMap<String, [Vec<Part>; 2]>,
-    /// What its author should know.
+    /// Warnings for the author.
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Sides of elements, and nodes where they are not those of the sides.
+/// Sides of elements, and nodes if these are not the nodes of the sides.
 pub(super) struct Face {
     name: String,
     sides: Vec<(u32, u8)>,
@@ -51,7 +51,7 @@ impl Imported {
     /// Reads import `index` of a deck.
     ///
     /// # Errors
-    /// A file that is no sound mesh, sets and materials that are not there, elements without a material.
+    /// A file that is no valid mesh, unknown sets and materials, elements without a material.
     pub(super) fn read(deck: &Deck, index: usize) -> Result<Self, ModelError> {
         let said = &deck.imports[index];
         let path = format!("imports.{index}");
@@ -82,7 +82,7 @@ impl Imported {
             sets: HashMap::new(),
             warnings,
         };
-        // It was checked: no side has three elements.
+        // The mesh was checked: no side belongs to three elements.
         let outside = imported.mesh.exterior().unwrap_or_default();
         imported.lay_skin(&outside);
         for mention in deck.mentions() {
@@ -106,7 +106,7 @@ impl Imported {
         self.bodies.of_element[element as usize] as usize
     }
 
-    /// Cuts the skin of each body along its edges into faces.
+    /// Divides the boundary of each body into faces along its sharp edges.
     fn lay_skin(&mut self, outside: &[(u32, u8)]) {
         self.faces = self.bodies.names.iter().map(|_| Vec::new()).collect();
         let normals: Vec<[f64; 3]> = outside
@@ -155,7 +155,7 @@ impl Imported {
         self.skin = self.faces.iter().map(Vec::len).collect();
     }
 
-    /// Makes a face of each body of what the deck calls `set`, if the file has it.
+    /// Makes a face of each body that the set `set` touches, if the file has it.
     fn lay_set(&mut self, set: &str, outside: &[(u32, u8)]) {
         if let Some(body) = self.bodies.names.iter().position(|name| name == set) {
             let whole = vec![(body, None)];
@@ -175,7 +175,7 @@ impl Imported {
                 body_of_node[*n as usize] = self.bodies.of_element[e] as usize;
             }
         }
-        // A set may be on many bodies.
+        // A set may cover several bodies.
         let mut parts: BTreeMap<usize, Face> = BTreeMap::new();
         let empty = || Face {
             name: set.to_owned(),
@@ -204,7 +204,7 @@ impl Imported {
         }
     }
 
-    /// Appends the bodies to the mesh, each with its nodes and elements together. `material`: indices of
+    /// Appends the bodies to the mesh, one after the other with all nodes and elements. `material`: indices of
     /// `materials` in the model.
     pub(super) fn append(&self, mesh: &mut Mesh, material: &[u16]) -> Vec<Body> {
         let first_body = mesh.unit.last().map_or(0, |u| u + 1);
@@ -265,7 +265,7 @@ impl Imported {
     }
 }
 
-/// Where a point of an import lies [mm]: turned about the origin, then moved.
+/// Position of a point of an import [mm]: turned about the origin, then moved.
 fn laid(import: &DeckImport, x: [f64; 3]) -> [f64; 3] {
     let x = import.rotate.map_or(x, |Rotation { axis, angle }| {
         let (d, sign) = axis.axis();
@@ -277,12 +277,11 @@ fn laid(import: &DeckImport, x: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| at[d] + x[d])
 }
 
-/// Names of the materials that an import uses, with those that its file brings, and which of them each
-/// element has.
+/// Names of the materials that an import uses, with those that its file defines; and the material of each element.
 type OfElements = (Vec<(String, Option<Material>)>, Vec<u16>);
 
-/// Materials: those that the deck says for sets, else those of the file's sections; a material of the deck
-/// stands in place of one of the same name in the file.
+/// Materials of the elements: those that the deck gives to sets, else those of the sections of the file. A material
+/// of the deck replaces one of the same name in the file.
 fn materials(
     deck: &Deck,
     said: &DeckImport,
@@ -368,7 +367,7 @@ fn materials(
     Ok((all.collect(), of))
 }
 
-/// A material of the file: its name in the deck, if it has one of that name, else as the file has it.
+/// A material named in the file: that of the deck if it has one of this name, else that of the file.
 fn brought(
     deck: &Deck,
     said: &DeckImport,

@@ -1,4 +1,4 @@
-//! The law of a joint between two elements: its stiffnesses by what meets.
+//! Law of a joint between two elements, with stiffnesses that depend on them.
 
 use super::scatter::MOST_LAWS;
 use super::schema::Interface;
@@ -6,7 +6,7 @@ use crate::material::ElasticParameters;
 use crate::model::scene::ContactSurfaces;
 use wythe_contact::InterfaceLaw;
 
-/// Stiffness of an element's material and its size normal to an interface.
+/// Elastic constants of an element, and its size normal to an interface.
 #[derive(Clone, Copy)]
 pub(super) struct Side<'a> {
     pub(super) material: &'a ElasticParameters,
@@ -14,9 +14,11 @@ pub(super) struct Side<'a> {
     pub(super) size: f64,
 }
 
-/// Index of the law between two elements, added where it is new: explicit stiffnesses, or (theory
-/// C.8) k_n = factor × min E/h over both, k_s = factor × G/h of the same element. Of more laws than the
-/// index can tell apart [`scatter`](crate::deck::scatter) tells, which sees them all.
+/// Index of the law between two elements; adds it if it is new.
+///
+/// Stiffnesses are explicit, or k_n = factor × min E/h over both elements and k_s = factor × G/h of the same
+/// element (theory/joint.md, eqs 32 and 33). If there are more laws than the index can number,
+/// [`scatter`](crate::deck::scatter) reports the error.
 pub(super) fn law_between(
     contact: &mut ContactSurfaces,
     name: &str,
@@ -36,9 +38,9 @@ pub(super) fn law_between(
     let alike = |l: &InterfaceLaw| {
         (l.normal_stiffness - law.normal_stiffness).abs() <= 1e-9 * law.normal_stiffness
             && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
-            && l.delta_k == law.delta_k // that of a joint cut at its middle is another law
+            && l.delta_k == law.delta_k // differs for a joint that is cut at its middle
     };
-    // More are refused when all are seen, and must not be searched until then.
+    // More laws are rejected in `scatter`; searching them would take too long.
     if contact.laws.len() > MOST_LAWS {
         return u16::MAX;
     }

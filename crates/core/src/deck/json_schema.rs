@@ -1,11 +1,11 @@
-//! The JSON schema of decks, by which editors complete and check them.
+//! JSON schema of decks, with which editors complete and check them.
 
 use super::Deck;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
-/// The schema (draft 07, which editors of TOML know best). Its descriptions are the doc comments of the
-/// deck.
+/// The schema in draft 07, which editors of TOML support best. Its descriptions are the doc comments of the deck
+/// types.
 pub fn schema() -> Value {
     let generator = SchemaSettings::draft07().into_generator();
     let mut schema = generator.into_root_schema_for::<Deck>().to_value();
@@ -16,12 +16,12 @@ pub fn schema() -> Value {
     schema
 }
 
-/// The schema as a file.
+/// The schema as the text of a file.
 pub fn text() -> String {
     format!("{:#}\n", schema())
 }
 
-/// TOML has no null: a key that may be left out is left out. Nor has it widths of integers.
+/// Removes null values and integer formats, which TOML does not have: an optional key is left out.
 fn plain(value: &mut Value) {
     let null = |v: &Value| v == "null" || v["type"] == "null";
     match value {
@@ -39,7 +39,7 @@ fn plain(value: &mut Value) {
                 object.insert("type".to_owned(), only);
             }
             object.retain(|key, value| key != "default" || !value.is_null());
-            // Widths of Rust's integers are none of an editor's.
+            // The format names Rust's integer types.
             if object.get("format").is_some_and(Value::is_string) {
                 object.remove("format");
             }

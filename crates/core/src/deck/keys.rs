@@ -1,6 +1,6 @@
-//! One example for every key of a deck: what an error shows when the key is missing or misread.
+//! An example of every key of a deck, shown by errors where the key is missing or cannot be read.
 
-/// Last part of the path, and a line that would be right.
+/// Last part of the path of a key, and a valid line.
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("format", "format = 1"),
     ("title", "title = \"Wall J7D\""),
@@ -333,19 +333,19 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Sections of which a deck has several, each with a header of its own.
+/// Sections that may occur several times, each with a header of its own.
 pub(super) const LISTS: [&str; 10] = [
     "walls", "blocks", "imports", "contacts", "supports", "springs", "beams", "symmetry", "probes",
     "steps",
 ];
 
-/// Tables of named tables.
+/// Tables that contain named tables.
 pub(super) const NAMED: [&str; 2] = ["materials", "interfaces"];
 
-/// Sections that a deck has once.
+/// Sections that occur once.
 pub(super) const TABLES: [&str; 5] = ["wall", "arch", "element", "contact", "output"];
 
-/// `steps.1` of `steps.1.increments.max`, `wall` of `wall.unit.0`.
+/// Section of a path: `steps.1` of `steps.1.increments.max`, `wall` of `wall.unit.0`.
 pub(super) fn section_of(path: &str) -> &str {
     let root = path.split('.').next().unwrap_or(path);
     if !LISTS.contains(&root) && !NAMED.contains(&root) {
@@ -355,20 +355,20 @@ pub(super) fn section_of(path: &str) -> &str {
     &path[..end.unwrap_or(path.len())]
 }
 
-/// Advice for the key `name`, the last part of a path: write it like this.
+/// Advice for the key `name`, the last part of a path: an example line.
 pub(super) fn example(name: &str) -> String {
     example_at(name)
 }
 
-/// Advice for the key at `path`; some names mean different things in different tables.
+/// Advice for the key at `path`; some names have different meanings in different tables.
 pub(super) fn example_at(path: &str) -> String {
     match line_at(path) {
         Some(line) => format!("write it like this: {line}"),
-        None => "docs/deck.md lists every key, its type, unit and range".to_owned(),
+        None => "docs/reference/deck.md lists every key, its type, unit and range".to_owned(),
     }
 }
 
-/// A line that would be right for the key at `path`.
+/// An example line for the key at `path`.
 pub(super) fn line_at(path: &str) -> Option<&'static str> {
     let mut parts = path.split('.').filter(|s| s.parse::<usize>().is_err());
     let first = parts.next().unwrap_or_default();
@@ -380,7 +380,7 @@ pub(super) fn line_at(path: &str) -> Option<&'static str> {
         .map(|(_, line)| *line)
 }
 
-/// The known name nearest to a misspelt one, if it is near enough to be meant.
+/// The known name nearest to a misspelt one, if it is near enough.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let allowed = ((length + 1) / 3).max(1);
@@ -396,13 +396,13 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, k)| k)
 }
 
-/// Names longer than this are not compared with others.
+/// Longer names are not compared with others.
 const LONGEST_MEANT: usize = 100;
 
-/// With so many at most one is compared: advice must not take longer than the check.
+/// Largest number of known names that are compared: advice must not take longer than the check.
 const MOST_MEANT: usize = 2000;
 
-/// Levenshtein's distance: insertions, deletions, substitutions.
+/// Levenshtein distance: insertions, deletions, substitutions.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

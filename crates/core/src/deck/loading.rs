@@ -1,4 +1,4 @@
-//! Steps: which faces move as one, and how.
+//! Steps of a deck: the faces that move as one, and their motion.
 
 use super::bodies::Bodies;
 use super::contradictions;
@@ -18,15 +18,17 @@ pub(super) struct Loading {
     pub(super) steps: Vec<Step>,
 }
 
-/// A face counts as normal to an axis if its unit normal has this much along it.
+/// A face is normal to an axis if its unit normal has at least this component along it.
 const ALONG: f64 = 1.0 - 1e-9;
 
-/// Every face that a step presses or drives is a beam for the whole run: free until a step moves it,
-/// then held where it stands, or left under its pressure. So is the top of a clamped wall (`clamped`), which
-/// steps mean that name no face.
+/// Builds beams and steps.
+///
+/// Every face that a step presses or drives is a beam during the whole run. It is free until a step moves it, then
+/// locked in place or left under its pressure. The top of a clamped wall is a beam too (`clamped`); steps that name
+/// no face refer to it.
 ///
 /// # Errors
-/// Names of nothing, faces with common nodes, pressure on a face that no axis is normal to.
+/// Unknown names, faces with common nodes, pressure on a face that is not normal to an axis.
 pub(super) fn loading(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -42,7 +44,7 @@ pub(super) fn loading(
             let name = beam_name(faces);
             names.iter().position(|n| **n == name)
         }
-        // The top of the wall is the first.
+        // The top of the wall is the first beam.
         None => (top && step.spring.is_none()).then_some(0),
     };
     let mut now = vec![[BeamMotion::Force(0.0); 3]; beams.len()];
@@ -51,7 +53,7 @@ pub(super) fn loading(
     let mut steps = Vec::with_capacity(deck.steps.len());
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
-        // What was driven is held where it stands.
+        // A beam that the last step has driven is locked in place.
         for motion in now.iter_mut().flatten() {
             if let BeamMotion::Driven(_) = motion {
                 *motion = BeamMotion::Locked;
@@ -88,12 +90,12 @@ pub(super) fn loading(
                 Err(error) => errors.push(error),
             }
         }
-        // The history tells of the face that is driven; before that of the one that will be.
+        // The history records the driven face; before a drive, the face of the next drive.
         let driven = deck.steps[i..].iter().find_map(|s| {
             let (axis, _) = s.direction.map_or((0, 1.0), Direction::axis);
             (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, axis)))?
         });
-        // Of a wall that nothing drives it tells of the load on top.
+        // In a wall that is never driven it records the load on top.
         let driven = driven.or_else(|| top.then_some((0, 2)).filter(|_| beam == Some(0)));
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
         let pressed = beam.and_then(|b| Some((b, normal(b)?)));
@@ -105,7 +107,7 @@ pub(super) fn loading(
             ..rules
         }));
     }
-    // Numbers of steps are theirs only where none is missing.
+    // Step indices are valid only if no step is missing.
     if steps.len() == deck.steps.len() {
         let beam_of = |i: usize| deck.steps.get(i).and_then(beam_of);
         let judged = contradictions::judge(deck, &beams, &mut steps, supports, beam_of);
@@ -114,9 +116,9 @@ pub(super) fn loading(
     errors.end(Loading { beams, steps })
 }
 
-/// What the level beam of a wall does in a step: pressed, it moves vertically and no other way; driven, it
-/// stays level; a step of loads leaves it vertically as it was; else it stays under its load [N] and moves
-/// vertically.
+/// Motion of the level beam of a wall in a step. A pressed beam moves vertically only. A driven beam stays level;
+/// it is locked vertically, or free under its load [N]. A step of loads keeps its vertical motion. In other steps
+/// it stays under its load and moves vertically.
 fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 3] {
     let mut motion = [BeamMotion::Locked; 3];
     if step.kind == StepKind::Load {
@@ -154,7 +156,7 @@ fn spring_of(
     Ok(s)
 }
 
-/// What the step says of its way through, whatever it loads; nothing moves.
+/// The step without motion of faces and springs: amplitude, procedure, increments, gravity and the like.
 pub(super) fn rules(
     deck: &Deck,
     i: usize,
@@ -195,7 +197,7 @@ fn beam_name(faces: &Names) -> String {
     faces.0.join(", ")
 }
 
-/// The top of the clamped wall, and the faces that steps name, each once.
+/// Beams: the top of the clamped wall, and the faces that steps name, each once.
 fn beams(deck: &Deck, bodies: &Bodies<'_>, clamped: Option<Beam>) -> Result<Vec<Beam>, ModelError> {
     let mut beams: Vec<Beam> = clamped.into_iter().collect();
     let mut errors = Errors::default();
@@ -209,7 +211,7 @@ fn beams(deck: &Deck, bodies: &Bodies<'_>, clamped: Option<Beam>) -> Result<Vec<
     errors.end(beams)
 }
 
-/// The face of step `i`, beside those of the steps before it.
+/// The face of step `i`, which must share no nodes with the `beams` of earlier steps.
 fn beam(
     deck: &Deck,
     i: usize,
@@ -235,7 +237,7 @@ fn beam(
         ));
     }
     let (vector, area) = bodies.area(&places);
-    let length = crate::model::hexahedron::norm(vector);
+    let length = crate::element::hexahedron::norm(vector);
     Ok(Beam {
         name,
         nodes,

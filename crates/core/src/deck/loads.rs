@@ -1,32 +1,32 @@
-//! Loads with a name: where they act, and their values in the steps.
+//! Named loads: where they act, and their values in the steps.
 
 mod place;
 
 use super::bodies::Bodies;
 use super::schema::{Deck, DeckLoad, Names};
 use crate::element::facet;
+use crate::element::hexahedron::norm;
 use crate::error::{Errors, ModelError};
-use crate::model::hexahedron::norm;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::scene::Step;
 use place::{Place, Site};
 use std::collections::HashMap;
 
-/// The loads of a deck, and what its steps say of them.
+/// Loads of a deck, and their values in the steps.
 #[derive(Debug, Default)]
 pub(super) struct Named {
     loads: Vec<Load>,
-    /// Value at the end of each step, none where it stays. `[step][load]`
+    /// Value at the end of each step; none if it does not change. `[step][load]`
     values: Vec<Vec<Option<[f64; 3]>>>,
 }
 
 impl Named {
-    /// The loads, in the order in which steps first name them.
+    /// Loads in the order in which steps first name them.
     pub(super) fn all(&self) -> &[Load] {
         &self.loads
     }
 
-    /// Gives the steps their values; leaves the loads.
+    /// Gives the steps their values and returns the loads.
     pub(super) fn assign(self, steps: &mut [Step]) -> Vec<Load> {
         for (step, values) in steps.iter_mut().zip(self.values) {
             step.loads = values;
@@ -35,10 +35,10 @@ impl Named {
     }
 }
 
-/// Loads of a scene.
+/// Reads the loads of a scene.
 ///
 /// # Errors
-/// Names of nothing, points and lines far from everything.
+/// Unknown names; points and lines far from all nodes.
 pub(super) fn loads(deck: &Deck, bodies: &Bodies<'_>) -> Result<Named, ModelError> {
     let place = |path: &str, names: &Names, faces: bool| {
         let places = bodies.places(path, names, faces)?;
@@ -98,7 +98,7 @@ fn named(deck: &Deck, site: &Site<'_>) -> Result<Named, ModelError> {
     errors.end(all)
 }
 
-/// A load that is named for the first time.
+/// Builds a load that is named for the first time.
 fn new_load(site: &Site<'_>, path: &str, load: &DeckLoad) -> Result<Load, ModelError> {
     let (acts, direction) = if load.pressure.is_some() {
         let facets = site.facets(path, load)?;
@@ -106,7 +106,7 @@ fn new_load(site: &Site<'_>, path: &str, load: &DeckLoad) -> Result<Load, ModelE
         let sum = areas
             .iter()
             .fold([0.0; 3], |sum, (_, a)| [0, 1, 2].map(|i| sum[i] - a[i]));
-        // What is left of a closed surface is rounding.
+        // The area vectors of a closed surface sum to zero but for rounding.
         let size: f64 = areas.iter().map(|(_, a)| norm(*a)).sum();
         let direction = if norm(sum) > 1e-9 * size {
             unit(sum)
@@ -149,7 +149,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 }
 
 impl Site<'_> {
-    /// ∫ N n dA of the facets' nodes at rest [mm²].
+    /// ∫ N n dA of the nodes of the facets at rest [mm²].
     fn area_vectors(&self, facets: &[[u32; 4]]) -> Vec<(u32, [f64; 3])> {
         let of = facets.iter().flat_map(|facet| {
             let x = facet.map(|n| self.mesh.nodes[n as usize]);
@@ -158,7 +158,7 @@ impl Site<'_> {
         place::summed(of, |sum, a| [0, 1, 2].map(|i| sum[i] + a[i]))
     }
 
-    /// ∫ N dA of the facets' nodes at rest [mm²].
+    /// ∫ N dA of the nodes of the facets at rest [mm²].
     fn areas(&self, facets: &[[u32; 4]]) -> Vec<(u32, f64)> {
         let of = facets.iter().flat_map(|facet| {
             let x = facet.map(|n| self.mesh.nodes[n as usize]);
@@ -167,7 +167,8 @@ impl Site<'_> {
         place::summed(of, |sum, a| sum + a)
     }
 
-    /// What a force is spread by: areas of faces, volumes of blocks, lengths along a line, or one node.
+    /// Weights by which a force is distributed: areas of faces, volumes of blocks, lengths along a line, or one
+    /// node.
     fn shares(&self, path: &str, load: &DeckLoad) -> Result<Vec<(u32, f64)>, ModelError> {
         if load.from.is_some() {
             return self.lengths(path, load);

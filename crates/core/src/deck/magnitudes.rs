@@ -1,21 +1,22 @@
-//! Numbers that no wall has: a unit that was left out or mistaken, sizes in the wrong order.
+//! Implausible values: a unit that is missing or wrong, sizes in the wrong order.
 
 use super::quantity::Quantity;
 use super::schema::{Deck, Wall};
 use crate::error::Warning;
 
-/// What rubber (1), timber (10,000), masonry (1,000 to 50,000) and steel (210,000) have, and something on both sides [MPa].
+/// Plausible Young's moduli [MPa]: those of rubber (1), timber (10,000), masonry (1,000 to 50,000) and steel
+/// (210,000), with a margin on both sides.
 const STIFFNESS: [f64; 2] = [0.1, 1e6];
-/// Balsa has 100, brick 1,900, steel 7,850, lead 11,340 kg/m³ [tonne/mm³].
+/// Plausible densities [tonne/mm³]: balsa has 100, brick 1,900, steel 7,850, lead 11,340 kg/m³.
 const DENSITY: [f64; 2] = [0.99e-10, 1.2e-8];
-/// From a tenth of that of the earth to a large centrifuge's [mm/s²].
+/// Plausible gravity [mm/s²]: from a tenth of that of the earth to that of a large centrifuge.
 const GRAVITY: [f64; 2] = [980.0, 2e6];
-/// The strongest bricks are crushed below this [MPa].
+/// Largest plausible pressure [MPa]: even the strongest bricks crush below it.
 const PRESSURE: f64 = 150.0;
-/// Units that are lower than the first are bricks; up to the second a brick may be thick [mm].
+/// Largest height and largest thickness of a brick [mm].
 const BRICK: [f64; 2] = [80.0, 150.0];
 
-/// What is likely to be a slip of units.
+/// Warnings about values whose unit is probably wrong.
 pub(super) fn magnitudes(deck: &Deck) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (name, material) in &deck.materials {
@@ -80,7 +81,7 @@ fn density(deck: &Deck, path: &str, value: f64) -> Option<Warning> {
         return None;
     }
     let plausible = |value: &f64| (low..=high).contains(value);
-    // kg/m³, kg/mm³, tonne/m³, g/cm³ as they stand.
+    // The bare number may be meant in kg/m³, in kg/mm³, or in tonne/m³, which is g/cm³.
     let meant = [(1e-12, "kg/m^3"), (1e-3, "kg/mm^3"), (1e-9, "tonne/m^3")];
     let meant = meant
         .iter()
@@ -140,8 +141,10 @@ fn pressure(deck: &Deck, path: &str, value: f64) -> Option<Warning> {
     ))
 }
 
-/// Of a brick the length is two thicknesses and a joint. One whose height is that instead, and which is thinner than a brick is
-/// high, lies on its side in the deck.
+/// Warning about a brick whose thickness and height are exchanged.
+///
+/// The length of a brick is twice its thickness and a joint. If instead it is twice the height and a joint, and the
+/// brick is not thicker than a brick is high, its sizes are in the wrong order.
 fn exchanged(deck: &Deck, path: &str, name: &str, wall: &Wall) -> Option<Warning> {
     let [length, thickness, height] = wall.unit.map(Quantity::get);
     let joint = wall.head_joint.get();
@@ -165,7 +168,7 @@ fn exchanged(deck: &Deck, path: &str, name: &str, wall: &Wall) -> Option<Warning
     })
 }
 
-/// As few digits as tell it.
+/// Formats a value with few digits.
 fn brief(value: f64) -> String {
     let magnitude = value.abs();
     if value == 0.0 || (1e-3..1e7).contains(&magnitude) {

@@ -1,4 +1,4 @@
-//! Surfaces of a scene: facets and laws of what meets; and which bodies rest on which.
+//! Contact surfaces of a scene: facets and laws of faces that meet, and pairs of bodies that touch.
 
 use super::bodies::Bodies;
 use super::joint::{Side, law_between};
@@ -8,9 +8,9 @@ use super::pairing::{Pairing, Patch, TOUCHES, pairings};
 use super::quantity::Quantity;
 use super::schema::{Deck, Interface};
 use super::touch;
+use crate::element::hexahedron::{area_vector, difference, dot, mean, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
-use crate::model::hexahedron::{area_vector, difference, dot, mean, norm};
 use crate::model::scene::ContactSurfaces;
 use std::collections::HashSet;
 use wythe_contact::{Aabb, Bvh};
@@ -21,21 +21,21 @@ pub(super) struct Touching {
     pub(super) interface: String,
 }
 
-/// Surfaces of a scene of bodies.
+/// Contact surfaces of a scene.
 pub(super) struct Meeting {
     pub(super) contact: ContactSurfaces,
     pub(super) touching: Vec<Touching>,
     pub(super) warnings: Vec<Warning>,
 }
 
-/// A facet of a master face, as slaves look for it.
+/// A facet of a master face, as a slave facet searches for it.
 struct Facing<'a> {
     centre: [f64; 3],
     normal: [f64; 3],
     side: Side<'a>,
 }
 
-/// Facets and laws of all pairings.
+/// Builds facets and laws of all pairings.
 ///
 /// `elastic`: constants of the materials by index.
 ///
@@ -67,7 +67,7 @@ pub(super) fn meeting(
     let mut stack = Vec::new();
     for pairing in &pairings {
         let Some(interface) = deck.interfaces.get(&pairing.interface) else {
-            continue; // refused when the deck was read
+            continue; // rejected when the deck was read
         };
         let body = bodies.all[pairing.slave.0].number;
         let facets = |patch: &Patch| bodies.all[patch.0].faces[patch.1].facets.iter();
@@ -156,8 +156,8 @@ pub(super) fn meeting(
     })
 }
 
-/// Slave facets that reach over the edges of the masters below them: points beyond carry nothing, and
-/// the points that are left do not show where the edge is.
+/// Warning about slave facets that reach over the edges of their masters. Points beyond an edge carry no force, and
+/// the other points do not represent the position of the edge.
 fn overhang(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -167,7 +167,7 @@ fn overhang(
     let block = &bodies.all[pairing.slave.0];
     let curved = |(b, _): &Patch| bodies.all[*b].curved;
     if pairing.masters.iter().any(curved) {
-        return None; // what is curved leaves its neighbour before its edge
+        return None; // a curved face separates from its neighbour before its edge
     }
     let reach = reach(deck, interface, bodies, pairing.slave);
     let outlines = pairing.masters.iter();
@@ -205,7 +205,7 @@ fn overhang(
     })
 }
 
-/// A slave face that meets none of its masters at rest.
+/// Warning about a slave face that meets none of its masters at rest.
 fn alone(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -215,7 +215,7 @@ fn alone(
     let (slave, face) = pairing.slave;
     let flat = |(b, _): &Patch| !bodies.all[*b].curved;
     if !flat(&pairing.slave) || !pairing.masters.iter().all(flat) {
-        return None; // their facets touch here and there
+        return None; // curved facets touch at few places
     }
     let gaps = pairing
         .masters
@@ -262,12 +262,12 @@ fn alone(
     ))
 }
 
-/// Every master face once.
+/// Adds every master face once.
 fn add_masters(bodies: &Bodies<'_>, pairings: &[Pairing], contact: &mut ContactSurfaces) {
     let mut masters: Vec<Patch> = pairings.iter().flat_map(|p| p.masters.clone()).collect();
     masters.sort_unstable();
     masters.dedup();
-    // Faces that joints of walls have met are there already.
+    // Master faces of wall joints were added before.
     let mut known: HashSet<[u32; 4]> = contact.master_facets.iter().copied().collect();
     for (body, face) in masters {
         let body = &bodies.all[body];
@@ -285,10 +285,10 @@ fn mean_facet(bodies: &Bodies<'_>, (block, face): Patch) -> f64 {
     bodies.all[block].faces[face].mean_facet()
 }
 
-/// Of faces with more pairs of parts than this only parts beside each other are looked at.
+/// Above this number of pairs of parts only neighbouring parts of two faces are compared.
 const MOST_PARTS: usize = 1_000_000;
 
-/// Least distance between faces where they oppose each other [mm], see [`touch::distance`].
+/// Least distance between opposed faces [mm], see [`touch::distance`].
 fn gap(bodies: &Bodies<'_>, a: Patch, b: Patch) -> Option<f64> {
     let outlines = |(body, face): Patch| &bodies.all[body].faces[face].outlines;
     let (a, b) = (outlines(a), outlines(b));
@@ -310,7 +310,7 @@ fn gap(bodies: &Bodies<'_>, a: Patch, b: Patch) -> Option<f64> {
     gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
-/// Gap up to which two faces hold each other at rest [mm]: that of the search, else 0.06 of a facet,
+/// Largest gap at which two faces are in contact at rest [mm]: the search radius of the deck, else 0.06 of a facet,
 /// at least 2 `u_k`.
 fn reach(deck: &Deck, interface: &Interface, bodies: &Bodies<'_>, slave: Patch) -> f64 {
     let chosen = 0.06 * mean_facet(bodies, slave).sqrt();

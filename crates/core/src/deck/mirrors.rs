@@ -1,26 +1,26 @@
-//! Mirrors: what stands for the other half of a wall where a plane of symmetry cuts its joints.
+//! Mirrors: facets that represent the other half of a wall where a plane of symmetry cuts its joints.
 
 use super::bodies::Bodies;
 use super::masonry;
 use super::quantity::Quantity;
 use super::symmetry::Plane;
-use crate::model::hexahedron::{Face, range};
+use crate::element::hexahedron::{Face, range};
 
-/// A facet in a plane of symmetry, which units of a wall meet that end in the middle of a joint.
+/// A facet in a plane of symmetry that faces the units which end in the middle of a joint.
 pub(super) struct Mirror {
-    /// Its nodes, of no element, counter-clockwise seen from the wall.
+    /// Its nodes, which belong to no element, counter-clockwise seen from the wall.
     pub(super) facet: [u32; 4],
     /// Axis normal to it.
     pub(super) axis: usize,
-    /// Face of the units that meet it.
+    /// Face of the units in contact with it.
     pub(super) face: Face,
     /// Index of the wall.
     pub(super) wall: usize,
 }
 
 impl Bodies<'_> {
-    /// Lays a mirror for each wall that a plane of symmetry cuts in joints, farther to all sides than its units
-    /// will move.
+    /// Adds a mirror for each plane of symmetry and each wall whose joints it cuts. Mirrors extend beyond the units
+    /// by the largest size of a unit, so that units stay in front of them.
     pub(super) fn lay_mirrors(&mut self) {
         for plane in Plane::all(self.deck) {
             let d = plane.axis;
@@ -50,7 +50,7 @@ impl Bodies<'_> {
                 }
                 let mut facet = [first, first + 1, first + 2, first + 3];
                 if !plane.above {
-                    facet.swap(1, 3); // looks at what lies below
+                    facet.swap(1, 3); // the mirror faces the units below
                 }
                 self.mirrors.push(Mirror {
                     facet,
@@ -63,7 +63,7 @@ impl Bodies<'_> {
         self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
     }
 
-    /// Whether a body ends in the middle of a joint that a plane normal to this axis cuts.
+    /// Returns whether a body ends in the middle of a joint that a plane normal to this axis cuts.
     pub(super) fn mirrors_at(&self, body: usize, axis: usize) -> bool {
         let wall = self.wall_of(body);
         wall.is_some_and(|wall| wall.units[body - wall.bodies.start].mirror[axis])

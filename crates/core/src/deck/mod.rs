@@ -1,4 +1,4 @@
-//! From a TOML deck to the frozen [`Model`](crate::model::Model): its keys, units and checks, walls, imported meshes.
+//! From a TOML deck to the frozen [`Model`](crate::model::Model): keys, units and checks, walls, imported meshes.
 
 mod amount;
 mod arch;
@@ -33,7 +33,7 @@ mod rigid;
 mod rounding;
 pub mod scatter;
 pub mod schema;
-pub(crate) mod source;
+pub mod source;
 mod symmetry;
 mod tables;
 pub mod templates;

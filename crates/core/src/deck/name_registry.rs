@@ -1,11 +1,11 @@
-//! The names of a scene, and which bodies each stands for.
+//! Names of a scene, and the bodies that each denotes.
 
 use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::Masonry;
 use super::schema::{Deck, Names};
+use crate::element::hexahedron::Face;
 use crate::error::ModelError;
-use crate::model::hexahedron::Face;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -14,45 +14,45 @@ use std::ops::Range;
 pub(super) struct Place {
     /// Index of the body.
     pub(super) body: usize,
-    /// Index of its face; none: all of it.
+    /// Index of its face; none: the whole body.
     pub(super) face: Option<usize>,
 }
 
-/// What an import brings.
+/// Bodies and sets of an import.
 #[derive(Debug, Default)]
 struct Brought {
     /// Its bodies.
     bodies: Range<usize>,
-    /// What the deck mentions of it: all of it, and facets only. `[name][faces only]`
+    /// Sets that the deck mentions: all places, and those with facets. `[name][faces only]`
     sets: HashMap<String, [Vec<Place>; 2]>,
-    /// All names that it has, for advice.
+    /// All names of its file, for advice.
     names: Vec<String>,
-    /// Its file was not read: any name may be there.
+    /// Whether its file was not read, so that any name may exist.
     unread: bool,
 }
 
-/// All bodies in the order in which they are laid, by name: units of walls, blocks of the deck with their
-/// copies, imported bodies, then the arch: voussoirs, left springing, right springing.
+/// Names of all bodies. Bodies are in this order: units of walls, blocks with their copies, imported bodies,
+/// voussoirs, left springing, right springing.
 #[derive(Debug, Default)]
 pub(super) struct NameRegistry {
-    /// Bodies that a name stands for.
+    /// Bodies that a name denotes.
     bodies: HashMap<String, Range<usize>>,
     /// Units at each side of a wall, by the name of the wall. `[face]`
     sides: HashMap<String, [Vec<usize>; 6]>,
     /// Imports by name.
     imports: HashMap<String, Brought>,
-    /// Names in order, for advice; those of single units are left out.
+    /// Names in order, for advice; without those of single units.
     names: Vec<String>,
     /// Number of bodies.
     count: usize,
 }
 
-/// More names than these are a slip, refused elsewhere.
+/// Largest number of names; more are rejected elsewhere.
 const MOST_NAMES: f64 = 1e6;
 
 impl NameRegistry {
-    /// Calls all names of a deck, with an error for each that is there twice; none if there are far too
-    /// many. `imports`: none if their files are not read.
+    /// Registers all names of a deck and returns an error for each duplicate; none if there are too many names.
+    /// `imports`: none if their files are not read.
     pub(super) fn call(
         deck: &Deck,
         walls: &[Masonry<'_>],
@@ -136,7 +136,7 @@ impl NameRegistry {
         Some((roll, twice))
     }
 
-    /// Adds the units of a wall, and the wall; false if a name is taken.
+    /// Adds the units of a wall, and the wall; returns false if a name is taken.
     fn add_wall(&mut self, wall: &Masonry<'_>) -> bool {
         let first = self.count;
         let mut new = true;
@@ -175,7 +175,7 @@ impl NameRegistry {
         self.imports.insert(name.to_owned(), brought);
     }
 
-    /// What a set of an import stands for, or all of it.
+    /// Bodies and faces that a set of an import, or the whole import, denotes.
     fn of_import(
         &self,
         deck: &Deck,
@@ -227,7 +227,7 @@ impl NameRegistry {
         })
     }
 
-    /// Adds a block; false if its name is taken.
+    /// Adds a body; returns false if its name is taken.
     fn add(&mut self, name: String) -> bool {
         let here = self.count..self.count + 1;
         self.count += 1;
@@ -235,17 +235,17 @@ impl NameRegistry {
         self.bodies.insert(name, here).is_none()
     }
 
-    /// Adds a name for all bodies from `first` on; false if it is taken.
+    /// Adds a name for all bodies from `first` on; returns false if it is taken.
     fn group(&mut self, name: &str, first: usize) -> bool {
         self.names.push(name.to_owned());
         let all = first..self.count;
         self.bodies.insert(name.to_owned(), all).is_none()
     }
 
-    /// What the names at `path` stand for: blocks, or faces of blocks. `faces`: nothing but faces.
+    /// Bodies or faces that the names at `path` denote. `faces`: only faces are accepted.
     ///
     /// # Errors
-    /// No such block or face.
+    /// Unknown block or face.
     pub(super) fn places(
         &self,
         deck: &Deck,
@@ -254,7 +254,7 @@ impl NameRegistry {
         faces: bool,
     ) -> Result<Vec<Place>, ModelError> {
         let mut places = Vec::new();
-        // A name that is said twice means no more than once.
+        // A repeated name counts once.
         let (mut said, mut known) = (HashSet::new(), HashSet::new());
         for name in names.0.iter().filter(|name| said.insert(name.as_str())) {
             let new = self.place(deck, path, name, faces)?;
@@ -266,10 +266,11 @@ impl NameRegistry {
         Ok(places)
     }
 
-    /// What one name at `path` stands for. A side of a wall is that of the units whose face lies in it.
+    /// Bodies or faces that one name at `path` denotes. A side of a wall denotes the faces of the units that lie in
+    /// it.
     ///
     /// # Errors
-    /// No such body or face.
+    /// Unknown body or face.
     pub(super) fn place(
         &self,
         deck: &Deck,
@@ -332,7 +333,7 @@ impl NameRegistry {
     }
 }
 
-/// NAME, or NAME-0-0-0, NAME-1-0-0, … along x first.
+/// NAME, or NAME-0-0-0, NAME-1-0-0, …, along x first.
 fn names_of_copies(name: &str, copies: Option<[u32; 3]>) -> Vec<String> {
     let Some([nx, ny, nz]) = copies else {
         return vec![name.to_owned()];

@@ -1,34 +1,34 @@
-//! Bodies that are in the same place, and bodies that touch nothing.
+//! Bodies that overlap.
 //!
-//! Elements are taken for convex: two are apart if their projections are so on the normal of a face of one of them,
-//! or on a vector that is normal to an edge of both (separating axes). The least overlap of all is how deep they are
-//! in each other.
+//! Elements are treated as convex. Two of them are separate if their projections are separate along the normal of a
+//! face of one of them, or along a vector normal to an edge of each (separating axes). Otherwise the least overlap
+//! of the projections is the depth of their intersection.
 
 use super::bodies::Bodies;
 use super::schema::Deck;
-use crate::error::{Errors, ModelError, Warning};
-use crate::model::Mesh;
-use crate::model::hexahedron::{
+use crate::element::hexahedron::{
     Corners, EDGES, Face, area_vector, cross, difference, dot, norm, range,
 };
+use crate::error::{Errors, ModelError, Warning};
+use crate::model::Mesh;
 use wythe_contact::{Aabb, Bvh};
 
-/// Depth over the shortest edge above which bodies do not touch but overlap.
+/// Depth over the shortest edge above which bodies overlap instead of touching.
 const OVERLAPS: f64 = 1e-3;
 
-/// Depth over the shortest edge above which this is an error: no contact would part them.
+/// Depth over the shortest edge above which an overlap is an error: contact would not separate the bodies.
 const TOO_DEEP: f64 = 0.05;
 
-/// Boxes of bodies that touch may have so much in common by rounding [mm].
+/// Largest overlap of boxes of bodies that touch, caused by rounding [mm].
 pub(super) const TOUCHING: f64 = 1e-6;
 
-/// More pairs than these, of warnings and of errors, are not told one by one.
+/// Largest number of pairs that are reported one by one, of warnings and of errors.
 const MOST_TOLD: usize = 5;
 
-/// A box in the axes. `[xyz][low, high]`
+/// An axis-parallel box. `[xyz][low, high]`
 pub(super) type Box3 = [[f64; 2]; 3];
 
-/// The box around points [mm].
+/// Bounding box of points [mm].
 pub(super) fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
     points.fold([[f64::INFINITY, f64::NEG_INFINITY]; 3], |mut r, x| {
         for d in 0..3 {
@@ -38,7 +38,7 @@ pub(super) fn around(points: impl Iterator<Item = [f64; 3]>) -> Box3 {
     })
 }
 
-/// The box around each body [mm]. `[body]`
+/// Bounding box of each body [mm]. `[body]`
 pub(super) fn boxes(bodies: &Bodies<'_>) -> Vec<Box3> {
     let of = |nodes: std::ops::Range<u32>| nodes.map(|n| bodies.mesh.nodes[n as usize]);
     bodies
@@ -48,18 +48,18 @@ pub(super) fn boxes(bodies: &Bodies<'_>) -> Vec<Box3> {
         .collect()
 }
 
-/// So many neighbours a body has at most, on the mean; more are in one place.
+/// Largest mean number of neighbours of a body; more mean that bodies lie in one place.
 const MOST_NEIGHBOURS: usize = 20;
 
-/// Far too many boxes are in one place to look at each pair.
+/// Error: so many boxes overlap that pairs are not examined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Crowded {
-    /// One of those that lie in many others.
+    /// A body whose box overlaps very many others.
     pub(super) body: usize,
 }
 
 impl Crowded {
-    /// As an error of the deck.
+    /// Converts it to an error of the deck.
     pub(super) fn error(self, deck: &Deck, bodies: &Bodies<'_>) -> ModelError {
         let message = format!(
             "{} and very many other bodies are in one place",
@@ -70,12 +70,13 @@ impl Crowded {
     }
 }
 
-/// Whether two boxes have a common part longer than `least` along every axis; below 0, are no farther apart.
+/// Returns whether two boxes overlap by more than `least` along every axis; if `least` is negative, whether they
+/// are closer than −`least`.
 pub(super) fn beside(a: &Box3, b: &Box3, least: f64) -> bool {
     (0..3).all(|d| a[d][1].min(b[d][1]) - a[d][0].max(b[d][0]) > least)
 }
 
-/// A box, larger by `margin` on all sides, as a hierarchy wants it.
+/// A box enlarged by `margin` on all sides, in the form of the hierarchy.
 pub(super) fn fat(own: &Box3, margin: f64) -> Aabb {
     let [low, high] = corners_of(own);
     Aabb {
@@ -110,10 +111,10 @@ pub(super) fn near(boxes: &[Box3], least: f64) -> Result<Vec<(usize, usize)>, Cr
     Ok(pairs)
 }
 
-/// Bodies that are in the same place: an error where they are deep in each other, else a warning.
+/// Finds overlapping bodies: an error where the overlap is deep, else a warning.
 ///
 /// # Errors
-/// The first pairs, by name and place.
+/// The first pairs, with names and positions.
 pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>, ModelError> {
     let mesh = &bodies.mesh;
     let mut elements: Vec<Vec<usize>> = vec![Vec::new(); bodies.all.len()];
@@ -130,12 +131,12 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         if depth <= OVERLAPS * edge {
             continue;
         }
-        // Errors and warnings are counted apart: shallow pairs that come first must not hide a deep one.
+        // Errors and warnings are counted separately, so that earlier shallow overlaps do not hide a deep one.
         let too_deep = depth > TOO_DEEP * edge;
         let told = &mut told[usize::from(too_deep)];
         if *told == MOST_TOLD {
             if too_deep {
-                break; // enough is wrong
+                break; // enough errors are reported
             }
             continue;
         }
@@ -160,7 +161,7 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
     errors.end(warnings)
 }
 
-/// The key that tells where a body lies.
+/// Key that defines the position of a body.
 fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     let table = table_of(deck, bodies, body);
     let index = table.strip_prefix("blocks.").and_then(|i| i.parse().ok());
@@ -172,7 +173,7 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     }
 }
 
-/// The table of the deck that lays a body.
+/// Table of the deck that defines a body.
 pub(super) fn table_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     if let Some(wall) = bodies.wall_of(body) {
         return wall.path.clone();
@@ -191,8 +192,8 @@ pub(super) fn table_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String 
     }
 }
 
-/// How deep elements of two bodies are in each other at most, the shortest edge of these two, and where [mm]; none
-/// if they are apart.
+/// Largest depth between elements of two bodies, the shortest edge of these two elements, and the position [mm];
+/// none if the bodies are separate.
 fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])> {
     let boxed = |of: &[usize]| -> Vec<(usize, Box3)> {
         of.iter()
@@ -200,7 +201,7 @@ fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])
             .collect()
     };
     let (a, b) = (boxed(a), boxed(b));
-    // Only what reaches into the other body's box can meet it there; of that the sweep of `near` finds the pairs.
+    // Only elements that reach into the box of the other body can intersect it.
     let of_all = |of: &[(usize, Box3)]| around(of.iter().flat_map(|(_, own)| corners_of(own)));
     let (of_a, of_b) = (of_all(&a), of_all(&b));
     let reaches = |own: &Box3, other: &Box3| common(own, other).is_some();
@@ -236,10 +237,10 @@ fn deepest(mesh: &Mesh, a: &[usize], b: &[usize]) -> Option<(f64, f64, [f64; 3])
     deepest
 }
 
-/// Pairs of elements after which a depth that is an error is deep enough.
+/// Number of pairs after which the search stops if the depth is already an error.
 const ENOUGH_TRIED: usize = 10_000;
 
-/// What two boxes have in common, if that is more than bodies have that touch.
+/// Intersection of two boxes, if it is larger than that of touching bodies.
 fn common(a: &Box3, b: &Box3) -> Option<Box3> {
     let common = [0, 1, 2].map(|d| [a[d][0].max(b[d][0]), a[d][1].min(b[d][1])]);
     let part = |[low, high]: &[f64; 2]| high - low > TOUCHING;
@@ -259,7 +260,7 @@ fn shortest_edge(x: &Corners) -> f64 {
     edges(x).map(norm).fold(f64::INFINITY, f64::min)
 }
 
-/// Least common length of two hexahedra along any separating axis [mm]; none if one parts them.
+/// Least overlap of the projections of two hexahedra on any separating axis [mm]; none if an axis separates them.
 fn depth(a: &Corners, b: &Corners) -> Option<f64> {
     let normals = |x: &Corners| Face::ALL.map(|(_, face)| area_vector(&face.outline(x)));
     let across = edges(a).flat_map(|u| edges(b).map(move |v| cross(u, v)));
@@ -273,7 +274,7 @@ fn depth(a: &Corners, b: &Corners) -> Option<f64> {
         }
         let along = |x: &Corners| range(x.map(|x| dot(x, axis) / length));
         let (p, q) = (along(a), along(b));
-        // Which way they would be parted sooner.
+        // The direction in which the shorter motion separates them.
         let common = (p[1] - q[0]).min(q[1] - p[0]);
         if common <= 0.0 {
             return None;
@@ -313,7 +314,7 @@ mod tests {
         let base = cube([0.0; 3], 0.0);
         assert_eq!(depth(&base, &cube([0.75, 0.5, 0.5], 0.0)), Some(0.25));
         assert_eq!(depth(&base, &cube([1.0, 0.0, 0.0], 0.0)), None);
-        // A corner that points at the face: half a diagonal from its middle.
+        // A corner points at the face: half a diagonal from its middle.
         let turned = std::f64::consts::FRAC_PI_4;
         assert_eq!(depth(&base, &cube([1.8, 0.0, 0.0], turned)), None);
         let inside = depth(&base, &cube([1.6, 0.0, 0.0], turned)).unwrap();
@@ -332,7 +333,7 @@ mod tests {
 
     #[test]
     fn very_many_boxes_in_one_place_are_told_without_looking_at_each_pair() {
-        // 5e9 pairs: one by one they would take minutes.
+        // One by one, 5e9 pairs would take minutes.
         let boxes = vec![[[0.0, 1.0]; 3]; 100_000];
         assert!(near(&boxes, 0.0).is_err());
     }

@@ -1,10 +1,10 @@
-//! `--set KEY=VALUE`: one key of the deck said anew, typed and checked like the file.
+//! `--set KEY=VALUE`: replaces one key of the deck, with the same checks as in the file.
 
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Pairs of which exactly one may stand: saying one anew takes the other away.
+/// Pairs of exclusive keys: setting one removes the other.
 const EITHER_OR: [(&str, &str); 8] = [
     ("u_k", "G_I"),
     ("delta_k", "G_II"),
@@ -16,17 +16,17 @@ const EITHER_OR: [(&str, &str); 8] = [
     ("corners", "nodes"),
 ];
 
-/// A TOML text whose only value, `value`, begins at byte `start`: its spans are then those of the
-/// source to which the override was appended.
+/// A TOML text whose only value begins at byte `start`: its spans are then those of the source to which the
+/// override was appended.
 pub(super) fn padded(value: &str, start: usize) -> String {
     format!("{}v={value}", "\n".repeat(start - 2))
 }
 
-/// The value of a [`padded`] text; what is no TOML is taken as a string.
+/// The value of a [`padded`] text; a text that is no TOML counts as a string.
 pub(super) fn parse(padded: &str, start: usize) -> Spanned<DeValue<'_>> {
     let text = || Spanned::new(start..padded.len(), DeValue::String(padded[start..].into()));
     match DeTable::parse(padded) {
-        // a line break in the value could smuggle in further keys
+        // Several keys mean that the value contained a line break and further keys.
         Ok(table) if table.get_ref().len() == 1 => {
             table.into_inner().remove("v").unwrap_or_else(text)
         }
@@ -34,12 +34,11 @@ pub(super) fn parse(padded: &str, start: usize) -> Spanned<DeValue<'_>> {
     }
 }
 
-/// Sets the key at the dotted path (arrays counted from zero) below `table`. The path stands at byte
-/// `at` of the source.
+/// Sets the key at the dotted path (arrays counted from zero) below `table`. The path stands at byte `at` of the
+/// source.
 ///
 /// # Errors
-/// A sentence, where the path leads through something that is no table or to an entry that an array
-/// does not have.
+/// A sentence, if the path leads through a value that is no table, or to an array entry that does not exist.
 pub(super) fn set<'a>(
     table: &mut DeTable<'a>,
     path: &'a str,

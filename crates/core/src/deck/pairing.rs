@@ -1,19 +1,19 @@
-//! Which faces of a scene of blocks meet: those that the deck pairs, and those that touch at rest.
+//! Pairs of faces in contact: those that the deck declares, and those that touch at rest.
 
 use super::bodies::Bodies;
 use super::name_registry::Place;
 use super::overlap;
 use super::schema::{Deck, DeckContact, Names};
 use super::touch;
+use crate::element::hexahedron::{Face, area_vector, norm};
 use crate::error::{Errors, ModelError};
-use crate::model::hexahedron::{Face, area_vector, norm};
 use std::collections::{HashMap, HashSet};
 use wythe_contact::{Aabb, Bvh};
 
 /// A face of a body. `(body, face)`
 pub(super) type Patch = (usize, usize);
 
-/// A slave face with the masters that it is to meet.
+/// A slave face and its masters.
 pub(super) struct Pairing {
     pub(super) slave: Patch,
     pub(super) masters: Vec<Patch>,
@@ -21,13 +21,14 @@ pub(super) struct Pairing {
     pub(super) path: String,
 }
 
-/// Gap up to which faces touch at rest, as part of the smaller one's size: decks round.
+/// Largest gap at which faces touch at rest, as a fraction of the size of the smaller one: coordinates in decks are
+/// rounded.
 pub(super) const TOUCHES: f64 = 1e-3;
 
-/// All pairings: those of the arch, the declared ones, then what touches.
+/// All pairings: first those of the arch and of columns, then the declared ones, then faces that touch.
 ///
 /// # Errors
-/// Names of nothing, a slave face of two interfaces, a face that is slave and master of another.
+/// Unknown names, a slave face with two interfaces, a face that is both slave and master of another.
 pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>, ModelError> {
     let mut pairings = Pairings::default();
     for joint in arch_pairings(deck, bodies) {
@@ -60,13 +61,13 @@ pub(super) fn pairings(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Pairing>,
     errors.end(all)
 }
 
-/// Most pairs of a slave face and a master face: each is looked at.
+/// Largest number of pairs of a slave face and a master face: each is examined.
 const MOST_PAIRS: usize = 1_000_000;
 
-/// Faces that touch one face at rest, on the mean: more are in one place.
+/// Largest mean number of faces that touch one face at rest; more mean that bodies lie in one place.
 const MOST_TOUCHING: usize = 200;
 
-/// Pairings, found by their slave face.
+/// Pairings, indexed by their slave face.
 #[derive(Default)]
 struct Pairings {
     all: Vec<Pairing>,
@@ -86,7 +87,7 @@ impl Pairings {
         }
     }
 
-    /// Whether two faces are paired, either way.
+    /// Returns whether two faces are paired, in either order.
     fn paired(&self, bodies: &Bodies<'_>, a: Patch, b: Patch) -> bool {
         if self.pairs.contains(&(a, b)) || self.pairs.contains(&(b, a)) {
             return true;
@@ -102,7 +103,7 @@ impl Pairings {
     }
 }
 
-/// Adds the pairings that contact `i` names, if it names any.
+/// Adds the pairings that contact `i` declares, if it declares any.
 fn add_declared(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -153,7 +154,7 @@ fn patches(places: &[Place]) -> Vec<Patch> {
     places.iter().filter_map(patch).collect()
 }
 
-/// Each voussoir's right face against the next one's left, the ends against the springings.
+/// Pairs the right face of each voussoir with the left one of the next, and the end faces with the springings.
 fn arch_pairings(deck: &Deck, bodies: &Bodies<'_>) -> Vec<Pairing> {
     let Some(arch) = &deck.arch else {
         return Vec::new();
@@ -175,7 +176,7 @@ fn arch_pairings(deck: &Deck, bodies: &Bodies<'_>) -> Vec<Pairing> {
     pairings
 }
 
-/// Each block of a column on the one below it, if block `i` is a column.
+/// Pairs each block of a column with the one below it, if block `i` is a column.
 fn column_pairings(deck: &Deck, bodies: &Bodies<'_>, i: usize) -> Result<Vec<Pairing>, ModelError> {
     let block = &deck.blocks[i];
     let (Some(_), Some(interface)) = (block.stack, &block.interface) else {
@@ -193,7 +194,7 @@ fn column_pairings(deck: &Deck, bodies: &Bodies<'_>, i: usize) -> Result<Vec<Pai
     Ok(places.windows(2).map(joint).collect())
 }
 
-/// Adds a pairing to that of the same slave face.
+/// Adds the masters of a pairing to the pairing of the same slave face.
 fn add(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -233,7 +234,7 @@ fn add(
     Ok(())
 }
 
-/// Whether two faces are one, or have facets in common, as sets of an imported body may.
+/// Returns whether two faces are equal or have facets in common, as sets of an imported body may.
 fn same(bodies: &Bodies<'_>, a: Patch, b: Patch) -> bool {
     let body = &bodies.all[a.0];
     if a == b || a.0 != b.0 || body.skin == body.faces.len() {
@@ -244,7 +245,7 @@ fn same(bodies: &Bodies<'_>, a: Patch, b: Patch) -> bool {
     b.iter().any(|(_, facet)| elements.contains(facet))
 }
 
-/// Refuses facets that are slaves of two pairings: sets of an imported body that lie over each other.
+/// Rejects facets that are slaves in two pairings: overlapping sets of an imported body.
 fn require_apart(deck: &Deck, bodies: &Bodies<'_>, pairings: &[Pairing]) -> Result<(), ModelError> {
     let mut seen = HashSet::new();
     for pairing in pairings {
@@ -269,8 +270,8 @@ fn require_apart(deck: &Deck, bodies: &Bodies<'_>, pairings: &[Pairing]) -> Resu
     Ok(())
 }
 
-/// All faces that touch at rest and are not yet paired; the finer one is the slave, or else that of
-/// the block which comes first.
+/// Pairs all faces that touch at rest and are not paired yet. The finer face is the slave; if both are equally
+/// fine, that of the first block.
 fn add_touching(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -284,7 +285,7 @@ fn add_touching(
         facet_area: f64,
         area: f64,
     }
-    // Before each of six faces is looked at.
+    // Crowded scenes are rejected before their faces are compared.
     overlap::near(&overlap::boxes(bodies), overlap::TOUCHING)
         .map_err(|crowded| crowded.error(deck, bodies))?;
     let mut sides = Vec::new();

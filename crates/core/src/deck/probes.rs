@@ -4,17 +4,17 @@ use super::bodies::Bodies;
 use super::keys;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Names};
+use crate::element::hexahedron::{difference, norm};
 use crate::error::{Errors, ModelError};
 use crate::model::Mesh;
-use crate::model::hexahedron::{difference, norm};
 use crate::model::probes::Probe;
 use crate::model::probes::ProbeQuantity;
 use crate::model::scene::Control;
 
-/// The displacement that steers a step, if one does.
+/// The displacement that controls a step, if it has displacement control.
 ///
 /// # Errors
-/// No such probe, or one of a velocity.
+/// Unknown probe, or a probe of velocity.
 pub(super) fn control(
     deck: &Deck,
     index: usize,
@@ -42,13 +42,13 @@ pub(super) fn control(
     }))
 }
 
-/// Nodes of the names at a path.
+/// Resolves the names at a path to nodes.
 type Named<'a> = dyn Fn(&str, &Names) -> Result<Vec<u32>, ModelError> + 'a;
 
 /// Probes of a deck.
 ///
 /// # Errors
-/// Names of nothing, points far from everything.
+/// Unknown names, points far from all nodes.
 pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, ModelError> {
     let named = |path: &str, names: &Names| {
         let places = bodies.places(path, names, false)?;
@@ -77,8 +77,8 @@ pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, Mod
     errors.end(all)
 }
 
-/// Nodes of a place, ascending: those of its names, or of these (or all) the nearest to its point. Of
-/// several as near the first.
+/// Nodes of a place, ascending: those of its names, or the one of these (or of all) nearest to its point. Of
+/// several equally near nodes the first is taken.
 fn nodes(
     deck: &Deck,
     mesh: &Mesh,
@@ -87,7 +87,7 @@ fn nodes(
     place: &DeckPlace,
 ) -> Result<Vec<u32>, ModelError> {
     let nodes = match &place.on {
-        // `minus = "base"` has no key of its own below it; an error finds the table above.
+        // `minus = "base"` has no key `on`; an error then points at the table above.
         Some(names) => named(&format!("{path}.on"), names)?,
         None => mesh.nodes_of_solids(),
     };

@@ -1,7 +1,7 @@
-//! Numbers with units, their dimension checked when the deck is read.
+//! Numbers with units; their dimension is checked when the deck is read.
 //!
-//! A bare number is in N, mm, MPa, tonne, s (angles in degrees); a string carries its unit:
-//! `"2.12 MPa"`, `"30 kN/m^2"`, `"1900 kg/m^3"`. All values are kept in the base units.
+//! A bare number is in N, mm, MPa, tonne, s (angles in degrees). A string contains its unit: `"2.12 MPa"`, `"30
+//! kN/m^2"`, `"1900 kg/m^3"`. All values are stored in the base units.
 
 use super::unit::{self, Dimension};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -13,7 +13,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Quantity<const L: i8, const M: i8, const T: i8, const A: i8>(f64);
 
-/// Dimensionless number; strings may say `%`.
+/// Dimensionless number; strings may contain `%`.
 pub type Number = Quantity<0, 0, 0, 0>;
 /// Length [mm].
 pub type Length = Quantity<1, 0, 0, 0>;
@@ -42,18 +42,19 @@ pub type Acceleration = Quantity<1, 0, -2, 0>;
 /// Angle [deg].
 pub type Angle = Quantity<0, 0, 0, 1>;
 
-/// No quantity is larger [base units]: products of several still are far from the largest number of the computer.
+/// Largest magnitude of a quantity [base units]: products of several remain far below the largest floating-point
+/// number.
 pub const LARGEST: f64 = 1e15;
 
-/// None is smaller but 0 [base units].
+/// Smallest magnitude of a quantity other than 0 [base units].
 pub const SMALLEST: f64 = 1e-30;
 
-/// Whether a number is 0 or of a size that can be computed with.
+/// Returns whether a number is 0 or within these bounds.
 pub(in crate::deck) fn is_sound(value: f64) -> bool {
     value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
 }
 
-/// g, as a deck takes it where it says no other [mm/s²].
+/// Default acceleration of gravity [mm/s²].
 pub const GRAVITY: f64 = 9810.0;
 
 impl<const L: i8, const M: i8, const T: i8, const A: i8> Quantity<L, M, T, A> {
@@ -137,7 +138,7 @@ impl<'de, const L: i8, const M: i8, const T: i8, const A: i8> Deserialize<'de>
     }
 }
 
-/// A number, or a string of a number and its unit (dimensionless ones may go without).
+/// A number, or a string of a number and its unit, which is optional for dimensionless numbers.
 impl<const L: i8, const M: i8, const T: i8, const A: i8> JsonSchema for Quantity<L, M, T, A> {
     fn inline_schema() -> bool {
         true

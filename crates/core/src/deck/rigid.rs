@@ -1,28 +1,29 @@
-//! Rigid-like bodies: walls, blocks and arches that say `rigid = true`.
+//! Rigid-like bodies: walls, blocks and arches with `rigid = true`.
 //!
-//! A body is elastic, and a hundred times as stiff as the stiffest joint: what gives way is the joints, whose stiffness
-//! the deck must say. A unit of a wall is as few elements as its neighbours let it be, a block or a voussoir as many as
-//! its `mesh` says, one if it says nothing.
+//! Such a body is elastic and a hundred times as stiff as the stiffest joint, so that joints deform instead. The
+//! deck must give the stiffness of the joints. Units of walls have as few elements as their neighbours allow;
+//! blocks and voussoirs have those of their `mesh`, by default one.
 
 use super::quantity::{Number, Pressure, Quantity};
 use super::schema::{Deck, DeckArch, DeckBlock, Material};
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 
-/// Stiffness E/h of a rigid-like body over that of the stiffest joint: joints give way by a hundredth more.
+/// Stiffness E/h of a rigid-like body over that of the stiffest joint: bodies add a hundredth to the compliance of
+/// joints.
 const STIFFER: f64 = 100.0;
 
-/// How stiff rigid-like bodies are.
+/// Stiffness of rigid-like bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stiffness {
     /// Young's modulus [MPa].
     pub(super) modulus: f64,
-    /// Normal stiffness of the stiffest interface of the deck, whether anything meets by it or not [N/mm³].
+    /// Normal stiffness of the stiffest interface of the deck, used or not [N/mm³].
     pub(super) joint: f64,
-    /// Longest side of such a body [mm]; of a voussoir, of its arc along the centre line.
+    /// Longest side of a rigid-like body [mm]; of a voussoir, its arc along the centre line counts.
     pub(super) side: f64,
 }
 
-/// Whether anything of a deck is rigid-like.
+/// Returns whether a deck has rigid-like bodies.
 pub(super) fn any(deck: &Deck) -> bool {
     deck.walls().any(|(_, _, wall)| wall.rigid)
         || deck.blocks.iter().any(|b| b.rigid)
@@ -33,7 +34,8 @@ fn arch(deck: &Deck) -> Option<&DeckArch> {
     deck.arch.as_ref().filter(|arch| arch.rigid)
 }
 
-/// How stiff the rigid-like bodies of a deck are; none without any, or without a joint whose stiffness is said.
+/// Stiffness of the rigid-like bodies of a deck; none if there are no such bodies, or if no joint has an explicit
+/// stiffness.
 pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
     if !any(deck) {
         return None;
@@ -55,7 +57,7 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
     })
 }
 
-/// Sides of the box around a block [mm]; none of a grid of nodes.
+/// Sides of the bounding box of a block [mm]; 0 for a grid of nodes.
 fn sides(block: &DeckBlock) -> [f64; 3] {
     let of_corners = block.corners.map(|corners| {
         [0, 1, 2].map(|d| {
@@ -67,19 +69,19 @@ fn sides(block: &DeckBlock) -> [f64; 3] {
     of_size.or(of_corners).unwrap_or_default()
 }
 
-/// Name of the material of rigid-like bodies of the material `name`.
+/// Name of the material of rigid-like bodies whose material is `name`.
 pub(super) fn name_of(name: &str) -> String {
     format!("{name}{RIGID}")
 }
 
-/// The material of the deck behind that of rigid-like bodies.
+/// Name of the material of the deck from which a rigid-like one was made.
 pub(super) fn base(name: &str) -> &str {
     name.strip_suffix(RIGID).unwrap_or(name)
 }
 
 const RIGID: &str = " (rigid)";
 
-/// The material of rigid-like bodies: the mass of the deck's, and no tables.
+/// Material of rigid-like bodies: density of the deck's material, without tables.
 pub(super) fn material(of: &Material, stiffness: Stiffness) -> Material {
     Material::elastic(
         Pressure::new(stiffness.modulus),

@@ -1,4 +1,4 @@
-//! Forces that rounding leaves, and loads that drown in them.
+//! Rounding errors of internal forces, and loads that are too small in comparison.
 
 use super::schema::Deck;
 use crate::error::ModelError;
@@ -6,13 +6,14 @@ use crate::model::Model;
 use crate::model::rounding::largest;
 use crate::model::scene::{BeamMotion, Step};
 
-/// Forces of so many roundings must be below the tolerance of the residual for a load to be found.
+/// Rounding forces times this factor must stay below the tolerance of the residual, so that loads are resolved.
 const CLEAR: f64 = 4.0;
-/// That of the default: a run that asks for less is still right to as much.
+/// Tolerance of the residual in this check: the default one. Runs with a smaller tolerance are at least this
+/// accurate.
 const TOLERANCE: f64 = 5e-2;
 
-/// Refuses solids so stiff that what rounding leaves of their forces hides the loads of a step: the run would take rest for
-/// equilibrium. A step that drives has forces of its own.
+/// Rejects solids so stiff that rounding errors of their forces exceed the loads of a step: the state at rest would
+/// count as equilibrium. Steps that drive have larger forces and are not checked.
 ///
 /// # Errors
 /// The first such step, with the material and its E.
@@ -47,7 +48,7 @@ pub(super) fn judge(deck: &Deck, model: &Model) -> Option<ModelError> {
     ))
 }
 
-/// Mean of the weight and the forces on faces at the end of a step over the nodes [N].
+/// Sum of the weight and of the forces on faces at the end of a step, over the number of nodes [N].
 fn load(model: &Model, step: &Step) -> f64 {
     let mesh = &model.mesh;
     let gravity = step

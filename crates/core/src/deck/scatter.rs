@@ -1,13 +1,13 @@
 //! Scatter of bond strength from unit to unit: `[interfaces.NAME.scatter]`.
 //!
-//! The strength of a bond scatters because units differ in how much of their faces the mortar holds on to
-//! (van der Pluijm's net bond surface). On the bonded part of the area, tensile strength f_t, cohesion c
-//! and both fracture energies are what they are anywhere, so over the whole area all four go with that
-//! part: one factor x of f_t and c, while the separations u_k and δ_k, over which a bond is lost, stay.
-//! Friction is of surfaces that press on each other, bonded or not, and stiffnesses are penalties: they
-//! stay, too. The law has no dilatancy that could scatter.
+//! The strength of a bond scatters because mortar adheres to a different part of the face of each unit (van der
+//! Pluijm's net bond surface). On the bonded part of the area, tensile strength f_t, cohesion c and both fracture
+//! energies have their usual values. Over the whole area all four are proportional to that part: f_t and c have one
+//! factor x, and the separations u_k and δ_k at complete loss of bond do not change. Friction acts on all surfaces
+//! that press on each other, bonded or not, and stiffnesses are penalties: neither changes. The law has no
+//! dilatancy that could scatter.
 //!
-//! x is lognormal of mean 1 and coefficient of variation v, with a standard normal z of the unit:
+//! x is lognormal with mean 1 and coefficient of variation v; z is a standard normal number of the unit:
 //!
 //! x = exp(s z − s²/2),  s² = ln(1 + v²)
 
@@ -19,24 +19,23 @@ use chacha20::rand_core::{Rng, SeedableRng};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// Laws that a facet's `u16` can tell apart.
+/// Number of laws that the `u16` of a facet can index.
 pub(super) const MOST_LAWS: usize = 1 << 16;
 
-/// Factor of the bond strength of the unit (body) number `unit`: lognormal, of mean 1 and coefficient of
+/// Factor of the bond strength of the unit (body) number `unit`: lognormal, with mean 1 and coefficient of
 /// variation `cv`.
 ///
-/// It depends on nothing but the arguments. `interface` counts the interfaces that scatter, from 0, in the
-/// order in which the slave facets of the model first show them, whatever they are called. The numbers are
-/// those of ChaCha20 (64-bit counter and nonce), which will not change: key `seed` (little-endian, then
-/// zeros), nonce `interface`, block `unit`, of which the first two words of 64 bits make z by the
-/// transform of Box and Muller.
+/// It depends on the arguments only. `interface` counts the interfaces that scatter, from 0, in the order in which
+/// they first occur among the slave facets of the model; their names do not matter. The random numbers are those of
+/// ChaCha20 (64-bit counter and nonce), which is a fixed algorithm: key `seed` (little-endian, then zeros), nonce
+/// `interface`, block `unit`. The first two 64-bit words of the block give z by the transform of Box and Muller.
 pub fn factor(cv: f64, seed: u64, interface: u64, unit: u32) -> f64 {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     let mut words = ChaCha20Rng::from_seed(key);
     words.set_stream(interface);
     words.set_block_pos(u64::from(unit));
-    // In units of 2⁻⁵³, all of which a double can tell apart.
+    // Integers below 2⁵³, which a double represents exactly.
     let mut uniform = || (words.next_u64() >> 11) as f64;
     let scale = 1.0 / (1_u64 << 53) as f64;
     // (0, 1]: its logarithm is finite.
@@ -46,8 +45,8 @@ pub fn factor(cv: f64, seed: u64, interface: u64, unit: u32) -> f64 {
     (variance.sqrt() * z - 0.5 * variance).exp()
 }
 
-/// Factors of all units that own slave facets of the interface `name`, by the number of the unit; none if
-/// it does not scatter.
+/// Factors of all units that own slave facets of the interface `name`, by the number of the unit; none if the
+/// interface does not scatter.
 pub fn factors(deck: &Deck, contact: &ContactSurfaces, name: &str) -> Option<Vec<(u32, f64)>> {
     let scatter = deck.interfaces.get(name)?.scatter?;
     let number = scattered(deck, contact).iter().position(|n| *n == name)?;
@@ -60,7 +59,7 @@ pub fn factors(deck: &Deck, contact: &ContactSurfaces, name: &str) -> Option<Vec
     Some(units.into_iter().map(|unit| (unit, drawn(unit))).collect())
 }
 
-/// Interfaces that scatter, in the order in which the slave facets first show them.
+/// Interfaces that scatter, in the order in which they first occur among the slave facets.
 fn scattered<'a>(deck: &Deck, contact: &'a ContactSurfaces) -> Vec<&'a str> {
     let mut met = vec![false; contact.laws.len()];
     let mut names: Vec<&str> = Vec::new();
@@ -81,10 +80,10 @@ fn scattered<'a>(deck: &Deck, contact: &'a ContactSurfaces) -> Vec<&'a str> {
     names
 }
 
-/// Gives every unit laws of its own on its slave facets of interfaces that scatter.
+/// Gives each unit laws of its own on its slave facets of interfaces that scatter.
 ///
 /// # Errors
-/// More laws than facets can tell apart, with scatter or without.
+/// More laws than facets can index, with or without scatter.
 pub(super) fn scatter(deck: &Deck, contact: &mut ContactSurfaces) -> Result<(), ModelError> {
     if contact.laws.len() > MOST_LAWS {
         return Err(too_many(deck, "interfaces", contact.laws.len()));
@@ -94,7 +93,7 @@ pub(super) fn scatter(deck: &Deck, contact: &mut ContactSurfaces) -> Result<(), 
         return Ok(());
     };
     let (mut laws, mut law_names, mut slave_law) = (Vec::new(), Vec::new(), Vec::new());
-    // The law between two elements, and the unit if the law scatters → its place.
+    // Index of the new law by the law between two elements and, if it scatters, the unit.
     let mut places: HashMap<(u16, Option<u32>), usize> = HashMap::new();
     for (&law, &unit) in contact.slave_law.iter().zip(&contact.slave_body) {
         let name = contact.law_names[usize::from(law)].as_str();
@@ -143,7 +142,7 @@ mod tests {
     use super::*;
     use crate::deck::templates;
 
-    /// A contact of one facet a unit, all with one law.
+    /// A contact with one facet of each unit, all with one law.
     fn contact(deck: &Deck, units: u32) -> ContactSurfaces {
         let count = units as usize;
         ContactSurfaces {
@@ -172,7 +171,7 @@ mod tests {
         let error = scatter(&scattered, &mut contact(&scattered, 65537)).unwrap_err();
         assert_eq!(error.key(), "interfaces.joint.scatter");
         assert!(error.message().starts_with("65537 laws"), "{error}");
-        // Without scatter units share their laws, but not where their elements differ.
+        // Without scatter units share their laws, unless their elements differ.
         let plain = deck(&[]);
         let mut shared = contact(&plain, 65537);
         scatter(&plain, &mut shared).unwrap();

@@ -1,4 +1,4 @@
-//! Where each key of a deck is written, so that an error can point at it.
+//! Positions of the keys of a deck in its text, so that errors can point at them.
 
 use super::keys;
 use crate::error::{self as errors, ModelError, Warning};
@@ -9,35 +9,35 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Text of a deck and the place of every key in it.
+/// Text of a deck and the position of every key in it.
 ///
-/// Overrides are appended to the text as lines of their own, so that one range of bytes says both
-/// which source and where in it.
+/// Overrides are appended to the text as lines of their own, so that one range of bytes identifies both the source
+/// and the position in it.
 #[derive(Clone, Default)]
 pub struct Source {
     /// Name of the file.
     pub(super) file: String,
-    /// The file, then one line an override.
+    /// Text of the file, then one line for each override.
     pub(super) text: String,
-    /// Length of the file's own text [bytes].
+    /// Length of the text of the file [bytes].
     pub(super) file_length: usize,
-    /// The file's own text, which all errors share.
+    /// Text of the file, which all errors share.
     file_text: Arc<str>,
-    /// Bytes at which its lines begin.
+    /// First byte of each line.
     lines: Vec<usize>,
-    /// Lines of the overrides: bytes of the line, and of its key. `[override]`
+    /// Byte range of the line of each override, and its key. `[override]`
     pub(super) overrides: Vec<(Range<usize>, String)>,
-    /// Bytes of the key and of its value, by dotted path.
+    /// Byte ranges of the key and of its value, by dotted path.
     places: BTreeMap<String, Place>,
-    /// Folder that files named by the deck are relative to; that of the file if none.
+    /// Folder to which file names in the deck are relative; none: the folder of the file.
     pub(super) folder: Option<PathBuf>,
-    /// Advice for the key at a path; that of decks if none.
+    /// Advice for the key at a path; none: the advice for decks.
     advice: Option<fn(&str) -> String>,
-    /// Tables that the file has not, and what they were written out from.
+    /// Paths of generated tables, and the paths in the file from which they were made.
     written_out: Vec<(String, String)>,
 }
 
-/// Only the name: the text would drown a printed deck.
+/// Prints only the name: the text would make a printed deck unreadable.
 impl std::fmt::Debug for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Source({})", self.file)
@@ -52,7 +52,7 @@ struct Place {
 }
 
 impl Source {
-    /// Nothing located yet.
+    /// A source without positions.
     pub(super) fn new(file: &str, text: &str) -> Self {
         let (file, text, file_length) = (file.to_owned(), text.to_owned(), text.len());
         Self {
@@ -71,12 +71,12 @@ impl Source {
         }
     }
 
-    /// What is found at `path` or below is the doing of what the file says at `from`.
+    /// Findings at `path` or below refer to the key `from` of the file.
     pub(super) fn stands_for(&mut self, path: String, from: String) {
         self.written_out.push((path, from));
     }
 
-    /// The path in the file of one that may have been written out.
+    /// Path in the file of a path that may have been generated.
     fn said<'a>(&'a self, path: &'a str) -> &'a str {
         let is = |(table, _): &&(String, String)| {
             let below = path.strip_prefix(table.as_str());
@@ -86,10 +86,10 @@ impl Source {
         from.map_or(path, |(_, from)| from)
     }
 
-    /// A file that is no deck, all its keys located, with advice of its own for a key.
+    /// Parses a file other than a deck, with the positions of all its keys and with its own advice for keys.
     ///
     /// # Errors
-    /// Syntax.
+    /// Syntax errors.
     pub(crate) fn other<'t>(
         file: &str,
         text: &'t str,
@@ -107,7 +107,7 @@ impl Source {
             .map_or_else(|| keys::example_at(path), |of| of(path))
     }
 
-    /// Appends the line of an override and returns the byte at which its value begins.
+    /// Appends the line of an override; returns the first byte of its value.
     pub(super) fn append_override(&mut self, key: &str, value: &str) -> usize {
         self.text.push('\n');
         let start = self.text.len();
@@ -120,7 +120,7 @@ impl Source {
         value_start
     }
 
-    /// Notes the place of every key below `table`.
+    /// Stores the position of every key below `table`.
     pub(super) fn locate(&mut self, table: &DeTable<'_>) {
         self.places.clear();
         self.locate_table(table, "");
@@ -153,12 +153,12 @@ impl Source {
         );
     }
 
-    /// Whether the key `path` is written, in the file or in an override.
+    /// Returns whether the key `path` is written, in the file or in an override.
     pub(super) fn has(&self, path: &str) -> bool {
         self.places.contains_key(path)
     }
 
-    /// Bytes of the value at `path`, or of the nearest table above that is written.
+    /// Byte range of the value at `path`, or of the nearest table above it that is written.
     fn span(&self, path: &str) -> Option<Range<usize>> {
         let mut path = path;
         loop {
@@ -169,7 +169,7 @@ impl Source {
         }
     }
 
-    /// Line and column of the file, from 1, at which `path` itself is written.
+    /// Line and column of `path` in the file, from 1.
     fn position(&self, path: &str) -> Option<(usize, usize)> {
         let start = self.places.get(path)?.value.start;
         let line = self.line_of(start);
@@ -178,12 +178,12 @@ impl Source {
         Some((line, before.chars().count() + 1))
     }
 
-    /// Line of the file, from 1, in which a byte lies.
+    /// Line of the file, from 1, that contains a byte.
     pub(super) fn line_of(&self, byte: usize) -> usize {
         self.lines.partition_point(|begin| *begin <= byte).max(1)
     }
 
-    /// Dotted path of the key or value at these bytes: the narrowest that contains them.
+    /// Dotted path of the key or value at these bytes: the smallest one that contains them.
     fn path_at(&self, span: &Range<usize>) -> Option<&str> {
         let contains = |r: &Range<usize>| r.start <= span.start && span.end <= r.end;
         self.places
@@ -200,7 +200,7 @@ impl Source {
             .map(|(_, path)| path.as_str())
     }
 
-    /// Dotted path of the table that is written at these bytes; empty for the root.
+    /// Dotted path of the table at these bytes; empty for the root.
     fn table_at(&self, span: &Range<usize>) -> &str {
         let found = self
             .places
@@ -209,14 +209,14 @@ impl Source {
         found.map_or("", |(path, _)| path.as_str())
     }
 
-    /// An error about the key `path`; what is not there at all is told at the top of the file.
+    /// An error about the key `path`; if no key is found, it points at the start of the file.
     pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
         let path = self.said(path);
         let span = self.span(path).unwrap_or(0..0);
         self.error_at(Some(span), path, message.into(), help)
     }
 
-    /// An error about what is written at these bytes, before any key is located.
+    /// An error about a range of bytes, before the positions of keys are known.
     pub(super) fn error_of_bytes(
         &self,
         bytes: Range<usize>,
@@ -260,7 +260,7 @@ impl Source {
         self.error_in(span, path, message, help).at(place)
     }
 
-    /// The same, wherever it is told: in the file, or in the override that says the key anew.
+    /// Builds the error with the text of the file, or with that of the override which sets the key.
     fn error_in(
         &self,
         span: Option<Range<usize>>,
@@ -294,13 +294,13 @@ impl Source {
         )
     }
 
-    /// Bytes of the key of the `i`-th override.
+    /// Byte range of the key of the `i`-th override.
     pub(super) fn override_key(&self, i: usize) -> Range<usize> {
         let (line, key) = &self.overrides[i];
         line.start..line.start + key.len()
     }
 
-    /// The `i`-th override could not be applied.
+    /// An error: the `i`-th override cannot be applied.
     pub(super) fn override_error(&self, i: usize, message: String) -> ModelError {
         let help = "the path is dotted, arrays count from 0: --set steps.1.increments.max=0.02";
         self.error_at(
@@ -311,26 +311,26 @@ impl Source {
         )
     }
 
-    /// What serde or the TOML parser says, with the path of the key and advice.
+    /// Converts an error of serde or of the TOML parser; adds the path of the key and advice.
     pub(crate) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         if self.places.is_empty() {
-            // nothing is located before the text has been parsed
+            // Positions are unknown until the text is parsed.
             return self.syntax_error(error);
         }
         self.misread(error).error
     }
 
-    /// What the TOML parser says.
+    /// Converts an error of the TOML parser.
     pub(super) fn syntax_error(&self, error: &toml::de::Error) -> ModelError {
         let help = "the text is no TOML here: strings want quotes, each key its own line";
         self.error_at(error.span(), "", in_a_line(error), help)
     }
 
-    /// What serde says, and what kind of trouble it is.
+    /// Converts an error of serde, and classifies it.
     pub(super) fn misread(&self, error: &toml::de::Error) -> Misread {
         let span = error.span();
         let message = in_a_line(error);
-        // Rust's names of integers are none of a deck's.
+        // The message names Rust's integer types.
         let message = ["u64", "u32", "usize"].iter().fold(message, |text, name| {
             text.replace(
                 &format!("expected {name}"),
@@ -376,7 +376,7 @@ impl Source {
         }
     }
 
-    /// From now on a table is taken to stand at `path`, where something else is written.
+    /// Treats the value at `path` as a table from now on.
     pub(super) fn stands_as_table(&mut self, path: &str) {
         if let Some(place) = self.places.get_mut(path) {
             place.is_table = true;
@@ -384,26 +384,26 @@ impl Source {
     }
 }
 
-/// What serde could not read.
+/// A classified error of serde.
 pub(super) struct Misread {
     pub(super) trouble: Trouble,
     pub(super) error: ModelError,
 }
 
-/// Kinds of what serde cannot read.
+/// Kinds of errors of serde.
 pub(super) enum Trouble {
-    /// A key that no one knows, and the one that was probably meant.
+    /// An unknown key, and the known one that was probably meant.
     UnknownKey { meant: Option<String> },
-    /// A key that is not there.
+    /// A missing key.
     Missing,
-    /// A value of the wrong type or unit, or none of the choices.
+    /// A value of the wrong type or unit, or an unknown choice.
     Value,
 }
 
-/// The message of an error, without line breaks.
+/// Message of an error, without line breaks.
 fn in_a_line(error: &toml::de::Error) -> String {
     let message = error.message().trim_end();
-    // What TOML takes for a choice; no choice of a deck is a table.
+    // Serde accepts a table for a choice; decks write choices as strings only.
     let message = message.replace(
         "wanted string or table",
         "expected one of the choices, in quotes",
@@ -420,7 +420,7 @@ pub(super) fn join(prefix: &str, key: &str) -> String {
     }
 }
 
-/// The first word of a message in back quotes.
+/// First word of a message in back quotes.
 fn quoted(message: &str) -> Option<&str> {
     message.split('`').nth(1)
 }

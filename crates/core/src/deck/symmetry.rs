@@ -1,15 +1,15 @@
-//! Planes of symmetry: what they hold, and what a scene must not do across them.
+//! Planes of symmetry: the supports that they add, and the loads that they exclude.
 //!
-//! Displacements of the two sides are mirror images, so that those in the plane have no component normal to it.
-//! Where a joint lies in the plane (walls, `masonry::symmetry`), its middle takes part in this: a mirror, a facet
-//! that is held, stands there for the other half, and the joint's law opens by half as much ([`mirrored`]).
+//! Displacements of the two sides are mirror images, so that displacements in the plane have no component normal to
+//! it. Where a joint lies in the plane (walls, `masonry::symmetry`), its middle stays in the plane: a mirror, which
+//! is a fixed facet, represents the other half, and the law of the joint opens by half as much ([`mirrored`]).
 
 use super::bodies::Bodies;
 use super::overlap;
 use super::schema::{Deck, DeckLoad, Keep};
+use crate::element::hexahedron::norm;
 use crate::error::{Errors, ModelError};
 use crate::model::axis::Axis;
-use crate::model::hexahedron::norm;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Spring, Step, Support};
 
@@ -18,21 +18,21 @@ use crate::model::scene::{Beam, BeamMotion, HeldBy, Spring, Step, Support};
 pub(super) struct Plane {
     /// Axis normal to it.
     pub(super) axis: usize,
-    /// Where it lies [mm].
+    /// Position along this axis [mm].
     pub(super) at: f64,
-    /// Whether what lies above it is modelled, else what lies below.
+    /// Whether the side above it is modelled, else the side below.
     pub(super) above: bool,
-    /// Where the deck says so.
+    /// Path in the deck.
     pub(super) path: String,
 }
 
-/// Nodes no farther from the plane lie in it [mm]: decks round to 0.01 mm.
+/// Nodes within this distance lie in the plane [mm]: coordinates in decks are rounded to 0.01 mm.
 const IN_PLANE: f64 = 0.01;
 
-/// Part of gravity that rounding of its direction may leave along a normal.
+/// Fraction of gravity that may remain along a normal by rounding of its direction.
 const ROUNDING: f64 = 1e-9;
 
-/// Component of a unit normal from which a face lies in the plane.
+/// A face lies in the plane if this component of its unit normal is at least this.
 const ALONG: f64 = 1.0 - 1e-6;
 
 impl Plane {
@@ -49,7 +49,7 @@ impl Plane {
             .collect()
     }
 
-    /// How far a coordinate lies beyond the plane, below 0 on the side that is modelled [mm].
+    /// Signed distance of a coordinate beyond the plane [mm]; negative on the modelled side.
     pub(super) fn beyond(&self, x: f64) -> f64 {
         if self.above { self.at - x } else { x - self.at }
     }
@@ -59,7 +59,7 @@ impl Plane {
         2.0 * self.at - x
     }
 
-    /// What goes along the normal.
+    /// Description of an action along the normal.
     fn across(&self, what: &str) -> String {
         format!(
             "{what} along {}, across the plane of symmetry {}",
@@ -68,22 +68,22 @@ impl Plane {
         )
     }
 
-    /// As in `x = 480.5 mm`.
+    /// Name of the plane, such as `x = 480.5 mm`.
     pub(super) fn called(&self) -> String {
         format!("{} = {} mm", Axis::NAMES[self.axis], self.at)
     }
 }
 
-/// How many times the modelled part makes up the whole.
+/// Number of copies of the modelled part in the whole scene.
 pub(super) fn multiplicity(deck: &Deck) -> u32 {
     1 << deck.symmetry.len()
 }
 
-/// What the planes hold: nodes of all bodies that lie in them, but for those of joints that are cut at their
-/// middle; and the mirrors of these.
+/// Supports of the planes: nodes of all bodies in the plane, except those of joints that are cut at their middle;
+/// and the mirrors of these joints.
 ///
 /// # Errors
-/// Bodies that reach beyond a plane, planes in which nothing lies.
+/// Bodies that reach beyond a plane, planes in which no body lies.
 pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>, ModelError> {
     let mut supports = Vec::new();
     let mut errors = Errors::default();
@@ -147,11 +147,12 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
     errors.end(supports)
 }
 
-/// What to do about that which a plane forbids.
+/// Advice about actions that a plane excludes.
 const HELP: &str =
     "what acts across a plane acts the other way on the other side of it: model the whole scene";
 
-/// Refuses what is no mirror image of itself; faces that move as one and lie in a plane stay in it.
+/// Rejects steps that are not mirror images of themselves. Faces that move as one and lie in a plane are locked in
+/// it.
 ///
 /// # Errors
 /// Gravity, motion of the ground or a drive across a plane.
@@ -192,7 +193,7 @@ pub(super) fn judge(
                         let message = across(&format!("{} is driven", beam.name));
                         errors.push(deck.error(&format!("steps.{i}.direction"), message, HELP));
                     }
-                    // The other side pulls it the other way.
+                    // The force on the other side is opposite.
                     BeamMotion::Force(_) => motion[d] = BeamMotion::Locked,
                     BeamMotion::Locked => {}
                 }
@@ -202,10 +203,10 @@ pub(super) fn judge(
     errors.end(())
 }
 
-/// Refuses springs, velocities and loads across a plane in which it holds their nodes: `held`, by plane.
+/// Rejects springs, velocities and loads across a plane on nodes that it holds. `held`: supports of the planes.
 ///
 /// # Errors
-/// Springs driven across a plane, velocities and loads across it.
+/// Driven springs, velocities and loads across a plane.
 pub(super) fn judge_held(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -253,8 +254,10 @@ pub(super) fn judge_held(
     errors.end(())
 }
 
-/// Whether a load acts along axis `d` on nodes that are held there. Tractions and pressures on faces that only end at
-/// the plane have their mirror image, and forces of the two at the plane cancel: they are right.
+/// Returns whether a load acts along axis `d` on nodes that are held in this direction.
+///
+/// Tractions and pressures on faces that only end at the plane are correct: they have a mirror image, and the two
+/// forces at the plane cancel.
 fn acts_across(d: usize, said: &DeckLoad, load: &Load, is_held: &impl Fn(u32) -> bool) -> bool {
     let value = said.value().map_or([0.0; 3], |(_, value)| value);
     match &load.acts {
@@ -269,7 +272,8 @@ fn acts_across(d: usize, said: &DeckLoad, load: &Load, is_held: &impl Fn(u32) ->
         }
         LoadOn::Shares(shares) => {
             let mut held = shares.iter().map(|(n, _)| is_held(*n));
-            // Of a force in all, what acts on these nodes is missing; else it is a matter of the others, too.
+            // The part of a total force on held nodes is lost. Other loads are wrong only if all their nodes are
+            // held.
             value[d] != 0.0
                 && if said.force.is_some() {
                     held.any(|held| held)

@@ -1,5 +1,5 @@
-//! The tables of a material in the elements of a mesh: what the laws themselves say of them, at the
-//! place in the deck where it is written.
+//! Checks the tables of a material in the elements of a mesh: errors and warnings of the laws, with their place in
+//! the deck.
 
 use super::schema::Deck;
 use crate::error::{ModelError, Warning};
@@ -9,11 +9,11 @@ use crate::material::{
 };
 
 impl Deck {
-    /// The law of the material `name` in elements of equivalent length `l_eq` [mm] (theory A.8);
-    /// none for a single point, which has no size: tables are taken as given.
+    /// The law of the material `name` in elements of equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1).
+    /// `None` is a single point, which has no size: its tables are not scaled.
     ///
     /// # Errors
-    /// No such material, or tables that no law can be made of.
+    /// Unknown material, or tables from which no law can be made.
     pub fn law(
         &self,
         name: &str,
@@ -31,10 +31,11 @@ impl Deck {
     }
 }
 
-/// Makes both curves in elements of these equivalent lengths [mm] (none: as given), as a run does.
+/// Builds both curves for elements of these equivalent lengths [mm], as a run does; without lengths the tables are
+/// not scaled.
 ///
 /// # Errors
-/// What the curves refuse, at each branch the first of the longest element.
+/// Those of the curves; on each branch the first one of the longest element.
 pub(super) fn judge(
     deck: &Deck,
     name: &str,
@@ -55,7 +56,7 @@ pub(super) fn judge(
         for scaling in &scalings {
             match Curve::new(branch, rows, p.elastic.E, *scaling, p.interpolation) {
                 Ok((_, said)) => capped.extend(said),
-                // Of several lengths the longest is farthest from what the table admits.
+                // Of several lengths the longest is the most critical.
                 Err(error) => refused = Some(error),
             }
         }
@@ -66,10 +67,10 @@ pub(super) fn judge(
     ModelError::gather(errors).map_or(Ok(warnings), Err)
 }
 
-/// Makes the curves of bands from the least to the largest of `widths` [mm], as a run does.
+/// Builds the curves of crack bands from the least to the largest of `widths` [mm], as a run does.
 ///
 /// # Errors
-/// What the curves refuse.
+/// Those of the curves.
 pub(super) fn judge_bands(
     deck: &Deck,
     name: &str,
@@ -87,7 +88,7 @@ pub(super) fn judge_bands(
     Ok(warnings)
 }
 
-/// That bands are taken to be narrower than they are.
+/// Warning: crack bands are taken narrower than they are.
 fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Option<Warning> {
     said.iter().find_map(|warning| match *warning {
         TableWarning::BandNarrowed {
@@ -108,7 +109,8 @@ fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Optio
     })
 }
 
-/// One warning for each row whose damage had to be capped (theory A.5), over all lengths.
+/// One warning for each row whose damage had to be capped (theory/damage-plasticity.md, eq. 11), for all lengths
+/// together.
 fn caps(deck: &Deck, name: &str, warnings: &[TableWarning]) -> Vec<Warning> {
     let mut rows: Vec<(Branch, usize)> = Vec::new();
     for warning in warnings {
@@ -158,7 +160,7 @@ fn cell(name: &str, branch: Branch, row: usize, column: Option<usize>) -> String
     column.map_or(row.clone(), |column| format!("{row}.{column}"))
 }
 
-/// The error of a law at its place in the deck, with the fix.
+/// Converts the error of a law to one at its place in the deck, with advice.
 pub(super) fn refusal(
     deck: &Deck,
     name: &str,

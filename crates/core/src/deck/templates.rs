@@ -1,17 +1,18 @@
-//! Decks to begin with: commented, and they run as they are.
+//! Template decks with comments, ready to run.
 
-/// A deck to begin with.
+/// A template deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Template {
-    /// By which it is asked for.
+    /// Name.
     pub name: &'static str,
-    /// What it describes, in one line.
+    /// Description in one line.
     pub about: &'static str,
     /// The deck: TOML, whose first line names the schema ([`SCHEMA`]).
     pub text: &'static str,
 }
 
-/// By this name the templates call the schema ([`text`](crate::deck::json_schema::text)), which is to stand beside them.
+/// File name of the schema ([`text`](crate::deck::json_schema::text)) in the templates; it must lie in the same
+/// folder.
 pub const SCHEMA: &str = "deck.schema.json";
 
 /// All templates.
@@ -48,7 +49,7 @@ pub const TEMPLATES: [Template; 6] = [
     },
 ];
 
-/// Their names.
+/// Names of the templates.
 pub const NAMES: [&str; TEMPLATES.len()] = {
     let mut names = [""; TEMPLATES.len()];
     let mut i = 0;

@@ -1,5 +1,5 @@
-//! The little grammar of units: `number factor ((* | · | / | space) factor)*`, where a factor is a
-//! unit with an optional power: `mm`, `m^2`, `s²`, `mm^-1`. One `/` divides by the one factor after it.
+//! Grammar of units: `number factor ((* | · | / | space) factor)*`. A factor is a unit with an optional power:
+//! `mm`, `m^2`, `s²`, `mm^-1`. A `/` applies only to the factor after it.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension(pub [i8; 4]);
 
-/// Dimension, what it is called, its base unit.
+/// Dimension, its name, its base unit.
 const NAMES: [([i8; 4], &str, &str); 16] = [
     ([0, 0, 0, 0], "a number without a unit", ""),
     ([1, 0, 0, 0], "a length", "mm"),
@@ -28,7 +28,7 @@ const NAMES: [([i8; 4], &str, &str); 16] = [
 ];
 
 impl Dimension {
-    /// What it is called, without its unit.
+    /// Name of the dimension, without its unit.
     pub fn name(self) -> String {
         if let Some((_, name, _)) = NAMES.iter().find(|n| n.0 == self.0) {
             return (*name).to_owned();
@@ -44,7 +44,7 @@ impl Dimension {
     }
 }
 
-/// The name with the base unit: `a pressure (MPa)`.
+/// Prints the name with the base unit: `a pressure (MPa)`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match NAMES.iter().find(|n| n.0 == self.0) {
@@ -54,9 +54,10 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// A unit is `factor` × 10^`ten` of its base unit. Powers of ten are kept apart so that `"12 N/m"` and
-/// `"0.012 N/mm"` are the same number to the last bit: the exponent is shifted before the decimal is
-/// read.
+/// A unit of `factor` × 10^`ten` base units.
+///
+/// The power of ten is separate so that `"12 N/m"` and `"0.012 N/mm"` are equal to the last bit: the exponent is
+/// shifted before the decimal number is read.
 struct Unit {
     name: &'static str,
     factor: f64,
@@ -107,7 +108,7 @@ const UNITS: [Unit; 28] = [
 /// Value in base units and dimension of a text such as `"30 kN/m^2"`.
 ///
 /// # Errors
-/// A sentence saying what could not be read.
+/// A sentence that says which part could not be read.
 pub fn parse(text: &str) -> Result<(f64, Dimension), String> {
     read(text).map_err(|why| match with_powers(text) {
         Some(better) => format!("powers are written with \"^\": \"{better}\""),
@@ -115,7 +116,7 @@ pub fn parse(text: &str) -> Result<(f64, Dimension), String> {
     })
 }
 
-/// The text as it should have been, if nothing but the signs of its powers is missing: `N/mm^2` for `N/mm2` and `N/mm**2`.
+/// The corrected text, if only the signs of powers are missing: `N/mm^2` for `N/mm2` and `N/mm**2`.
 fn with_powers(text: &str) -> Option<String> {
     let (_, _, units) = number(text.trim());
     let mut better = String::new();
@@ -137,7 +138,7 @@ fn with_powers(text: &str) -> Option<String> {
     (better != text && read(&better).is_ok()).then_some(better)
 }
 
-/// As [`parse`], without a better proposal.
+/// As [`parse`], without a corrected text.
 fn read(text: &str) -> Result<(f64, Dimension), String> {
     let text = text.trim();
     let (mantissa, exponent, rest) = number(text);
@@ -167,7 +168,7 @@ fn read(text: &str) -> Result<(f64, Dimension), String> {
     Ok((value * factor, Dimension(dimension)))
 }
 
-/// Mantissa and decimal exponent of the number at the start of `text`, and what follows it.
+/// Mantissa and decimal exponent of the number at the start of `text`, and the rest of the text.
 fn number(text: &str) -> (&str, i32, &str) {
     let digits = |from: usize| {
         let is_part = |c: char| c.is_ascii_digit() || c == '.';
@@ -189,7 +190,7 @@ fn number(text: &str) -> (&str, i32, &str) {
     (mantissa, 0, rest)
 }
 
-/// One unit with its power, and what follows it.
+/// One unit with its power, and the rest of the text.
 fn unit_and_power(text: &str) -> Result<(&'static Unit, i32, &str), String> {
     let is_name = |c: char| c.is_alphabetic() || c == '%' || c == '°';
     let end = text.find(|c| !is_name(c)).unwrap_or(text.len());
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn units_convert_to_the_last_bit() {
-        // Exact: the decimal is read once, its exponent already shifted.
+        // Exact: the exponent is shifted before the decimal number is read.
         for (text, value, dimension) in [
             ("2.12 MPa", 2.12, [-1, 1, -2, 0]),
             ("4 mm", 4.0, [1, 0, 0, 0]),
@@ -259,7 +260,7 @@ mod tests {
             assert_eq!(parse(text), Ok((value, Dimension(dimension))), "{text}");
         }
         let (half_turn, _) = parse("3.141592653589793 rad").unwrap();
-        // two roundings: 180/π and the product
+        // Two roundings: 180/π and the product.
         assert!((half_turn - 180.0).abs() <= 2.0 * 180.0 * f64::EPSILON);
     }
 

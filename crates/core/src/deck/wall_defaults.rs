@@ -1,19 +1,19 @@
-//! What walls with mortar want if the deck says nothing of it.
+//! Defaults of walls with mortar.
 //!
-//! Stiff joints hold units whose meshes do not match in each other's shape. Before anything cracks a wall that is
-//! bent out of its plane is 28 % too stiff with 500 E/h and up to 4 % with 50, and takes six tenths of the time; J7D,
-//! which is sheared, 10 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
+//! Stiff joints force units whose meshes do not match into each other's shape. Before the first crack a wall that
+//! is bent out of its plane is 28 % too stiff with 500 E/h, and at most 4 % with 50, which takes six tenths of the
+//! time. The errors of J7D, which is sheared, are 10 and 3 % (docs/accuracy-speed.md, scenes 4 and 3).
 //!
-//! A section that bends opens on one side and is pressed together on the other: of two elements one has the joint's
-//! whole pressure, and the peak comes 3.4 % lower than with three (scene 4).
+//! A section in bending opens on one side and is compressed on the other. Of two elements one carries the whole
+//! pressure of the joint, and the peak is 3.4 % lower than with three (scene 4).
 
 use super::quantity::Number;
 use super::schema::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 
-/// Elements through the thickness from which on the peak is within a per cent.
+/// Smallest number of elements through the thickness with which the peak is accurate within 1 %.
 const ENOUGH: u32 = 3;
 
-/// Penalty factor of joints with mortar [-]; elsewhere it is that of theory C.8.
+/// Penalty factor of joints with mortar [-]; others have that of the paper (theory/joint.md, eq. 32).
 const PENALTY: f64 = 50.0;
 
 /// Walls with mortar, by path.
@@ -22,25 +22,25 @@ fn mortared(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
         .filter(|(.., wall)| wall.mortar_material.is_some())
 }
 
-/// Those that something bends out of their plane, and whose units give.
+/// Walls with mortar and deformable units that are bent out of their plane.
 fn bent(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
     mortared(deck).filter(|(_, name, wall)| {
         !wall.rigid && deck.steps.iter().any(|step| bends(step, name, wall))
     })
 }
 
-/// Those that have too few elements through their thickness.
+/// Such walls with too few elements through their thickness.
 fn thin(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {
     bent(deck).filter(|(.., wall)| wall.mesh.thickness * wall.leaves < ENOUGH)
 }
 
-/// Chooses what the deck does not say of walls with mortar.
+/// Sets the values that the deck does not give for walls with mortar.
 pub(super) fn choose(deck: &mut Deck) {
     choose_meshes(deck);
     choose_penalties(deck);
 }
 
-/// Enough elements through the thickness.
+/// Sets enough elements through the thickness.
 fn choose_meshes(deck: &mut Deck) {
     let silent = |path: &String| !deck.says(&format!("{path}.mesh"));
     let paths: Vec<String> = thin(deck).map(|(path, ..)| path).filter(silent).collect();
@@ -56,8 +56,10 @@ fn choose_meshes(deck: &mut Deck) {
     }
 }
 
-/// The stiffness of their joints; units that count as rigid want one said. Where anything may meet anywhere it is what stops
-/// bodies that fly, and stays.
+/// Sets the penalty factor of mortar joints.
+///
+/// It has no effect on explicit stiffnesses, which rigid-like units need. With general contact the stiffness also
+/// stops moving bodies, and is not changed.
 fn choose_penalties(deck: &mut Deck) {
     if deck.contact.general.is_some() {
         return;
@@ -78,7 +80,7 @@ fn choose_penalties(deck: &mut Deck) {
     }
 }
 
-/// One note for each wall that is bent and says to be cut into too few.
+/// One note for each wall that is bent and has a `mesh` with too few elements in the deck.
 pub(super) fn notes(deck: &Deck) -> Vec<String> {
     thin(deck)
         .map(|(path, name, wall)| {
@@ -91,7 +93,7 @@ pub(super) fn notes(deck: &Deck) -> Vec<String> {
         .collect()
 }
 
-/// Whether a step pushes or tilts a wall across.
+/// Returns whether a step pushes or tilts a wall out of its plane.
 fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
     let (along, through) = wall.axes();
     let axis = |direction: Option<Direction>| direction.map(|d| d.axis().0);
@@ -100,7 +102,7 @@ fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
         || step.loads.iter().any(|load| is_across(load, name, through))
 }
 
-/// Whether a load lies on the wall and pushes across.
+/// Returns whether a load lies on the wall and pushes out of its plane.
 fn is_across(load: &DeckLoad, name: &str, through: usize) -> bool {
     let mut on = load.on.iter().flat_map(|names| &names.0);
     on.any(|on| {

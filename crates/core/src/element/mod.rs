@@ -2,10 +2,13 @@
 
 pub mod extent;
 pub mod facet;
+mod formulation;
 pub mod hex8;
+pub mod hexahedron;
 pub mod kinematics;
 mod tangent;
 
 pub use extent::extent;
+pub use formulation::Formulation;
 pub use hex8::{ElementShape, ShapeError};
 pub use kinematics::{Corotated, green_strain};

@@ -1,28 +1,28 @@
-//! Factors read ahead of their use.
+//! Prefetching of factors.
 //!
-//! A substitution reads every number of the factors once each way. What does not fit into the caches comes from memory, and
-//! processors foresee reads there if these are one long ascending stream: fronts are read four columns side by side, and
-//! on the way back from the last one to the first. One number of each cache line, read some fronts ahead and for nothing else,
-//! has many lines under way at a time. Nothing is computed by it.
+//! A substitution reads each number of the factors once in each direction. Factors that exceed the caches are read
+//! from memory. Processors predict such reads only for one long ascending stream. Fronts, however, are read four
+//! columns at a time, and in back substitution from the last one to the first. So one number of each cache line is
+//! read some fronts ahead, which loads many lines at the same time. The results do not depend on it.
 
 use std::hint::black_box;
 use std::ops::Range;
 
 use super::number::Number;
 
-/// Bytes of factors from which on they are not found in caches.
+/// Size of the factors from which they exceed the caches [bytes].
 const FAR: usize = 16 << 20;
-/// Bytes that are read ahead together, unless one front has more: they stay in a cache of their core.
+/// Largest size that is prefetched together, except for one larger front [bytes]. It stays in a cache of its core.
 const PIECE: usize = 256 << 10;
-/// Bytes of a cache line.
+/// Size of a cache line [bytes].
 const LINE: usize = 64;
 
-/// Reads fronts ahead, if that pays.
+/// Prefetches fronts where that saves time.
 pub(super) struct Ahead<'a, T> {
     numbers: &'a [T],
-    /// Where each front begins. `[supernode + 1]`
+    /// Start of each front. `[supernode + 1]`
     starts: &'a [usize],
-    /// Supernodes that are read already; of factors in caches all.
+    /// Supernodes already read. All, if the factors fit into the caches.
     read: Range<usize>,
 }
 
@@ -36,7 +36,7 @@ impl<'a, T: Number> Ahead<'a, T> {
         }
     }
 
-    /// Before the front of `s`, of supernodes that ascend up to `end`.
+    /// Call before front `s` is used, in ascending order of supernodes up to `end`.
     pub fn up(&mut self, s: usize, end: usize) {
         if !self.read.contains(&s) {
             let last = (s + 1..end).find(|&t| self.bytes(&(s..t + 1)) > PIECE);
@@ -44,7 +44,7 @@ impl<'a, T: Number> Ahead<'a, T> {
         }
     }
 
-    /// Before the front of `s`, of supernodes that descend to `start`.
+    /// Call before front `s` is used, in descending order of supernodes down to `start`.
     pub fn down(&mut self, s: usize, start: usize) {
         if !self.read.contains(&s) {
             let first = (start..s).rev().find(|&t| self.bytes(&(t..s + 1)) > PIECE);
@@ -59,7 +59,7 @@ impl<'a, T: Number> Ahead<'a, T> {
     fn read(&mut self, supernodes: Range<usize>) {
         let numbers = &self.numbers[self.starts[supernodes.start]..self.starts[supernodes.end]];
         let lines = numbers.iter().step_by(LINE / size_of::<T>());
-        // Sums that nobody wants, so that the reads are not left out.
+        // The unused sum prevents the compiler from removing the reads.
         black_box(lines.fold(T::ZERO, |sum, x| sum + *x));
         self.read = supernodes;
     }
@@ -69,7 +69,8 @@ impl<'a, T: Number> Ahead<'a, T> {
 mod tests {
     use super::*;
 
-    /// Fronts are read in pieces that end with a front, each once, both ways; one that is larger than a piece by itself.
+    /// Fronts are read once in each direction, in pieces that end with a front. A front larger than a piece is read
+    /// alone.
     #[test]
     fn reads_whole_fronts_once() {
         let piece = PIECE / size_of::<f32>();
@@ -92,7 +93,7 @@ mod tests {
         assert_eq!(down, [5..6, 4..5, 3..4, 1..3, 1..3, 0..1]);
     }
 
-    /// What fits into the caches is not read ahead.
+    /// Factors that fit into the caches are not prefetched.
     #[test]
     fn what_is_near_is_left() {
         let (numbers, starts) = (vec![0.0_f64; 8], [0, 4, 8]);

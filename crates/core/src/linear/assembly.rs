@@ -1,9 +1,9 @@
-//! From matrix entries and children to fronts: every index computed once.
+//! Assembly of fronts from matrix entries and children. Each index is computed once.
 
 use super::tree::{ROOT, Tree};
 use super::{Kind, LinearError, Pattern};
 
-/// Consecutive rows of a Schur complement that are consecutive in the parent's front too.
+/// Consecutive rows of a Schur complement that are also consecutive in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// First row in the child's Schur complement.
@@ -14,19 +14,19 @@ pub(super) struct Run {
     pub len: u32,
 }
 
-/// Where things go. A front of m rows, k of them eliminated, is stored as its k columns (m × k),
-/// for LU followed by the rest of its k rows (k × (m − k)), both by columns.
+/// Indices for assembly. A front of m rows, of which k are eliminated, is stored as its k columns (m × k). For L U
+/// the rest of its k rows (k × (m − k)) follows. Both are stored by columns.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     /// Start of each front in the storage of the factors. `[supernode + 1]`
     pub storage: Vec<usize>,
     /// Start of each front's matrix entries. `[supernode + 1]`
     pub entry_ptr: Vec<usize>,
-    /// Matrix entry, and its place in the storage of the front. `[entry_ptr]`
+    /// Index of the matrix entry, and its index in the storage of the front. `[entry_ptr]`
     pub entries: Vec<[u32; 2]>,
     /// Start of each supernode's runs. `[supernode + 1]`
     pub run_ptr: Vec<usize>,
-    /// Its rows in its parent's front, cut where the parent's columns end. `[run_ptr]`
+    /// Its rows in its parent's front, divided where the parent's columns end. `[run_ptr]`
     pub runs: Vec<Run>,
     /// Number of its rows that its parent eliminates. `[supernode]`
     pub summed: Vec<u32>,
@@ -41,7 +41,7 @@ impl Assembly {
             position[e as usize] = p as u32;
         }
         let mirror = mirror(pattern)?;
-        let mut local = vec![0u32; n]; // row in the front, of a position
+        let mut local = vec![0u32; n]; // row in the front of each position
         let mut out = Self {
             storage: vec![0],
             entry_ptr: vec![0],
@@ -75,7 +75,7 @@ impl Assembly {
                     if (position[i] as usize) < p {
                         continue;
                     }
-                    // e is (i, j), mirrored (j, i); i is eliminated after j.
+                    // Entry e is (i, j), its mirror entry (j, i). Equation i is eliminated after j.
                     let row = local[position[i] as usize] as usize;
                     let left = (row + m * column) as u32;
                     match kind {
@@ -104,7 +104,7 @@ impl Assembly {
         Ok(out)
     }
 
-    /// Runs of every supernode in its parent.
+    /// Finds the runs of each supernode in its parent.
     fn connect(&mut self, tree: &Tree, local: &mut [u32]) {
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); tree.len()];
         for (s, &p) in tree.parent.iter().enumerate() {
@@ -157,14 +157,14 @@ impl Assembly {
     }
 }
 
-/// Entry (j, i) of each entry (i, j).
+/// Index of entry (j, i) for each entry (i, j).
 fn mirror(pattern: &Pattern) -> Result<Vec<u32>, LinearError> {
     u32::try_from(pattern.nnz()).map_err(|_| LinearError::TooLarge)?;
     let mut cursor = pattern.col_ptr()[..pattern.n()].to_vec();
     let mut mirror = vec![0u32; pattern.nnz()];
     for j in 0..pattern.n() {
         for e in pattern.col_ptr()[j]..pattern.col_ptr()[j + 1] {
-            // Columns are met in order, as rows are listed.
+            // Columns are visited in the order in which rows are listed.
             let i = pattern.row_idx()[e] as usize;
             mirror[e] = cursor[i] as u32;
             cursor[i] += 1;

@@ -1,16 +1,16 @@
-//! Directions across which planes may cut a mesh: the axes, or for a mesh that lies askew the
-//! directions in which most of its edges run.
+//! Directions across which planes may divide a mesh: the axes, or, for a mesh oblique to them, the most frequent
+//! directions of its edges.
 
 use super::ordering::Graph;
 
-/// Edges looked at, about.
+/// Approximate number of edges considered.
 const EDGES: usize = 20_000;
-/// Cosine beyond which two edges run in one direction (15°).
+/// Cosine above which two edges have the same direction (15°).
 const ALIKE: f64 = 0.966;
-/// Directions looked at: a grid of hex8 has 13, its diagonals included.
+/// Number of directions considered. A grid of hex8 has 13 with its diagonals.
 const MOST: usize = 13;
 
-/// Whether planes across at least two axes hold many nodes each.
+/// Whether planes across at least two axes contain many nodes each.
 pub(super) fn along_axes(places: &[[f64; 3]], vertices: &[u32]) -> bool {
     let planes = |axis: usize| {
         let mut values: Vec<f64> = vertices.iter().map(|&v| places[v as usize][axis]).collect();
@@ -24,9 +24,9 @@ pub(super) fn along_axes(places: &[[f64; 3]], vertices: &[u32]) -> bool {
         >= 2
 }
 
-/// Unit vectors along which edges between `vertices` run, the most frequent first.
+/// Unit vectors along the edges between `vertices`, the most frequent first.
 pub(super) fn of_edges(graph: &Graph, places: &[[f64; 3]], vertices: &[u32]) -> Vec<[f64; 3]> {
-    let mut bundles: Vec<([f64; 3], usize)> = Vec::new(); // sum of unit vectors, their number
+    let mut bundles: Vec<([f64; 3], usize)> = Vec::new(); // sum of unit vectors and their number
     let edges: usize = vertices
         .iter()
         .map(|&v| graph.neighbours_of(v as usize).len())
@@ -36,7 +36,7 @@ pub(super) fn of_edges(graph: &Graph, places: &[[f64; 3]], vertices: &[u32]) -> 
             let (a, b) = (places[v as usize], places[u as usize]);
             let edge: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
             let length = dot(edge, edge).sqrt();
-            // Nodes face to face across an interface, or without a place.
+            // Nodes that coincide across a joint, or have no coordinates.
             if !(length.is_finite() && length > 0.0) {
                 continue;
             }
@@ -68,7 +68,7 @@ pub(super) fn choose(mut scored: Vec<(f64, [f64; 3])>) -> Option<[[f64; 3]; 3]> 
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut chosen: Vec<[f64; 3]> = Vec::new();
     for (_, direction) in scored {
-        // A little over the half, for edges that are not quite straight.
+        // Slightly above one half, for edges that are not quite straight.
         if chosen
             .iter()
             .all(|&other| dot(other, direction).abs() < 0.52)
@@ -79,7 +79,7 @@ pub(super) fn choose(mut scored: Vec<(f64, [f64; 3])>) -> Option<[[f64; 3]; 3]> 
     chosen.get(..3)?.try_into().ok()
 }
 
-/// aᵀ b
+/// Scalar product aᵀ b.
 pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,11 +1,11 @@
-//! Geometric nested dissection (George 1973) of a mesh: planes cut the node graph in two, the nodes
-//! that keep the halves apart are eliminated last.
+//! Geometric nested dissection of a mesh (George 1973). Planes divide the graph of nodes in two; the nodes that
+//! separate both parts are eliminated last.
 //!
-//! Of all planes across each of three directions (the axes; where the mesh lies askew those of its
-//! edges that cut best) the one with the fewest nodes beside it, relative to what it cuts
-//! off, is taken; its separator is the smallest set of nodes that covers the cut edges (König), so
-//! that a plane through staggered bricks follows joints and bricks as it may. What is small is
-//! ordered by minimum degree together with the separators around it, which come after it.
+//! Planes across three directions are compared: the axes, or, for a mesh oblique to the axes, the edge directions
+//! with the best cuts. The plane with the fewest nodes beside it, relative to the nodes that it cuts off, is taken
+//! (theory/linear-solver.md, eq. 1). Its separator is the smallest set of nodes that covers the cut edges (König).
+//! So a plane through staggered bricks follows joints and bricks as needed. Small parts are ordered by minimum
+//! degree, together with the separators around them, which come later.
 
 use super::LinearError;
 use super::directions::{self, dot};
@@ -15,10 +15,10 @@ use super::ordering::Graph;
 const LEAF: usize = 200;
 /// The smaller side of a cut is at least this part of the whole.
 const BALANCE: f64 = 0.25;
-/// Not in any part.
+/// Marks a vertex outside all parts.
 const NONE: u32 = u32::MAX;
 
-/// Work arrays of the recursion, one entry a vertex.
+/// Working arrays of the recursion, with one entry for each vertex.
 struct Dissection<'a> {
     graph: &'a Graph,
     places: &'a [[f64; 3]],
@@ -28,7 +28,7 @@ struct Dissection<'a> {
     order: Vec<u32>,
 }
 
-/// Nested dissection order, `[position] → vertex`. Vertices without a place come last.
+/// Nested dissection order, `[position] → vertex`. Vertices without coordinates come last.
 ///
 /// # Errors
 /// [`LinearError::TooLarge`] if memory or 32-bit indices run out.
@@ -54,8 +54,7 @@ pub(super) fn dissect(graph: &Graph, places: &[[f64; 3]]) -> Result<Vec<u32>, Li
     Ok(work.order)
 }
 
-/// Coordinates along three directions across which the whole is cut better than across the axes, if
-/// it has no planes across those.
+/// Coordinates along three directions with better cuts than the axes, if the mesh has no planes across the axes.
 fn turn(graph: &Graph, places: &[[f64; 3]], inside: &[u32], part: &[u32]) -> Option<Vec<[f64; 3]>> {
     if inside.len() <= LEAF || directions::along_axes(places, inside) {
         return None;
@@ -103,7 +102,7 @@ impl Dissection<'_> {
         Ok(())
     }
 
-    /// Axis and coordinate of the best cut: x ≤ at on one side.
+    /// Axis and coordinate `at` of the best cut: one part has x ≤ at.
     fn plane(&self, vertices: &[u32]) -> Option<(usize, f64)> {
         let mut best = (f64::INFINITY, None);
         for axis in 0..3 {
@@ -117,11 +116,11 @@ impl Dissection<'_> {
         best.1
     }
 
-    /// Smallest set of vertices that covers all edges from `left` to the part `right`: maximum
-    /// matching by augmenting paths, then the cover it proves minimal (König).
+    /// Smallest set of vertices that covers all edges from `left` to the part `right`: a maximum matching by
+    /// augmenting paths, then the cover that it proves minimal (König).
     fn cover(&mut self, left: &[u32], right: u32) -> Vec<u32> {
         let graph = self.graph;
-        // local: index on its side of the boundary.
+        // local: index on its own side of the cut.
         let (mut edges, mut border, mut beyond) = (Vec::new(), Vec::new(), Vec::new());
         for &v in left {
             let mut list = Vec::new();
@@ -143,7 +142,7 @@ impl Dissection<'_> {
             self.local[u as usize] = NONE;
         }
         let (mate, partner) = matching(&edges, beyond.len());
-        // Reached from the unmatched on the left by alternating paths.
+        // Vertices reached by alternating paths from unmatched vertices on the left.
         let (mut reached, mut reached_beyond) =
             (vec![false; border.len()], vec![false; beyond.len()]);
         let mut queue: Vec<usize> = (0..border.len()).filter(|&i| mate[i] == NONE).collect();
@@ -173,7 +172,7 @@ impl Dissection<'_> {
         near.chain(far).collect()
     }
 
-    /// Orders a part by minimum degree, its surroundings made one clique so that they come later.
+    /// Orders a part by minimum degree. Its surroundings are made a clique so that they come later.
     fn leaf(&mut self, vertices: &[u32]) -> Result<(), LinearError> {
         let graph = self.graph;
         let Some(&first) = vertices.first() else {
@@ -218,7 +217,7 @@ impl Dissection<'_> {
     }
 }
 
-/// The best of all cuts x ≤ at of a part: nodes beside it over nodes that it cuts off, and `at`.
+/// Best of all cuts x ≤ at of a part: nodes beside it over nodes that it cuts off, and `at`.
 fn sweep(
     graph: &Graph,
     part: &[u32],
@@ -230,7 +229,7 @@ fn sweep(
     values.sort_unstable_by(f64::total_cmp);
     values.dedup();
     let rank = |x: f64| values.partition_point(|&value| value < x);
-    // Changes along the planes of: vertices on the left, left beside it, right beside it.
+    // Changes from plane to plane: vertices on the left, left vertices beside the plane, right vertices beside it.
     let mut change = vec![[0i64; 3]; values.len() + 1];
     for &v in vertices {
         let (mut low, mut high) = (place(v), place(v));
@@ -264,12 +263,12 @@ fn sweep(
     best
 }
 
-/// Maximum matching of a bipartite graph: the mate of each left and of each right vertex.
+/// Maximum matching of a bipartite graph: the partner of each left and of each right vertex.
 fn matching(edges: &[Vec<u32>], right: usize) -> (Vec<u32>, Vec<u32>) {
     let (mut mate, mut partner) = (vec![NONE; edges.len()], vec![NONE; right]);
     let mut seen = vec![NONE; right];
     for root in 0..edges.len() {
-        // Depth first; each level remembers how far it has looked.
+        // Depth-first search. Each level stores the next edge to try.
         let mut path: Vec<(usize, usize)> = vec![(root, 0)];
         while let Some((i, next)) = path.last_mut() {
             let Some(&j) = edges[*i].get(*next) else {
@@ -303,7 +302,7 @@ mod tests {
 
     #[test]
     fn a_matching_is_enlarged_along_augmenting_paths() {
-        // 0 takes the first it sees and must give it up twice; 3 finds nobody left.
+        // Vertex 0 takes its first neighbour and must change it twice. Vertex 3 finds no free neighbour.
         let edges = [vec![0, 1], vec![0, 2], vec![0], vec![0]];
         let (mate, partner) = matching(&edges, 3);
         assert_eq!(mate, [1, 2, 0, NONE]);

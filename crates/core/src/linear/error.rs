@@ -1,12 +1,12 @@
-//! What can go wrong in a linear solve.
+//! Errors of linear solves.
 
-/// Trouble with a linear system. Equations are numbered as the caller numbers them.
+/// Error of a linear system. Equations have the caller's numbers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearError {
-    /// The pattern is not one of a structurally symmetric matrix.
+    /// The pattern does not belong to a structurally symmetric matrix.
     #[error("matrix pattern: {why}")]
     Pattern {
-        /// What is wrong, with the entry.
+        /// Reason, with the entry.
         why: String,
     },
     /// Too large for memory or for 32-bit indices.
@@ -15,11 +15,11 @@ pub enum LinearError {
     /// A slice has the wrong length.
     #[error("{what}: {got} numbers where {expected} are needed")]
     Length {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
-        /// The length needed.
+        /// Length needed.
         expected: usize,
-        /// The length given.
+        /// Length given.
         got: usize,
     },
     /// A value of the matrix or of the right-hand side is NaN or infinite.
@@ -28,28 +28,27 @@ pub enum LinearError {
         /// Its row.
         equation: usize,
     },
-    /// The elimination of this equation leaves nothing to divide by: a body is free to move, or
-    /// the tangent is at a limit point.
+    /// The pivot of this equation vanishes: a body can move freely, or the tangent is at a limit point.
     #[error("the matrix is singular at equation {equation}")]
     Singular {
         /// The equation (column) whose pivot vanished.
         equation: usize,
     },
-    /// A symmetric factorisation met a pivot that is not positive; LU may still succeed.
+    /// A symmetric factorisation found a pivot that is not positive. L U may still succeed.
     #[error("the matrix is not positive definite at equation {equation}")]
     NotPositiveDefinite {
         /// The equation whose pivot is not positive.
         equation: usize,
     },
-    /// Solved, but the residual stays above the limit after refinement.
+    /// The residual stays above the limit after refinement.
     #[error("the solution leaves a relative residual of {residual:.1e} (limit {limit:.1e})")]
     Inaccurate {
         /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞), the largest over the right-hand sides.
         residual: f64,
-        /// The limit it had to stay below.
+        /// Limit.
         limit: f64,
     },
-    /// `solve` was called without a successful `factorise` before it.
+    /// `solve` was called without a successful `factorise`.
     #[error("no factorisation to solve with")]
     NotFactorised,
 }

@@ -1,23 +1,23 @@
-//! Adding a child's Schur complement to its parent's front.
+//! Addition of a child's Schur complement to its parent's front.
 
 use super::assembly::Run;
 use super::number::Number;
 use super::schur::Panels;
 
-/// A child's Schur complement and where it goes.
+/// A child's Schur complement and its rows in the parent.
 pub(super) struct Child<'a, T> {
     /// Its numbers.
     pub schur: &'a [T],
-    /// How they lie.
+    /// Their layout.
     pub panels: Panels,
-    /// Rows that the parent eliminates.
+    /// Number of rows that the parent eliminates.
     pub summed: usize,
     /// Its rows in the parent's front.
     pub runs: &'a [Run],
 }
 
 impl<T: Number> Child<'_, T> {
-    /// Column c from row `c - c % wide` on, and that row.
+    /// Column c from row `c - c % wide` downwards, and that row.
     #[inline]
     fn column(&self, c: usize) -> (&[T], usize) {
         let (start, first) = self.panels.column(c);
@@ -38,7 +38,7 @@ impl<T: Number> Child<'_, T> {
         }
     }
 
-    /// Adds to the lower triangle of the parent's Schur complement, after k columns.
+    /// Adds to the lower triangle of the parent's Schur complement, which follows its k columns.
     pub fn add_schur_lower(&self, schur: &mut [T], k: usize, panels: Panels) {
         let start = self
             .runs
@@ -73,7 +73,7 @@ impl<T: Number> Child<'_, T> {
         }
     }
 
-    /// Adds to the parent's Schur complement (order b, after k columns).
+    /// Adds to the parent's Schur complement (order b), which follows its k columns.
     pub fn add_schur(&self, schur: &mut [T], k: usize, b: usize) {
         let start = self
             .runs
@@ -88,8 +88,8 @@ impl<T: Number> Child<'_, T> {
     }
 }
 
-/// Adds the rows of one column run by run, without the first `skip` of the first run; the rows of
-/// `from` are counted from the second of it, those of `to` from `base` of the parent's front.
+/// Adds the rows of one column run by run, without the first `skip` rows of the first run. Rows of `from` are
+/// counted from its second component, rows of `to` from row `base` of the parent's front.
 #[inline]
 fn add<T: Number>(runs: &[Run], skip: usize, from: (&[T], usize), to: &mut [T], base: usize) {
     let (from, first) = from;

@@ -1,4 +1,4 @@
-//! faer's supernodal sparse Cholesky, with an ordering of ours.
+//! Supernodal sparse Cholesky of faer with an ordering of our own.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -11,8 +11,8 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::{LinearError, Pattern};
 
-/// L Lᵀ of the lower triangle. Serial: faer's sparse `Par` threads only the dense kernels inside
-/// a serial loop, and loses by it.
+/// L Lᵀ of the lower triangle. It is serial: faer's sparse `Par` only threads the dense kernels within a serial
+/// loop, which is slower.
 pub(super) struct FaerLlt {
     col_ptr: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,
@@ -60,7 +60,7 @@ impl FaerLlt {
         self.factor.len()
     }
 
-    /// Σ over columns of count², multiplications and additions.
+    /// Multiplications and additions: the sum over columns of their squared counts.
     pub fn flops(&self) -> f64 {
         let square = |rows: usize| (rows as f64).powi(2);
         match self.symbolic.raw() {
@@ -80,7 +80,7 @@ impl FaerLlt {
         }
     }
 
-    /// Numeric factorisation of `values`, in the pattern's order.
+    /// Factorises `values`, in the order of the pattern.
     pub fn factorise(&mut self, pattern: &Pattern, values: &[f64]) -> Result<(), LinearError> {
         let n = pattern.n();
         let symbolic =
@@ -97,7 +97,7 @@ impl FaerLlt {
             )
             .map(|_| ())
             .map_err(|LltError::NonPositivePivot { index }| {
-                // faer counts the pivot within the permuted matrix.
+                // The index of faer belongs to the permuted matrix.
                 let equation = self.order.get(index).map_or(0, |&j| j as usize);
                 LinearError::NotPositiveDefinite { equation }
             })
@@ -119,7 +119,7 @@ impl FaerLlt {
     }
 }
 
-// By hand: faer's buffer has no Debug.
+// Written by hand, because faer's buffer has no Debug.
 impl std::fmt::Debug for FaerLlt {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("FaerLlt").finish_non_exhaustive()

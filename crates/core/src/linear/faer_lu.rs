@@ -1,7 +1,7 @@
-//! faer's sparse LU: column ordering (COLAMD) and row pivoting over the whole column.
+//! Sparse L U of faer: column ordering (COLAMD) and row pivoting over the whole column.
 //!
-//! Ten times slower on structurally symmetric matrices than elimination on their own graph, but
-//! free to pivot anywhere: the refuge when pivots confined to a front are not good enough.
+//! It is ten times slower on structurally symmetric matrices than elimination on their own graph, but can pivot
+//! anywhere. It serves where pivots within a front do not suffice.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::LuError;
@@ -13,7 +13,7 @@ use faer::{Conj, MatMut, Par, Spec};
 
 use super::{LinearError, Pattern};
 
-/// P A Q = L U. The order is faer's COLAMD, which cannot be replaced from outside.
+/// P A Q = L U. The ordering is COLAMD of faer, which cannot be replaced.
 pub(super) struct FaerLu {
     col_ptr: Vec<u32>,
     symbolic: SymbolicLu<u32>,
@@ -46,9 +46,9 @@ impl FaerLu {
         })
     }
 
-    /// Numeric factorisation of `values`, in the pattern's order.
+    /// Factorises `values`, in the order of the pattern.
     ///
-    /// faer divides by a zero pivot without a word, so the caller has to look at the residual.
+    /// faer divides by a zero pivot without an error, so the caller has to check the result.
     pub fn factorise(&mut self, pattern: &Pattern, values: &[f64]) -> Result<(), LinearError> {
         let n = pattern.n();
         let symbolic =
@@ -89,7 +89,7 @@ impl FaerLu {
     }
 }
 
-// By hand: faer's buffer has no Debug.
+// Written by hand, because faer's buffer has no Debug.
 impl std::fmt::Debug for FaerLu {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("FaerLu").finish_non_exhaustive()

@@ -19,20 +19,20 @@ use super::schur::Panels;
 use super::tree::flops;
 use super::{Kind, LinearError, tiles};
 
-/// Columns that a Cholesky front of many columns eliminates before it updates the others by products.
+/// Columns that a Cholesky front of many columns eliminates before it updates the others by matrix products.
 const BLOCK: usize = 64;
-/// Columns that a large front, cut into pieces, eliminates at once.
+/// Columns that a large front eliminates at once.
 fn block(k: usize) -> usize {
     if k > 256 { 64 } else { 16 }
 }
-/// Operations from which on a front is cut into pieces that may run at the same time.
+/// Operations from which a front is divided into pieces that may run in parallel.
 const LARGE: f64 = 1e7;
-/// Rows or columns of such a piece at most: an eighth of all, but not too few.
+/// Largest number of rows or columns of such a piece: an eighth of all, at least 96.
 fn piece(all: usize) -> usize {
     (all / 8).max(96)
 }
 
-/// Memory that the dense kernels need beside their arguments.
+/// Working memory of the dense kernels.
 pub(super) struct Scratch<T> {
     memory: MemBuffer,
     inverse: Vec<u32>,
@@ -40,7 +40,7 @@ pub(super) struct Scratch<T> {
 }
 
 impl<T: Number> Scratch<T> {
-    /// For fronts that eliminate at most `k` columns.
+    /// Allocates memory for fronts that eliminate at most `k` columns.
     pub fn new(k: usize) -> Result<Self, LinearError> {
         let need =
             cholesky_in_place_scratch::<T>(k, Par::Seq, Spec::default()).or(lu_in_place_scratch::<
@@ -69,19 +69,19 @@ impl<T: Number> Scratch<T> {
     }
 }
 
-// By hand: faer's buffer has no Debug.
+// Written by hand, because faer's buffer has no Debug.
 impl<T> std::fmt::Debug for Scratch<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Scratch").finish_non_exhaustive()
     }
 }
 
-/// Splits a front's columns (m × k, column-major) into the block of its own rows and those below.
+/// Splits a front's columns (m × k, by columns) into the block of its own rows and the rows below.
 fn split<T: Number>(columns: &mut [T], m: usize, k: usize) -> (MatMut<'_, T>, MatMut<'_, T>) {
     MatMut::from_column_major_slice_mut(columns, m, k).split_at_row_mut(k)
 }
 
-/// The same, to read.
+/// The same for reading.
 pub(super) fn parts<T: Number>(
     columns: &[T],
     m: usize,
@@ -90,9 +90,9 @@ pub(super) fn parts<T: Number>(
     MatRef::from_column_major_slice(columns, m, k).split_at_row(k)
 }
 
-/// How the Schur complement of a front is stored: of L Lᵀ the lower triangle in panels, wide ones where
-/// each is one product (the triangle above the diagonal of such a block is computed for nothing, but
-/// one product is faster than two halves).
+/// Layout of the Schur complement of a front. For L Lᵀ it is the lower triangle in panels. In large fronts panels
+/// are wide and each is one product. The triangle above the diagonal of such a panel is computed in vain, but one
+/// product is faster than two halves.
 pub(super) fn panels(kind: Kind, m: usize, k: usize) -> Panels {
     let order = m - k;
     let wide = match kind {
@@ -103,8 +103,8 @@ pub(super) fn panels(kind: Kind, m: usize, k: usize) -> Panels {
     Panels { order, wide }
 }
 
-/// L₁₁ L₁₁ᵀ = F₁₁, L₂₁ = F₂₁ L₁₁⁻ᵀ in place of `columns` (m × k), and S = −L₂₁ L₂₁ᵀ, its lower
-/// triangle, in `schur`; returns the column whose pivot is not positive.
+/// L₁₁ L₁₁ᵀ = F₁₁ and L₂₁ = F₂₁ L₁₁⁻ᵀ in place of `columns` (m × k), and the lower triangle of S = −L₂₁ L₂₁ᵀ in
+/// `schur`. The error is the column whose pivot is not positive.
 pub(super) fn llt<T: Number>(
     columns: &mut [T],
     m: usize,
@@ -147,7 +147,7 @@ pub(super) fn llt<T: Number>(
     Ok(())
 }
 
-/// Takes off columns j.. what the columns before them owe, from row j on.
+/// Subtracts the contribution of the columns before j from columns j.., from row j downwards.
 fn update<T: Number>(columns: &mut [T], m: usize, j: usize, width: usize) {
     let (done, rest) = columns.split_at_mut(j * m);
     let done = MatRef::from_column_major_slice(done, m, j).subrows(j, m - j);
@@ -157,14 +157,14 @@ fn update<T: Number>(columns: &mut [T], m: usize, j: usize, width: usize) {
     matmul(rows, Accum::Add, done, across, -T::ONE, Par::Seq);
 }
 
-/// The columns of a large front, cut into pieces of rows that may run at the same time.
+/// Eliminates the columns of a large front, divided into pieces of rows that may run in parallel.
 fn eliminate_in_pieces<T: Number>(
     columns: &mut [T],
     m: usize,
     k: usize,
     scratch: &mut Scratch<T>,
 ) -> Result<(), usize> {
-    // Left-looking: block j first takes all updates from the columns before it, by one product.
+    // Left-looking: block j first takes all updates from the columns before it by one product.
     for j in (0..k).step_by(block(k)) {
         let width = block(k).min(k - j);
         let (done, rest) = columns.split_at_mut(j * m);
@@ -197,13 +197,13 @@ fn eliminate_in_pieces<T: Number>(
     Ok(())
 }
 
-/// Whether a front is cut into pieces: a matter of its size alone, so that the threads there
-/// happen to be change no bit.
+/// Whether a front is divided into pieces. It depends on the size of the front alone, so the number of threads
+/// changes no bit.
 fn is_large(m: usize, k: usize) -> bool {
     flops(m, k) > LARGE
 }
 
-/// Calls `work` with the rows of `x` and the number of the first, in pieces of `most` at most.
+/// Calls `work` with the rows of `x` and the index of the first one, in pieces of at most `most` rows.
 fn in_rows<T: Number, F>(most: usize, x: MatMut<'_, T>, first: usize, work: &F)
 where
     F: Fn(MatMut<'_, T>, usize) + Sync,
@@ -222,10 +222,10 @@ where
     );
 }
 
-/// P F₁₁ = L₁₁ U₁₁, L₂₁ = F₂₁ U₁₁⁻¹ in place of `columns` (m × k), U₁₂ = L₁₁⁻¹ P F₁₂ in place of
-/// `rest` (k × (m − k)), and S = −L₂₁ U₁₂ in `schur`. Row `pivots[i]` became row i.
+/// P F₁₁ = L₁₁ U₁₁ and L₂₁ = F₂₁ U₁₁⁻¹ in place of `columns` (m × k), U₁₂ = L₁₁⁻¹ P F₁₂ in place of `rest` (k × (m
+/// − k)), and S = −L₂₁ U₁₂ in `schur`. Row `pivots[i]` became row i.
 ///
-/// A vanishing pivot is the caller's to find: its column then holds numbers that are not finite.
+/// The caller must check for vanishing pivots: their columns then contain numbers that are not finite.
 pub(super) fn lu<T: Number>(
     columns: &mut [T],
     rest: &mut [T],
@@ -267,7 +267,7 @@ pub(super) fn lu<T: Number>(
     });
 }
 
-/// Calls `work` with the columns of `x` and the same of `y`, in pieces of `most` at most.
+/// Calls `work` with the columns of `x` and those of `y`, in pieces of at most `most` columns.
 fn in_columns<T: Number, F>(most: usize, x: MatMut<'_, T>, y: MatMut<'_, T>, work: &F)
 where
     F: Fn(MatMut<'_, T>, MatMut<'_, T>) + Sync,
@@ -284,8 +284,7 @@ where
     );
 }
 
-/// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁. For LU the rows of x₁ are
-/// already exchanged.
+/// Forward elimination of one front: x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁. For L U the rows of x₁ are already exchanged.
 pub(super) fn forward<T: Number>(
     unit: bool,
     columns: &[T],

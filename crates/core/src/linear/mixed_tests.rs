@@ -1,10 +1,10 @@
-//! When single precision is left for double, and what is found by either.
+//! Tests of the change from single to double precision, and of the solutions of both.
 
 use super::stencils::{Noise, solid};
 use super::*;
 
-/// A wall on ground that is soft by `ground` (the stiffness of its edges is one): the softer, the worse its
-/// condition.
+/// A wall on ground of stiffness `ground`, where the stiffness of its edges is one. Softer ground gives a worse
+/// condition number.
 fn wall(ground: f64) -> (Pattern, Vec<f64>) {
     solid([9, 3, 10], ground, 0.0, 11)
 }
@@ -34,7 +34,8 @@ fn a_good_matrix_is_refined_from_single_precision() {
     let mut x = rhs(pattern.n());
     let report = solver.solve(&mut x).unwrap();
     assert!(!in_double(&solver));
-    // One is what the condition, some 1e3, of 6e-8 leaves; it may not be none, or the factor were of double precision.
+    // One refinement follows from 6e-8 times the condition number of some 1e3. None would mean a factor of double
+    // precision.
     assert!((1..=2).contains(&report.refinements), "{report:?}");
     assert!(report.relative <= 1e-5, "{report:?}");
 }
@@ -48,7 +49,7 @@ fn a_bad_matrix_is_solved_in_double_precision_and_so_are_those_after_it_until_tr
     let mut solver = mixed(&pattern);
     let mut double =
         LinearSolver::analyse(&pattern, Options::new(Backend::MultifrontalLlt)).unwrap();
-    // To the same target.
+    // The same target.
     double.options.target = solver.options.target;
     let mut solved = |solver: &mut LinearSolver, values: &[f64], expected: bool| {
         let kept = solver.factorise(values).unwrap().reused;
@@ -56,7 +57,7 @@ fn a_bad_matrix_is_solved_in_double_precision_and_so_are_those_after_it_until_tr
         solver.solve(&mut x).unwrap();
         assert_eq!(in_double(solver), expected);
         assert_eq!(solver.distrusts_single(), expected);
-        // The bits of one precision alone, whatever came before.
+        // The bits are those of one precision alone, independent of earlier matrices.
         let mut y = rhs(pattern.n());
         let alone = if expected {
             &mut double
@@ -74,9 +75,9 @@ fn a_bad_matrix_is_solved_in_double_precision_and_so_are_those_after_it_until_tr
         solved(&mut solver, &bad, true);
         solved(&mut solver, &worse, true);
         solved(&mut solver, &good, true);
-        // Kept of double precision, too.
+        // Factors of double precision are kept as well.
         assert_eq!(solved(&mut solver, &good, true), 1.0);
-        // The same matrix once more, but what has come to be trusted comes first.
+        // The same matrix again, but single precision is tried first.
         solver.trust_single(true);
         assert_eq!(solved(&mut solver, &good, false), 0.0);
         assert_eq!(solved(&mut solver, &good, false), 1.0);
@@ -95,7 +96,7 @@ fn verdicts_are_those_of_double_precision() {
     let verdict = |backend, values: &[f64]| {
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();
         let verdict = solver.factorise(values).unwrap_err();
-        // What comes after an error is as good as new.
+        // The solver works again after an error.
         solver.factorise(&wall(5.0).1).unwrap();
         let mut x = rhs(pattern.n());
         solver.solve(&mut x).unwrap();
@@ -107,7 +108,7 @@ fn verdicts_are_those_of_double_precision() {
         assert_eq!(single, double);
         let scale = y.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
         for (x, y) in x.iter().zip(&y) {
-            // The condition, some 1e3, times what refinement leaves.
+            // The condition number of some 1e3, times the error after refinement.
             assert!((x - y).abs() < 1e-4 * scale, "{x} {y}");
         }
     }

@@ -1,9 +1,9 @@
-//! Sparse direct solution of A x = b, A structurally symmetric.
+//! Sparse direct solution of A x = b with structurally symmetric A.
 //!
-//! Analyse a [`Pattern`] once, factorise many times, solve many right-hand sides. Every solution
-//! is checked against the stored matrix: residual r = b − A x, refined x ← x + A⁻¹ r while it
-//! exceeds [`Options::target`], at most [`Options::refinements`] times, and refused if it stays
-//! above [`Options::accept`].
+//! A [`Pattern`] is analysed once; matrices with it are factorised and solved for right-hand sides. Every solution
+//! is checked against the stored matrix (theory/linear-solver.md, eqs 5 and 6). While the residual r = b − A x
+//! exceeds [`Options::target`], the solution is refined by x ← x + A⁻¹ r, at most [`Options::refinements`] times. A
+//! solution whose backward error stays above [`Options::accept`] is rejected.
 
 mod ahead;
 mod assembly;
@@ -57,34 +57,34 @@ use near::Near;
 use operator::Operator;
 use ordering::Graph;
 
-/// Which values of the matrix count.
+/// Values of the matrix that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A = Aᵀ, positive definite: only the lower triangle is read.
+    /// A = Aᵀ, positive definite. Only the lower triangle is read.
     Symmetric,
-    /// All values are read.
+    /// General values. All are read.
     Unsymmetric,
 }
 
-/// Which factorisation.
+/// Factorisation method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// Multifrontal L Lᵀ; the tree's branches in parallel, the same bits on any number of threads.
+    /// Multifrontal L Lᵀ. Branches of the tree run in parallel, with the same bits on any number of threads.
     MultifrontalLlt,
-    /// The same in single precision, refined with the matrix itself; in double from where that does not suffice
-    /// ([`LinearSolver::trust_single`]).
+    /// The same in single precision, refined with the matrix in double precision. A matrix for which that does not
+    /// suffice is factorised in double precision, as are those after it ([`LinearSolver::trust_single`]).
     MixedLlt,
-    /// Multifrontal L U, pivots within the block a front eliminates; parallel likewise. Where they
-    /// do not suffice, [`Backend::FaerLu`] takes over for that matrix.
+    /// Multifrontal L U with pivots within the block that a front eliminates, parallel likewise. Where these pivots
+    /// do not suffice, [`Backend::FaerLu`] factorises the matrix.
     MultifrontalLu,
-    /// faer's sparse L Lᵀ; serial.
+    /// Sparse L Lᵀ of faer, serial.
     FaerLlt,
-    /// faer's sparse LU, pivots anywhere in a column; slow, serial: the last refuge.
+    /// Sparse L U of faer with pivots anywhere in a column. Slow and serial, the last resort.
     FaerLu,
 }
 
 impl Backend {
-    /// Which values of the matrix this factorisation reads.
+    /// Values of the matrix that this factorisation reads.
     pub fn kind(self) -> Kind {
         match self {
             Self::MultifrontalLlt | Self::MixedLlt | Self::FaerLlt => Kind::Symmetric,
@@ -93,29 +93,31 @@ impl Backend {
     }
 }
 
-/// Backward error that no refinement betters: a few roundings.
+/// Backward error that no refinement improves: a few rounding errors.
 const ROUNDING: f64 = 1e-15;
 
-/// Choices of a [`LinearSolver`].
+/// Options of a [`LinearSolver`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// The factorisation.
+    /// Factorisation.
     pub backend: Backend,
-    /// The ordering, where the back end lets itself be told.
+    /// Ordering, for back ends that accept one.
     pub ordering: Ordering,
-    /// Most refinement steps a solve.
+    /// Largest number of refinement steps in a solve.
     pub refinements: usize,
-    /// ‖b − A x‖∞ / ‖b‖∞ below which no refinement is done. Nor is it where the backward error is
-    /// a rounding already.
+    /// ‖b − A x‖∞ / ‖b‖∞ below which no refinement is done. None is done either if the backward error is at the
+    /// level of rounding.
     pub target: f64,
-    /// Backward error above which a solution is refused.
+    /// Backward error above which a solution is rejected.
     pub accept: f64,
 }
 
 impl Options {
-    /// The defaults for a back end: no backward error above 1e-10 is accepted; at most two refinements, aiming at
-    /// 1e-10 of the right-hand side, of single precision five and 1e-5 (a Newton direction leaves residuals of its own
-    /// many times as large, and equilibrium is judged by the forces).
+    /// Default options of a back end.
+    ///
+    /// No backward error above 1e-10 is accepted. There are at most two refinements, to 1e-10 of the right-hand
+    /// side. In single precision there are five, to 1e-5: the next residual of Newton's method is many times as
+    /// large anyway, and equilibrium is decided by the forces.
     pub fn new(backend: Backend) -> Self {
         let (refinements, target) = match backend {
             Backend::MixedLlt => (5, 1e-5),
@@ -130,21 +132,21 @@ impl Options {
         }
     }
 
-    /// Whether a solution needs no refinement. False where anything is NaN.
+    /// Whether a solution needs no refinement. False for NaN.
     fn refined(&self, report: SolveReport) -> bool {
         report.residual <= ROUNDING
             || report.relative <= self.target && report.residual <= self.accept
     }
 }
 
-/// What a factorisation costs.
+/// Cost of a factorisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FactorStats {
     /// Numbers stored in the factors (0: unknown).
     pub nnz: usize,
     /// Floating-point operations (0: unknown).
     pub flops: f64,
-    /// Share of the operations of the last factorisation that the one before it saved.
+    /// Part of the operations of the last factorisation that were saved by reusing factors.
     pub reused: f64,
     /// Wall time of the last numeric factorisation [s].
     pub seconds: f64,
@@ -152,18 +154,18 @@ pub struct FactorStats {
     pub analysis_seconds: f64,
 }
 
-/// How well a system was solved.
+/// Accuracy of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveReport {
     /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞), the largest over the right-hand sides.
     pub residual: f64,
     /// ‖b − A x‖∞ / ‖b‖∞, the largest over the right-hand sides.
     pub relative: f64,
-    /// Refinement steps done.
+    /// Number of refinement steps.
     pub refinements: usize,
 }
 
-/// The closed family of factorisations.
+/// All factorisations.
 #[derive(Debug)]
 enum Engine {
     Multifrontal(Box<Multifrontal<f64>>),
@@ -189,7 +191,7 @@ impl Engine {
     }
 }
 
-/// A pattern and the order of elimination that was found for it.
+/// A pattern and its order of elimination.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     pattern: Arc<Pattern>,
@@ -198,7 +200,7 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Whether an analysis of this pattern would find the same.
+    /// Whether an analysis of this pattern would give the same result.
     fn serves(&self, pattern: &Pattern, options: Options) -> bool {
         self.plan.kind() == options.backend.kind()
             && self.ordering == options.ordering
@@ -206,23 +208,23 @@ impl Analysis {
     }
 }
 
-/// Σ a_i b_i.
+/// Scalar product Σ a_i b_i.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// One matrix pattern, its symbolic analysis, the last matrix and its factors.
+/// Solver for one matrix pattern, with its symbolic analysis, the last matrix and its factors.
 #[derive(Debug)]
 pub struct LinearSolver {
     options: Options,
     analysis: Option<Analysis>, // of a multifrontal engine
     operator: Operator,
     engine: Engine,
-    refuge: Option<FaerLu>, // of a multifrontal LU, once it was needed
-    in_refuge: bool,        // the last matrix was factorised there
+    refuge: Option<FaerLu>, // for a multifrontal L U, once needed
+    in_refuge: bool,        // whether the last matrix was factorised there
     factorised: bool,
     stats: FactorStats,
-    rhs: Vec<f64>,      // [column][equation], b kept for the residual
+    rhs: Vec<f64>,      // [column][equation], b for the residual
     residual: Vec<f64>, // [column][equation]
     previous: Vec<f64>, // [column][equation], x before a refinement
     near: Near,
@@ -237,7 +239,7 @@ impl LinearSolver {
         Self::analyse_beside(pattern.clone(), options, None)
     }
 
-    /// The same, with what is `known` of another matrix, where its pattern is this one.
+    /// The same, but takes over the analysis `known` if it belongs to an equal pattern.
     ///
     /// # Errors
     /// As [`LinearSolver::analyse`].
@@ -302,46 +304,46 @@ impl LinearSolver {
         self.operator.pattern().n()
     }
 
-    /// The pattern that was analysed.
+    /// Pattern that was analysed.
     pub fn pattern(&self) -> &Pattern {
         self.operator.pattern()
     }
 
-    /// What the factorisation costs.
+    /// Cost of the last factorisation.
     pub fn stats(&self) -> FactorStats {
         self.stats
     }
 
-    /// What was found of the pattern, for others that are equal; none of faer's back ends.
+    /// Analysis of the pattern, for reuse with equal patterns. None for faer's back ends.
     pub fn analysis(&self) -> Option<&Analysis> {
         self.analysis.as_ref()
     }
 
-    /// The choices this solver was made with.
+    /// Options of this solver.
     pub fn options(&self) -> Options {
         self.options
     }
 
-    /// Whether [`Backend::MixedLlt`] tries single precision first from here on, until a matrix wants double. A solver is
-    /// made with trust in it. What comes after this hangs on nothing before.
+    /// Sets whether [`Backend::MixedLlt`] tries single precision first, until a matrix needs double precision. A
+    /// new solver tries it. Results after this call do not depend on earlier matrices.
     pub fn trust_single(&mut self, trusted: bool) {
         if let Engine::Mixed(f) = &mut self.engine {
             f.trust(trusted);
         }
     }
 
-    /// Whether [`Backend::MixedLlt`] goes on in double precision, because it was told to or a matrix wanted it.
+    /// Whether [`Backend::MixedLlt`] continues in double precision, by choice or because a matrix needed it.
     pub fn distrusts_single(&self) -> bool {
         matches!(&self.engine, Engine::Mixed(f) if !f.is_trusted())
     }
 
-    /// Factorises the matrix with these values `[entry]`, in the pattern's order; they are kept
-    /// for the residual check.
+    /// Factorises the matrix with these values `[entry]`, in the order of the pattern. They are stored for the
+    /// residual check.
     ///
     /// # Errors
-    /// [`LinearError::Length`], [`LinearError::NotFinite`], [`LinearError::Singular`] or, from a
-    /// symmetric back end, [`LinearError::NotPositiveDefinite`]. No pivot is ever perturbed. After
-    /// an error there is no factorisation to solve with.
+    /// [`LinearError::Length`], [`LinearError::NotFinite`], [`LinearError::Singular`] or, from a symmetric back
+    /// end, [`LinearError::NotPositiveDefinite`]. No pivot is ever perturbed. After an error no system can be
+    /// solved.
     pub fn factorise(&mut self, values: &[f64]) -> Result<FactorStats, LinearError> {
         let start = Instant::now();
         self.factorised = false;
@@ -352,7 +354,7 @@ impl LinearSolver {
         let pattern = self.operator.pattern();
         match &mut self.engine {
             Engine::Multifrontal(f) => match f.factorise(values, self.operator.row_sums()) {
-                // Singular, or only in want of pivots.
+                // The matrix is singular, or its pivots within fronts do not suffice.
                 Err(first) if self.options.backend == Backend::MultifrontalLu => {
                     self.seek_refuge().map_err(|_| first)?;
                 }
@@ -372,7 +374,7 @@ impl LinearSolver {
         Ok(self.stats)
     }
 
-    /// Keeps the values of a matrix. Fronts that they change are stale from here on, whenever that is factorised.
+    /// Stores the values of a matrix. Fronts with changed values count as stale until they are factorised again.
     fn note(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let known = match &mut self.engine {
             Engine::Multifrontal(f) => f.compare(self.operator.values(), values),
@@ -405,11 +407,11 @@ impl LinearSolver {
         }
     }
 
-    /// A back end that divides by (nearly) zero in silence is found out by solving for a vector of
-    /// ±1: a vanished pivot lets ‖A‖ ‖x‖ / ‖b‖ grow to the reciprocal of a rounding.
+    /// Detects a factorisation that divided by (nearly) zero without an error. It solves for a vector of ±1: a
+    /// vanished pivot makes ‖A‖ ‖x‖ / ‖b‖ as large as the reciprocal of a rounding error.
     fn probe(&mut self) -> Result<(), LinearError> {
         let mut x: Vec<f64> = (0..self.n() as u64)
-            // Signs without a pattern a null vector could be orthogonal to.
+            // Pseudo-random signs, so that no regular null vector is orthogonal to them.
             .map(|i| {
                 if (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 61) & 1 == 0 {
                     1.0
@@ -422,7 +424,7 @@ impl LinearSolver {
         let growth = |v: f64| v.abs() * self.operator.norm();
         let worst = (0..x.len()).max_by(|&i, &j| f64::total_cmp(&growth(x[i]), &growth(x[j])));
         match worst {
-            // 1/(64 ε) = 7e13; `<` is false for NaN.
+            // 1/(64 ε) = 7e13. `<` is false for NaN.
             Some(equation) if !growth(x[equation]).lt(&(1.0 / (64.0 * f64::EPSILON))) => {
                 Err(LinearError::Singular { equation })
             }
@@ -430,11 +432,11 @@ impl LinearSolver {
         }
     }
 
-    /// x = A⁻¹ b for the columns of `rhs`, `[column][equation]`, in place.
+    /// Solves A x = b in place for the columns of `rhs`, `[column][equation]`.
     ///
     /// # Errors
     /// [`LinearError::NotFactorised`], [`LinearError::Length`], [`LinearError::NotFinite`], or
-    /// [`LinearError::Inaccurate`] (then `rhs` holds the best solution found).
+    /// [`LinearError::Inaccurate`]. In the last case `rhs` contains the best solution found.
     pub fn solve(&mut self, rhs: &mut [f64]) -> Result<SolveReport, LinearError> {
         if !self.factorised {
             return Err(LinearError::NotFactorised);
@@ -476,7 +478,7 @@ impl LinearSolver {
             rhs.copy_from_slice(&self.rhs);
             report = self.refine(rhs, columns)?;
         }
-        // A NaN residual is not below the limit.
+        // NaN is not below the limit.
         if report.residual <= self.options.accept {
             Ok(report)
         } else {
@@ -485,7 +487,7 @@ impl LinearSolver {
         }
     }
 
-    /// Solves for `x`, a copy of which is in `self.rhs`, and refines the solution.
+    /// Solves for `x`, of which `self.rhs` is a copy, and refines the solution.
     fn refine(&mut self, x: &mut [f64], columns: usize) -> Result<SolveReport, LinearError> {
         self.substitute(x, columns)?;
         let residual = self.operator.residual(x, &self.rhs, &mut self.residual);
@@ -495,7 +497,7 @@ impl LinearSolver {
             refinements: 0,
         };
         while !self.options.refined(report) && report.refinements < self.options.refinements {
-            // x' = x + A⁻¹ (b − A x), kept only if it is better.
+            // x' = x + A⁻¹ (b − A x), accepted only if it is better.
             self.previous.clear();
             self.previous.extend_from_slice(x);
             let mut change = std::mem::take(&mut self.residual);

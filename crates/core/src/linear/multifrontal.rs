@@ -1,9 +1,8 @@
-//! Multifrontal L Lᵀ and L U (Duff & Reid 1983; Liu 1992).
+//! Multifrontal L Lᵀ and L U (Duff & Reid 1983; Liu 1992; theory/linear-solver.md, eq. 2).
 //!
-//! Along the assembly tree each supernode gathers its matrix entries and the Schur complements of
-//! its children into one dense front, eliminates its columns there and leaves its own Schur
-//! complement on a stack. LU pivots within the columns that a front eliminates, so that the tree
-//! stays as it was analysed.
+//! Each supernode of the assembly tree adds its matrix entries and the Schur complements of its children in one
+//! dense front. It eliminates its columns there and leaves its own Schur complement on a stack. L U pivots within
+//! the columns that a front eliminates, so the tree stays as analysed.
 
 use std::sync::Arc;
 
@@ -20,25 +19,25 @@ use super::tasks::{self, Places, Task};
 use super::tree::Tree;
 use super::{Kind, LinearError, Ordering, Pattern};
 
-/// A pivot that is smaller than so many roundings, relative to its row of the matrix, is what rounding
-/// leaves of zero.
+/// A pivot below this number of rounding errors, relative to its matrix row, counts as zero
+/// (theory/linear-solver.md, eq. 4).
 const VANISHED: f64 = 64.0;
 
-/// Factors of a plan, in numbers of one precision.
+/// Factors for a plan, in numbers of one precision.
 #[derive(Debug)]
 pub(super) struct Multifrontal<T> {
     plan: Arc<Plan>,
     task: Task<T>,
     factors: Vec<T>,
-    pivots: Vec<u32>, // [position], LU only: row of the front's block that came here
+    pivots: Vec<u32>,    // [position], L U only: original row in the front's block
     stacks: [Vec<T>; 2], // Schur complements
-    kept: Vec<T>,     // those that later factorisations may need again
+    kept: Vec<T>,        // those that later factorisations may need
     reuse: Reuse,
     x: Vec<T>,     // [supernode][column][row], of a solution
     below: Vec<T>, // [supernode][column][row below]
 }
 
-/// What the analysis knows and every thread reads.
+/// Result of the analysis, read by all threads.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub kind: Kind,
@@ -50,7 +49,7 @@ pub(super) struct Plan {
 }
 
 impl<T: Number> Multifrontal<T> {
-    /// Allocates all that factorisations need.
+    /// Allocates the memory for factorisations.
     pub fn new(plan: Arc<Plan>, pattern: &Pattern) -> Result<Self, LinearError> {
         let (mut task, _) = tasks::plan(&plan.tree, plan.kind);
         task.allocate(&plan.tree)?;
@@ -73,15 +72,16 @@ impl<T: Number> Multifrontal<T> {
         })
     }
 
-    /// To be called with the values of the last factorisation, be it good or failed, and of the next one
-    /// `[entry]`; true if the last one was good and no value that is read has changed.
+    /// Compares the values of the last factorisation, successful or not, with the next ones `[entry]`. Returns true
+    /// if the last one succeeded and no value that is read has changed.
     pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
         self.reuse.compare(old, new)
     }
 
-    /// Numeric factorisation of `values` `[entry]`; `sums` Σ_j |a_ij| `[equation]` say what is
-    /// small. Returns the share of the operations that the last factors saved: the result has the
-    /// same bits without them.
+    /// Factorises `values` `[entry]`. `sums` Σ_j |a_ij| `[equation]` are the scale of vanishing pivots.
+    ///
+    /// Returns the part of the operations that was saved by reusing factors. The result has the same bits without
+    /// reuse.
     pub fn factorise(&mut self, values: &[f64], sums: &[f64]) -> Result<f64, LinearError> {
         let saved = self.reuse.decide(&mut self.kept);
         let matrix = Matrix {
@@ -102,7 +102,7 @@ impl<T: Number> Multifrontal<T> {
         Ok(saved)
     }
 
-    /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`, as near as its precision takes it.
+    /// x ← A⁻¹ x for the columns of `x`, `[column][equation]`, to the accuracy of its precision.
     pub fn solve(&mut self, x: &mut [f64], columns: usize) {
         let n = self.plan.tree.order.len();
         if n == 0 {
@@ -112,7 +112,7 @@ impl<T: Number> Multifrontal<T> {
         self.x.resize(x.len(), T::ZERO);
         self.below.resize(tree.rows.len() * columns, T::ZERO);
         let scale = T::scale(x);
-        // Each supernode's unknowns together: x as [supernode][column][row].
+        // Unknowns of each supernode are contiguous: x is [supernode][column][row].
         let blocks = || (0..tree.len()).map(|s| (tree.first[s], tree.columns(s)));
         for (first, k) in blocks() {
             let block = &mut self.x[first * columns..][..k * columns];
@@ -146,7 +146,7 @@ impl<T: Number> Multifrontal<T> {
 }
 
 impl Plan {
-    /// Orders and builds the assembly tree.
+    /// Orders the equations and builds the assembly tree.
     pub fn analyse(pattern: &Pattern, ordering: Ordering, kind: Kind) -> Result<Self, LinearError> {
         let graph = Graph::of(pattern)?;
         let order = ordering::order(pattern, &graph, ordering)?;
@@ -163,12 +163,12 @@ impl Plan {
         })
     }
 
-    /// Which values of the matrix count.
+    /// Values of the matrix that are read.
     pub fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// Numbers in the factors.
+    /// Count of numbers in the factors.
     pub fn factor_nnz(&self) -> usize {
         self.assembly.storage[self.tree.len()]
     }
@@ -187,14 +187,14 @@ impl Plan {
         &self.children[self.children_ptr[s]..self.children_ptr[s + 1]]
     }
 
-    /// How the Schur complement of supernode `s` lies.
+    /// Layout of the Schur complement of supernode `s`.
     fn panels(&self, s: usize) -> Panels {
         let k = self.tree.columns(s);
         kernels::panels(self.kind, k + self.tree.below(s).len(), k)
     }
 
-    /// Works a task through: its children at once, if there are threads for them, then its own
-    /// supernodes in postorder.
+    /// Processes a task: first its children, in parallel if threads are available, then its own supernodes in
+    /// postorder.
     fn run<T: Number>(
         &self,
         task: &mut Task<T>,
@@ -213,7 +213,8 @@ impl Plan {
         let first_pivot = self.tree.first[task.start];
         let [even, odd] = share.stacks;
         for s in task.own.clone().filter(|&s| matrix.todo[s]) {
-            // The last one's Schur complement is handed on at the start of the stretch.
+            // The Schur complement of the last supernode goes to the start of the task's range, for the parent
+            // task.
             let offset = if s + 1 == task.own.end {
                 0
             } else {
@@ -239,8 +240,8 @@ impl Plan {
         Ok(())
     }
 
-    /// Works several tasks through, each on its stretch of the buffers. Of several errors the
-    /// first in postorder is told, whoever was first in time.
+    /// Processes several tasks, each on its own range of the buffers. Of several errors the first in postorder is
+    /// returned, independent of time.
     fn run_all<T: Number>(
         &self,
         tasks: &mut [Task<T>],
@@ -269,7 +270,7 @@ impl Plan {
         a.and(b)
     }
 
-    /// Number of pivots kept for these supernodes.
+    /// Number of stored pivots of these supernodes.
     fn pivots(&self, supernodes: std::ops::Range<usize>) -> usize {
         match self.kind {
             Kind::Symmetric => 0,
@@ -349,7 +350,7 @@ impl Plan {
                 Kind::Unsymmetric => columns[column * (m + 1)].f64().abs(),
             };
             let equation = equation(column);
-            // NaN, from a pivot that vanished earlier, is a verdict too.
+            // NaN follows from an earlier vanished pivot.
             if pivot.is_nan() || pivot <= VANISHED * T::EPSILON * matrix.sums[equation] {
                 return Err(LinearError::Singular { equation });
             }

@@ -1,29 +1,29 @@
-//! Equations of a matrix near one that was factorised: conjugate gradients with its factors.
+//! Conjugate gradients with the factors of an earlier matrix (theory/linear-solver.md, eqs 8 and 9).
 //!
-//! From one iterate of an increment to the next a few points slide or part and a few elements crack. The factors at hand are
-//! then those of a matrix M near this one, A, and conjugate gradients preconditioned by them (M⁻¹A has nearly all of its
-//! eigenvalues near 1) find a direction in a handful of substitutions, where a factorisation costs as much as ten or twenty. A
-//! Newton direction leaves residuals of its own, and equilibrium is judged by the forces: a twentieth in the norm of M⁻¹ takes
-//! no more iterates than all digits do (an inexact Newton method; Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19,
-//! 1982).
+//! From one iterate of an increment to the next a few points slide or open and a few elements crack. The existing
+//! factors then belong to a matrix M close to the present one, A, and nearly all eigenvalues of M⁻¹A are near 1.
+//! Conjugate gradients preconditioned with M find a direction with a few substitutions, whereas a factorisation
+//! costs as much as ten or twenty. Newton's method leaves residuals of its own, and equilibrium is decided by the
+//! forces. A twentieth of the residual in the norm of M⁻¹ therefore takes no more iterates than an exact solution
+//! (an inexact Newton method; Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982).
 
 use std::ops::Range;
 
 use super::{Kind, LinearError, LinearSolver, dot};
 
-/// Part of the right-hand side that may be left, both as √(rᵀM⁻¹r).
+/// Part of the right-hand side that may remain. Both are measured by √(rᵀM⁻¹r).
 const TARGET: f64 = 0.05;
-/// Operations of a factorisation, over the numbers in its factors, that take as long as an iteration, which reads each of
-/// these twice.
+/// Operations of a factorisation that take as long as one iteration, over the numbers in its factors. An iteration
+/// reads each of these twice.
 const OPERATIONS: f64 = 20.0;
-/// Most iterations: what needs more is not near.
+/// Largest number of iterations. A matrix that needs more is not close.
 const MOST: f64 = 12.0;
-/// Iterations before they are given up.
+/// Number of iterations before they may be given up.
 const PATIENCE: f64 = 2.0;
-/// Fewest iterations in the time of a factorisation that are worth a trial.
+/// Least number of iterations in the time of a factorisation for which a trial is worthwhile.
 const FEWEST: f64 = 4.0;
 
-/// What the iterations work on. `[column][equation]`
+/// Working arrays of the iterations. `[column][equation]`
 #[derive(Debug, Default)]
 pub(super) struct Near {
     x: Vec<f64>,
@@ -34,16 +34,16 @@ pub(super) struct Near {
     columns: Vec<Column>,
 }
 
-/// How far the iterations of one right-hand side are.
+/// Convergence of one right-hand side.
 #[derive(Clone, Copy, Debug)]
 struct Column {
-    /// rᵀM⁻¹r, now and where nothing is solved.
+    /// rᵀM⁻¹r, now and for a zero solution.
     square: f64,
     whole: f64,
 }
 
 impl Column {
-    /// Part that is left; none of nothing, and NaN is not done.
+    /// Remaining part of the right-hand side. Zero for a zero right-hand side. NaN does not count as converged.
     fn left(self) -> f64 {
         if self.square == 0.0 {
             0.0
@@ -58,10 +58,12 @@ impl Column {
 }
 
 impl LinearSolver {
-    /// x = A⁻¹ b, to a twentieth, for the columns of `rhs` `[column][equation]`, in place, by conjugate gradients with the factors of the
-    /// last matrix that was factorised. `values` `[entry]` are those of A, in the pattern's order; `guess` is what the
-    /// last columns may be, as many as it has. False, and `rhs` as it was, if there are no factors of a symmetric matrix, or
-    /// they would take more iterations than a factorisation is worth.
+    /// Solves A x = b to a twentieth for the columns of `rhs` `[column][equation]`, in place, by conjugate
+    /// gradients with the last factors.
+    ///
+    /// `values` `[entry]` are those of A, in the order of the pattern. `guess` is an estimate of the solution of
+    /// the last columns, as many as it contains. Returns false, with `rhs` unchanged, if there are no factors of a
+    /// symmetric matrix, or if the iterations would take longer than a factorisation.
     ///
     /// # Errors
     /// [`LinearError::Length`].
@@ -90,12 +92,12 @@ impl LinearSolver {
         found
     }
 
-    /// Iterations that take as long as a factorisation.
+    /// Number of iterations that take as long as a factorisation.
     fn most(&self) -> f64 {
         (self.stats.flops / (OPERATIONS * self.stats.nnz as f64)).min(MOST)
     }
 
-    /// What is left of the right-hand sides `b` by `guess`, and the way it points.
+    /// Computes the residuals of the right-hand sides `b` for `guess`, and the first search directions.
     fn begin(&mut self, near: &mut Near, b: &[f64], guess: &[f64]) -> Result<(), LinearError> {
         let n = self.n();
         let guessed = b.len() - guess.len()..b.len();
@@ -128,7 +130,8 @@ impl LinearSolver {
         Ok(())
     }
 
-    /// Conjugate gradients, of all columns side by side so that the factors are read once. Whether they led there.
+    /// Conjugate gradients for all columns together, so that the factors are read once. Returns whether they
+    /// converged.
     fn iterate(&mut self, near: &mut Near, most: f64) -> Result<bool, LinearError> {
         let n = self.n();
         let part = |c: usize| c * n..(c + 1) * n;
@@ -150,7 +153,7 @@ impl LinearSolver {
                 let part = part(c);
                 let bends = dot(&direction[part.clone()], &product[part.clone()]);
                 let step = columns[c].square / bends;
-                // Not positive definite: a factorisation tells where. NaN leads nowhere.
+                // The matrix is not positive definite. A factorisation finds the equation. NaN cannot converge.
                 if !(bends > 0.0 && step.is_finite()) {
                     return Ok(false);
                 }
@@ -174,7 +177,7 @@ impl LinearSolver {
                     worst = worst.max(column.left());
                 }
             }
-            // As many more as it has taken so far for each part of the way; the first one tells little of it.
+            // The number needed is estimated from the convergence so far. The first iteration alone says little.
             let needs = iterations * TARGET.ln() / worst.ln();
             let promises = worst < 1.0 && needs <= most;
             if worst > 0.0 && iterations >= PATIENCE && !promises {
@@ -185,7 +188,7 @@ impl LinearSolver {
     }
 }
 
-/// From the first column that is not done to the last; none if all are.
+/// Range from the first column that has not converged to the last one. None if all have converged.
 fn active(columns: &[Column]) -> Option<Range<usize>> {
     let first = columns.iter().position(|column| !column.is_done())?;
     let last = columns.iter().rposition(|column| !column.is_done())?;

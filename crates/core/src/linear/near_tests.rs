@@ -1,9 +1,9 @@
-//! Solutions with the factors of another matrix.
+//! Tests of solutions with the factors of another matrix.
 
 use super::stencils::{Noise, solid};
 use super::{Backend, LinearSolver, Options, Pattern, dot};
 
-/// A solid, and the same where some of its diagonal, as of points that stick anew, has grown by `by` of itself.
+/// A solid, and the same with part of its diagonal increased by the factor `by`, as for points that begin to stick.
 fn beside(every: usize, by: f64) -> (Pattern, [Vec<f64>; 2]) {
     let (pattern, values) = solid([18, 9, 18], 5.0, 0.0, 12);
     let mut other = values.clone();
@@ -24,7 +24,7 @@ fn solver(pattern: &Pattern, values: &[f64], backend: Backend) -> LinearSolver {
     solver
 }
 
-/// x = A⁻¹ b, of any number of columns.
+/// x = A⁻¹ b for any number of columns.
 fn exact(pattern: &Pattern, values: &[f64], b: &[f64]) -> Vec<f64> {
     let mut x = b.to_vec();
     let mut solver = solver(pattern, values, Backend::MultifrontalLlt);
@@ -51,7 +51,7 @@ fn a_matrix_near_the_one_that_was_factorised_is_solved_to_a_twentieth() {
     for backend in [Backend::MixedLlt, Backend::MultifrontalLlt] {
         let mut solver = solver(&pattern, &values, backend);
         let both = rhs(2 * n);
-        // By itself, beside another one, and where that one is all but known.
+        // Alone, together with another one, and with an almost exact estimate of the other one.
         let known = exact(&pattern, &values, &both[n..]);
         for (columns, guess) in [(1, &known[..0]), (2, &known[..0]), (2, &known[..])] {
             let b = &both[..columns * n];
@@ -59,8 +59,8 @@ fn a_matrix_near_the_one_that_was_factorised_is_solved_to_a_twentieth() {
             assert!(solver.solve_near(&other, &mut x, guess).unwrap());
             for (x, b) in x.chunks(n).zip(b.chunks(n)) {
                 let found = error(&pattern, &other, x, b);
-                // A twentieth of the residual is asked for, in the norm of M⁻¹; as little of A differs from M, the error in
-                // the norm of A is of that size (0.031 to 0.044).
+                // The residual is reduced to a twentieth in the norm of M⁻¹. A differs from M by little, so the
+                // error in the norm of A is similar (0.031 to 0.044).
                 assert!(found < 0.05, "{backend:?}: {found}");
                 let without = error(&pattern, &other, &exact(&pattern, &values, b), b);
                 println!("{backend:?}, {columns}: {found:.3}, by the factors alone {without:.3}");
@@ -79,7 +79,7 @@ fn what_is_not_near_is_left_as_it_was_and_told() {
     };
     let mut some = solver(&pattern, &values, Backend::MixedLlt);
     assert!(refused(&mut some, &other));
-    // Not positive definite: it is for a factorisation to say where.
+    // Not positive definite: a factorisation has to find the equation.
     let negative: Vec<f64> = values.iter().map(|a| -a).collect();
     assert!(refused(&mut some, &negative));
     assert!(some.factorise(&negative).is_err());
@@ -89,7 +89,7 @@ fn what_is_not_near_is_left_as_it_was_and_told() {
         &mut LinearSolver::analyse(&pattern, options).unwrap(),
         &values
     ));
-    // L U reads both triangles, and a small matrix is factorised as quickly.
+    // L U reads both triangles. A small matrix is factorised as quickly.
     let mut lu = solver(&pattern, &values, Backend::MultifrontalLu);
     assert!(refused(&mut lu, &values));
     let (small, values) = solid([3, 3, 3], 5.0, 0.0, 12);
@@ -102,7 +102,7 @@ fn what_is_not_near_is_left_as_it_was_and_told() {
     );
 }
 
-/// Fronts that a matrix between changed are known to be stale.
+/// Fronts that an intermediate matrix has changed are recognised as stale.
 #[test]
 fn the_next_factorisation_has_the_bits_of_a_fresh_one() {
     let (pattern, [values, other]) = beside(97, 1.0);
@@ -120,7 +120,7 @@ fn the_next_factorisation_has_the_bits_of_a_fresh_one() {
             let mut some = solver(&pattern, &values, Backend::MixedLlt);
             let mut near = b.clone();
             assert!(some.solve_near(&other, &mut near, &[]).unwrap());
-            // The first one again, the one between, another.
+            // The first matrix again, the intermediate one, and another.
             for next in [&values, &other, &third] {
                 let mut x = b.clone();
                 some.solve_near(&other, &mut x, &[]).unwrap();

@@ -1,13 +1,13 @@
-//! Numbers that fronts are made of: double or single precision.
+//! Number types of fronts: double or single precision.
 
 use faer::traits::RealField;
 use pulp::Simd;
 
-/// A floating-point number with its vectors.
+/// A floating-point number and its vectors.
 pub(super) trait Number: RealField + Copy + Send + Sync + 'static {
     /// A vector of it.
     type Vector<S: Simd>: Copy;
-    /// Unit roundoff, doubled.
+    /// Machine epsilon: twice the unit roundoff.
     const EPSILON: f64;
     const ZERO: Self;
     const ONE: Self;
@@ -15,19 +15,19 @@ pub(super) trait Number: RealField + Copy + Send + Sync + 'static {
     fn of(x: f64) -> Self;
     fn f64(self) -> f64;
     fn root(self) -> Self;
-    /// A power of two that brings the largest of `x` near one where what is small would be lost else.
+    /// A power of two that scales the largest of `x` to about one, for types in which small numbers would be lost.
     fn scale(x: &[f64]) -> f64;
 
-    /// Numbers of a vector.
+    /// Count of numbers in a vector.
     fn lanes<S: Simd>() -> usize;
-    /// Whole vectors, and what is left.
+    /// Whole vectors and the rest.
     fn vectors<S: Simd>(x: &[Self]) -> (&[Self::Vector<S>], &[Self]);
     fn vectors_mut<S: Simd>(x: &mut [Self]) -> (&mut [Self::Vector<S>], &mut [Self]);
     fn splat<S: Simd>(simd: S, x: Self) -> Self::Vector<S>;
     fn minus<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     fn times<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     fn negative<S: Simd>(simd: S, a: Self::Vector<S>) -> Self::Vector<S>;
-    /// a b + c, fused where the processor does.
+    /// a b + c, fused where the processor supports it.
     fn mul_add<S: Simd>(
         simd: S,
         a: Self::Vector<S>,
@@ -35,7 +35,7 @@ pub(super) trait Number: RealField + Copy + Send + Sync + 'static {
         c: Self::Vector<S>,
     ) -> Self::Vector<S>;
     fn sum<S: Simd>(simd: S, a: Self::Vector<S>) -> Self;
-    /// Fewer numbers than a vector has, zeros behind them.
+    /// Loads fewer numbers than a vector has, followed by zeros.
     fn load<S: Simd>(simd: S, x: &[Self]) -> Self::Vector<S>;
     fn store<S: Simd>(simd: S, x: &mut [Self], a: Self::Vector<S>);
 }
@@ -145,7 +145,7 @@ number!(
     to_one
 );
 
-/// Exact: a product with it rounds nothing.
+/// Exact scale: a multiplication by a power of two causes no rounding.
 fn to_one(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if largest.is_normal() {

@@ -1,4 +1,4 @@
-//! The matrix itself, kept for residuals.
+//! The stored matrix, for residuals.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,19 +7,19 @@ use rayon::prelude::*;
 
 use super::{Kind, LinearError, Pattern};
 
-/// Entries of a chunk: enough to outweigh its scheduling.
+/// Entries of a chunk: enough for its work to exceed the cost of its scheduling.
 const ENTRIES: usize = 60_000;
-/// Most chunks: each has sums of its own.
+/// Largest number of chunks. Each has sums of its own.
 const CHUNKS: usize = 32;
 
-/// Columns that one task reads, and the rows they reach.
+/// Columns read by one task, and the rows of their entries.
 #[derive(Debug)]
 struct Chunk {
     columns: Range<usize>,
     rows: Range<usize>,
 }
 
-/// A pattern with the last values, read as its kind says.
+/// A pattern with the last values.
 #[derive(Debug)]
 pub(super) struct Operator {
     pattern: Arc<Pattern>,
@@ -30,14 +30,14 @@ pub(super) struct Operator {
     values: Vec<f64>, // [entry]
     norm: f64,
     row_sums: Vec<f64>,
-    summed: bool,   // of these values
+    summed: bool,   // whether row_sums belong to these values
     ones: Vec<f64>, // [equation]
 }
 
 impl Operator {
     pub fn new(pattern: Arc<Pattern>, kind: Kind) -> Self {
         let n = pattern.n();
-        // `Pattern` has every diagonal entry.
+        // A `Pattern` has all diagonal entries.
         let diagonal = (0..n).filter_map(|j| pattern.find(j, j)).collect();
         let mut new = Self {
             pattern,
@@ -55,7 +55,8 @@ impl Operator {
         new
     }
 
-    /// Cuts the columns into chunks of about as many entries, the same whatever the threads, and with them the sums.
+    /// Divides the columns into chunks of similar numbers of entries. The division, and so the sums, does not
+    /// depend on threads.
     fn cut(&self) -> Vec<Chunk> {
         let n = self.pattern.n();
         let entries = |j: usize| self.column(j).len();
@@ -85,7 +86,7 @@ impl Operator {
         &self.pattern
     }
 
-    /// The last values, those that are read. `[entry]`
+    /// Last values, where they are read. `[entry]`
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -95,7 +96,7 @@ impl Operator {
         self.norm
     }
 
-    /// Σ_j |a_ij| of these. `[equation]`
+    /// Row sums Σ_j |a_ij| of these values. `[equation]`
     pub fn row_sums(&self) -> &[f64] {
         &self.row_sums
     }
@@ -144,10 +145,10 @@ impl Operator {
         Ok(())
     }
 
-    /// Sums the rows of the last values, if that is not done, and refuses those that are not finite.
+    /// Sums the rows of the last values, if needed.
     ///
     /// # Errors
-    /// [`LinearError::NotFinite`].
+    /// [`LinearError::NotFinite`] if a value is not finite.
     pub fn sum_rows(&mut self) -> Result<(), LinearError> {
         if !self.summed {
             let (mut row_sums, ones) = (
@@ -169,8 +170,8 @@ impl Operator {
         Ok(())
     }
 
-    /// Y ← Y + g(A) X of C columns, g of each entry; the matrix is read once. Chunks sum by themselves, and their sums are added
-    /// in their order.
+    /// Y ← Y + g(A) X for C columns, with g applied to each entry. The matrix is read once. Chunks have sums of
+    /// their own, which are added in the order of the chunks.
     fn add<const C: usize>(
         &mut self,
         g: impl Fn(f64) -> f64 + Copy + Sync,
@@ -202,7 +203,7 @@ impl Operator {
         self.sums = sums;
     }
 
-    /// The rows that a chunk reaches of its part of g(A) X. `[row][column]`
+    /// Contribution of a chunk to the rows of g(A) X that it reaches. `[row][column]`
     fn sum<const C: usize>(
         &self,
         chunk: &Chunk,
@@ -217,7 +218,7 @@ impl Operator {
             let mut column = self.column(j);
             let mut mirrored = [0.0; C];
             if self.kind == Kind::Symmetric {
-                // (i, j) with i > j stands for (j, i) too.
+                // Entry (i, j) with i > j also represents (j, i).
                 let diagonal = g(self.values[column.start]);
                 mirrored = own.map(|x| diagonal * x);
                 column.start += 1;
@@ -247,7 +248,7 @@ impl Operator {
         self.add_columns(|a| a, x, y);
     }
 
-    /// Y ← Y + g(A) X of any number of columns. `[column][equation]`
+    /// Y ← Y + g(A) X for any number of columns. `[column][equation]`
     fn add_columns(&mut self, g: impl Fn(f64) -> f64 + Copy + Sync, x: &[f64], y: &mut [f64]) {
         let n = self.pattern.n();
         for (x, y) in x.chunks(2 * n).zip(y.chunks_mut(2 * n)) {
@@ -260,10 +261,10 @@ impl Operator {
         }
     }
 
-    /// r = b − A x, and how large it is.
+    /// Residual r = b − A x and its size.
     pub fn residual(&mut self, x: &[f64], b: &[f64], r: &mut [f64]) -> Residual {
         let n = self.pattern.n();
-        // f64::max drops NaN; this must not.
+        // f64::max ignores NaN, but NaN must be reported here.
         let norm = |v: &[f64]| {
             v.iter().fold(0.0, |m: f64, a| {
                 if a.is_nan() {
@@ -295,7 +296,7 @@ impl Operator {
     }
 }
 
-/// Size of a residual r = b − A x, the largest over the columns; NaN if any is NaN.
+/// Size of a residual r = b − A x: the largest over the columns. NaN if any is NaN.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Residual {
     /// ‖r‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞)
@@ -309,7 +310,7 @@ mod tests {
     use super::*;
     use crate::linear::stencils::solid;
 
-    /// What chunks sum by themselves is A x, and what they reach overlaps: rows of the next layer.
+    /// The sum of the chunks is A x. Their rows overlap by those of the next layer.
     #[test]
     fn chunks_sum_to_the_product() {
         let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
@@ -336,14 +337,14 @@ mod tests {
                     expected[n + i] -= a * x[n + j];
                 }
             }
-            // Some eighty terms of a row, each with its rounding.
+            // A row has some eighty terms, each with its rounding error.
             let (norm, near) = (operator.norm(), 80.0 * f64::EPSILON);
             let largest = sums.iter().copied().fold(0.0, f64::max);
             assert!((norm / largest - 1.0).abs() < near);
             for (sum, expected) in operator.row_sums().iter().zip(&sums) {
                 assert!((sum - expected).abs() < near * norm);
             }
-            // Both columns at once, and one by itself.
+            // Two columns at once, and one alone.
             for columns in [2, 1] {
                 let mut r = vec![0.0; columns * n];
                 operator.residual(&x[..columns * n], &b[..columns * n], &mut r);

@@ -6,19 +6,19 @@ use faer::sparse::linalg::amd;
 
 use super::{LinearError, Pattern, dissection};
 
-/// How equations are ordered before elimination.
+/// Order of elimination of the equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ordering {
-    /// As numbered.
+    /// Order of their numbers.
     Natural,
     /// Approximate minimum degree on the node graph.
     Amd,
-    /// Geometric nested dissection where the pattern knows its nodes' places, else minimum degree.
+    /// Geometric nested dissection if the pattern has coordinates, else minimum degree.
     #[default]
     Dissection,
 }
 
-/// The graph of groups (nodes) of equations that couple: sorted neighbours, without loops.
+/// Graph of coupled groups (nodes) of equations: sorted neighbours, without loops.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
     pub ptr: Vec<u32>,        // [vertex + 1]
@@ -26,7 +26,7 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Quotient of the pattern by its groups.
+    /// Graph of the groups of a pattern.
     pub fn of(pattern: &Pattern) -> Result<Self, LinearError> {
         let (n, groups) = (pattern.n(), pattern.n_groups());
         // Equations of each group, in order.
@@ -72,12 +72,12 @@ impl Graph {
         self.ptr.len() - 1
     }
 
-    /// Vertices that couple with vertex `v`, ascending.
+    /// Vertices coupled with vertex `v`, ascending.
     pub fn neighbours_of(&self, v: usize) -> &[u32] {
         &self.neighbours[self.ptr[v] as usize..self.ptr[v + 1] as usize]
     }
 
-    /// Approximate minimum degree order: `[position] → vertex`.
+    /// Order by approximate minimum degree: `[position] → vertex`.
     ///
     /// # Errors
     /// [`LinearError::TooLarge`] if memory or 32-bit indices run out.
@@ -125,7 +125,7 @@ pub(super) fn expand(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
         position[g as usize] = p as u32;
     }
     let mut equations: Vec<u32> = (0..pattern.n() as u32).collect();
-    // Stable: equations of a node keep their order.
+    // The sort is stable, so equations of a node keep their order.
     equations.sort_by_key(|&j| position[pattern.group()[j as usize] as usize]);
     equations
 }

@@ -1,15 +1,14 @@
-//! Where a structurally symmetric sparse matrix may be nonzero.
+//! Pattern of a structurally symmetric sparse matrix.
 
 use std::collections::HashMap;
 
 use super::LinearError;
 
-/// The pattern of a square, structurally symmetric matrix in compressed columns, both triangles.
+/// Pattern of a square, structurally symmetric matrix in compressed columns, with both triangles.
 ///
-/// Beside the pattern it may know which equations belong to one node, and where the nodes are:
-/// equations of one node couple to the same others, so that ordering and symbolic analysis can
-/// work on the node graph (nine times fewer entries with three dofs a node), and coordinates let
-/// the graph be cut geometrically.
+/// It may also contain the node of each equation and the coordinates of nodes. Equations of one node couple with
+/// the same others, so ordering and symbolic analysis can use the graph of nodes, with nine times fewer entries for
+/// three equations a node. Coordinates allow geometric dissection of the graph.
 #[derive(Clone, Debug)]
 pub struct Pattern {
     n: usize,
@@ -21,13 +20,14 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Takes `n` columns: `col_ptr` `[n + 1]`, `row_idx` `[entry]`, rows ascending in each column.
+    /// Makes a pattern of `n` columns from `col_ptr` `[n + 1]` and `row_idx` `[entry]`, with ascending rows in each
+    /// column.
     ///
-    /// Equations with the same column pattern are grouped; see [`Pattern::with_nodes`] for meshes.
+    /// Equations with equal column patterns form a group. For meshes see [`Pattern::with_nodes`].
     ///
     /// # Errors
-    /// [`LinearError::Pattern`] if the pointers do not fit, rows are not strictly ascending or out
-    /// of range, a diagonal entry is missing, or (i, j) is there without (j, i).
+    /// [`LinearError::Pattern`] if the pointers do not fit, rows are not strictly ascending or out of range, a
+    /// diagonal entry is missing, or (i, j) exists without (j, i).
     pub fn new(n: usize, col_ptr: Vec<usize>, row_idx: Vec<u32>) -> Result<Self, LinearError> {
         check(n, &col_ptr, &row_idx)?;
         let mut seen: HashMap<&[u32], u32> = HashMap::new();
@@ -51,12 +51,12 @@ impl Pattern {
         })
     }
 
-    /// Says which node each equation belongs to and where the nodes are.
+    /// Sets the node of each equation and the coordinates of nodes.
     ///
-    /// `node_of_equation` `[equation]`; `coordinates` `[node][xyz]`, any length unit, may be empty.
-    /// A node without a place (a level beam's shared dof) has a NaN coordinate; geometric cuts
-    /// order it last. Equations of a node that differ in their couplings are allowed: the union
-    /// of the couplings is then used, which costs some explicit zeros.
+    /// `node_of_equation` `[equation]`; `coordinates` `[node][xyz]`, in any unit of length, may be empty. A node
+    /// without a position (the shared unknown of a level beam) has a NaN coordinate and comes last in geometric
+    /// dissection. Equations of a node may differ in their couplings. Their union is used then, at the cost of some
+    /// explicit zeros.
     ///
     /// # Errors
     /// [`LinearError::Pattern`] if the lengths do not fit.
@@ -115,18 +115,18 @@ impl Pattern {
         &self.group
     }
 
-    /// Number of groups of equations that are ordered together.
+    /// Number of groups of equations, each ordered as a whole.
     pub fn n_groups(&self) -> usize {
         self.n_groups
     }
 
-    /// Coordinates of the groups, `[group][xyz]`, or nothing.
+    /// Coordinates of the groups `[group][xyz]`, if they are known.
     pub fn coordinates(&self) -> Option<&[[f64; 3]]> {
         (self.n_groups > 0 && self.coordinates.len() == self.n_groups)
             .then_some(self.coordinates.as_slice())
     }
 
-    /// Whether the other one is this one to the last bit, places of the nodes too.
+    /// Whether both patterns are equal to the last bit, coordinates included.
     pub fn is_same(&self, other: &Self) -> bool {
         let bits = |x: &[f64; 3]| x.map(f64::to_bits);
         let places = self.coordinates.iter().map(bits);
@@ -137,7 +137,7 @@ impl Pattern {
             && places.eq(other.coordinates.iter().map(bits))
     }
 
-    /// Position of entry (row, column) among the values, if it is in the pattern.
+    /// Index of entry (row, column) among the values, if the pattern contains it.
     pub fn find(&self, row: usize, column: usize) -> Option<usize> {
         let range = self.col_ptr[column]..self.col_ptr[column + 1];
         let rows = &self.row_idx[range.clone()];
@@ -158,8 +158,8 @@ fn check(n: usize, col_ptr: &[usize], row_idx: &[u32]) -> Result<(), LinearError
     if let Some(j) = (0..n).find(|&j| col_ptr[j] > col_ptr[j + 1]) {
         return fault(format!("the column pointer falls after column {j}"));
     }
-    // Symmetry in one sweep: walking the columns in order, the rows below the diagonal of column
-    // i must appear as columns j exactly in the order in which (i, j) turns up above it.
+    // One sweep checks symmetry. In the order of columns, the rows below the diagonal of column i must appear as
+    // columns j in the same order as the entries (i, j) above the diagonal.
     let mut cursor = vec![0usize; n];
     for j in 0..n {
         let rows = &row_idx[col_ptr[j]..col_ptr[j + 1]];
@@ -169,7 +169,7 @@ fn check(n: usize, col_ptr: &[usize], row_idx: &[u32]) -> Result<(), LinearError
         let Ok(diagonal) = rows.binary_search(&(j as u32)) else {
             return fault(format!("column {j} has no diagonal entry"));
         };
-        // One past the diagonal: the first row below it, which must be met first as a column.
+        // After the diagonal: the first row below it must be the first column with an entry in row j.
         cursor[j] = col_ptr[j] + diagonal + 1;
         for &i in &rows[..diagonal] {
             let i = i as usize;
@@ -217,7 +217,7 @@ mod tests {
         ] {
             assert!(Pattern::new(2, col_ptr, row_idx).is_err());
         }
-        // 3 × 3 with (0, 2) missing its mirror and (1, 0) its own: equal counts, still wrong.
+        // 3 × 3: (0, 2) and (1, 0) have no mirror entries. The numbers of entries on both sides are equal.
         assert!(Pattern::new(3, vec![0, 2, 3, 5], vec![0, 1, 1, 0, 2]).is_err());
     }
 

@@ -1,19 +1,19 @@
-//! Some equations of a matrix by themselves, the unknowns of all others held.
+//! Solution for some equations of a matrix, with the unknowns of all others fixed (theory/linear-solver.md, eq. 7).
 
 use super::{Backend, LinearError, LinearSolver, Options, Pattern};
 
-/// Some of the equations of a symmetric positive definite matrix, and what solves them.
+/// Some equations of a symmetric positive definite matrix, and their solver.
 #[derive(Debug)]
 pub struct Region {
     equations: Vec<u32>,
-    /// Of each of its entries the place among those of the whole.
+    /// Index of each of its entries among those of the whole matrix.
     entries: Vec<usize>,
     values: Vec<f64>,
     solver: LinearSolver,
 }
 
 impl Region {
-    /// The equations of the groups of `pattern` that are `inside` `[group]`.
+    /// Selects the equations of the groups of `pattern` that are `inside` `[group]`.
     ///
     /// # Errors
     /// [`LinearError`] of the analysis.
@@ -51,24 +51,25 @@ impl Region {
         })
     }
 
-    /// Its equations, ascending.
+    /// Equations of the region, ascending.
     pub fn equations(&self) -> &[u32] {
         &self.equations
     }
 
-    /// `own`·v_Ω of `own` `[own equation]` and v over all equations.
+    /// Scalar product of `own` `[own equation]` with the part in the region of `of`, a vector over all equations.
     pub fn dot(&self, own: &[f64], of: &[f64]) -> f64 {
         let both = own.iter().zip(&self.equations);
         both.map(|(x, &e)| x * of[e as usize]).sum()
     }
 
-    /// |v_Ω|² of v over all equations.
+    /// Square |v_Ω|² of the part in the region of a vector over all equations.
     pub fn square(&self, of: &[f64]) -> f64 {
         let own = self.equations.iter().map(|&e| of[e as usize]);
         own.map(|x| x * x).sum()
     }
 
-    /// −K_ΩΩ⁻¹ r_Ω, of `values` `[entry]` and `residual` `[equation]` of the whole. `[own equation]`
+    /// Direction −K_ΩΩ⁻¹ r_Ω, from `values` `[entry]` and `residual` `[equation]` of the whole matrix. `[own
+    /// equation]`
     ///
     /// # Errors
     /// Those of [`LinearSolver::factorise`] and [`LinearSolver::solve`].
@@ -85,14 +86,14 @@ impl Region {
 }
 
 impl Pattern {
-    /// Whether the group has a place: a beam has none, and couples with everything.
+    /// Whether the group has coordinates. A beam has none, and it couples many nodes.
     fn is_placed(&self, group: u32) -> bool {
         let places = self.coordinates();
         places.is_none_or(|x| x[group as usize].iter().all(|x| x.is_finite()))
     }
 
-    /// Groups in which `share` of the sum of squares of `vector` `[equation]` is found, the largest first; none if more
-    /// than `most` are needed, or one of them has no place.
+    /// Groups that contain the part `share` of the sum of squares of `vector` `[equation]`, the largest first. None
+    /// if they are more than `most`, or if one of them has no coordinates.
     pub fn concentrated(&self, vector: &[f64], share: f64, most: usize) -> Option<Vec<u32>> {
         let mut squares = vec![0.0; self.n_groups()];
         for (x, &g) in vector.iter().zip(self.group()) {
@@ -118,8 +119,8 @@ impl Pattern {
         groups.iter().all(|&g| self.is_placed(g)).then_some(groups)
     }
 
-    /// The groups and what is coupled with them, over so many `rings` of neighbours `[group]`; what has no place is
-    /// none. None if they are more than `most`.
+    /// The groups and their neighbours over the given number of rings. `[group]` Groups without coordinates are
+    /// left out. None if there are more than `most`.
     pub fn around(&self, groups: Vec<u32>, rings: usize, most: usize) -> Option<Vec<bool>> {
         let mut first = vec![u32::MAX; self.n_groups()];
         for (e, &g) in self.group().iter().enumerate() {

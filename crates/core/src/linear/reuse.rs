@@ -1,22 +1,21 @@
-//! Which fronts a factorisation eliminates anew.
+//! Reuse of factors: selection of the fronts that a factorisation eliminates again.
 //!
-//! The tree is cut into units: a front whose Schur complement is kept, with all below it down to the
-//! next ones kept. A unit is stale if an entry of the matrix that enters it changed by a bit, or a unit
-//! below it is stale; the factors of all others are what a whole factorisation would give. Schur
-//! complements are kept where much work stands behind each number, and only once a matrix has come
-//! that would have let enough be reused.
+//! The tree is divided into units. A unit is a front whose Schur complement is kept, with everything below it down
+//! to the next kept ones. A unit is stale if an entry of the matrix that it contains has changed by a bit, or if a
+//! unit below it is stale. The factors of all others equal those of a complete factorisation. Schur complements are
+//! kept where they save much work for each number, and only after a matrix has shown that enough could be reused.
 
 use super::number::Number;
 use super::schur::Panels;
 use super::tree::{ROOT, Tree};
 use super::{Kind, Pattern};
 
-/// Share of the operations that could have been saved from which on Schur complements are kept.
+/// Part of the operations that could have been saved from which Schur complements are kept.
 const WORTH: f64 = 0.1;
-/// Numbers kept at most, of those in the factors.
+/// Largest count of kept numbers, over those in the factors.
 const MOST: f64 = 0.5;
 
-/// Entries of a column one after the other that enter the same unit.
+/// Consecutive entries of a column that belong to the same unit.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     start: u32,
@@ -24,22 +23,22 @@ struct Stretch {
     unit: u32,
 }
 
-/// Units, and what is known of their factors.
+/// Units and the state of their factors.
 #[derive(Debug, Default)]
 pub(super) struct Reuse {
-    unit: Vec<u32>,          // [supernode], ascending along its last supernodes
+    unit: Vec<u32>,          // [supernode], ascending with the units' top supernodes
     parent: Vec<u32>,        // [unit], or `ROOT`
-    work: Vec<f64>,          // [unit] operations
+    work: Vec<f64>,          // [unit], operations
     stretches: Vec<Stretch>, // all entries that are read
     stale: Vec<bool>,        // [unit]
     todo: Vec<bool>,         // [supernode]
-    kept: Vec<usize>,        // [supernode + 1] start of its Schur complement, once they are kept
-    sizes: Vec<usize>,       // [supernode] numbers of it where it would be kept
+    kept: Vec<usize>,        // [supernode + 1] start of its Schur complement, if they are kept
+    sizes: Vec<usize>,       // [supernode] size where it would be kept
     keeps: bool,
 }
 
 impl Reuse {
-    /// Cuts a tree into units; `panels` says how Schur complements lie.
+    /// Divides a tree into units. `panels` gives the layout of Schur complements.
     pub fn new(
         pattern: &Pattern,
         tree: &Tree,
@@ -49,7 +48,7 @@ impl Reuse {
     ) -> Self {
         let n = tree.len();
         let sizes: Vec<usize> = (0..n).map(|s| panels(s).len()).collect();
-        // Operations behind a number from which on it is kept: as few as memory allows.
+        // Operations for each number from which it is kept: as few as memory allows.
         let mut worth = 4.0;
         let kept = loop {
             let kept = cut(tree, &sizes, worth);
@@ -91,7 +90,7 @@ impl Reuse {
         out
     }
 
-    /// Lists which entries enter which unit.
+    /// Lists the entries of each unit.
     fn stretch(&mut self, pattern: &Pattern, tree: &Tree, kind: Kind) {
         let mut home = vec![(0, 0); pattern.n()]; // [equation] → position, unit
         for s in 0..tree.len() {
@@ -124,8 +123,8 @@ impl Reuse {
         }
     }
 
-    /// Marks what differs by a bit as stale: an entry enters the front that eliminates the first of its
-    /// two equations. Values of which there are none yet differ. True if nothing is stale.
+    /// Marks units with changed entries as stale. An entry belongs to the front that eliminates the first of its
+    /// two equations. Without old values all units are stale. Returns true if none is stale.
     pub fn compare(&mut self, old: &[f64], new: &[f64]) -> bool {
         if old.len() != new.len() {
             self.stale.fill(true);
@@ -138,14 +137,14 @@ impl Reuse {
             }
             let range = stretch.start as usize..stretch.end as usize;
             let pairs = old[range.clone()].iter().zip(&new[range]);
-            // Without a way out in between: that is faster over so few.
+            // Without an early exit, which is faster for so few numbers.
             *stale = pairs.fold(0, |any, (a, b)| any | (a.to_bits() ^ b.to_bits())) != 0;
         }
         !self.stale.contains(&true)
     }
 
-    /// Decides what is to be eliminated and returns the share of the operations that are saved. All of
-    /// that is stale until [`Reuse::succeed`].
+    /// Selects the units to eliminate and returns the part of the operations that is saved. The selected units stay
+    /// stale until [`Reuse::succeed`].
     pub fn decide<T: Number>(&mut self, kept: &mut Vec<T>) -> f64 {
         for u in 0..self.parent.len() {
             if self.stale[u] && self.parent[u] != ROOT {
@@ -175,24 +174,24 @@ impl Reuse {
         share
     }
 
-    /// All that was to be eliminated was.
+    /// Marks all units as up to date after a successful factorisation.
     pub fn succeed(&mut self) {
         self.stale.fill(false);
     }
 
-    /// Which fronts are to be eliminated. `[supernode]`
+    /// Fronts to eliminate. `[supernode]`
     pub fn todo(&self) -> &[bool] {
         &self.todo
     }
 
-    /// Where Schur complements are kept. `[supernode + 1]`
+    /// Start of kept Schur complements. `[supernode + 1]`
     pub fn kept(&self) -> &[usize] {
         &self.kept
     }
 }
 
-/// Which Schur complements to keep: those with at least `worth` operations a number since the last
-/// below them, and the roots', which have none.
+/// Schur complements to keep: those with at least `worth` operations for each number since the last ones below
+/// them, and those of the roots, which are empty.
 fn cut(tree: &Tree, sizes: &[usize], worth: f64) -> Vec<bool> {
     let mut work = vec![0.0; tree.len()];
     let mut kept = vec![false; tree.len()];

@@ -1,4 +1,4 @@
-//! What the last factors save changes no bit.
+//! Reuse of factors changes no bit of the results.
 
 use super::stencils::{Noise, solid};
 use super::*;
@@ -9,7 +9,7 @@ const THREE: [Backend; 3] = [
     Backend::MultifrontalLu,
 ];
 
-/// Bits of the solution of one right-hand side, or why there is none; and what was saved.
+/// Bits of the solution for one right-hand side, or its error, and the saved part of the operations.
 fn outcome(solver: &mut LinearSolver, values: &[f64]) -> (Result<Vec<u64>, LinearError>, f64) {
     solver.trust_single(true);
     let solved = solver.factorise(values).and_then(|_| {
@@ -21,15 +21,15 @@ fn outcome(solver: &mut LinearSolver, values: &[f64]) -> (Result<Vec<u64>, Linea
     (solved, solver.stats().reused)
 }
 
-/// Adds `by` to the diagonal of a stretch of equations.
+/// Adds `by` to the diagonal of a range of equations.
 fn shift(pattern: &Pattern, values: &mut [f64], equations: std::ops::Range<usize>, by: f64) {
     for e in equations {
         values[pattern.find(e, e).unwrap()] += by;
     }
 }
 
-/// Matrices one after the other: all, nothing, a few entries here and there, and back; singular,
-/// indefinite and not finite ones, and good ones after them.
+/// A sequence of matrices: all entries changed, none, a few in different places, and changed back; singular,
+/// indefinite and not finite ones, each followed by good ones.
 fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
     let n = pattern.n();
     let mut noise = Noise(22);
@@ -38,7 +38,7 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
     for round in 0..6 {
         let mut next = list[list.len() - 1].clone();
         let from = place(n - 40);
-        // Eight equations, forty, one entry off the diagonal.
+        // Eight equations, forty equations, one entry off the diagonal.
         match round % 3 {
             0 => shift(pattern, &mut next, from..from + 8, 1e-3),
             1 => shift(pattern, &mut next, from..from + 40, 1e-15),
@@ -54,21 +54,21 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
         }
         list.push(next);
     }
-    // Change back.
+    // Changes are reversed.
     list.push(list[3].clone());
     list.push(list[2].clone());
     for bad in [-500.0, f64::NAN] {
         let mut broken = list[2].clone();
         shift(pattern, &mut broken, n / 2..n / 2 + 1, bad);
         list.push(broken.clone());
-        // Broken still, and elsewhere another value.
+        // Still not factorisable, with another value changed elsewhere.
         shift(pattern, &mut broken, 3..6, 0.25);
         list.push(broken);
         let mut good = list[2].clone();
         shift(pattern, &mut good, n - 9..n, 0.5);
         list.push(good);
     }
-    // A node that nothing holds: singular.
+    // A node without any stiffness: singular.
     let mut broken = list[2].clone();
     for e in n / 3..n / 3 + 3 {
         for k in pattern.col_ptr()[e]..pattern.col_ptr()[e + 1] {
@@ -83,7 +83,7 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
 
 #[test]
 fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
-    // Some twenty tasks, a front cut into pieces (see the test of threads), a hundred units.
+    // Some twenty tasks, a front divided into pieces (see the test of threads), and a hundred units.
     let (pattern, values) = solid([18, 7, 18], 5.0, 0.0, 12);
     for backend in THREE {
         let list = matrices(&pattern, &values);
@@ -109,10 +109,10 @@ fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
                 }
                 saved
             });
-            // The second matrix is the first; the third starts keeping Schur complements.
+            // The second matrix equals the first one. After the third one Schur complements are kept.
             assert_eq!(saved[..3], [0.0, 1.0, 0.0], "{backend:?}");
-            // What holds on to changed nodes is the last front, a quarter of all; two of three
-            // changes spread over one node plane at most.
+            // The last front contains changed nodes always; it is a quarter of all operations. Two of three changes
+            // affect one plane of nodes at most.
             let least = saved[3..8].iter().fold(1.0, |a: f64, &b| a.min(b));
             assert!(least > 0.1, "{backend:?} {saved:?}");
         }

@@ -1,8 +1,9 @@
-//! How a Schur complement lies in memory.
+//! Memory layout of a Schur complement.
 
-/// A square matrix by columns, or its lower triangle cut into panels of columns: each panel is a
-/// rectangle from its first diagonal entry down, stored by columns, so that products can write it whole
-/// and little beyond the triangle is stored.
+/// A square matrix stored by columns, or its lower triangle divided into panels of columns.
+///
+/// Each panel is a rectangle from its first diagonal entry downwards, stored by columns. So products can write a
+/// whole panel, and little beyond the triangle is stored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panels {
     /// Rows of the matrix.
@@ -12,12 +13,12 @@ pub(super) struct Panels {
 }
 
 impl Panels {
-    /// Numbers stored.
+    /// Count of stored numbers.
     pub fn len(self) -> usize {
         self.start(self.order)
     }
 
-    /// Start of the panel that begins with column c, a multiple of the panels' width or the order.
+    /// Start of the panel that begins with column c. c is a multiple of the panel width, or the order.
     fn start(self, c: usize) -> usize {
         let (full, rest) = (c / self.wide, c % self.wide);
         let before =
@@ -25,7 +26,7 @@ impl Panels {
         before + rest * (self.order - full * self.wide)
     }
 
-    /// Start of column c, and the row it starts with.
+    /// Start of column c, and its first row.
     #[inline]
     pub fn column(self, c: usize) -> (usize, usize) {
         let first = c - c % self.wide;
@@ -35,7 +36,7 @@ impl Panels {
         )
     }
 
-    /// First column of each panel, with its numbers.
+    /// First column of each panel, and its numbers.
     pub fn split<T>(self, mut numbers: &mut [T]) -> impl Iterator<Item = (usize, &mut [T])> {
         (0..self.order).step_by(self.wide).map(move |first| {
             let columns = self.wide.min(self.order - first);

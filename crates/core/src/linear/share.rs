@@ -1,16 +1,16 @@
-//! What a factorisation reads, and the stretches of its buffers that branches of the tree work on.
+//! Input of a factorisation, and the ranges of its buffers that branches of the tree work on.
 
-/// The matrix to factorise, and what of it.
+/// Matrix to factorise, and the fronts to eliminate.
 #[derive(Clone, Copy)]
 pub(super) struct Matrix<'a> {
     pub todo: &'a [bool],  // [supernode]
-    pub kept: &'a [usize], // [supernode + 1] start of Schur complements that are kept
+    pub kept: &'a [usize], // [supernode + 1] start of kept Schur complements
     pub values: &'a [f64], // [entry]
     /// Σ_j |a_ij|. `[equation]`
     pub sums: &'a [f64],
 }
 
-/// The stretch of all buffers that belongs to a range of supernodes.
+/// Ranges of all buffers that belong to a range of supernodes.
 pub(super) struct Share<'a, T> {
     pub factors: &'a mut [T],
     pub pivots: &'a mut [u32],
@@ -18,21 +18,21 @@ pub(super) struct Share<'a, T> {
     pub kept: &'a mut [T],
 }
 
-/// What one front works on.
+/// Buffers of one front.
 pub(super) struct Front<'a, T> {
     pub factors: &'a mut [T],
     pub pivots: &'a mut [u32],
     pub stacks: [&'a mut [T]; 2],
-    /// Where its Schur complement goes on its stack.
+    /// Offset of its Schur complement on its stack.
     pub offset: usize,
     /// Kept Schur complements of its task.
     pub kept: &'a mut [T],
-    /// Start of these among all.
+    /// Start of these among all kept ones.
     pub base: usize,
 }
 
 impl<'a, T> Share<'a, T> {
-    /// Cuts off the first numbers of each buffer.
+    /// Splits off the first numbers of each buffer.
     pub fn split(self, cut: &Cut) -> (Share<'a, T>, Share<'a, T>) {
         let (factors, factors_after) = self.factors.split_at_mut(cut.factors);
         let (pivots, pivots_after) = self.pivots.split_at_mut(cut.pivots);
@@ -66,7 +66,7 @@ impl<'a, T> Share<'a, T> {
     }
 }
 
-/// Numbers of each buffer.
+/// Count of numbers in each buffer.
 pub(super) struct Cut {
     pub factors: usize,
     pub pivots: usize,

@@ -1,7 +1,7 @@
 //! Substitution with the columns of a Cholesky front for one right-hand side.
 //!
-//! The factor is read once each way, at the speed of memory: four columns at a time, by columns both
-//! ways, so that nothing is read in strides.
+//! The factor is read once in each direction, at the speed of memory. Both directions read four columns at a time
+//! and by columns, so that no read is strided.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -10,7 +10,7 @@ use super::number::Number;
 /// Columns at a time.
 const WIDE: usize = 4;
 
-/// x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁ with `columns` (m rows, as many columns as x₁ has).
+/// x₁ ← L₁₁⁻¹ x₁, x₂ ← x₂ − L₂₁ x₁ with `columns` (m rows; as many columns as x₁ has rows).
 pub(super) fn forward<T: Number>(columns: &[T], m: usize, x: &mut [T], below: &mut [T]) {
     Arch::new().dispatch(Forward {
         columns,
@@ -78,7 +78,7 @@ impl<T: Number> WithSimd for Forward<'_, T> {
     }
 }
 
-/// These rows of four columns.
+/// The given rows of four columns.
 #[inline(always)]
 fn rows<T>(block: &[T], m: usize, rows: std::ops::Range<usize>) -> [&[T]; WIDE] {
     [
@@ -109,7 +109,7 @@ fn take_off<T: Number, S: Simd>(simd: S, l: [&[T]; WIDE], x: &[T; WIDE], y: &mut
         sum = T::mul_add(simd, factor[2], *l2, sum);
         *y = T::mul_add(simd, factor[3], *l3, sum);
     }
-    // Fronts are narrow: rows that fill no vector are many.
+    // Fronts are narrow, so rows that do not fill a vector are common.
     if !y_rest.is_empty() {
         let mut sum = T::load(simd, y_rest);
         sum = T::mul_add(simd, factor[0], T::load(simd, rest0), sum);

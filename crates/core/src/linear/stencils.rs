@@ -1,8 +1,8 @@
-//! Matrices like those of masonry, for the tests.
+//! Matrices similar to those of masonry, for tests.
 
 use super::Pattern;
 
-/// A pattern and values for it.
+/// A pattern and its values.
 pub struct Case {
     pub name: &'static str,
     pub pattern: Pattern,
@@ -23,8 +23,8 @@ impl Noise {
     }
 }
 
-/// Pattern and values from a function (i, j) → value, over the given neighbour lists of nodes
-/// with `dofs` equations each, ordered node by node.
+/// Pattern and values from a function (i, j) → value. Nodes have the given lists of neighbours and `dofs` equations
+/// each, numbered node by node.
 pub fn assemble(
     neighbours: &[Vec<usize>],
     dofs: usize,
@@ -53,7 +53,7 @@ pub fn assemble(
     (pattern.with_nodes(&node, coordinates).unwrap(), values)
 }
 
-/// Neighbours and coordinates of a grid of nodes, 27-point stencil, x fastest.
+/// Neighbours and coordinates of a grid of nodes with a 27-point stencil. x varies fastest.
 pub fn grid(nodes: [usize; 3]) -> (Vec<Vec<usize>>, Vec<[f64; 3]>) {
     let [nx, ny, nz] = nodes;
     let (mut lists, mut coordinates) = (Vec::new(), Vec::new());
@@ -75,9 +75,9 @@ pub fn grid(nodes: [usize; 3]) -> (Vec<Vec<usize>>, Vec<[f64; 3]>) {
     (lists, coordinates)
 }
 
-/// A grid like hex8 stiffness: springs of random direction and strength between neighbouring
-/// nodes, K = Σ (e_a − e_b) k dᵀd (e_a − e_b)ᵀ, plus `ground` times the identity at the nodes with
-/// z = 0, plus `skew` times noise (relative to the diagonal) on every entry.
+/// A grid with a matrix similar to hex8 stiffness: springs of random strength between neighbouring nodes, K = Σ
+/// (e_a − e_b) k dᵀd (e_a − e_b)ᵀ, plus `ground` times the identity at the nodes with z = 0, plus `skew` times
+/// noise (relative to the diagonal) on every entry.
 pub fn solid(nodes: [usize; 3], ground: f64, skew: f64, seed: u64) -> (Pattern, Vec<f64>) {
     let (lists, coordinates) = grid(nodes);
     let (pattern, mut values) = assemble(&lists, 3, &coordinates, &mut |_, _| 0.0);
@@ -90,7 +90,7 @@ pub fn solid(nodes: [usize; 3], ground: f64, skew: f64, seed: u64) -> (Pattern, 
             let strength = 1.5 + noise.next();
             for p in 0..3 {
                 for q in 0..3 {
-                    // Mostly along the spring, a little across it, as a solid resists.
+                    // Most of the stiffness is along the spring, some across it, as in a solid.
                     let k = strength
                         * (offset[p] * offset[q] / (length * length)
                             + if p == q { 0.2 } else { 0.0 });

@@ -1,8 +1,8 @@
 //! Forward elimination and back substitution along the assembly tree.
 //!
-//! Like the fronts themselves: each supernode hands what it owes to the rows below it to its
-//! parent, and takes what it needs of the solution from there, so that branches of the tree can
-//! run at the same time and add up in the same order always.
+//! It follows the same scheme as the factorisation. In forward elimination each supernode passes its update of the
+//! rows below to its parent; in back substitution it takes the solution at these rows from there. So branches of
+//! the tree can run in parallel, and sums always have the same order.
 
 use std::ops::Range;
 
@@ -16,10 +16,10 @@ use super::number::Number;
 use super::single;
 use super::tasks::Task;
 
-/// Right-hand sides that are taken one by one.
+/// Largest number of right-hand sides that are treated one by one.
 const FEW: usize = 3;
 
-/// The factors, read by all.
+/// Factors, read by all threads.
 #[derive(Clone, Copy)]
 pub(super) struct Factors<'a, T> {
     /// Fronts, `Assembly::storage`.
@@ -28,7 +28,7 @@ pub(super) struct Factors<'a, T> {
     pub pivots: &'a [u32],
 }
 
-/// Right-hand sides and what passes between fronts, of a range of supernodes.
+/// Right-hand sides of a range of supernodes, and the vectors passed between fronts.
 pub(super) struct Vectors<'a, T> {
     /// Number of right-hand sides.
     pub columns: usize,
@@ -49,7 +49,7 @@ impl<T> Vectors<'_, T> {
 }
 
 impl<'a, T> Vectors<'a, T> {
-    /// Cuts off the first numbers of each.
+    /// Splits off the first numbers of each vector.
     fn split(self, x: usize, below: usize) -> (Vectors<'a, T>, Vectors<'a, T>) {
         let columns = self.columns;
         let (x, x_after) = self.x.split_at_mut(x);
@@ -64,7 +64,7 @@ impl<'a, T> Vectors<'a, T> {
 }
 
 impl Plan {
-    /// Numbers in `x` and in `below` of a range of supernodes.
+    /// Count of numbers in `x` and in `below` of a range of supernodes.
     fn extent(&self, range: Range<usize>, columns: usize) -> (usize, usize) {
         let tree = &self.tree;
         (
@@ -123,7 +123,7 @@ impl Plan {
             let m = k + b;
             let front = &factors.numbers[self.assembly.storage[s]..][..m * k];
             if columns <= FEW && !unit {
-                // Of the second column on, the front is near.
+                // From the second column on, the front is in the cache.
                 for q in 0..columns {
                     let (x, below) = (&mut x[q * k..][..k], &mut below[q * b..][..b]);
                     single::forward(front, m, x, below);
@@ -156,7 +156,8 @@ impl Plan {
         );
     }
 
-    /// x ← U⁻¹ x on the subtree of a task, whose root knows the solution below it; children last.
+    /// x ← U⁻¹ x on the subtree of a task, whose root already has the solution at its rows below. Children come
+    /// last.
     pub fn backward<T: Number>(&self, task: &Task<T>, factors: Factors<T>, vectors: Vectors<T>) {
         let columns = vectors.columns;
         let mut ahead = Ahead::new(factors.numbers, &self.assembly.storage);

@@ -1,12 +1,11 @@
-//! Who works where: the assembly tree cut into tasks, and a place for every Schur complement.
+//! Division of the assembly tree into tasks, and the storage of Schur complements.
 //!
-//! A task is a chain of supernodes with all light subtrees that hang on it, worked through in
-//! postorder by one thread; where two or more heavy subtrees meet, they are tasks of their own and
-//! may run at the same time. The cut depends on the tree alone, never on the number of threads.
+//! A task is a chain of supernodes with all light subtrees attached to it. One thread processes it in postorder.
+//! Where two or more heavy subtrees meet, they are tasks of their own and may run in parallel. The division depends
+//! on the tree alone, never on the number of threads.
 //!
-//! Schur complements live on two stacks, one for even and one for odd depths of the tree: a front
-//! pushes its own on one stack while it pops its children's from the other, so nothing is ever
-//! moved. Tasks own disjoint stretches of both.
+//! Schur complements are on two stacks, one for even and one for odd depths of the tree. A front pushes its own on
+//! one stack and pops its children's from the other, so no data is moved. Tasks own disjoint ranges of both stacks.
 
 use std::ops::Range;
 
@@ -15,23 +14,23 @@ use super::number::Number;
 use super::tree::{ROOT, Tree};
 use super::{Kind, LinearError};
 
-/// A piece of the tree and of the stacks.
+/// A part of the tree and of the stacks.
 #[derive(Debug)]
 pub(super) struct Task<T> {
-    /// Tasks to finish first.
+    /// Tasks that must be complete before this one.
     pub children: Vec<Task<T>>,
-    /// Supernodes done here, in order; the children's come before them without a gap.
+    /// Supernodes of this task, in order. Those of its children precede them without a gap.
     pub own: Range<usize>,
     /// First supernode of the whole subtree.
     pub start: usize,
-    /// Numbers needed on each stack, the children's included. `[parity]`
+    /// Numbers needed on each stack, with those of its children. `[parity]`
     pub stack: [usize; 2],
     /// Memory for the kernels, once [`Task::allocate`] was called.
     pub scratch: Option<Scratch<T>>,
 }
 
 impl<T: Number> Task<T> {
-    /// Allocates the scratch memory of this task and all below.
+    /// Allocates the working memory of this task and of all below it.
     pub fn allocate(&mut self, tree: &Tree) -> Result<(), LinearError> {
         for child in &mut self.children {
             child.allocate(tree)?;
@@ -42,7 +41,7 @@ impl<T: Number> Task<T> {
     }
 }
 
-// By hand: what is derived asks for a default of T.
+// Written by hand, because the derived form requires a default of T.
 impl<T> Default for Task<T> {
     fn default() -> Self {
         Self {
@@ -55,33 +54,33 @@ impl<T> Default for Task<T> {
     }
 }
 
-/// Where each Schur complement lies.
+/// Storage of each Schur complement.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// Depth of each supernode modulo two: its stack. `[supernode]`
     pub parity: Vec<u8>,
-    /// Offset in the stretch of the task that consumes it or, the same, made it. `[supernode]`
+    /// Offset in the stack range of the task that makes it and, equally, of the one that consumes it. `[supernode]`
     pub offset: Vec<usize>,
 }
 
-/// Operations below which a subtree is not worth a task: a hundred times what a fork costs.
+/// Operations below which a subtree gets no task of its own: a hundred times the cost of a fork.
 const LEAST: f64 = 5e6;
-/// At most this many tasks, about: no tree is so deep then that recursion over tasks is.
+/// Approximate limit of the number of tasks. It also limits the depth of the recursion over tasks.
 const MOST: f64 = 256.0;
 
-/// Where the Schur complements of a tree go.
+/// Places of the Schur complements of a tree.
 pub(super) fn places(tree: &Tree, kind: Kind) -> Places {
     plan::<f64>(tree, kind).1
 }
 
-/// Cuts the tree and places the Schur complements.
+/// Divides the tree into tasks and places the Schur complements.
 pub(super) fn plan<T: Number>(tree: &Tree, kind: Kind) -> (Task<T>, Places) {
     let n = tree.len();
     let mut work: Vec<f64> = (0..n).map(|s| tree.work(s)).collect();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); n + 1];
     let mut total = 0.0;
     for s in 0..n {
-        // Past the last supernode stands a root of all roots.
+        // Index n stands for a common root of all roots.
         let parent = match tree.parent[s] {
             ROOT => n,
             p => p as usize,
@@ -111,7 +110,7 @@ pub(super) fn plan<T: Number>(tree: &Tree, kind: Kind) -> (Task<T>, Places) {
         if work[s] <= limit {
             continue;
         }
-        // The heavy children come first in postorder.
+        // Heavy children come first in postorder.
         let mut heavy: Vec<Task<T>> = children[s]
             .iter()
             .filter_map(|&c| tasks[c].take())
@@ -133,7 +132,7 @@ pub(super) fn plan<T: Number>(tree: &Tree, kind: Kind) -> (Task<T>, Places) {
     (task, places)
 }
 
-/// Plays the pushes and pops of a task through.
+/// Assigns places by simulating the pushes and pops of a task.
 fn place<T>(
     task: &mut Task<T>,
     tree: &Tree,
@@ -148,7 +147,7 @@ fn place<T>(
     let (mut top, mut base) = ([0; 2], [0; 2]);
     for child in &mut task.children {
         place(child, tree, kind, children, places);
-        // Its last supernode leaves its Schur complement at the start of its stretch.
+        // The last supernode of the child leaves its Schur complement at the start of the child's range.
         let root = child.own.end - 1;
         let q = usize::from(places.parity[root]);
         places.offset[root] = base[q];

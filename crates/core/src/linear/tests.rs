@@ -1,4 +1,4 @@
-//! All back ends against dense LU.
+//! All back ends compared with dense L U.
 
 use faer::prelude::Solve;
 use faer::{Mat, MatRef};
@@ -14,7 +14,7 @@ const ALL: [Backend; 5] = [
     Backend::FaerLu,
 ];
 
-/// The matrix as the kind reads it, dense.
+/// Dense matrix with the values that the kind reads.
 fn dense(pattern: &Pattern, values: &[f64], kind: Kind) -> Mat<f64> {
     let mut a = Mat::zeros(pattern.n(), pattern.n());
     for j in 0..pattern.n() {
@@ -50,7 +50,7 @@ fn distance(x: &[f64], reference: &[f64]) -> f64 {
 }
 
 fn compare(case: &Case, options: Options, columns: usize) {
-    // Of single precision, too, all that a refinement gives.
+    // Refinement to the limit, for single precision as well.
     let options = Options {
         target: 1e-14,
         ..options
@@ -66,13 +66,13 @@ fn compare(case: &Case, options: Options, columns: usize) {
         .flat_map(|j| (0..n).map(move |i| (i, j)))
         .map(|ij| reference[ij])
         .collect();
-    // Twice: the second factorisation must find clean buffers.
+    // Twice, because the second factorisation must not depend on data of the first.
     for _ in 0..2 {
         solver.factorise(&case.values).unwrap();
         let mut x = b.clone();
         let report = solver.solve(&mut x).unwrap();
         let d = distance(&x, &reference);
-        // Condition numbers here are below 1e5, times 2e-16 for dense LU and for us.
+        // Condition numbers here are below 1e5; rounding errors of 2e-16 occur in dense L U and here.
         assert!(
             d < 1e-10,
             "{} {:?}: {d:e}, {report:?}",
@@ -118,7 +118,7 @@ fn arrow(n: usize) -> (Pattern, Vec<f64>) {
     })
 }
 
-/// Two grids and a lone node that do not touch.
+/// Two grids and a single node without couplings between them.
 fn blocks() -> (Pattern, Vec<f64>) {
     let (a, av) = solid([4, 3, 3], 5.0, 1e-3, 4);
     let (b, bv) = solid([3, 3, 5], 5.0, 1e-3, 5);
@@ -136,7 +136,7 @@ fn blocks() -> (Pattern, Vec<f64>) {
     )
 }
 
-/// A grid whose top is held level by one more equation, which couples to every node of the top.
+/// A grid whose top is kept level by one additional equation, which couples with every node of the top.
 fn beam(ground: f64) -> (Pattern, Vec<f64>) {
     let nodes = [12, 3, 6];
     let (body, values) = solid(nodes, ground, 1e-3, 6);
@@ -160,7 +160,7 @@ fn beam(ground: f64) -> (Pattern, Vec<f64>) {
     row_idx.push(n as u32);
     out.push(8.0);
     col_ptr.push(row_idx.len());
-    // The shared equation is a node of its own, without a place.
+    // The shared equation is a node of its own, without coordinates.
     let node: Vec<u32> = (0..=n).map(|j| (j / 3) as u32).collect();
     let (_, mut places) = crate::linear::stencils::grid(nodes);
     places.push([f64::NAN; 3]);
@@ -196,8 +196,8 @@ fn every_ordering_gives_the_same_solution() {
 
 #[test]
 fn the_solution_has_the_same_bits_on_any_number_of_threads() {
-    // Large enough for a handful of tasks (5e6 operations each at least) and for a last front of
-    // 18 × 7 nodes, 378³/3 = 1.8e7 operations, that is cut into pieces.
+    // Large enough for a few tasks (at least 5e6 operations each) and for a last front of 18 × 7 nodes, with 378³/3
+    // = 1.8e7 operations, that is divided into pieces.
     let (pattern, values) = solid([18, 7, 18], 5.0, 1e-3, 12);
     for backend in [
         Backend::MultifrontalLlt,
@@ -235,7 +235,7 @@ fn an_analysis_serves_what_has_the_very_pattern_and_nothing_else() {
         let (a, b) = (solver.analysis().unwrap(), known.as_ref().unwrap());
         Arc::ptr_eq(&a.plan, &b.plan)
     };
-    // Another precision of the same triangle, too.
+    // Another precision with the same triangle, too.
     let double = Options::new(Backend::MultifrontalLlt);
     assert!(shares(&beside(&pattern, double)));
     assert!(!shares(&beside(
@@ -266,7 +266,7 @@ fn a_mesh_that_lies_askew_is_cut_as_well_as_one_along_the_axes() {
     let places = pattern.coordinates().unwrap().to_vec();
     let node: Vec<u32> = (0..pattern.n()).map(|j| (j / 3) as u32).collect();
     let mut noise = Noise(6);
-    // Turned by 0.5 about z and 0.7 about x; then nodes moved by up to a tenth of their distance.
+    // Rotated by 0.5 about z and 0.7 about x. Then nodes are moved by up to a tenth of their distance.
     let turned = places.iter().map(|x| {
         let ((s, c), (t, d)) = (0.5f64.sin_cos(), 0.7f64.sin_cos());
         let y = [c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]];
@@ -285,7 +285,7 @@ fn a_mesh_that_lies_askew_is_cut_as_well_as_one_along_the_axes() {
     };
     let straight = flops(&places);
     for askew in [flops(&turned), flops(&moved)] {
-        // Cut across the axes they would cost twice to three times as much; leaves differ a little.
+        // Cuts across the axes would cost two to three times as much. Leaves differ a little.
         assert!(askew < 1.1 * straight, "{askew:e} {straight:e}");
     }
 }
@@ -353,7 +353,7 @@ fn an_indefinite_matrix_is_refused_by_cholesky_and_taken_by_lu() {
 
 #[test]
 fn lu_pivots_within_a_front() {
-    // A saddle point: the multiplier's own diagonal is zero, whichever comes first.
+    // Saddle point: the diagonal entry of the multiplier is zero, in either order.
     let pattern = Pattern::new(2, vec![0, 2, 4], vec![0, 1, 0, 1]).unwrap();
     for values in [[0.0, 1.0, 1.0, 2.0], [2.0, 1.0, 1.0, 0.0]] {
         let options = Options::new(Backend::MultifrontalLu);
@@ -365,7 +365,7 @@ fn lu_pivots_within_a_front() {
             3.0 * values[1] + 4.0 * values[3],
         ];
         solver.solve(&mut x).unwrap();
-        // Two roundings of numbers of this size.
+        // Two rounding errors of numbers of this size.
         assert!(
             (x[0] - 3.0).abs() < 4e-15 && (x[1] - 4.0).abs() < 4e-15,
             "{x:?}"
@@ -375,8 +375,8 @@ fn lu_pivots_within_a_front() {
 
 #[test]
 fn what_needs_pivots_from_other_fronts_goes_to_the_refuge() {
-    // Three blocks without a stiffness of their own, each held by its own part of a fourth: too
-    // large to be merged with it, singular in their own fronts.
+    // Three blocks without stiffness of their own, each coupled with its part of a fourth block. They are too large
+    // to be merged with it, and singular in their own fronts.
     let (parts, size) = (3, 40);
     let part = |i: usize| i / size;
     let half = parts * size;

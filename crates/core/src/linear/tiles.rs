@@ -1,10 +1,9 @@
 //! Cholesky elimination of small fronts in tiles that stay in registers.
 //!
-//! A dense library packs its operands, which pays for large products alone. A front of some hundred
-//! rows lies in the second cache, its columns are contiguous: tiles of a few vectors of rows by four
-//! columns read them where they are. Every number of the result is one chain of multiplications and
-//! additions in the order of the columns, whatever the vector unit: vectors of any width give the
-//! same bits where products and sums are fused.
+//! A dense library packs its operands, which saves time for large products only. A front of some hundred rows fits
+//! into the second-level cache, and its columns are contiguous. Tiles of a few vectors of rows by four columns read
+//! them in place. Each number of the result is one chain of multiplications and additions in the order of the
+//! columns. So vectors of any width give the same bits where multiplications and additions are fused.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -13,14 +12,14 @@ use super::schur::Panels;
 
 /// Columns of a tile.
 const WIDE: usize = 4;
-/// Vectors of rows in a tile: with four columns twelve sums, enough to hide the latency of each.
+/// Vectors of rows in a tile. Four columns then have twelve sums, enough to hide the latency of each.
 const TALL: usize = 3;
 /// Rows of the widest tile (512 bits of single precision).
 const MOST: usize = TALL * 16;
 
-/// L₁₁ L₁₁ᵀ = F₁₁ and L₂₁ = F₂₁ L₁₁⁻ᵀ of columns `from..to` in place of `columns` (m rows each),
-/// where all columns before `from` are done and have been taken off. Returns the column whose pivot
-/// is not positive.
+/// L₁₁ L₁₁ᵀ = F₁₁ and L₂₁ = F₂₁ L₁₁⁻ᵀ for the columns `from..to`, in place of `columns` (m rows each). The columns
+/// before `from` are eliminated, and their contributions are already subtracted. The error is the column whose
+/// pivot is not positive.
 pub(super) fn eliminate<T: Number>(
     columns: &mut [T],
     m: usize,
@@ -35,7 +34,7 @@ pub(super) fn eliminate<T: Number>(
     })
 }
 
-/// S = −L₂₁ L₂₁ᵀ, its lower triangle, of a front whose `columns` (m rows each) are eliminated.
+/// Lower triangle of S = −L₂₁ L₂₁ᵀ of a front whose `columns` (m rows each) are eliminated.
 pub(super) fn schur<T: Number>(columns: &[T], m: usize, panels: Panels, out: &mut [T]) {
     Arch::new().dispatch(Complement {
         columns,
@@ -79,7 +78,7 @@ impl<T: Number> WithSimd for Eliminate<'_, T> {
     }
 }
 
-/// Eliminates W columns from row j on.
+/// Eliminates W columns from row j downwards.
 #[inline(always)]
 fn step<T: Number, S: Simd, const W: usize>(
     simd: S,
@@ -88,7 +87,7 @@ fn step<T: Number, S: Simd, const W: usize>(
     m: usize,
     j: usize,
 ) -> Result<(), usize> {
-    // The block on the diagonal, by itself: rows beyond it are thrown away.
+    // Diagonal block. Rows beyond it are discarded.
     let mut sums = [[T::ZERO; MOST]; W];
     tile::<T, S, 1, W>(simd, done, m, j, j, &mut sums);
     let mut own = [[T::ZERO; W]; W]; // [column][row]
@@ -127,8 +126,7 @@ fn step<T: Number, S: Simd, const W: usize>(
     Ok(())
 }
 
-/// Rows i.. of W columns: what the columns before take off, then division by the block on the
-/// diagonal.
+/// Rows i.. of W columns: subtracts the contributions of the columns before, then solves with the diagonal block.
 #[inline(always)]
 fn below<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
@@ -198,8 +196,8 @@ fn divide<T: Number, S: Simd, const R: usize, const W: usize>(
     }
 }
 
-/// A Bᵀ of R vectors of rows from row i on and W columns, whose rows start at j, over all columns of
-/// `done`. Vectors that stick out of a column's end read the next column there, which nobody minds.
+/// A Bᵀ for R vectors of rows from row i and W columns, whose rows start at j, over all columns of `done`. Vectors
+/// that extend beyond the end of a column read the next column. These numbers are not used.
 #[inline(always)]
 fn sums<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
@@ -296,7 +294,7 @@ impl<T: Number> WithSimd for Complement<'_, T> {
     }
 }
 
-/// W columns of a panel, from the one on its row `first` on, from their diagonal down.
+/// W columns of a panel, starting with the one whose diagonal is in row `first`, from the diagonal downwards.
 #[inline(always)]
 fn strip<T: Number, S: Simd, const W: usize>(
     simd: S,
@@ -311,8 +309,8 @@ fn strip<T: Number, S: Simd, const W: usize>(
     let mut i = first;
     while i < height {
         let vectors = (height - i).div_ceil(lanes).min(TALL);
-        // The last tile ends where the panel does and writes some rows again, with the same numbers, or
-        // some above the diagonal, which nobody reads.
+        // The last tile ends with the panel. It writes some rows again with the same numbers, or some above the
+        // diagonal, which are not read.
         let at = i.min(height.saturating_sub(vectors * lanes));
         match vectors {
             1 => product::<T, S, 1, W>(simd, columns, m, top + at, top + first, tile, height, at),

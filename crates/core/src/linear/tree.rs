@@ -1,17 +1,17 @@
-//! The assembly tree: which columns are eliminated together, in which front, in which order.
+//! Assembly tree: columns that are eliminated together, their fronts, and the order of elimination.
 //!
-//! Of a structurally symmetric matrix both L Lᵀ and L U fill the pattern of the symmetric
-//! elimination, so one analysis serves both: elimination tree (Liu 1990), column counts by row
-//! subtrees, supernodes of equal structure, amalgamation by a cost model. It works on the graph of
-//! nodes, each weighted with its number of equations.
+//! L Lᵀ and L U of a structurally symmetric matrix both fill the pattern of the symmetric elimination, so one
+//! analysis serves both. It consists of the elimination tree (Liu 1990), column counts by row subtrees, supernodes
+//! of equal structure and their merging by a cost model. It works on the graph of nodes, each weighted with its
+//! number of equations.
 
 use super::ordering::{Graph, expand};
 use super::{LinearError, Pattern};
 
-/// No parent.
+/// Marks a supernode without a parent.
 pub(super) const ROOT: u32 = u32::MAX;
 
-/// Supernodes in postorder: a child comes before its parent, a subtree is a contiguous range.
+/// Supernodes in postorder: a child precedes its parent, and a subtree is a contiguous range.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     /// Equation eliminated at each position. `[position]`
@@ -20,35 +20,36 @@ pub(super) struct Tree {
     pub first: Vec<usize>,
     /// Start of each supernode's rows. `[supernode + 1]`
     pub row_ptr: Vec<usize>,
-    /// Positions of the rows below each supernode's own, ascending. `[row_ptr]`
+    /// Positions of the rows below the columns of each supernode, ascending. `[row_ptr]`
     pub rows: Vec<u32>,
     /// Parent of each supernode or [`ROOT`]. `[supernode]`
     pub parent: Vec<u32>,
 }
 
-/// Operations of the Cholesky elimination of `k` columns of a front of `m` rows: Σ (m − j)²,
-/// multiplications and additions; twice that for LU.
+/// Operations of the Cholesky elimination of `k` columns of a front of `m` rows: Σ (m − j)² multiplications and
+/// additions. L U takes twice as many.
 pub(super) fn flops(m: usize, k: usize) -> f64 {
     // Σ_{i = m−k+1}^{m} i².
     let sum = |n: f64| n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
     sum(m as f64) - sum((m - k) as f64)
 }
 
-/// Time of a front on one core, in units of 1e-11 s on a machine of 2020: multiplications run the
-/// faster the more columns are eliminated at once, assembly passes over the Schur complement, and
-/// every front costs a fixed amount. Only ratios matter, and they only steer amalgamation.
+/// Time of a front on one core, in units of 1e-11 s on a machine of 2020 (theory/linear-solver.md, eq. 3).
+///
+/// Multiplications run faster if more columns are eliminated together. Assembly passes over the Schur complement,
+/// and each front has a fixed cost. Only ratios matter, and they control the merging of supernodes only.
 fn cost(m: usize, k: usize) -> f64 {
-    const RATE: f64 = 3.0; // an operation
+    const RATE: f64 = 3.0; // per operation
     const HALF: f64 = 6.0; // columns at which half the rate is reached
-    const PASS: f64 = 60.0; // a number of the front assembled
-    const FRONT: f64 = 50_000.0; // a front
+    const PASS: f64 = 60.0; // per number of the front, for assembly
+    const FRONT: f64 = 50_000.0; // per front
     let b = (m - k) as f64;
     FRONT + PASS * (b * b + (m * k) as f64) + RATE * (1.0 + HALF / k as f64) * flops(m, k)
 }
 
 impl Tree {
-    /// Analyses a pattern whose groups are eliminated in this order, `[position] → group`, up to
-    /// the reordering that makes it a postorder.
+    /// Analyses a pattern whose groups are eliminated in this order, `[position] → group`, up to the change of
+    /// order that makes it a postorder.
     pub fn new(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Result<Self, LinearError> {
         let n = graph.len();
         if n == 0 {
@@ -71,7 +72,7 @@ impl Tree {
         let (of_column, mut supernodes) = fundamental(&parent, &count, &weight);
         amalgamate(&mut supernodes);
 
-        // Merged supernodes, the heaviest subtree first, so that its stack is reused by the rest.
+        // Merged supernodes, with the heaviest subtree first, so that the others reuse its stack.
         let find = |mut s: u32| {
             while supernodes[s as usize].merged {
                 s = supernodes[s as usize].parent;
@@ -106,7 +107,7 @@ impl Tree {
             place[old as usize] = new as u32;
         }
 
-        // Columns of each supernode in their old relative order: a merged child's come first.
+        // Columns of each supernode keep their relative order. Columns of a merged child come first.
         let column_home: Vec<u32> = of_column
             .iter()
             .map(|&s| place[index[find(s) as usize] as usize])
@@ -120,7 +121,7 @@ impl Tree {
         ))
     }
 
-    /// Rows of every supernode: those of its children and its own couplings, less its columns.
+    /// Rows of each supernode: those of its children and its own couplings, without its columns.
     fn structure(
         pattern: &Pattern,
         graph: &Graph,
@@ -130,14 +131,14 @@ impl Tree {
         weights: &[u32],
     ) -> Self {
         let n = graph.len();
-        let mut position = vec![0u32; n]; // of a vertex among vertices
-        let mut start = vec![0usize; n + 1]; // of a vertex position among equations
+        let mut position = vec![0u32; n]; // index of a vertex among vertices
+        let mut start = vec![0usize; n + 1]; // first equation of each vertex index
         for (p, &v) in order.iter().enumerate() {
             position[v as usize] = p as u32;
             start[p + 1] = start[p] + weights[v as usize] as usize;
         }
         let supernodes = parent.len();
-        let mut range = vec![0usize; supernodes + 1]; // vertex positions of a supernode
+        let mut range = vec![0usize; supernodes + 1]; // range of vertex indices of each supernode
         for &s in home {
             range[s as usize + 1] += 1;
         }
@@ -148,7 +149,7 @@ impl Tree {
         let mut mark = vec![ROOT; n];
         let (mut row_ptr, mut rows) = (vec![0], Vec::new());
         for s in 0..supernodes {
-            // The children have already put their rows here.
+            // The children have already added their rows.
             let mut list = std::mem::take(&mut lists[s]);
             let end = range[s + 1];
             list.retain(|&p| {
@@ -188,17 +189,17 @@ impl Tree {
         self.parent.len()
     }
 
-    /// Columns eliminated in front `s`.
+    /// Number of columns eliminated in front `s`.
     pub fn columns(&self, s: usize) -> usize {
         self.first[s + 1] - self.first[s]
     }
 
-    /// Rows of front `s` below its columns: positions, ascending.
+    /// Positions of the rows of front `s` below its columns, ascending.
     pub fn below(&self, s: usize) -> &[u32] {
         &self.rows[self.row_ptr[s]..self.row_ptr[s + 1]]
     }
 
-    /// Children of every supernode, ascending: start of each list `[supernode + 1]`, and the lists.
+    /// Children of all supernodes, ascending: the start of each list `[supernode + 1]` and the lists.
     pub fn children(&self) -> (Vec<usize>, Vec<u32>) {
         let mut ptr = vec![0; self.len() + 1];
         for &p in self.parent.iter().filter(|&&p| p != ROOT) {
@@ -218,14 +219,14 @@ impl Tree {
         (ptr, list)
     }
 
-    /// Operations of front `s`, for Cholesky.
+    /// Operations of front `s` for Cholesky.
     pub fn work(&self, s: usize) -> f64 {
         let k = self.columns(s);
         flops(k + self.below(s).len(), k)
     }
 }
 
-/// Parent of each position: the first position after it that its elimination fills (Liu 1990).
+/// Parent of each position: the first later position that its elimination fills (Liu 1990).
 fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     let n = order.len();
     let mut position = vec![0u32; n];
@@ -236,7 +237,7 @@ fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     for (i, &v) in order.iter().enumerate() {
         for &u in graph.neighbours_of(v as usize) {
             let mut j = position[u as usize];
-            // Climb to the root of j's tree, compressing the path.
+            // Follow the path to the root of j's tree and compress it.
             while (j as usize) < i {
                 let next = std::mem::replace(&mut ancestor[j as usize], i as u32);
                 if next == ROOT {
@@ -253,7 +254,7 @@ fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     parent
 }
 
-/// Postorder of a forest, `[new] → old`: children by falling weight, then by number.
+/// Postorder of a forest, `[new] → old`. Children have descending weight, then ascending number.
 fn postorder(parent: &[u32], weight: impl Fn(u32) -> f64) -> Vec<u32> {
     let n = parent.len();
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
@@ -283,7 +284,7 @@ fn postorder(parent: &[u32], weight: impl Fn(u32) -> f64) -> Vec<u32> {
     post
 }
 
-/// The parents in a new numbering, `[new] → old`.
+/// Parents in a new numbering, `[new] → old`.
 fn renumber(parent: &[u32], post: &[u32]) -> Vec<u32> {
     let mut new = vec![0u32; post.len()];
     for (i, &old) in post.iter().enumerate() {
@@ -296,8 +297,8 @@ fn renumber(parent: &[u32], post: &[u32]) -> Vec<u32> {
     post.iter().map(up).collect()
 }
 
-/// Equations in each column of L, its own included: row i fills the columns on the paths from its
-/// couplings up to i. Time proportional to the fill, memory to the order.
+/// Equations in each column of L, with its own. Row i fills the columns on the paths from its couplings up to i.
+/// The time is proportional to the fill, the memory to the order.
 fn counts(graph: &Graph, order: &[u32], parent: &[u32], weight: &[u32]) -> Vec<u64> {
     let n = order.len();
     let mut position = vec![0u32; n];
@@ -320,16 +321,16 @@ fn counts(graph: &Graph, order: &[u32], parent: &[u32], weight: &[u32]) -> Vec<u
     count
 }
 
-/// A supernode while supernodes are merged.
+/// A supernode during merging.
 #[derive(Clone, Copy, Debug)]
 struct Supernode {
     k: usize, // columns
     m: usize, // rows of the front
     parent: u32,
-    merged: bool, // into its parent
+    merged: bool, // with its parent
 }
 
-/// Columns in postorder whose structures are equal but for themselves.
+/// Fundamental supernodes: consecutive columns in postorder with the same structure below them.
 fn fundamental(parent: &[u32], count: &[u64], weight: &[u32]) -> (Vec<u32>, Vec<Supernode>) {
     let mut supernodes: Vec<Supernode> = Vec::new();
     let mut of_column = Vec::with_capacity(parent.len());
@@ -349,7 +350,7 @@ fn fundamental(parent: &[u32], count: &[u64], weight: &[u32]) -> (Vec<u32>, Vec<
         of_column.push(supernodes.len() as u32 - 1);
     }
     for (j, &s) in of_column.iter().enumerate() {
-        // The last column of a supernode says who its parent is.
+        // The last column of a supernode determines its parent.
         supernodes[s as usize].parent = match parent[j] {
             ROOT => ROOT,
             p => of_column[p as usize],
@@ -358,12 +359,12 @@ fn fundamental(parent: &[u32], count: &[u64], weight: &[u32]) -> (Vec<u32>, Vec<
     (of_column, supernodes)
 }
 
-/// Merges children into parents where one larger front with explicit zeros is faster than two.
+/// Merges children with parents where one larger front with explicit zeros is faster than two.
 fn amalgamate(supernodes: &mut [Supernode]) {
     let mut children: Vec<Vec<u32>> = vec![Vec::new(); supernodes.len()];
     for p in 0..supernodes.len() {
         let mut list = std::mem::take(&mut children[p]);
-        // The child that shares most of its rows first.
+        // The child that shares most of its rows comes first.
         list.sort_by_key(|&c| std::cmp::Reverse(supernodes[c as usize].m));
         for c in list {
             let (child, parent) = (supernodes[c as usize], supernodes[p]);

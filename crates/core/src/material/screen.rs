@@ -61,7 +61,8 @@ impl DamagePlasticity {
         let mut mean = [0.0; 8];
         let mut q = [0.0; 8];
         let mut elastic = [false; 8];
-        // Loops without closures: those would be compiled for the narrow unit (docs/performance.md).
+        // Loops without closures: closures are compiled without vector instructions
+        // (docs/decisions/vector-instructions.md).
         for g in 0..8 {
             mean[g] = (stress[0][g] + stress[1][g] + stress[2][g]) / 3.0;
             let (x, y, z) = (

@@ -9,7 +9,7 @@ use super::return_map::{Slope, Variation};
 use crate::tensor;
 
 /// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
-/// (docs/decisions.md).
+/// (docs/decisions/secant-tangents.md).
 const LEAST_STIFFNESS: f64 = 0.3;
 
 impl DamagePlasticity {

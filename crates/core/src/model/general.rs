@@ -2,10 +2,11 @@
 
 use wythe_contact::{InterfaceLaw, frame_at};
 
+use crate::element::hexahedron;
 use crate::material::ElasticParameters;
+use crate::model::Mesh;
 use crate::model::boundary_facets::BoundaryFacets;
 use crate::model::scene::NamedMaterial;
-use crate::model::{Mesh, hexahedron};
 
 /// What bodies need to meet anywhere: their skins and a dry law.
 #[derive(Clone, Debug)]

@@ -1,25 +1,14 @@
 //! Nodes and hex8 elements.
 
-use super::hexahedron::{norm, range};
+use crate::element::hex8::CORNERS;
+use crate::element::hexahedron::{norm, range};
 
 /// Weights that tell a point from the plane of symmetry; corners are 5e-7 beside it.
 const IN_THE_PLANE: f64 = 1e-9;
 
-/// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
-
 /// A mesh of hex8 elements. x runs along the wall's length, y through its thickness, z upwards.
 ///
-/// Node order of an element: [`CORNERS`].
+/// Node order of an element: [`CORNERS`](crate::element::hex8::CORNERS).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Reference coordinates [mm]. `[node][xyz]`

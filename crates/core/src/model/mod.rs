@@ -5,7 +5,6 @@ pub mod axis;
 pub mod boundary_facets;
 pub mod columns;
 pub mod general;
-pub mod hexahedron;
 pub mod loads;
 pub mod mesh;
 pub mod mirrored;

@@ -5,6 +5,7 @@ use super::amplitude::{Amplitude, Branch};
 use super::loads::Load;
 use super::probes::Probe;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
+use crate::element::Formulation;
 use crate::error::Warning;
 use crate::experiment::Experiment;
 
@@ -91,29 +92,6 @@ pub struct NamedMaterial {
     pub name: String,
     /// Its parameters, tables as given (not yet scaled to an element's size).
     pub parameters: crate::material::MaterialParameters,
-}
-
-/// How the hex8 interpolates strain.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Formulation {
-    /// 2×2×2 points, displacement strains.
-    Full,
-    /// Constant dilatation.
-    BBar,
-    /// Wilson–Taylor incompatible modes, condensed elastically once.
-    #[default]
-    Incompatible,
 }
 
 /// Nodes that move as one, without rotation: the level loading beam of a test.

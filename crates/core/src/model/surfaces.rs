@@ -1,7 +1,7 @@
 //! Contact surfaces: facets, what of them is sampled, and the laws between them.
 
 use super::general::GeneralContact;
-use super::hexahedron::norm;
+use crate::element::hexahedron::norm;
 use wythe_contact::{InterfaceLaw, Part, Surface};
 
 /// Where an interface is sampled on a slave facet.

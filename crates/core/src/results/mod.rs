@@ -1,16 +1,16 @@
-//! What a run leaves behind.
+//! Result files of a run: their writers and their readers.
 //!
 //! ```text
-//! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
-//!                                               ├─▶ results.vtkhdf       a step an output increment; beside it
-//!                                               │                        results.interfaces.vtkhdf, a link
-//!                                               ├─▶ run.mcap             messages an increment
-//!                                               ├─▶ model.toml           the deck, overrides taken in
-//!                                               ├─▶ checkpoint.bin       to go on from, replaced as the run goes
+//! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          one row per increment
+//!                                               ├─▶ results.vtkhdf       one step per output increment; beside it
+//!                                               │                        results.interfaces.vtkhdf, which links to it
+//!                                               ├─▶ run.mcap             messages per increment
+//!                                               ├─▶ model.toml           the deck with its overrides
+//!                                               ├─▶ checkpoint.bin       state to resume from, replaced during the run
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
-//!                                               └─▶ summary.json         last: its presence says "whole"
-//! RunFolder reads them back: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
-//! CSV, INP). StoppedRun goes on with them.
+//!                                               └─▶ summary.json         written last: marks a complete folder
+//! RunFolder reads them: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
+//! CSV, INP). StoppedRun resumes from them.
 //! ```
 
 mod beside;

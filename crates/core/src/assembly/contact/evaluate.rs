@@ -1,4 +1,4 @@
-//! Forces and stiffness of all points, in groups of facets.
+//! Forces and stiffness of all contact points, in groups of facets.
 
 use pulp::Simd;
 use rayon::prelude::*;
@@ -15,10 +15,10 @@ use crate::assembly::{Evaluation, Trial};
 use crate::model::Model;
 use crate::state::State;
 
-/// Facets of a task: some ten microseconds, which outweigh its scheduling.
+/// Facets of a task: some ten microseconds of work, more than the cost of its scheduling.
 const GROUP: usize = 16;
 
-/// What all facets see.
+/// Input common to all facets.
 struct Seen<'a> {
     contact: &'a Contact,
     model: &'a Model,
@@ -26,15 +26,15 @@ struct Seen<'a> {
     x: &'a [[f64; 3]],
     setting: Evaluation,
     soft: Soft,
-    /// Tangents of points at their shear limit are those of stick.
+    /// Whether points at their shear limit get the tangent of stick.
     sticks: bool,
-    /// Stiffness may be taken at poses.
+    /// Whether stiffness may be taken at poses.
     keeps: bool,
-    /// Which facets are looked at; none: all. `[slave facet]`
+    /// Facets that are evaluated. None: all facets. `[slave facet]`
     awake: Option<&'a [bool]>,
 }
 
-/// What some facets in a row read and write.
+/// Input and output of a group of consecutive facets.
 struct Group<'a> {
     first: usize,
     force: &'a mut [[[f64; 3]; 8]],
@@ -55,7 +55,8 @@ struct Group<'a> {
 }
 
 impl Contact {
-    /// Forces and, where asked for, stiffness of every pair; cells follow those of the elements.
+    /// Evaluates forces, and stiffness where the setting asks for it, of every pair. Contact cells follow those of
+    /// the elements.
     pub fn evaluate(
         &self,
         model: &Model,
@@ -138,15 +139,15 @@ impl Contact {
                 held,
             });
         }
-        // What is inlined into it is compiled once for every vector unit, and the widest one is taken: the
-        // operations and their order stay the same, and so does every bit of the results.
+        // Functions inlined into it are compiled once for each vector width, and the widest available one is used.
+        // Operations and their order are the same, and so are all bits of the results.
         groups
             .into_par_iter()
             .for_each(|group| pulp::Arch::new().dispatch(Work { seen: &seen, group }));
     }
 
-    /// The four points of a facet, seen at once where they stay on their facets. Those that are not seen are left
-    /// to the plain kinematics.
+    /// Kinematics of the four points of a facet, computed together for points that stay on their master facets. The
+    /// others are computed alone by the caller.
     #[inline(always)]
     fn four(
         &self,
@@ -163,7 +164,7 @@ impl Contact {
             let Some(facet) = pairs[p].facet else {
                 continue;
             };
-            // A point that has crossed to another facet in this increment drags its anchor along.
+            // A point that has changed its facet in this increment keeps its anchor on the former one.
             let anchor = match anchors[p].facet {
                 Some(before) if before == facet => anchors[p].xi,
                 Some(_) => continue,
@@ -188,7 +189,7 @@ impl Contact {
         FourSeen::new(&local, &weights, &placed)
     }
 
-    /// One of the four, or of its own; none without a foot or a cell.
+    /// Kinematics of a point, from the four computed together or alone. None without a foot or a cell.
     #[inline(always)]
     fn sight(
         &self,
@@ -210,7 +211,7 @@ impl Contact {
     }
 }
 
-/// The work of one task.
+/// Task for one group.
 struct Work<'a, 'b> {
     seen: &'a Seen<'a>,
     group: Group<'b>,
@@ -231,7 +232,7 @@ impl pulp::WithSimd for Work<'_, '_> {
     }
 }
 
-/// The facet `k` of a group.
+/// Evaluates facet `k` of a group.
 #[inline(always)]
 fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
     let &Seen {
@@ -265,9 +266,9 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         before = bits(active);
         active.fill(false);
     }
-    // Stiffness of each point with the place of its cell among those of the facet (shifted penalty).
+    // Stiffness of each point and the index of its cell among those of the facet (shifted penalty).
     let (mut parts, mut count) = ([(0, Symmetric::default()); 4], 0);
-    // The same at the points' poses, if all are near.
+    // The same at the points' poses, used if all points are close to them.
     let (mut posed, mut joint) = ([Symmetric::default(); 4], Joint::default());
     joint.held = seen.keeps;
     for p in 0..4 {
@@ -286,7 +287,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         let Some(sight) = sight else {
             group.pairs[at] = PointPair::default();
             group.history[at] = lost(law, old);
-            // What the point stored is set free.
+            // The stored energy of the point is dissipated.
             group.energy[at] = [0.0, law.free_energy(old) * point.area];
             group.status[at] = PointStatus::Open;
             group.loose[at] = [false, false, true];
@@ -343,7 +344,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
                 to.fill(0.0);
                 active[sight.cell] = true;
             }
-            // Seen once more, with what the turning of the frame depends on.
+            // Computed alone again, because the exact stiffness needs the derivatives of the frame.
             if let Some((_, kin)) = contact.see(4 * f + p, &slave, committed, pair, x) {
                 kin.add_exact_stiffness(&response.traction, &response.tangent, point.area, to);
             }
@@ -402,7 +403,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
     }
 }
 
-/// A bit for each of the first 64.
+/// One bit for each of the first 64.
 #[inline(always)]
 fn bits(active: &[bool]) -> u64 {
     let set = active.iter().take(64).enumerate();

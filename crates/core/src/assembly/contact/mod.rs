@@ -1,7 +1,7 @@
-//! The interfaces: points on slave facets against master facets, in parallel by slave facet.
+//! Joints: points on slave facets against master facets, in parallel over slave facets.
 //!
-//! A contact cell is one slave facet with one of its candidate master facets: 4 + 4 nodes. The
-//! candidates stay fixed while surfaces move less than the skin, and the matrix pattern with them.
+//! A contact cell is one slave facet with one of its candidate master facets: 4 + 4 nodes. The candidates, and with
+//! them the matrix pattern, stay the same while surfaces move by less than a margin.
 
 mod evaluate;
 mod pairing;
@@ -25,62 +25,62 @@ use crate::model::Model;
 use crate::model::scene::ContactPoints;
 use crate::state::State;
 
-/// Reach of contact across a gap, over the mean edge of the facets, where the deck has no
-/// `search_radius`. A point that opens wider is free; the search finds it again when it closes.
+/// Search radius across a gap over the mean edge of the facets, if the deck has no `search_radius`. A point with a
+/// wider opening has no master; the search finds one again when the joint closes.
 const REACH: f64 = 0.06;
-/// The same over the largest ultimate opening u_k: no bond is lost while it carries.
+/// Search radius over the largest ultimate opening u_k. No bond is lost while it carries.
 const REACH_OVER_OPENING: f64 = 2.0;
-/// How far surfaces may move before the candidates are searched anew, over the same edge.
+/// Margin over the same edge: how far surfaces may move before candidates are searched again.
 const SKIN: f64 = 0.03;
 
-/// How far behind a facet a point may come into contact with it, over the half of the same edge: what the
-/// elastic bodies step by. One that is deeper has come from the side, and its penalty would throw bodies
-/// about.
+/// Depth behind a facet up to which a point may come into contact with it, over half of the same edge: the movement
+/// of elastic bodies in an increment. A deeper point has come from the side, and its penalty force would throw
+/// bodies apart.
 const BEHIND: f64 = 1e-5;
-/// How high a step a point climbs where it comes from a facet to the next, over the same edge: what settles and
-/// turns in a cracked wall. The side of a higher one is not its face.
+/// Height of a step that a point may climb from one facet to the next, over the same edge: settlement and rotation
+/// in a cracked wall. A higher step is the side of another body.
 const STEP: f64 = 0.01;
 
-/// Surfaces, points and candidates.
+/// Surfaces, contact points and candidates.
 #[derive(Clone, Debug)]
 pub struct Contact {
     pub(super) slave: Surface,
     pub(super) master: Surface,
     pub(super) law_of: Vec<u16>,
-    /// Normal and shear stiffness of the shifted penalty [N/mm³]. `[slave facet]`
+    /// Normal and shear numerical stiffness of the shifted penalty [N/mm³]. `[slave facet]`
     pub(super) numerical: Vec<[f64; 2]>,
     /// Mass behind each slave facet [tonne/mm²]. `[slave facet]`
     areal_mass: Vec<f64>,
-    /// Sampling points. `[slave facet][point]`, four to a facet
+    /// Contact points, four on each slave facet. `[slave facet][point]`
     pub points: Vec<SlavePoint>,
-    /// Weights of the points where they are at rest. `[point]`
+    /// Weights of the points at their places at rest. `[point]`
     at_rest: Vec<[f64; 4]>,
-    /// Points that this increment has on a rim.
+    /// Points that this increment has moved to a rim.
     moved: Vec<u32>,
     pub(super) candidates: Candidates,
     pub(super) cells: Vec<[u32; 8]>,
     version: usize,
     radius: f64,
-    /// How far beyond the rim of a surface a point stays on it (of the half facet).
+    /// How far beyond the rim of a surface a point still belongs to it, over half a facet [-].
     rim: f64,
     skin: f64,
-    /// How far behind a facet a point may come into contact with it [mm].
+    /// Depth behind a facet up to which a point may come into contact with it [mm].
     behind: f64,
-    /// How far behind the next facet a point may come to it from another [mm].
+    /// Depth behind the next facet up to which a point may come to it from another facet [mm].
     step: f64,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
 }
 
 impl Contact {
-    /// Area at rest of the points that press [mm²].
+    /// Area at rest of the points under pressure [mm²].
     pub fn pressed_area(&self, history: &[InterfaceHistory]) -> f64 {
         let points = self.points.iter().zip(history);
         let pressed = points.filter(|(_, history)| history.traction[0] < 0.0);
         pressed.map(|(point, _)| point.area).sum()
     }
 
-    /// How far a point may be from what it faces [mm]: what goes farther at once may pass through it unseen.
+    /// Search radius [mm]. A point that moves farther in one increment may pass through a facet undetected.
     pub fn reach(&self) -> f64 {
         if self.points.is_empty() {
             f64::INFINITY
@@ -89,7 +89,7 @@ impl Contact {
         }
     }
 
-    /// Prepares the surfaces of a model; nothing is searched yet.
+    /// Prepares the surfaces of a model. No candidates are searched yet.
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;
         let (slave, master) = (surfaces.slave(), surfaces.master());
@@ -135,7 +135,7 @@ impl Contact {
             cells: Vec::new(),
             version: 0,
             radius: surfaces.search_radius.unwrap_or(chosen),
-            // In general contact edges take over there.
+            // In general contact the edges carry facets beyond rims.
             rim: if surfaces.general.is_some() {
                 STAY
             } else {
@@ -148,7 +148,7 @@ impl Contact {
         }
     }
 
-    /// Histories of points that nothing has happened to.
+    /// Initial histories of all points.
     pub fn virgin(&self, model: &Model) -> Vec<InterfaceHistory> {
         let laws = &model.contact.laws;
         self.law_of
@@ -157,22 +157,22 @@ impl Contact {
             .collect()
     }
 
-    /// Whether a point is another one's image in a plane of symmetry, which stands for it.
+    /// Whether a point is the image of another point in a plane of symmetry, which represents both.
     pub fn is_image(&self, point: usize) -> bool {
         self.points[point].area == 0.0
     }
 
-    /// The law of a point.
+    /// Law of a point.
     pub fn law<'m>(&self, model: &'m Model, point: usize) -> &'m InterfaceLaw {
         &model.contact.laws[self.law_of[point / 4] as usize]
     }
 
-    /// The body that a point faces, if it faces one.
+    /// Body of the master facet of a point, if it has one.
     pub(super) fn faced_body(&self, pair: &PointPair) -> Option<u32> {
         pair.facet.map(|facet| self.master.body[facet as usize])
     }
 
-    /// Counts the searches of candidates.
+    /// Number of searches that changed the candidates.
     pub fn version(&self) -> usize {
         self.version
     }
@@ -182,7 +182,7 @@ impl Contact {
         self.cells.iter()
     }
 
-    /// Those of one slave facet, with their places among all contact cells.
+    /// Cells of one slave facet with their indices among all contact cells.
     pub fn cells_of(&self, facet: usize) -> impl Iterator<Item = (usize, &[u32; 8])> {
         let range = self.candidates.range(facet);
         range.clone().zip(&self.cells[range])
@@ -193,18 +193,18 @@ impl Contact {
         self.cells.len()
     }
 
-    /// Positions of the four points of a facet where they are at rest on it [mm].
+    /// Positions of the four points of a facet at their places at rest on it [mm].
     fn positions(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
         let corners = self.slave.corners(facet, x);
         [0, 1, 2, 3].map(|p| blend(&self.at_rest[4 * facet + p], &corners).into())
     }
 
-    /// Where candidates were searched last [mm]. `[node]`
+    /// Positions of nodes at the last search of candidates [mm]. `[node]`
     pub fn searched_at(&self) -> &[[f64; 3]] {
         &self.searched_at
     }
 
-    /// Searches the candidates at positions `x` [mm] `[node]`.
+    /// Searches candidates at positions `x` [mm] `[node]`.
     pub fn search_from(&mut self, x: &[[f64; 3]]) {
         let boxes: Vec<Aabb> = (0..self.slave.facets.len())
             .map(|f| Aabb::of(&self.positions(f, x)))
@@ -229,7 +229,8 @@ impl Contact {
         }
     }
 
-    /// Tractions of the last commit and `ratio` times their last change, within the law's bounds.
+    /// Adds `ratio` times the last change to the tractions of the last commit, within the bounds of the law
+    /// (theory/equilibrium.md, eq. 12).
     pub fn extrapolate(&self, model: &Model, state: &State, trial: &mut Trial, ratio: f64) {
         let Some(last) = &state.last else { return };
         let points = state.interface.iter().zip(&last.dtraction);
@@ -240,7 +241,7 @@ impl Contact {
         }
     }
 
-    /// Numerical stiffness of a point with traction `last` [N/mm³].
+    /// Numerical stiffness of a point whose last traction is `last` [N/mm³] (theory/equilibrium.md, eq. 7).
     #[inline(always)]
     pub(super) fn shifted_stiffness(
         &self,
@@ -251,7 +252,7 @@ impl Contact {
         soft: Soft,
     ) -> [f64; 2] {
         let factor = if soft.steady && law.exertion(last, damage) < WELL_WITHIN {
-            // In two steps, so that its stiffness seldom changes.
+            // Two values only, so that this stiffness seldom changes.
             if soft.factor < STIFFEST {
                 FIRM
             } else {
@@ -266,20 +267,20 @@ impl Contact {
     }
 }
 
-/// How soft the penalty is in an iterate.
+/// Factors of the numerical stiffness in an iterate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Soft {
     /// Factor of the numerical stiffness [-].
     pub factor: f64,
-    /// Least stiffness over the mass behind it, from what inertia opposes [1/s²].
+    /// Least stiffness over the mass behind it, with inertia [1/s²].
     pub inertia: f64,
-    /// Whether points well within their limits follow the factor in two steps only, so that their stiffness stays
-    /// written.
+    /// Whether points well within their limits follow the factor in two steps only, so that their stiffness can be
+    /// reused.
     pub steady: bool,
 }
 
 impl Soft {
-    /// That of the present iterate.
+    /// Factors of the present iterate.
     pub fn of(state: &State, trial: &Trial) -> Self {
         Self {
             factor: trial.stiffening,
@@ -289,7 +290,7 @@ impl Soft {
     }
 }
 
-/// `[u, δ₁, δ₂]` of a pair [mm], its slip on from that of its history.
+/// Total gap `[u, δ₁, δ₂]` of a pair [mm]: its slip is added to that of the history.
 pub(super) fn total_gap(kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
     [
         kin.gap,
@@ -298,9 +299,9 @@ pub(super) fn total_gap(kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
     ]
 }
 
-/// A point that faces nothing: no traction; if it comes back it sticks where it is.
+/// History of a point without a master facet: no traction. If it finds one again, it sticks where it is.
 fn lost(law: &InterfaceLaw, old: &InterfaceHistory) -> InterfaceHistory {
-    // What left its surface has no bond to come back to.
+    // A point that left its surface has lost its bond.
     let damage = if law.is_dry() { old.damage } else { 1.0 };
     InterfaceHistory {
         slip: old.plastic_slip,

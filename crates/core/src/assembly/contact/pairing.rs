@@ -1,4 +1,4 @@
-//! Which facet each point faces.
+//! Pairing of each contact point with a master facet.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -10,10 +10,11 @@ use super::Contact;
 use crate::assembly::Trial;
 
 impl Contact {
-    /// Renews the candidates if surfaces moved beyond the skin, then pairs every point.
+    /// Renews the candidates if surfaces have moved beyond the margin, then pairs every point.
     pub fn search(&mut self, trial: &mut Trial) {
         let x = &trial.x;
-        // Where the forces were taken last, feet and gaps of points that stay on their facet are known.
+        // At the positions of the last force evaluation, feet and gaps of points that stay on their facets are
+        // known.
         let seen = trial.seen_at == *x;
         if !seen {
             trial.seen_at.clear();
@@ -72,17 +73,17 @@ impl Contact {
             });
     }
 
-    /// Whether nodes moved beyond the skin since the candidates were searched.
+    /// Whether nodes have moved beyond the margin since candidates were searched.
     fn has_moved(&self, x: &[[f64; 3]]) -> bool {
         self.searched_at.len() != x.len()
             || self.searched_at.iter().zip(x).any(|(a, b)| {
                 let d: f64 = (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum();
-                // Both surfaces move.
+                // Both surfaces move, so each may use half of the margin.
                 d > 0.25 * self.skin * self.skin
             })
     }
 
-    /// The facet that a point of a facet faces, wherever it was before.
+    /// Master facet of a point and the parameters of its foot, starting from its pair `before`.
     fn pair(
         &self,
         f: usize,
@@ -109,7 +110,7 @@ impl Contact {
         blend(weights, &self.slave.corners(facet, x))
     }
 
-    /// Whether a point [mm] lies behind a facet by more than `depth` [mm].
+    /// Whether a point [mm] lies more than `depth` [mm] behind a facet.
     fn is_behind(
         &self,
         depth: f64,

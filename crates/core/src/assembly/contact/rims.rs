@@ -1,9 +1,9 @@
-//! Points that follow the rim of the surface they face.
+//! Points that follow the rim of their master surface (theory/contact.md, eq. 9).
 //!
-//! The corners of the common area carry a slave facet that hangs over the rim of its master. A sampling point at a corner of
-//! the facet would face nothing there, and the facet would turn about the other points. So a point without bond that is
-//! over the rim is moved along its facet to the rim at the beginning of an increment. Its place follows from the committed
-//! positions alone, so that it goes back with the facet, and a resumed run finds it again.
+//! The corners of the common area carry a slave facet that extends beyond the rim of its master. A contact point at
+//! a corner of the facet would have no master there, and the facet would rotate about its other points. So a point
+//! without bond that lies beyond the rim is moved along its facet to the rim when an increment begins. Its place
+//! depends on the committed positions alone. It therefore returns with the facet, and a resumed run finds it again.
 
 use wythe_contact::pairs::{STAY, rim_point, stays_on};
 use wythe_contact::surface::{blend, weights_at};
@@ -14,13 +14,13 @@ use crate::assembly::Trial;
 use crate::model::Model;
 use crate::state::State;
 
-/// Rounding of the parameters of a point at the end of its part of a facet [-].
+/// Rounding of the parameters of a point at the edge of its part of a facet [-].
 const ROUNDING: f64 = 1e-9;
-/// Parameter of a master facet at which a moved point lies: a little less than the one at which a point leaves the facet
-/// ([`stays_on`]).
+/// Parameter of the master facet at which a moved point lies. It is slightly less than the one at which a point
+/// leaves the facet ([`stays_on`]).
 const FARTHEST: f64 = 1.0 + 0.9 * STAY;
 
-/// Largest distance of a point from its place at rest that counts as none (of the skin): 3e-5 of an edge.
+/// Largest distance of a point from its place at rest that counts as zero, over the margin: 3e-5 of an edge.
 const AT_REST: f64 = 1e-3;
 
 impl Contact {
@@ -31,7 +31,7 @@ impl Contact {
             trial.held.forget_joint(p as usize / 4);
         }
         if model.contact.general.is_some() {
-            // Edges carry a facet there.
+            // In general contact the edges carry facets beyond rims.
             return;
         }
         for p in 0..self.points.len() {
@@ -52,7 +52,7 @@ impl Contact {
         }
     }
 
-    /// Whether a point, where it is at rest on its facet, is over the facet of its pair: its foot is that of the pair.
+    /// Whether a point at its place at rest lies above the facet of its pair, with the foot of that pair.
     fn is_over_its_facet(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> bool {
         let Some(facet) = pair.facet.filter(|_| stays_on(pair.xi)) else {
             return false;
@@ -64,7 +64,7 @@ impl Contact {
         along.norm() <= AT_REST * self.skin
     }
 
-    /// The place on the rim of a point that is over it: weights of the corners of its slave facet, and its foot.
+    /// Place on the rim of a point that lies beyond it: the weights of its slave facet's corners, and its foot.
     fn at_rim(
         &self,
         model: &Model,
@@ -80,7 +80,7 @@ impl Contact {
         if stays_on(foot.xi) {
             return None;
         }
-        // As far beyond the rim as points stay at their corners: it leaves its corner without a jump.
+        // Points at their corners stay up to the same parameter, so a point leaves its corner without a jump.
         let xi = foot.xi.map(|xi| xi.clamp(-FARTHEST, FARTHEST));
         let target = blend(&weights_at(xi), &master);
         let on_slave = extend(&target, &self.slave.corners(f, x), [0.0; 2])?;

@@ -1,4 +1,4 @@
-//! One point seen from its facet, wherever it came from.
+//! Kinematics of one contact point, independent of the way they were computed.
 
 use nalgebra::Vector3;
 use wythe_contact::stencil::Anchor;
@@ -9,7 +9,7 @@ use super::Contact;
 /// Kinematics of a point.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::assembly) struct Sight {
-    /// Place of its cell among those of its facet.
+    /// Index of its cell among those of its facet.
     pub cell: usize,
     /// Normal gap [mm].
     pub gap: f64,
@@ -24,7 +24,7 @@ pub(in crate::assembly) struct Sight {
 }
 
 impl Sight {
-    /// One of four.
+    /// Kinematics of one of four points computed together.
     #[inline(always)]
     pub fn of(cell: usize, four: &FourSeen, p: usize) -> Self {
         let mut sight = Self {
@@ -46,7 +46,7 @@ impl Sight {
         sight
     }
 
-    /// Of the plain kinematics.
+    /// Kinematics of a point computed alone.
     pub fn new(cell: usize, kin: &Kinematics) -> Self {
         Self {
             cell,
@@ -79,7 +79,7 @@ impl Sight {
 }
 
 impl Contact {
-    /// Kinematics of a point, and the place of its cell among those of its facet.
+    /// Kinematics of a point, and the index of its cell among those of its facet.
     pub(in crate::assembly) fn see(
         &self,
         at: usize,
@@ -97,13 +97,13 @@ impl Contact {
         Some((cell, kin))
     }
 
-    /// Where the slip of this increment starts: the foot at the last commit, wherever it is now. A
-    /// point that comes into contact starts where it is.
+    /// Start of the slip of this increment: the foot at the last commit, moved with its facet. For a point that
+    /// comes into contact it is the present foot.
     fn anchor(&self, committed: PointPair, now: PointPair, x: &[[f64; 3]]) -> Anchor {
         match committed.facet {
             Some(facet) if Some(facet) == now.facet => Anchor::Same(committed.xi),
             Some(facet) => {
-                // The point has crossed to another facet in this increment.
+                // The point has moved to another facet in this increment.
                 let corners = self.master.corners(facet as usize, x);
                 Anchor::At(wythe_contact::surface::point_at(&corners, committed.xi).into())
             }
@@ -111,7 +111,7 @@ impl Contact {
         }
     }
 
-    /// History with its tangential components in the frame of the present facet.
+    /// History with its tangential components in the frame of the present facet (theory/contact.md, eq. 8).
     pub(in crate::assembly) fn carried(
         &self,
         old: &InterfaceHistory,

@@ -8,8 +8,8 @@ use crate::model::Model;
 use crate::state::State;
 
 impl Contact {
-    /// What the trapezoidal rule makes of points that open, close or change their facet in the increment that
-    /// `trial` ends [N mm].
+    /// Terms of the trapezoidal rule for points that open, close or change their facet in the increment that
+    /// `trial` ends [N mm] (theory/contact.md, eqs 17 and 18).
     pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
         let points = state.interface.iter().zip(&trial.interface).enumerate();
         points
@@ -24,13 +24,13 @@ impl Contact {
             .sum()
     }
 
-    /// What the nodal forces of open points do beside the work of their tractions on gap and slip, in the increment that
-    /// `trial` ends [N mm].
+    /// Work of the nodal forces of open points beyond the work of their tractions on gap and slip, in the increment
+    /// that `trial` ends [N mm] (theory/contact.md, eq. 19).
     ///
-    /// The traction τ pulls at the point and at the foot of its perpendicular, with the gap u between them. Slip is
-    /// t·(x_s − y), so that a facet which turns by δt changes it by u (δt·n), too: work of τ that no nodal force does,
-    /// because the couple τ u is left out of the forces. Of joints that touch u is next to nothing; a bond that still
-    /// carries shear while it gapes has it at every size of the increments.
+    /// The traction τ acts at the point and at the foot of its perpendicular, with the gap u between them. Slip is
+    /// t·(x_s − y). A facet that rotates by δt therefore changes it by u (δt·n). The nodal forces do no such work,
+    /// because the couple τ u is left out of them. In closed joints u is negligible. A bond that carries shear
+    /// across an open gap has this term at every increment size.
     pub fn turning_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
         if trial.x_start.is_empty() {
             return 0.0;
@@ -53,7 +53,7 @@ impl Contact {
         works.sum()
     }
 
-    /// The same of a point with these tractions before and after [N/mm].
+    /// The same for one point with these tractions before and after, over its area [N/mm].
     fn turning_work_of(
         &self,
         p: usize,
@@ -72,7 +72,7 @@ impl Contact {
         };
         let mut work = 0.0;
         for (kin, traction) in [&before, &after].into_iter().zip(traction) {
-            // Work of the nodal forces of this end.
+            // Work of the nodal forces at this end.
             for (a, weight) in kin.weights().iter().enumerate() {
                 let way = if a < 4 {
                     way(&slave, a)
@@ -94,9 +94,12 @@ impl Contact {
         Some(work)
     }
 
-    /// The same of a point that has come from facet a, or from none, to b, or to none [N/mm]. The rule's work of its
-    /// normal tractions t₀, t₁ is ½ t₀ Δg_a + ½ t₁ Δg_b, and the energies of its branches are ½ t₀ g_a0 and ½ t₁ g_b1:
-    /// ½ t₀ g_a1 − ½ t₁ g_b0 is left. One that is lost dissipates its energy besides.
+    /// Term of the trapezoidal rule for a point that has moved from facet a, or from none, to b, or to none, over
+    /// its area [N/mm].
+    ///
+    /// The rule gives the normal tractions t₀ and t₁ the work ½ t₀ Δg_a + ½ t₁ Δg_b. The energies of the branches
+    /// are ½ t₀ g_a0 and ½ t₁ g_b1. The rest is ½ t₀ g_a1 − ½ t₁ g_b0. A point that loses its master also
+    /// dissipates its energy.
     fn work_of_change(&self, p: usize, state: &State, trial: &Trial) -> f64 {
         let (old, new) = (&state.interface[p], &trial.interface[p]);
         if trial.x_start.is_empty() {

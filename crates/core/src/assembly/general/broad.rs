@@ -1,28 +1,28 @@
-//! The broad phase: which corners and edges may come near which facets and edges of other bodies.
+//! Broad phase: corners and edges that may come close to facets and edges of other bodies.
 
 use rayon::prelude::*;
 use wythe_contact::{Aabb, Bvh};
 
 use super::{General, NEAR};
 
-/// How far surfaces may move before their neighbours are searched anew, over the smallest facet.
+/// Margin over the smallest facet: how far surfaces may move before neighbours are searched again.
 const SKIN: f64 = 0.1;
 
-/// Neighbours, and the positions that they hold for.
+/// Neighbours, and the positions for which they are valid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nearby {
-    /// `[node, facet]`, ascending.
+    /// Pairs `[node, facet]`, ascending.
     pub(super) corners: Vec<[u32; 2]>,
-    /// `[edge, edge]`, the lower first, ascending.
+    /// Pairs `[edge, edge]`, the lower number first, ascending.
     pub(super) edges: Vec<[u32; 2]>,
-    /// Where bodies were when the increment began, and where they were then [mm]. `[node]`
+    /// Positions at the start of the increment and at the search [mm]. `[node]`
     at: [Vec<[f64; 3]>; 2],
-    /// How far they may move [mm].
+    /// Margin of movement [mm].
     margin: f64,
 }
 
 impl Nearby {
-    /// None yet, of facets of these sizes [mm].
+    /// No neighbours yet, for facets of these sizes [mm].
     pub(super) fn new(size: &[f64]) -> Self {
         let least = size.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
@@ -31,7 +31,7 @@ impl Nearby {
         }
     }
 
-    /// Whether the neighbours hold for an increment from `x0` to `x` [mm] `[node]`.
+    /// Whether the neighbours are valid for an increment from `x0` to `x` [mm] `[node]`.
     pub(super) fn holds(&self, x0: &[[f64; 3]], x: &[[f64; 3]]) -> bool {
         let [from, to] = &self.at;
         if from.len() != x.len() {
@@ -47,7 +47,7 @@ impl Nearby {
         })
     }
 
-    /// All pairs whose boxes over the way from `x0` to `x` [mm] `[node]` come near one another.
+    /// Finds all pairs whose boxes over the way from `x0` to `x` [mm] `[node]` come close to each other.
     pub(super) fn search(&mut self, of: &General, x0: &[[f64; 3]], x: &[[f64; 3]]) {
         let Some(general) = &of.of else { return };
         let over = |nodes: &[u32]| {
@@ -144,7 +144,7 @@ kind = "free"
         let (model, _) = Model::from_deck(&deck).unwrap();
         let system = System::new(&model).unwrap();
         let of = &system.general;
-        // A deterministic shake, larger than the gaps, and a way of some millimetres.
+        // A deterministic perturbation larger than the gaps, and a movement of some millimetres.
         let x0: Vec<[f64; 3]> = (model.mesh.nodes.iter().enumerate())
             .map(|(n, x)| [0, 1, 2].map(|i| x[i] + 9.0 * ((n * 7 + i * 3) as f64).sin()))
             .collect();

@@ -1,4 +1,4 @@
-//! Corners on facets.
+//! Touches of corners and facets.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -9,33 +9,33 @@ use super::live::{Live, Start};
 use super::{General, LOST, NEAR, STAY};
 use crate::state::{Kind, Touch};
 
-/// A face is come upon by a corner of which a face looks at it by this much (cosine).
+/// A corner may reach a face if one of its own faces has a normal with at most this cosine to that of the face.
 const FACING: f64 = -0.1;
-/// Faces that look at each other by this much lie flat when they meet (cosine).
+/// Faces whose normals have at most this cosine lie flat when they meet.
 const FLAT: f64 = -0.9;
-/// A facet takes its part of a corner's load if it looks at the face by this much (cosine).
+/// A facet contributes to the area of a corner if its normal has at most this cosine to that of the face.
 const LOADED: f64 = -0.7;
 
-/// How much deeper than a planned point of its facet a corner is at most while that point holds it: √3 in a joint
-/// that is pressed and bent about its middle, and as much again.
+/// Largest depth of a corner over that of the planned points of its facet while these hold it. In a joint that is
+/// pressed and bent about its middle the ratio is √3; the bound is nearly twice that.
 const BESIDE: f64 = 3.0;
 
-/// A corner that may come onto a facet in this increment.
+/// A corner that may reach a facet in this increment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     node: u32,
     facet: u32,
-    /// Facet of the corner that looks at the other, and the corner's place in it.
+    /// Facet of the corner that faces the other facet, and the corner's position in it.
     slave: u32,
     corner: usize,
-    /// Where it is when the increment begins.
+    /// Foot and gap when the increment begins.
     from: Place,
-    /// Whether it is within the body then, nearest to this face.
+    /// Whether the corner is inside the body then, with this face as the nearest one.
     lost: bool,
 }
 
 impl General {
-    /// Corners that may come onto facets, from positions `x0` [mm] `[node]`: those in front of them.
+    /// Corners that may reach facets, starting in front of them at positions `x0` [mm] `[node]`.
     pub(super) fn watch(&self, x0: &[[f64; 3]]) -> Vec<Watch> {
         let near = self.nearby.corners.par_iter();
         near.filter_map(|&[node, facet]| {
@@ -68,9 +68,10 @@ impl General {
         .collect()
     }
 
-    /// Whether a node, at `point`, lies in the element behind a facet, nearer to it than to all other faces of its skin
-    /// that the node's faces look at, and no deeper than `most` [mm]. Through others it cannot have come: where bodies
-    /// are flush those are the nearest, or it is outside by what they bulge.
+    /// Whether a node at `point` lies inside the element behind a facet, no deeper than `most` [mm], and nearer to
+    /// this facet than to the other boundary facets of the element that face the node's faces. The node cannot have
+    /// come through the remaining ones. They may still be nearer where bodies are flush, or lie beyond the node by
+    /// the amount that they bulge.
     fn is_lost(
         &self,
         (node, point): (u32, &Vector3<f64>),
@@ -84,7 +85,7 @@ impl General {
             return false;
         }
         let element = of.skin.element[facet as usize];
-        // Facets of one element stand together.
+        // Facets of one element are consecutive.
         let first = (facet as usize).saturating_sub(5);
         let last = (facet as usize + 6).min(of.skin.facets.len());
         (first..last)
@@ -103,7 +104,7 @@ impl General {
             })
     }
 
-    /// The facet at a node that looks most against a direction, and the cosine.
+    /// Facet at a node whose normal has the smallest cosine to `n`, and that cosine.
     fn opposite(&self, node: u32, n: &Vector3<f64>, x: &[[f64; 3]]) -> (u32, f64) {
         let mut best = (u32::MAX, f64::INFINITY);
         for &f in self.facets_at(node) {
@@ -137,7 +138,7 @@ impl General {
         &self.watch[from..to]
     }
 
-    /// A touch of the last commit where it is now: on its facet, or on the next of the same face.
+    /// Continues a touch of the last commit: on its facet, or on the next facet of the same face.
     pub(super) fn follow_corner(&self, touch: &Touch, x: &[[f64; 3]]) -> Option<Live> {
         let [slave, facet] = touch.facets;
         let corner = self.corner_of(slave, touch.first)?;
@@ -168,7 +169,7 @@ impl General {
         best.map(|(_, f, xi)| Live::followed(touch, f, xi))
     }
 
-    /// Corners that have come onto facets on the way from `x0` to `x` [mm] `[node]`, or are near them.
+    /// Corners that have reached facets on the way from `x0` to `x` [mm] `[node]`, or are close to them.
     pub(super) fn new_corners(
         &self,
         followed: &[Live],
@@ -193,7 +194,7 @@ impl General {
             .collect()
     }
 
-    /// What one node has come onto. `on`: what it is on already.
+    /// Touches that one node has begun. `on`: pairs (node, facet) of its touches that continue.
     fn of_node(
         &self,
         group: &[Watch],
@@ -214,8 +215,8 @@ impl General {
                 found.push(one);
             }
         }
-        // Of the faces of one body that a corner has come through the least deep one counts, unless they
-        // form an inner corner.
+        // If a corner has passed several faces of one body, only the shallowest touch counts, unless the faces form
+        // an inner corner.
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut kept: Vec<Live> = Vec::new();
         for (depth, one) in found {
@@ -231,7 +232,7 @@ impl General {
         kept
     }
 
-    /// Whether two facets of one body look at each other: an inner corner, whose sides both hold.
+    /// Whether two facets of one body face each other. At such an inner corner both act.
     fn is_inner(&self, a: u32, b: u32, x: &[[f64; 3]]) -> bool {
         let centre = |f: u32| {
             let corners = self.surface.corners(f as usize, x);
@@ -246,7 +247,7 @@ impl General {
         self.normal(a, x).dot(&way) > least && self.normal(b, x).dot(&way) < -least
     }
 
-    /// Whether a corner has come onto a facet, with its depth.
+    /// Depth and touch of a corner that has reached a facet or is close to it.
     fn met(
         &self,
         watch: &Watch,
@@ -297,8 +298,8 @@ impl General {
             let may = foot.gap < 0.0 && from.gap >= -flush;
             may.then(|| entry(&from, &to, &self.rims(node, &master, foot.xi, x), flush))?
         });
-        // What was found in an earlier iterate stays, so that iterates do not lose it on a rim, and slips
-        // from where it met the face then: the converged way ends where the gap closes.
+        // A touch found in an earlier iterate remains, so that iterates do not lose it at a rim. Its slip counts
+        // from where it met the face in that iterate. The converged path ends where the gap closes.
         let known = before.binary_search_by_key(&key, Live::key).ok();
         if let Some(known) = known.map(|k| &before[k]).filter(|k| k.claims)
             && (over || entry.is_some())
@@ -311,7 +312,7 @@ impl General {
             return over.then(|| (0.0, make(idle, false)));
         }
         let entry = entry.or_else(|| {
-            // It was within the body when the increment began: it goes no further.
+            // The corner was inside the body when the increment began. It is held at this depth.
             (lost && over).then_some(Entry {
                 time: 0.0,
                 at: from.at,
@@ -321,9 +322,11 @@ impl General {
         entry.map(|entry| (-foot.gap, make(entry, true)))
     }
 
-    /// Range of the parameters of a facet with corners `master`, seen at `at`, in which a node is on it. Where an edge
-    /// leads from the node back over a rim, the end that crossed edges leave to the corner is on the facet, and as
-    /// much again: otherwise what reaches beyond the rim by less than that end is held by neither.
+    /// Range of the parameters of a facet with corners `master`, seen at `at`, in which a node lies on it.
+    ///
+    /// Touches of crossed edges leave the end of an edge to its corner. Where an edge leads from the node back over
+    /// a rim, the range is extended by twice this end. Otherwise a corner that protrudes by less than this end
+    /// would be held by neither.
     fn rims(
         &self,
         node: u32,
@@ -363,9 +366,9 @@ impl General {
         range
     }
 
-    /// Whether planned contact holds a corner, `depth` [mm] behind a facet when the increment began, on the body of
-    /// that facet, or the facet on the corner's body. Gauss points lie inwards of the corner: what turns about them has
-    /// it go deeper than they are.
+    /// Whether planned contact holds a corner on the body of a facet, or the facet on the corner's body. The corner
+    /// was `depth` [mm] behind the facet when the increment began. Gauss points lie inwards of the corner, so a
+    /// rotation about them moves the corner deeper than the points.
     fn is_planned(&self, node: u32, slave: u32, facet: u32, depth: f64) -> bool {
         let held = self.held_nodes.get(&(node, self.body(facet)));
         let flush = crate::assembly::general::FLUSH * self.pair_size(node, facet);
@@ -373,8 +376,9 @@ impl General {
             || self.held.contains(&(facet, self.body(slave)))
     }
 
-    /// Area of the facets at a corner that load it, no more than that of the face; half of it where the face
-    /// has corners on them as well, so that together they are one joint.
+    /// Contact area of a corner: that of the facets which it loads, at most that of the face. It is halved where
+    /// the face has corners on the slave facet as well, so that both together are as stiff as one joint
+    /// (theory/contact.md, eq. 16).
     fn corner_area(&self, node: u32, slave: u32, facet: u32, x: &[[f64; 3]]) -> f64 {
         let normal = self.normal(facet, x);
         let area = |f: u32| {

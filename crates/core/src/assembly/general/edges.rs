@@ -1,4 +1,4 @@
-//! Edges across edges.
+//! Touches of crossed edges.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -10,17 +10,17 @@ use super::{General, NEAR};
 use crate::model::boundary_facets::SharpEdge;
 use crate::state::{Kind, Touch};
 
-/// How far the common normal of two edges may lie outside the angle between the faces of each (sine).
+/// Tolerance for the common normal of two edges outside the angle between the faces of each (sine).
 const SLACK: f64 = 0.02;
-/// Part of an edge at its ends that belongs to the corner: where ends meet ends, corners are on faces. A corner is on
-/// a face as far beyond its rim as that ([`General::rims`]).
+/// Part at each end of an edge that is left to its corner, because a corner lies on a face where ends meet ends. A
+/// corner counts as on a face up to twice this part beyond the rim ([`General::rims`]).
 pub(super) const END: f64 = 4e-6;
-/// A face looks along the normal of two edges by this much (cosine): it is flat to the other one.
+/// A face whose normal has at least this cosine to the common normal of two edges is flat to the other edge.
 const FLAT: f64 = 0.9;
-/// The same for edges that touch already.
+/// Tolerance for the common normal of edges that already touch (sine).
 const HOLD: f64 = 0.3;
 
-/// Two edges as an iterate has them.
+/// Kinematics of two edges in an iterate.
 struct Seen {
     at: [f64; 2],
     normal: Vector3<f64>,
@@ -29,7 +29,7 @@ struct Seen {
 
 impl General {
     pub(super) fn sharp(&self, edge: u32) -> SharpEdge {
-        // Edges come from the skin itself.
+        // Edges come from the boundary itself.
         match &self.of {
             Some(of) => of.skin.edges[edge as usize],
             None => SharpEdge {
@@ -49,12 +49,12 @@ impl General {
         p + q
     }
 
-    /// Two edges whose bodies lie on both sides of their common normal; none if other parts of them are
-    /// nearer.
+    /// Kinematics of two edges if their bodies lie on opposite sides of their common normal. None if other parts of
+    /// the bodies are nearer.
     fn seen(&self, [a, b]: [u32; 2], x: &[[f64; 3]], slack: f64) -> Option<Seen> {
         let (one, other) = (self.ends(a, x), self.ends(b, x));
         let crossed = crossing(&one, &other)?;
-        // Far beyond their ends other things are nearer.
+        // Far beyond their ends other parts are nearer.
         if crossed.at.iter().any(|s| !(-1.0..=2.0).contains(s)) {
             return None;
         }
@@ -76,14 +76,14 @@ impl General {
         })
     }
 
-    /// A touch of the last commit where it is now.
+    /// Continues a touch of the last commit.
     pub(super) fn follow_edges(&self, touch: &Touch, x: &[[f64; 3]]) -> Option<Live> {
         let seen = self.seen([touch.first, touch.second], x, HOLD)?;
         let inside = seen.at.iter().all(|s| (-END..=1.0 + END).contains(s));
         inside.then(|| Live::followed(touch, touch.second, seen.at))
     }
 
-    /// Edges that have come across one another on the way from `x0` to `x` [mm] `[node]`, or nearly.
+    /// Edges that have crossed on the way from `x0` to `x` [mm] `[node]`, or nearly.
     pub(super) fn new_edges(
         &self,
         followed: &[Live],
@@ -103,7 +103,7 @@ impl General {
             .collect()
     }
 
-    /// Whether two edges have come across one another.
+    /// Touch of two edges that have crossed or are close to it.
     fn crossed(
         &self,
         [a, b]: [u32; 2],
@@ -132,7 +132,8 @@ impl General {
         let bodies = facets.map(|f| self.body(f));
         let flush = self.flush(size, bodies);
         let length = |ends: &[[f64; 3]; 2]| (point_on(ends, 1.0) - point_on(ends, 0.0)).norm();
-        // Where no more than that of an edge reaches over a face of the other body, its end is on that face.
+        // If the end of an edge reaches over a face of the other body by at most the flush depth, its corner lies
+        // on that face.
         let rim = (flush / length(&one).min(length(&other))).min(0.1);
         let tips = [
             self.tip_is_over(seen.at[0], &one, &second, &seen.normal, x),
@@ -172,7 +173,7 @@ impl General {
             at: seen.at,
             gap: seen.gap,
         };
-        // Over the rim an edge comes as deep as its slope makes it.
+        // Near the rim the depth of an edge is its protrusion times its slope.
         let entry = entry(&from, &to, &range, 3.0 * flush);
         let known = before.binary_search_by_key(&key, Live::key).ok();
         let lost = over
@@ -190,7 +191,7 @@ impl General {
             return over.then(|| make(idle, false));
         }
         let entry = entry.or_else(|| {
-            // They were across one another when the increment began: they go no further.
+            // The edges overlapped when the increment began. They are held at this depth.
             lost.then_some(Entry {
                 time: 0.0,
                 at: from.at,
@@ -200,8 +201,8 @@ impl General {
         entry.map(|entry| make(entry, true))
     }
 
-    /// Whether the nearer end of an edge that crosses `other` reaches over the face of that which looks along
-    /// `n`: over a flat face, not down the other side.
+    /// Whether the nearer end of an edge that crosses `other` lies over the face whose normal is closest to `n`.
+    /// The face must be flat to the edge and lie on that side.
     fn tip_is_over(
         &self,
         s: f64,

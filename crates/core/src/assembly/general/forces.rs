@@ -1,4 +1,4 @@
-//! Forces and stiffness of what touches.
+//! Forces and stiffness of touches.
 
 use rayon::prelude::*;
 use wythe_contact::stencil::PointStiffness;
@@ -11,13 +11,13 @@ use crate::assembly::pattern::CELL;
 use crate::assembly::{Evaluation, Trial};
 use crate::state::Touch;
 
-/// What a touch gives to its cell.
+/// Contribution of a touch to its cell.
 struct Share {
     sight: Sight,
     response: wythe_contact::InterfaceResponse,
 }
 
-/// What iterations take their stiffness from.
+/// Factors of the numerical stiffness.
 #[derive(Clone, Copy)]
 struct Softness {
     stiffening: f64,
@@ -26,7 +26,8 @@ struct Softness {
 }
 
 impl General {
-    /// Forces and, where asked for, stiffness of what touches; its cells begin at `first_cell`.
+    /// Evaluates forces, and stiffness where the setting asks for it, of all touches. Their cells begin at
+    /// `first_cell`.
     pub fn evaluate(&self, trial: &mut Trial, setting: Evaluation, first_cell: usize) {
         if self.cells.is_empty() {
             return;
@@ -101,7 +102,7 @@ impl General {
             });
     }
 
-    /// The law's answer.
+    /// Response of the law to one touch.
     fn answer(
         &self,
         one: &mut Live,
@@ -151,7 +152,7 @@ impl General {
         let way = self.way(one.touch.facets, [x0, x]);
         one.note_approach(&sight, &response.traction, &way);
         if one.turns && setting.shifted && response.status == PointStatus::Slip {
-            // From one limit to the other and back: the secant of the friction.
+            // The touch goes from one shear limit to the other and back. It gets the secant of the friction.
             let across = response.tangent[(1, 1)] + response.tangent[(2, 2)];
             for i in 1..3 {
                 for j in 1..3 {
@@ -166,7 +167,7 @@ impl General {
         Some(Share { sight, response })
     }
 
-    /// How far the nodes of two facets have come [mm].
+    /// Movement of the nodes of two facets [mm].
     pub(super) fn way(&self, facets: [u32; 2], [x0, x]: [&[[f64; 3]]; 2]) -> [[f64; 3]; 8] {
         let mut way = [[0.0; 3]; 8];
         let nodes = facets.map(|f| self.surface.facets[f as usize]);
@@ -177,7 +178,7 @@ impl General {
         way
     }
 
-    /// What touches as a commit leaves it.
+    /// Touches after a commit.
     pub fn committed(&self, trial: &Trial) -> Vec<Touch> {
         let mut touches: Vec<Touch> = trial.touches.iter().filter_map(Live::committed).collect();
         touches.sort_by_key(Touch::key);
@@ -185,15 +186,15 @@ impl General {
         touches
     }
 
-    /// Work that the trapezoidal rule makes of what meets or parts in the increment that `trial` ends
-    /// [N mm].
+    /// Term of the trapezoidal rule for bodies that meet or part in the increment that `trial` ends [N mm].
     pub fn crossing_work(&self, trial: &Trial) -> f64 {
         let live: f64 = trial.touches.iter().map(Live::crossing_work).sum();
         live + trial.touch_loss[1]
     }
 }
 
-/// Stiffness of a touch with the direction of its normal held, or of edges: their own turning is left out.
+/// Stiffness of a touch with a fixed normal. For edges the rotation of the normal is left out of the exact tangent,
+/// too.
 fn point_stiffness(one: &Live, share: &Share, setting: Evaluation) -> Option<PointStiffness> {
     if !setting.shifted && share.sight.exact.is_some() {
         return None;

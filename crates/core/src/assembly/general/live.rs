@@ -1,4 +1,4 @@
-//! A touch within an increment.
+//! Touches of general contact within an increment.
 
 use nalgebra::{Matrix3, Vector3};
 use wythe_contact::{
@@ -9,61 +9,61 @@ use wythe_contact::{
 use super::General;
 use crate::state::{Kind, Touch};
 
-/// How a new touch began.
+/// Beginning of a new touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
     /// Gap when the increment began [mm].
     pub(super) gap: f64,
-    /// Where contact came about.
+    /// Entry of the relative path into contact.
     pub(super) entry: Entry,
 }
 
-/// A touch, or what is near one, in an iterate.
+/// A touch, or a pair close to touching, in an iterate.
 #[expect(
     clippy::struct_excessive_bools,
     reason = "four independent facts, none of which follows from others"
 )]
 #[derive(Clone, Debug)]
 pub struct Live {
-    /// As it would be committed.
+    /// Touch as it would be committed.
     pub touch: Touch,
-    /// Its history when the increment began, in the frame of where slip begins.
+    /// History when the increment began, in the frame at the start of the slip.
     pub old: InterfaceHistory,
     /// Facet and parameters at which the slip of this increment begins.
     pub(super) anchor: (u32, [f64; 2]),
-    /// Key at the last commit, or that of something new.
+    /// Key at the last commit, or key of a new touch.
     pub(super) key: (Kind, u32, u32),
-    /// Whether it was none at the last commit.
+    /// Whether the touch is new in this increment.
     pub(super) fresh: bool,
-    /// Work by the trapezoidal rule of its forces on the way before bodies met [N mm].
+    /// Work by the trapezoidal rule of its forces on the way before the bodies met [N mm].
     pub(super) approach: f64,
-    /// Whether bodies have met here; otherwise they are near each other.
+    /// Whether the bodies have met here. Otherwise they are only close.
     pub(super) claims: bool,
     /// Pair of facets of its cell, ascending.
     pub(super) cell: [u32; 2],
-    /// The law.
+    /// Law of the touch.
     pub(super) law: InterfaceLaw,
     /// Elastic stiffness of the bodies behind it, normal and shear [N/mm³].
     pub(super) numerical: [f64; 2],
-    /// Mass that moves if the gap does, over the area [tonne/mm²].
+    /// Mass that moves with the gap, over the contact area [tonne/mm²].
     pub(super) areal_mass: f64,
     /// Traction of the last iterate [MPa].
     pub(super) last: [f64; 3],
-    /// Normal traction that bounds the shear [MPa], and its last change.
+    /// Normal traction that bounds the shear, and its last change [MPa].
     pub(super) bounding: f64,
     pub(super) swing: f64,
-    /// What it does, and did in the last iterate.
+    /// Status in this iterate and in the last one.
     pub status: PointStatus,
     pub(super) status_before: PointStatus,
-    /// Whether `last` is its traction.
+    /// Whether `last` is the traction of the last iterate.
     pub(in crate::assembly) settled: bool,
-    /// Whether its slip has turned round between iterates.
+    /// Whether its slip has reversed between iterates.
     pub(super) turns: bool,
     /// Elastic energy and dissipation [N mm].
     pub energy: [f64; 2],
 }
 
-/// What a touch does by its history.
+/// Status of a touch that has this history.
 fn open(history: &InterfaceHistory) -> PointStatus {
     if history.traction[0] < 0.0 {
         PointStatus::Stick
@@ -72,20 +72,20 @@ fn open(history: &InterfaceHistory) -> PointStatus {
     }
 }
 
-/// What the law sees of a touch.
+/// Kinematics of a touch.
 pub(super) struct Sight {
     pub(super) at: [f64; 2],
     pub(super) gap: f64,
     pub(super) slip: [f64; 2],
     pub(super) frame: [Vector3<f64>; 3],
-    /// Of the nodes of its two facets.
+    /// Weights of the nodes of its two facets.
     pub(super) weights: [f64; 8],
-    /// For the exact stiffness, of a corner.
+    /// Kinematics with derivatives for the exact stiffness, for corners only.
     pub(super) exact: Option<Kinematics>,
 }
 
 impl Sight {
-    /// Relative motion of the two bodies there for that of the nodes of the two facets [mm].
+    /// Relative motion of the two bodies at the touch if the nodes of the two facets move by `way` [mm].
     pub(super) fn moved(&self, way: &[[f64; 3]; 8]) -> Vector3<f64> {
         let nodes = self.weights.iter().zip(way);
         nodes.fold(Vector3::zeros(), |sum, (w, u)| sum + Vector3::from(*u) * *w)
@@ -119,7 +119,7 @@ impl Live {
         }
     }
 
-    /// A touch of the last commit, now on `second` at `at`.
+    /// A touch of the last commit that is now at `at` on `second`.
     pub(super) fn followed(touch: &Touch, second: u32, at: [f64; 2]) -> Self {
         let anchor = (touch.second, touch.at);
         let mut one = Self::new(touch.clone(), anchor);
@@ -133,7 +133,7 @@ impl Live {
         one
     }
 
-    /// A new one.
+    /// A new touch.
     pub(super) fn met(
         (kind, first, second): (Kind, u32, u32),
         facets: [u32; 2],
@@ -167,19 +167,19 @@ impl Live {
         self.key
     }
 
-    /// Begins where it was found in an earlier iterate.
+    /// Begins where an earlier iterate found it.
     pub(super) fn keep_start(&mut self, earlier: &Self) {
         self.anchor = earlier.anchor;
         self.old = earlier.old;
         self.touch.offset = earlier.touch.offset;
     }
 
-    /// Whether it does not touch in this iterate.
+    /// Whether it is open in this iterate.
     pub(in crate::assembly) fn is_open(&self) -> bool {
         self.status == PointStatus::Open
     }
 
-    /// Takes over what iterations have come to.
+    /// Takes over the iteration data of the same touch in an earlier iterate.
     pub(super) fn go_on_from(&mut self, earlier: &Self) {
         self.last = earlier.last;
         self.bounding = earlier.bounding;
@@ -189,19 +189,18 @@ impl Live {
         self.status_before = earlier.status_before;
     }
 
-    /// The traction of the last iterate bounds the shear of the next one.
+    /// Takes the traction of the last iterate as bound of the shear of the next one.
     pub(in crate::assembly) fn bound_by_traction(&mut self) {
         (self.bounding, self.swing) = (self.last[0], 0.0);
     }
 
-    /// The traction of this iterate becomes that of the last, as those of planned contact do; whether it
-    /// does what it did.
+    /// Takes over the traction of this iterate, like planned contact. Returns whether the status is unchanged.
     pub(in crate::assembly) fn keep_traction(&mut self) -> bool {
         let traction = self.touch.history.traction;
         let was_open = self.status_before == PointStatus::Open;
         let is_open = self.status == PointStatus::Open;
-        // Where bodies have just met, the traction of a line search along free flight would stop all of a
-        // body in one place: it is that of the soft stiffness, until the iterates have come to rest on it.
+        // If bodies have just met, a line search along free flight gives a traction that would stop a whole body at
+        // one place. Tractions are carried over only after the iterates have settled on the soft stiffness here.
         self.settled = is_open || !was_open;
         if self.settled {
             let [_, s, t] = self.last;
@@ -217,7 +216,7 @@ impl Live {
         steady
     }
 
-    /// Law, stiffness and mass behind it.
+    /// Sets the law, the numerical stiffness and the mass behind the touch.
     pub(super) fn weigh(&mut self, of: &General) {
         let [a, b] = self.touch.facets;
         self.law = of.law(self.touch.facets);
@@ -316,7 +315,7 @@ impl Live {
         }
     }
 
-    /// The history that it begins with, its tangential parts in the frame of the present facet.
+    /// History at the start, with its tangential components in the frame of the present facet.
     pub(super) fn carried(
         &self,
         of: &General,
@@ -338,7 +337,7 @@ impl Live {
         }
     }
 
-    /// The touch that a commit leaves; none where bodies are apart.
+    /// Touch after a commit. None if the bodies are apart.
     pub(super) fn committed(&self) -> Option<Touch> {
         let mut touch = self.touch.clone();
         let gap = touch.history.opening + touch.offset;
@@ -347,15 +346,16 @@ impl Live {
             return None;
         }
         if !pressed {
-            // What comes out again is met where it is.
+            // A body that comes out again meets the other where it is.
             touch.offset = gap;
             touch.history.opening = 0.0;
         }
         Some(touch)
     }
 
-    /// Notes what the trapezoidal rule makes of the way before bodies met: their forces at the end of the
-    /// increment act in it, too. `sight` and `traction` are those of now, `way` that of the nodes of its facets.
+    /// Records the term of the trapezoidal rule for the way before the bodies met: their forces at the end of the
+    /// increment act on that way, too (theory/contact.md, eq. 19). `sight` and `traction` are present values, `way`
+    /// is the movement of the nodes of both facets.
     pub(super) fn note_approach(
         &mut self,
         sight: &Sight,
@@ -373,7 +373,7 @@ impl Live {
         self.approach = 0.5 * work * self.touch.area;
     }
 
-    /// Work that the trapezoidal rule makes of bodies that meet or part [N mm].
+    /// Term of the trapezoidal rule for bodies that meet or part [N mm].
     pub(super) fn crossing_work(&self) -> f64 {
         if self.fresh {
             return self.approach;
@@ -381,7 +381,7 @@ impl Live {
         self.law.crossing_work(&self.old, &self.touch.history) * self.touch.area
     }
 
-    /// Where its nodes stand in its cell.
+    /// Position in the cell of local node `a` of the two facets.
     pub(super) fn place(&self, a: usize) -> usize {
         if self.touch.facets[0] == self.cell[0] {
             a
@@ -390,7 +390,7 @@ impl Live {
         }
     }
 
-    /// Weights in the order of its cell.
+    /// Weights in the node order of the cell.
     pub(super) fn in_cell(&self, weights: &[f64; 8]) -> [f64; 8] {
         let mut placed = [0.0; 8];
         for (a, w) in weights.iter().enumerate() {
@@ -399,7 +399,7 @@ impl Live {
         placed
     }
 
-    /// Adds an exact stiffness `[a][b][i][j]` of slave and master nodes to that of the cell.
+    /// Adds the exact stiffness of slave and master nodes to the cell. `[a][b][i][j]`
     pub(super) fn add_exact(
         &self,
         kin: &Kinematics,

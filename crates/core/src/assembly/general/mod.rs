@@ -1,9 +1,10 @@
-//! General contact: any two bodies that meet, wherever they meet (docs/theory/contact.md).
+//! General contact of any two bodies at any place (theory/contact.md).
 //!
-//! Two bodies with plane faces meet where a corner of one is on a face of the other, or where two edges
-//! cross; what lies flat on each other meets at the corners of the common area, which are such places. Each
-//! is a [`Touch`] with the dry law of its own: found where its way through the face is, followed as it
-//! slides, given up where it leaves. A cell of the matrix is a pair of facets, as in planned contact.
+//! Two bodies with plane faces touch where a corner of one lies on a face of the other, or where two edges cross.
+//! Bodies that lie flat on each other touch at the corners of the common area, which are such places. Each place is
+//! a [`Touch`] with the history of its own dry law. It begins where the relative path passes through the face,
+//! follows the sliding, and ends where the corner or edge leaves. A cell of the matrix is a pair of facets, as in
+//! planned contact.
 
 mod broad;
 mod corners;
@@ -26,52 +27,53 @@ use broad::Nearby;
 use corners::Watch;
 pub use live::Live;
 
-/// Gap up to which what may touch has its place in the matrix, over the shortest side of the facets.
+/// Gap up to which a possible touch has a place in the matrix, over the shortest side of the facets.
 const NEAR: f64 = 0.06;
-/// What is behind a face by less than this, over the same, lies on it: decks round, and faces that are
-/// flush do so to what presses them in.
+/// Depth behind a face, over the same side, up to which a corner counts as lying on the face. Coordinates of decks
+/// are rounded, and faces that are flush with the face of a pressed body lie slightly behind it.
 const FLUSH: f64 = 1e-3;
-/// What is found deeper than that within a body without having been met is held where it is, up to this depth,
-/// over the same: nothing comes to lie there but by an error, and it shall not go through.
+/// Depth, over the same side, up to which a corner or edge found inside a body without a touch is held where it is.
+/// It can get there only by an error, and must not pass through the body.
 const LOST: f64 = 0.1;
-/// How far beyond the rim of its facet a corner stays on it (of the half facet).
+/// How far beyond the rim of its facet a corner still belongs to it, over half a facet [-].
 const STAY: f64 = 1e-3;
 
-/// Surfaces of all bodies and what is near what.
+/// Surfaces of all bodies and their neighbourhood.
 #[derive(Clone, Debug, Default)]
 pub struct General {
     of: Option<GeneralContact>,
     surface: Surface,
-    /// Facets at each node. `[node]` start of its part of `around`
+    /// Start of each node's entries in `around`, the facets at nodes. `[node]`
     around_start: Vec<u32>,
     around: Vec<u32>,
-    /// Nodes of the skin.
+    /// Nodes of the boundary facets.
     nodes: Vec<u32>,
     /// Shortest side of each facet [mm]. `[facet]`
     size: Vec<f64>,
-    /// The same of the facets at a node. `[node]`
+    /// Shortest side of the facets at a node [mm]. `[node]`
     node_size: Vec<f64>,
-    /// Whether supports hold a facet altogether. `[facet]`
+    /// Whether all nodes of a facet are fully supported. `[facet]`
     held_facet: Vec<bool>,
-    /// 1/m of what moves; 0 where it is held [1/tonne]. `[node]`
+    /// Inverse mass of a node; 0 where it is fully supported [1/tonne]. `[node]`
     inverse_mass: Vec<f64>,
-    /// Weights of a facet's corners, a little inwards. `[corner][corner]`
+    /// Weights of points slightly inwards of a facet's corners. `[corner][corner]`
     weights: [[f64; 4]; 4],
-    /// The planned slave facets on the skin. `[slave facet]`
+    /// Slave facets of planned contact among the boundary facets. `[slave facet]`
     planned: Vec<Option<Planned>>,
-    /// What is near what.
+    /// Neighbouring corners, facets and edges.
     nearby: Nearby,
     /// Touches at the last commit.
     start: Vec<Touch>,
-    /// How deep the deepest touch of each body is [mm]. `[body]`
+    /// Depth of the deepest touch of each body [mm]. `[body]`
     depth: Vec<f64>,
-    /// Facets that a planned contact holds on a body with all its points.
+    /// Pairs (facet, body): planned contact holds the facet on the body with all its points.
     held: HashSet<(u32, u32)>,
-    /// Nodes that it holds on a body with one, and how deep its points are there [mm].
+    /// Pairs (node, body): planned contact holds the node on the body with a point beside it. Depth of these points
+    /// [mm].
     held_nodes: HashMap<(u32, u32), f64>,
-    /// Corners that may come onto facets in this increment, by their nodes.
+    /// Corners that may reach facets in this increment, sorted by node.
     watch: Vec<Watch>,
-    /// Whether `watch` is that of this increment and these neighbours.
+    /// Whether `watch` belongs to this increment and these neighbours.
     watched: bool,
     /// Pairs of facets between which forces may act, ascending.
     cells: Vec<[u32; 2]>,
@@ -79,7 +81,7 @@ pub struct General {
 }
 
 impl General {
-    /// Prepares the skins of a model; empty where it has no general contact.
+    /// Prepares the boundary facets of a model. Empty for a model without general contact.
     pub fn new(model: &Model, mass: &Mass) -> Self {
         let Some(of) = &model.contact.general else {
             return Self::default();
@@ -151,12 +153,12 @@ impl General {
         }
     }
 
-    /// True where the model has no general contact: then nothing here does anything.
+    /// True where the model has no general contact. All other functions then do nothing.
     pub fn is_absent(&self) -> bool {
         self.of.is_none()
     }
 
-    /// Contact cells: nodes of a facet of one body and of another.
+    /// Contact cells: nodes of a facet of one body and of a facet of another.
     pub fn cells(&self) -> &[[u32; 8]] {
         &self.cell_nodes
     }
@@ -179,7 +181,8 @@ impl General {
         self.surface.body[facet as usize]
     }
 
-    /// What counts as flush between two bodies, of sizes down to `size` [mm].
+    /// Depth up to which two bodies count as flush, with facets of shortest side `size` [mm] (theory/contact.md,
+    /// eq. 14).
     fn flush(&self, size: f64, bodies: [u32; 2]) -> f64 {
         let depth = bodies.map(|b| self.depth[b as usize]);
         FLUSH * size + 2.0 * depth[0].max(depth[1])
@@ -204,11 +207,11 @@ impl General {
         self.cells.clear();
     }
 
-    /// Notes what planned contact holds: general contact does not double it.
+    /// Records the places held by planned contact. General contact leaves them alone.
     fn note_planned(&mut self, contact: &Contact, state: &State) {
         self.held.clear();
         self.held_nodes.clear();
-        // Entries of a facet that a body holds with all their points.
+        // Number of parts of each facet that a body holds with all their points.
         let mut held: HashMap<(u32, u32), u32> = HashMap::new();
         for (slave, planned) in self.planned.iter().enumerate() {
             let Some(planned) = planned else { continue };
@@ -234,7 +237,7 @@ impl General {
         }
     }
 
-    /// Finds what touches at the positions of `trial`, from those at the last commit.
+    /// Finds the touches at the positions of `trial`, from those at the last commit.
     pub fn search(&mut self, trial: &mut Trial) {
         if self.is_absent() || trial.x_start.is_empty() {
             return;
@@ -268,8 +271,7 @@ impl General {
         trial.touches = live;
     }
 
-    /// Touches of the last commit that still are; energy that the others set free, and the work of their
-    /// forces by the trapezoidal rule in the increment that parts them [N mm].
+    /// Touches of the last commit that continue. For the others, the sums over them of [`Self::parted`] [N mm].
     fn follow(&self, x0: &[[f64; 3]], x: &[[f64; 3]]) -> (Vec<Live>, [f64; 2]) {
         let followed: Vec<Option<Live>> = (self.start.par_iter())
             .map(|touch| match touch.kind {
@@ -288,8 +290,8 @@ impl General {
         (followed.into_iter().flatten().collect(), lost)
     }
 
-    /// Energy of a touch that is no more, and the work that its forces when the increment began do in it by
-    /// the trapezoidal rule [N mm].
+    /// Energy released by a touch that ended, and the work by the trapezoidal rule of the forces that it had when
+    /// the increment began [N mm].
     fn parted(&self, touch: &Touch, x0: &[[f64; 3]], x: &[[f64; 3]]) -> [f64; 2] {
         let freed = self.law(touch.facets).free_energy(&touch.history) * touch.area;
         let Some(sight) = Live::followed(touch, touch.second, touch.at).see(self, x0) else {
@@ -303,13 +305,13 @@ impl General {
         [freed, 0.5 * work * touch.area]
     }
 
-    /// The law between two facets.
+    /// Law between two facets.
     fn law(&self, [a, b]: [u32; 2]) -> InterfaceLaw {
         let none = || InterfaceLaw::dry(0.0, 0.0, 0.0);
         self.of.as_ref().map_or_else(none, |of| of.law(a, b))
     }
 
-    /// Makes room for cells that are not there yet.
+    /// Adds cells that do not exist yet.
     fn add_cells(&mut self, wanted: impl Iterator<Item = [u32; 2]>) {
         let before = self.cells.len();
         let mut cells = std::mem::take(&mut self.cells);
@@ -330,14 +332,14 @@ impl General {
 /// A slave facet of planned contact, or a part of one.
 #[derive(Clone, Copy, Debug)]
 struct Planned {
-    /// Facet of the skin.
+    /// Its boundary facet.
     facet: u32,
     part: Part,
-    /// In how many parts the facet stands among the slaves.
+    /// Number of parts of this facet among the slaves.
     entries: u32,
 }
 
-/// The planned slave facets on the skin. `[slave facet]`
+/// Slave facets of planned contact among the boundary facets. `[slave facet]`
 fn planned_facets(model: &Model, of: &GeneralContact) -> Vec<Option<Planned>> {
     let sorted = |facet: &[u32; 4]| {
         let mut key = *facet;

@@ -1,4 +1,4 @@
-//! A deck to begin with, around a mesh: its materials as tables, its sets in comments.
+//! Writes a first deck for a mesh: its materials as tables, its sets in comments.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,11 +9,11 @@ use crate::deck::schema::Material;
 use crate::deck::templates::SCHEMA;
 
 impl ImportedMesh {
-    /// The text of a deck that imports this mesh as `name` from `file`, its materials written out. What the
-    /// author has to decide stands in comments: materials that cannot be converted, interfaces, supports, steps.
+    /// Text of a deck that imports this mesh as `name` from `file`, with its materials written out. Comments list
+    /// the decisions that are left to the author: materials that cannot be converted, interfaces, supports, steps.
     ///
     /// # Errors
-    /// What TOML refuses to write, which nothing here should be.
+    /// Values that TOML cannot represent; none are expected here.
     pub fn as_deck(&self, name: &str, file: &str, units: &str) -> Result<String, String> {
         let mut materials: BTreeMap<&str, Material> = BTreeMap::new();
         let mut missing: Vec<(&str, String)> = Vec::new();
@@ -114,7 +114,7 @@ impl ImportedMesh {
         Ok(text)
     }
 
-    /// Equivalent lengths of the elements that sections give a material.
+    /// Equivalent lengths of the elements whose sections name a material.
     pub(crate) fn lengths_of(&self, material: &str) -> Option<Lengths> {
         let sections = self.sections.iter();
         let of = sections.filter(|s| s.material.eq_ignore_ascii_case(material));
@@ -125,5 +125,5 @@ impl ImportedMesh {
     }
 }
 
-/// How many names are told.
+/// Largest number of names that are listed.
 const SOME: usize = 20;

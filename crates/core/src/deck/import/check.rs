@@ -1,18 +1,18 @@
-//! What a mesh must be before anything can be computed with it.
+//! Conditions that a mesh must fulfil before it can be used.
 
 use super::{ImportError, ImportedMesh};
-use crate::model::hexahedron::{PLACES, cross, difference, dot, is_upright};
-use crate::model::mesh::CORNERS;
+use crate::element::hex8::CORNERS;
+use crate::element::hexahedron::{PLACES, cross, difference, dot, is_upright};
 
-/// How many of many elements are named.
+/// Number of elements that a note names when there are more.
 const NAMED: usize = 5;
 
 impl ImportedMesh {
-    /// Sees that every element is sound: eight different nodes, a positive volume at each of its integration points, no
-    /// side in common with more than one other.
+    /// Checks that every element has eight different nodes, a positive Jacobian determinant at each integration
+    /// point, and no side in common with more than one other element.
     ///
     /// # Errors
-    /// The first element that is not, its file and line, its place in space, and what the others are.
+    /// A mesh without hexahedra; the first element that fails, with file, line and position, and the others that fail.
     pub fn check(&self) -> Result<(), ImportError> {
         if self.elements.is_empty() {
             let others = self.left_out.iter();
@@ -49,8 +49,8 @@ impl ImportedMesh {
         Ok(())
     }
 
-    /// Notes elements that are folded at a corner and have a volume at their integration points nevertheless: they can be
-    /// computed with, if not well.
+    /// Adds a note about elements that are folded at a corner but have positive volume at their integration points.
+    /// They can be used, with loss of accuracy.
     pub(super) fn note_folded(&mut self) {
         let folded = |e: &usize| {
             let corners = self.corners(*e);
@@ -94,7 +94,7 @@ impl ImportedMesh {
         Err(self.wrong_element(first, &message, help))
     }
 
-    /// What is wrong with the volume of an element.
+    /// Describes the wrong volume of an element.
     fn fold(&self, e: usize) -> String {
         let x = self.corners(e);
         let volumes = PLACES.map(|place| corner_volume(&x, place));
@@ -102,7 +102,7 @@ impl ImportedMesh {
             return "has its nodes in the wrong order: it is turned inside out, with a negative volume"
                 .to_owned();
         }
-        // `PLACES` are in the order of the nodes.
+        // `PLACES` has the order of the nodes.
         let n = volumes.iter().position(|v| v.is_nan() || *v <= 0.0);
         let n = n.unwrap_or_default();
         let label = self.node_labels[self.elements[e][n] as usize];
@@ -110,7 +110,7 @@ impl ImportedMesh {
     }
 }
 
-/// Whether the determinant of the Jacobian is positive at all eight points of 2 × 2 × 2 Gauss integration.
+/// Returns whether the determinant of the Jacobian is positive at all eight points of 2 × 2 × 2 Gauss integration.
 fn has_volume(x: &[[f64; 3]; 8]) -> bool {
     let g = 1.0 / 3.0_f64.sqrt();
     CORNERS.iter().all(|at| {
@@ -129,7 +129,7 @@ fn has_volume(x: &[[f64; 3]; 8]) -> bool {
     })
 }
 
-/// Triple product of the three edges that meet in a corner, along ξ, η, ζ.
+/// Triple product of the three edges along ξ, η, ζ that meet in a corner.
 fn corner_volume(x: &[[f64; 3]; 8], place: [usize; 3]) -> f64 {
     let sign = |high: usize| if high == 1 { 1.0 } else { -1.0 };
     let at = |place: [usize; 3]| {

@@ -1,10 +1,10 @@
-//! Sides of elements: which are outside, what a set of a file means as a face, and which elements hang together.
+//! Sides of elements: the exterior ones, those that a set of a file denotes, and the connected bodies.
 
 use std::collections::BTreeMap;
 
 use super::{ImportedMesh, find};
 
-/// Local nodes of the sides S1 to S6 of a hex8 as Abaqus counts them, counter-clockwise seen from outside.
+/// Local nodes of the sides S1 to S6 of a hex8 in Abaqus numbering, counter-clockwise seen from outside.
 pub const SIDES: [[usize; 4]; 6] = [
     [0, 3, 2, 1],
     [4, 5, 6, 7],
@@ -14,12 +14,13 @@ pub const SIDES: [[usize; 4]; 6] = [
     [3, 0, 4, 7],
 ];
 
-/// Which elements hang together.
+/// Connected bodies of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Bodies {
-    /// Body of each element, numbered in the order of their first elements. `[element]`
+    /// Body of each element, numbered in the order of first elements. `[element]`
     pub of_element: Vec<u32>,
-    /// A name for each: that of its instance if it is all of it, else `0`, `1`, … or `INSTANCE-0`, ….
+    /// Names of the bodies: that of the instance if the body is the whole instance, else `0`, `1`, … or
+    /// `INSTANCE-0`, ….
     pub names: Vec<String>,
 }
 
@@ -29,7 +30,7 @@ impl ImportedMesh {
         SIDES[usize::from(side)].map(|n| self.elements[element as usize][n])
     }
 
-    /// Sides that belong to one element only, by element and side.
+    /// Exterior sides: those of one element only, in the order of element and side.
     ///
     /// # Errors
     /// The third element that has a side in common with two others.
@@ -55,8 +56,8 @@ impl ImportedMesh {
         Ok(outside)
     }
 
-    /// Nodes that `name` stands for, ascending: of a set of nodes, a surface, a set of elements, or an
-    /// instance, the first of them that has this name.
+    /// Nodes that `name` denotes, ascending. Names are searched in this order: set of nodes, surface, set of
+    /// elements, instance.
     pub fn nodes_of(&self, name: &str) -> Option<Vec<u32>> {
         let of_elements = |elements: &mut dyn Iterator<Item = u32>| -> Vec<u32> {
             elements
@@ -77,8 +78,8 @@ impl ImportedMesh {
         Some(nodes)
     }
 
-    /// Sides that `name` stands for: a surface; else, of those `outside`, the ones all of whose nodes are in
-    /// the set of nodes, or whose elements are in the set of elements, of this name.
+    /// Sides that `name` denotes: those of a surface, or else the sides of `outside` whose nodes are all in the set
+    /// of nodes, or whose elements are in the set of elements, of this name.
     pub fn facets_of(&self, name: &str, outside: &[(u32, u8)]) -> Option<Vec<(u32, u8)>> {
         if let Some(surface) = get(&self.surfaces, name) {
             return Some(surface.clone());
@@ -98,7 +99,7 @@ impl ImportedMesh {
         Some(of_set.copied().collect())
     }
 
-    /// Sides of `outside` all of whose nodes are among these.
+    /// Sides of `outside` whose nodes are all in `nodes`.
     pub(super) fn sides_between(&self, nodes: &[u32], outside: &[(u32, u8)]) -> Vec<(u32, u8)> {
         let mut inside = vec![false; self.nodes.len()];
         for n in nodes {
@@ -142,7 +143,7 @@ impl ImportedMesh {
         Some((0..self.elements.len() as u32).filter(of).collect())
     }
 
-    /// Bodies: elements that are joined by common nodes are one.
+    /// Divides the mesh into bodies: elements connected by common nodes.
     pub fn bodies(&self) -> Bodies {
         let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
         for nodes in &self.elements {
@@ -198,9 +199,9 @@ impl ImportedMesh {
     }
 }
 
-/// The set that `name` means.
+/// The set that `name` denotes.
 fn get<'a, T>(sets: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
-    // Most are asked for as they are written.
+    // Most names are written as in the file.
     sets.get(name)
         .or_else(|| sets.get(find(name, sets.keys().map(String::as_str))?))
 }
@@ -218,15 +219,15 @@ fn root(parent: &mut [u32], node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hexahedron::{area_vector, difference, dot, mean};
-    use crate::model::mesh::CORNERS;
+    use crate::element::hex8::CORNERS;
+    use crate::element::hexahedron::{area_vector, difference, dot, mean};
 
     #[test]
     fn sides_look_outwards() {
         for side in SIDES {
             let x = side.map(|n| CORNERS[n]);
             let middle = mean(&x);
-            // The middle of the element is the origin; an area of 4 at a distance of 1.
+            // The element is centred at the origin; its sides have area 4 at distance 1.
             assert_eq!(dot(area_vector(&x), middle), 4.0, "{side:?}");
             assert_eq!(dot(difference(x[0], middle), middle), 0.0);
         }
@@ -237,7 +238,7 @@ mod tests {
         let cube = |first: u32| std::array::from_fn(|n| first + n as u32);
         let mut mesh = ImportedMesh {
             nodes: vec![[0.0; 3]; 20],
-            // The third shares the last four nodes of the first.
+            // The third element shares the last four nodes of the first.
             elements: vec![cube(0), cube(8), [4, 5, 6, 7, 16, 17, 18, 19]],
             element_instance: vec![None; 3],
             ..ImportedMesh::default()

@@ -1,12 +1,12 @@
-//! Which files a mesh includes, without reading the mesh.
+//! Files that a mesh includes, found without reading the mesh.
 
 use std::path::{Path, PathBuf};
 
-/// As deep as files may include each other.
+/// Largest depth of inclusion.
 const DEEPEST: usize = 16;
 
-/// The files that an `.inp` includes, and those that they include, by the INPUT= of their keywords; none of what cannot
-/// be read or is no `.inp`.
+/// Files that an `.inp` includes, directly and indirectly, found by the INPUT= of their keywords. Unreadable files,
+/// and meshes other than `.inp`, give none.
 pub fn included(mesh: &Path) -> Vec<PathBuf> {
     let is_inp = mesh
         .extension()
@@ -36,7 +36,7 @@ fn inputs_of(file: &Path, folder: &Path) -> Vec<PathBuf> {
     };
     let text = bytes.unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
-    // A keyword may go on in the next lines: any line of one may have it.
+    // A keyword may continue on the next lines, so that INPUT= may stand on any line.
     let parameters = text.lines().flat_map(|line| line.split(','));
     let inputs = parameters.filter_map(|parameter| {
         let (key, name) = parameter.split_once('=')?;

@@ -1,14 +1,14 @@
-//! A material of an `.inp`, and as a deck would write it.
+//! A material of an `.inp`, and its conversion to a material of a deck.
 //!
-//! Abaqus has stresses and damages over inelastic strain in tables of their own; a deck has rows of all three.
-//! The rows lie at the strains of both tables, so that both are met exactly wherever they are linear.
+//! Abaqus has separate tables of stress and of damage over inelastic strain; a deck has rows of all three. The rows
+//! are placed at the strains of both tables, so that both are reproduced exactly where they are linear.
 
 use super::{Place, Units};
 use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
 use crate::deck::schema::{Material, Row};
 use crate::material::CrackBand;
 
-/// What the second column of a table in tension is.
+/// Meaning of the second column of a table in tension.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measure {
     /// Cracking strain [-].
@@ -23,24 +23,24 @@ pub enum Measure {
 /// A table in tension.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Softening {
-    /// What its second column is.
+    /// Meaning of its second column.
     pub measure: Measure,
-    /// Stress [MPa] or damage [-], and that. `[row]`
+    /// Stress [MPa] or damage [-], and the second column. `[row]`
     pub rows: Vec<[f64; 2]>,
 }
 
-/// A material as the file has it.
+/// A material as written in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportedMaterial {
-    /// Its name, as it is written.
+    /// Name as written.
     pub name: String,
-    /// Where it is.
+    /// Position in the file.
     pub place: Place,
     /// E [MPa] and ν.
     pub elastic: Option<[f64; 2]>,
     /// Density [tonne/mm³].
     pub density: Option<f64>,
-    /// Dilation angle [deg], eccentricity, f_b0/f_c0, K_c, viscosity [s]; NaN where nothing is said.
+    /// Dilation angle [deg], eccentricity, f_b0/f_c0, K_c, viscosity [s]; NaN where the file gives no value.
     pub plasticity: Option<[f64; 5]>,
     /// Stress [MPa] over inelastic strain in compression.
     pub hardening: Vec<[f64; 2]>,
@@ -50,35 +50,35 @@ pub struct ImportedMaterial {
     pub compression_damage: Vec<[f64; 2]>,
     /// Damage in tension.
     pub tension_damage: Softening,
-    /// Stiffness recovery on going into tension.
+    /// Stiffness recovery on reversal to tension.
     pub tension_recovery: f64,
-    /// Stiffness recovery on going into compression.
+    /// Stiffness recovery on reversal to compression.
     pub compression_recovery: f64,
-    /// Rows for other temperatures, rates or fields were left out.
+    /// Whether rows for other temperatures, rates or fields were left out.
     pub depends: bool,
-    /// Why it cannot be used: a law that is not one of ours, a row that is none.
+    /// Reason why the material cannot be used: an unsupported law, an invalid row.
     pub unusable: Option<String>,
-    /// Length for which its tables hold, where wythe wrote it beside them [mm].
+    /// Length for which the tables hold [mm], if wythe wrote it beside them.
     pub reference_length: Option<f64>,
-    /// Whether that is set against the length of an element across a crack, likewise.
+    /// Whether this length is compared with the length of an element across a crack, if wythe wrote that.
     pub projected: bool,
 }
 
 /// Equivalent lengths V^(1/3) of the elements of a material [mm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lengths {
-    /// The smallest.
+    /// Smallest.
     pub least: f64,
-    /// The middle one.
+    /// Median.
     pub median: f64,
-    /// The largest.
+    /// Largest.
     pub most: f64,
 }
 
-/// Part of the tensile strength that is left at least: Abaqus' own limit.
+/// Smallest fraction of the tensile strength that is left: the limit that Abaqus uses.
 const LEAST_TENSION: f64 = 0.01;
 
-/// Elements so near to each other in size are of one: rounding of coordinates in a file.
+/// Elements whose lengths differ by less than this fraction have one size: coordinates in files are rounded.
 const SAME_SIZE: f64 = 1e-3;
 
 impl ImportedMaterial {
@@ -119,11 +119,11 @@ impl ImportedMaterial {
         }
     }
 
-    /// The material as a deck would write it, and what its author should know. `lengths`: of its elements,
-    /// if there are any; tables over displacements need them.
+    /// The material as a deck would write it, with notes for the author. `lengths`: those of its elements, if it
+    /// has any; tables over displacements need them.
     ///
     /// # Errors
-    /// What is missing or cannot be converted, as a sentence.
+    /// A sentence that says which data is missing or cannot be converted.
     pub fn in_a_deck(&self, lengths: Option<Lengths>) -> Result<(Material, Vec<String>), String> {
         let mut notes = Vec::new();
         if let Some(why) = &self.unusable {
@@ -147,7 +147,7 @@ impl ImportedMaterial {
             return Err("*CONCRETE DAMAGED PLASTICITY has no row".to_owned());
         }
         let said = |value: f64, default: f64| {
-            // Abaqus takes its default where nothing or 0 is written.
+            // Abaqus uses its default where the field is empty or 0.
             if value.is_nan() || value == 0.0 {
                 default
             } else {
@@ -174,9 +174,10 @@ impl ImportedMaterial {
         Ok((material, notes))
     }
 
-    /// Rows in tension, and the length for which they hold, if they come from displacements: strains beyond
-    /// the peak, which is in the first row, are those displacements over the length of each element (theory
-    /// A.8), as in Abaqus.
+    /// Rows in tension, and the length for which they hold if they come from displacements.
+    ///
+    /// As in Abaqus, strains beyond the peak, which is in the first row, are then these displacements over the
+    /// length of each element (theory/crack-band.md, eq. 4).
     fn tension(
         &self,
         compression: &[Row],
@@ -238,8 +239,8 @@ impl ImportedMaterial {
     }
 }
 
-/// Strength and fracture energy as rows over displacements: a line to 0 at 2 G_f/f_t, as far as a hundredth of
-/// the strength.
+/// Converts strength and fracture energy to rows over displacements: a line to 0 at 2 G_f/f_t, cut off at a
+/// hundredth of the strength.
 fn linear_to_nothing(rows: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, String> {
     match rows {
         [[strength, energy], ..] if *strength > 0.0 && *energy > 0.0 => {
@@ -251,8 +252,8 @@ fn linear_to_nothing(rows: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, String> {
     }
 }
 
-/// Rows (stress, strain, damage) at the strains of both tables, and where the stress comes down to `floor`,
-/// below which it does not fall. Beyond its last row a table stays as it is.
+/// Rows (stress, strain, damage) at the strains of both tables, and at the strain where the stress reaches `floor`,
+/// below which it does not fall. Beyond its last row a table is constant.
 fn merged(stress: &[[f64; 2]], damage: &[[f64; 2]], floor: f64) -> Result<Vec<Row>, String> {
     let ascends = |rows: &[[f64; 2]]| rows.windows(2).all(|pair| pair[1][1] > pair[0][1]);
     let (Some(first), Some(last)) = (stress.first(), stress.last()) else {
@@ -272,7 +273,7 @@ fn merged(stress: &[[f64; 2]], damage: &[[f64; 2]], floor: f64) -> Result<Vec<Ro
     let own = stress.iter().chain(damage).map(|row| row[1]);
     let mut strains: Vec<f64> = own.chain(crossings).collect();
     strains.sort_by(f64::total_cmp);
-    // Strains of two tables that were meant to be one differ by their digits.
+    // Strains of two tables that are meant to be equal may differ in their last digits.
     strains.dedup_by(|b, a| *b - *a <= 1e-9 * end);
     let row = |strain: f64| {
         let stress = Pressure::new(at(stress, strain).max(floor));
@@ -281,8 +282,7 @@ fn merged(stress: &[[f64; 2]], damage: &[[f64; 2]], floor: f64) -> Result<Vec<Ro
     Ok(strains.into_iter().map(row).collect())
 }
 
-/// The first column of a table at a value of its second, linear between rows and constant beyond them; 0
-/// without rows.
+/// First column of a table at a value of its second: linear between rows, constant beyond them; 0 without rows.
 fn at(rows: &[[f64; 2]], strain: f64) -> f64 {
     let after = rows.partition_point(|row| row[1] < strain);
     match (
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn stresses_and_damages_are_met_where_either_bends() {
         let (made, notes) = material().in_a_deck(None).unwrap();
-        // At 0.006: half way from 10 to 2; beyond 0.01 the stress stays.
+        // At 0.006: half way from 10 to 2; beyond 0.01 the stress is constant.
         assert_eq!(
             rows(&made.compression),
             [
@@ -338,11 +338,11 @@ mod tests {
                 [2.0, 0.012, 0.8],
             ]
         );
-        // A hundredth of 2 MPa on the line to nothing: 0.75 - 0.5 × 0.02.
+        // The line to zero reaches a hundredth of 2 MPa at 0.75 - 0.5 × 0.02.
         let tension = rows(&made.tension);
         assert_eq!(tension.len(), 5);
         assert_eq!(tension[2], [0.5, 0.5, 0.5]);
-        // Interpolated: some last bits of 1 MPa.
+        // The stress is interpolated: some last bits of 1 MPa.
         let near = (tension[3][0] - 0.02).abs() < 4.0 * f64::EPSILON;
         assert!(near && tension[3][1..] == [0.74, 0.5], "{:?}", tension[3]);
         assert_eq!(tension[4], [0.02, 0.75, 0.5]);

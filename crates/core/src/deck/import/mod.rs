@@ -1,8 +1,8 @@
-//! Meshes of other programs, read into one plain type: Abaqus' `.inp` and Gmsh's `.msh`.
+//! Meshes of other programs, read into one plain type: Abaqus `.inp` and Gmsh `.msh`.
 //!
-//! What a file says is read here and judged in [`ImportedMesh::check`]; what a deck makes of it (places,
-//! materials, bodies) is decided elsewhere. Nothing of a file is taken on trust: labels may be missing or twice, sets
-//! may name what is not there, a file may include itself.
+//! Files are read here and checked in [`ImportedMesh::check`]; `imported` gives the mesh its place, materials and
+//! bodies in a deck. Files are not trusted: labels may be missing or duplicate, sets may name unknown members, a
+//! file may include itself.
 
 mod as_deck;
 mod check;
@@ -30,19 +30,19 @@ use std::path::Path;
 /// A mesh of hex8 as a file describes it, in N, mm, MPa, tonne, s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportedMesh {
-    /// The file, and those that it includes.
+    /// The file and those that it includes.
     pub files: Vec<String>,
-    /// Coordinates [mm], instances where they stand in the assembly. `[node][xyz]`
+    /// Coordinates [mm]; instances are at their place in the assembly. `[node][xyz]`
     pub nodes: Vec<[f64; 3]>,
-    /// Labels of the nodes in the file; each instance counts for itself. `[node]`
+    /// Labels of the nodes in the file, unique within an instance. `[node]`
     pub node_labels: Vec<u64>,
-    /// Connectivity in the order of [`CORNERS`](crate::model::mesh::CORNERS). `[element][local node]`
+    /// Connectivity in the order of [`CORNERS`](crate::element::hex8::CORNERS). `[element][local node]`
     pub elements: Vec<[u32; 8]>,
-    /// Labels of the elements in the file; each instance counts for itself. `[element]`
+    /// Labels of the elements in the file, unique within an instance. `[element]`
     pub element_labels: Vec<u64>,
-    /// Where each element is written. `[element]`
+    /// Position of each element in the files. `[element]`
     pub element_places: Vec<Place>,
-    /// Index into `instances`; none of a flat file. `[element]`
+    /// Index into `instances`; none in a file without parts. `[element]`
     pub element_instance: Vec<Option<u16>>,
     /// Names of the instances of an assembly.
     pub instances: Vec<String>,
@@ -54,11 +54,11 @@ pub struct ImportedMesh {
     pub surfaces: BTreeMap<String, Vec<(u32, u8)>>,
     /// Materials in the order in which they are written.
     pub materials: Vec<ImportedMaterial>,
-    /// Which elements are of which material.
+    /// Materials of sets of elements.
     pub sections: Vec<Section>,
-    /// Elements of other types that were left out, by their type.
+    /// Number of elements of each type that was left out.
     pub left_out: BTreeMap<String, usize>,
-    /// What the author should know: what was not read, what was taken for what.
+    /// Notes for the author: data that was not read or was read with another meaning.
     pub notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ pub struct Section {
     pub elements: Vec<u32>,
     /// Name of the material.
     pub material: String,
-    /// Where it is written.
+    /// Position in the file.
     pub place: Place,
 }
 
@@ -84,16 +84,16 @@ pub struct Place {
     pub line: u32,
 }
 
-/// A file that is no mesh, or one that nothing can be computed with.
+/// A file that is no mesh, or a mesh that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImportError {
     /// The file.
     pub file: String,
     /// Line from 1; none in a binary file, or if it concerns the file as a whole.
     pub line: Option<usize>,
-    /// What is wrong: element, set or keyword, and its place.
+    /// Description of the error: element, set or keyword, and its position.
     pub message: String,
-    /// How to mend it.
+    /// Advice how to correct it.
     pub help: String,
 }
 
@@ -108,7 +108,7 @@ impl fmt::Display for ImportError {
 
 impl std::error::Error for ImportError {}
 
-/// An error while the names of the files are elsewhere.
+/// An error before the names of the files are attached.
 #[derive(Clone, Debug)]
 struct Wrong {
     place: Place,
@@ -139,20 +139,21 @@ impl Wrong {
     }
 }
 
-/// More elements than this cannot be factorised on any machine at hand, nor numbered safely.
+/// Largest number of elements: more cannot be factorised on common machines.
 const MOST_ELEMENTS: usize = 10_000_000;
 
-/// More nodes than the most elements can have between them are a slip.
+/// Largest number of nodes: ten million elements have at most eight each.
 const MOST_NODES: usize = 80_000_000;
 
-/// What stands for the contents of a file: by its name, as it is written in another.
+/// Returns the contents of a file by its name, as another file writes it.
 pub type Loader<'a> = &'a mut dyn FnMut(&str) -> std::io::Result<Vec<u8>>;
 
 impl ImportedMesh {
-    /// Reads the file at `path`, by its ending an `.inp` or a `.msh`, and what it includes from its folder.
+    /// Reads the file at `path`, an `.inp` or a `.msh` by its extension, and the files that it includes from the
+    /// same folder.
     ///
     /// # Errors
-    /// A file that cannot be read, is neither, or says what cannot be meant: line, element, place and fix.
+    /// A file that cannot be read, has another extension or contains errors: line, element, position and advice.
     pub fn load(path: &Path, units: &Units) -> Result<Self, ImportError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let bytes = input::bytes(path, input::MOST_OF_MESH).map_err(|why| ImportError {
@@ -162,7 +163,7 @@ impl ImportedMesh {
             help: "name a mesh: a file of Abaqus (.inp) or Gmsh (.msh)".to_owned(),
         })?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        // What it includes, all together.
+        // All included files together share this limit.
         let mut left = input::MOST_OF_MESH - bytes.len() as u64;
         Self::read(&name, &bytes, units, &mut |name| {
             let bytes = input::bytes(&folder.join(name), left)?;
@@ -171,7 +172,7 @@ impl ImportedMesh {
         })
     }
 
-    /// Reads a mesh from the contents of a file. `load` gives those of the files that it includes.
+    /// Reads a mesh from the contents of a file. `load` returns the contents of the files that it includes.
     ///
     /// # Errors
     /// As [`ImportedMesh::load`].
@@ -201,7 +202,7 @@ impl ImportedMesh {
         Ok(mesh)
     }
 
-    /// From the units of the file to those of wythe.
+    /// Converts the units of the file to those of wythe.
     fn scale(&mut self, units: &Units) {
         for x in &mut self.nodes {
             *x = x.map(|x| x * units.length);
@@ -211,7 +212,7 @@ impl ImportedMesh {
         }
     }
 
-    /// An error about element `e`: its label, its instance, its place in space.
+    /// An error about element `e`: its label, instance and position in space.
     pub(crate) fn wrong_element(
         &self,
         e: usize,
@@ -222,7 +223,7 @@ impl ImportedMesh {
         Wrong::new(self.element_places[e], message, help).of(&self.files)
     }
 
-    /// `element 7 of Part-1-1 near (10, 20, 5) mm`.
+    /// Name of an element, such as `element 7 of Part-1-1 near (10, 20, 5) mm`.
     pub(crate) fn name_of(&self, e: usize) -> String {
         let label = self.element_labels[e];
         let instance = self.element_instance[e]
@@ -239,7 +240,7 @@ impl ImportedMesh {
     }
 }
 
-/// `(10, 20, 5) mm`, to a thousandth.
+/// Formats a point to a thousandth, such as `(10, 20, 5) mm`.
 fn point(x: [f64; 3]) -> String {
     let [x, y, z] = x.map(|x| (x * 1e3).round() / 1e3 + 0.0);
     format!("({x}, {y}, {z}) mm")

@@ -1,7 +1,7 @@
-//! Names of sets: as they are written, in other capitals, or without their instance.
+//! Names of sets: as written, with other capitals, or without their instance.
 
-/// The name that `wanted` means among those of a file: itself; else the only one that differs in capitals
-/// alone; else the only `INSTANCE.SET` that ends in it.
+/// Finds the name that `wanted` denotes among those of a file: an equal one; else the only one that differs in
+/// capitals alone; else the only `INSTANCE.SET` that ends in it.
 pub fn find<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let names: Vec<&str> = names.into_iter().collect();
     let only = |fits: &dyn Fn(&str) -> bool| {

@@ -2,12 +2,13 @@
 
 use crate::deck::quantity::LARGEST;
 
-/// Whether it can be computed with, in whatever units: those of lengths and stresses may differ by 1e6 from ours.
+/// Returns whether a number is small enough in any unit: values of lengths and stresses may differ by 1e6 from
+/// those of wythe.
 fn is_sound(number: f64) -> bool {
     number.abs() <= 1e6 * LARGEST
 }
 
-/// A finite number: `1.`, `-.5`, `1e3`, Fortran's `1.D+03`.
+/// Parses a finite number: `1.`, `-.5`, `1e3`, Fortran's `1.D+03`.
 pub(super) fn real(text: &str) -> Option<f64> {
     let text = text.trim();
     let plain = text
@@ -23,7 +24,7 @@ pub(super) fn real(text: &str) -> Option<f64> {
     is_sound(number).then_some(number)
 }
 
-/// A label, from 1.
+/// Parses a label, from 1.
 pub(super) fn label(text: &str) -> Option<u64> {
     text.trim().parse().ok().filter(|&label| label > 0)
 }

@@ -1,15 +1,15 @@
-//! Units of a file that says none.
+//! Units of files that do not give their units.
 
 use crate::deck::unit;
 
-/// What 1 in the file means.
+/// Factors from the units of a file to those of wythe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Of a length [mm].
+    /// Unit of length [mm].
     pub length: f64,
-    /// Of a force [N].
+    /// Unit of force [N].
     pub force: f64,
-    /// Of a time [s].
+    /// Unit of time [s].
     pub time: f64,
 }
 
@@ -24,10 +24,10 @@ impl Default for Units {
 }
 
 impl Units {
-    /// Reads `"N, m, s"`: units of force, length and time in any order; what is not said is N, mm, s.
+    /// Parses `"N, m, s"`: units of force, length and time in any order; those left out are N, mm, s.
     ///
     /// # Errors
-    /// A sentence saying what could not be read.
+    /// A sentence that says which part could not be read.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut units = Self::default();
         let mut said = [false; 3];
@@ -48,17 +48,17 @@ impl Units {
         Ok(units)
     }
 
-    /// Of a stress [MPa].
+    /// Unit of stress [MPa].
     pub fn stress(&self) -> f64 {
         self.force / (self.length * self.length)
     }
 
-    /// Of a density [tonne/mm³]: force × time² / length⁴.
+    /// Unit of density [tonne/mm³]: force × time² / length⁴.
     pub fn density(&self) -> f64 {
         self.force * self.time * self.time / self.length.powi(4)
     }
 
-    /// Of an energy per area [N/mm].
+    /// Unit of energy per area [N/mm].
     pub fn fracture_energy(&self) -> f64 {
         self.force / self.length
     }
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn metres_and_newtons_give_pascals_and_kilograms() {
         let si = Units::parse("N, m, s").unwrap();
-        // Powers of ten: one rounding each.
+        // Powers of ten have one rounding each.
         assert!((si.stress() - 1e-6).abs() < 1e-21);
         assert!((si.density() - 1e-12).abs() < 1e-27);
         assert!((si.fracture_energy() - 1e-3).abs() < 1e-18);

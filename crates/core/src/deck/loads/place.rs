@@ -1,35 +1,35 @@
-//! Where a load acts: facets of faces, blocks, the node nearest to a point, the nodes along a line.
+//! Nodes and facets on which a load acts: faces, blocks, the node nearest to a point, the nodes along a line.
 
 use crate::deck::keys;
 use crate::deck::quantity::{Length, Quantity};
 use crate::deck::schema::{Deck, DeckLoad, Names};
+use crate::element::hexahedron::{difference, dot, norm};
 use crate::error::ModelError;
 use crate::model::Mesh;
-use crate::model::hexahedron::{difference, dot, norm};
 
-/// What names stand for.
+/// Nodes and facets that names denote.
 #[derive(Debug, Default)]
 pub(super) struct Place {
     /// All nodes, ascending.
     pub(super) nodes: Vec<u32>,
-    /// Facets of the faces among the names, counter-clockwise seen from outside.
+    /// Facets of the named faces, counter-clockwise seen from outside.
     pub(super) facets: Vec<[u32; 4]>,
-    /// Whether there are both faces and whole blocks.
+    /// Whether the names contain both faces and whole blocks.
     pub(super) mixed: bool,
 }
 
-/// Names at a path of the deck; nothing but faces, if asked for.
+/// Resolves names at a path of the deck; accepts only faces if asked to.
 type Named<'a> = dyn Fn(&str, &Names, bool) -> Result<Place, ModelError> + 'a;
 
-/// A scene in which loads find their places.
+/// The scene in which places of loads are searched.
 pub(super) struct Site<'a> {
     deck: &'a Deck,
     pub(super) mesh: &'a Mesh,
     named: &'a Named<'a>,
 }
 
-/// How far from a line a node may lie where the deck does not say, of the model's diagonal: more than
-/// rounding of turned blocks, less than any element.
+/// Default distance of nodes from a line, as a fraction of the diagonal of the model: larger than rounding in
+/// turned blocks, smaller than any element.
 const WITHIN: f64 = 1e-5;
 
 impl<'a> Site<'a> {
@@ -37,10 +37,10 @@ impl<'a> Site<'a> {
         Self { deck, mesh, named }
     }
 
-    /// What the names of a load stand for; all nodes without names.
+    /// Nodes and facets that the names of a load denote; all nodes if it has no names.
     ///
     /// # Errors
-    /// Names of nothing, faces and blocks in one list.
+    /// Unknown names, faces and blocks in one list.
     pub(super) fn on(&self, path: &str, load: &DeckLoad, faces: bool) -> Result<Place, ModelError> {
         let path = format!("{path}.on");
         let Some(names) = &load.on else {
@@ -59,10 +59,10 @@ impl<'a> Site<'a> {
         Ok(place)
     }
 
-    /// The facets that a load names.
+    /// Facets that a load names.
     ///
     /// # Errors
-    /// Names of nothing, or of what is no face.
+    /// Unknown names, names without faces.
     pub(super) fn facets(&self, path: &str, load: &DeckLoad) -> Result<Vec<[u32; 4]>, ModelError> {
         let facets = self.on(path, load, true)?.facets;
         if facets.is_empty() {
@@ -73,10 +73,10 @@ impl<'a> Site<'a> {
         Ok(facets)
     }
 
-    /// The node nearest to a point, of those of `on` if given.
+    /// Node nearest to a point, among those of `on` if given.
     ///
     /// # Errors
-    /// A point farther from all than the model is large.
+    /// A point farther from all nodes than the size of the model.
     pub(super) fn nearest(
         &self,
         path: &str,
@@ -105,8 +105,8 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Tributary lengths of the nodes along the line of a load [mm]: half the way to the next ones on
-    /// either side. Nodes side by side share alike.
+    /// Tributary lengths of the nodes along the line of a load [mm]: half the distance to the next ones on either
+    /// side. Nodes at the same place along the line share equally.
     ///
     /// # Errors
     /// Fewer than two places along the line.
@@ -121,7 +121,7 @@ impl<'a> Site<'a> {
         let within = load.within.map_or(WITHIN * size, Quantity::get);
         let along = difference(ends[1], ends[0]);
         let length = norm(along);
-        // Nodes by their place along the line.
+        // Nodes by their coordinate along the line.
         let mut found: Vec<(f64, u32)> = Vec::new();
         for n in nodes {
             let from = difference(self.mesh.nodes[n as usize], ends[0]);
@@ -155,7 +155,7 @@ impl<'a> Site<'a> {
         Ok(lengths)
     }
 
-    /// Tributary volumes of nodes: an eighth of each element whose nodes are all among these [mm³].
+    /// Tributary volumes of nodes [mm³]: an eighth of each element whose nodes are all among these.
     pub(super) fn volumes(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
         let elements = self.mesh.elements.iter().enumerate();
         let of = elements
@@ -168,13 +168,13 @@ impl<'a> Site<'a> {
     }
 }
 
-/// Sums what is said of each node, nodes ascending.
+/// Sums the values of each node, in ascending order of nodes.
 pub(super) fn summed<T: Copy>(
     of: impl Iterator<Item = (u32, T)>,
     add: impl Fn(T, T) -> T,
 ) -> Vec<(u32, T)> {
     let mut all: Vec<(u32, T)> = of.collect();
-    all.sort_by_key(|(n, _)| *n); // stable: sums in a fixed order
+    all.sort_by_key(|(n, _)| *n); // stable: the order of summation is fixed
     let mut sums: Vec<(u32, T)> = Vec::new();
     for (n, value) in all {
         match sums.last_mut() {

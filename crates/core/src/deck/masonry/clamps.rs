@@ -1,13 +1,13 @@
-//! What a test's steel beams hold of a wall: its lowest courses, and the level beam at its top.
+//! Parts of a wall that the steel beams of a test hold: its lowest courses, and its top, tied to the level beam.
 
 use super::layout::Unit;
 use super::{Kind, Masonry};
 use crate::deck::bodies::Bodies;
 use crate::deck::schema::Clamped;
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 use crate::model::scene::{Beam, HeldBy, Support};
 
-/// The clamped feet of walls.
+/// Supports at the clamped feet of walls.
 pub(in crate::deck) fn supports(bodies: &Bodies<'_>) -> Vec<Support> {
     let clamped = |wall: &Masonry<'_>| {
         let clamped = wall.clamped?;
@@ -49,7 +49,7 @@ pub(in crate::deck) fn level_beam(bodies: &Bodies<'_>) -> Option<Beam> {
     bodies.walls.iter().find_map(clamped)
 }
 
-/// Area of the wall in plan, or of what planes of symmetry leave of it [mm²].
+/// Area of the wall in plan, or of the part that planes of symmetry leave [mm²].
 fn area(wall: &Masonry<'_>) -> f64 {
     if wall.cut == [false; 6] {
         return wall.wall.length.get() * thickness(wall);
@@ -69,7 +69,7 @@ fn thickness(wall: &Masonry<'_>) -> f64 {
     backs.fold(front, f64::max) - front
 }
 
-/// Nodes of the units of a wall whose height is in the range that `of` tells, if it tells one.
+/// Nodes of the units of a wall whose height is in the range `of(unit)`, if it gives one.
 fn nodes(
     bodies: &Bodies<'_>,
     wall: &Masonry<'_>,

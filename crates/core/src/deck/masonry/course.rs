@@ -1,4 +1,4 @@
-//! The bonds: which units make up a course, before anything is cut out of it.
+//! Bonds: the units of a course before openings and other walls are cut out.
 //!
 //! ```text
 //! stretcher      header       English              Flemish
@@ -13,43 +13,44 @@ use crate::deck::schema::{Bond, DeckCourse, Wall};
 /// A leaf of a course: units one after the other along the wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CourseRow {
-    /// Front and back of the leaf [mm].
+    /// Coordinates of the front and back of the leaf [mm].
     pub through: [f64; 2],
     /// Its units.
     pub slots: Vec<Slot>,
-    /// Material of its units, if it is not that of the wall's.
+    /// Material of its units, if it is not that of the wall.
     pub material: Option<String>,
 }
 
-/// One unit of a row, without its joints.
+/// A unit of a row, without its joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slot {
-    /// Where it begins along the wall [mm].
+    /// Start along the wall [mm].
     pub start: f64,
-    /// Its length along the wall [mm].
+    /// Length along the wall [mm].
     pub length: f64,
-    /// Whether it goes through all leaves behind.
+    /// Whether the unit goes through all leaves behind this one.
     pub header: bool,
 }
 
-/// Lengths agree to this fraction of a unit: decks round to 0.01 mm, arithmetic to much less.
+/// Lengths that differ by less than this fraction of a unit are equal: decks round to 0.01 mm, arithmetic is much
+/// more accurate.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// More units than this in a course are a slip of the unit of length.
+/// Largest number of units of a course: more are a mistake in the unit of length.
 pub(super) const MOST_UNITS: f64 = 1e4;
 
-/// Sizes from which a bond is made [mm].
+/// Sizes that define a bond [mm].
 #[derive(Clone, Copy)]
 pub(super) struct Sizes {
     /// Length of a stretcher.
     pub(super) unit: f64,
-    /// Its thickness, the length of a header along the wall.
+    /// Thickness of a stretcher, which is the length of a header along the wall.
     pub(super) width: f64,
     pub(super) height: f64,
     pub(super) bed: f64,
     pub(super) head: f64,
     pub(super) collar: f64,
-    /// Of the wall.
+    /// Length of the wall.
     pub(super) length: f64,
 }
 
@@ -72,7 +73,7 @@ impl Sizes {
         TOLERANCE * self.unit
     }
 
-    /// Refuses a course of far too many units.
+    /// Rejects a course with too many units.
     pub(super) fn require_few(&self) -> Result<(), Refusal> {
         let whole = (self.length / (self.unit.min(self.width) + self.head)).floor();
         if whole <= MOST_UNITS {
@@ -102,10 +103,10 @@ impl Sizes {
     }
 }
 
-/// The courses of a wall from the lowest one; after the last one they come all over again.
+/// Courses of a wall from the lowest one; after the last one the sequence repeats.
 ///
 /// # Errors
-/// Sizes that do not fit together.
+/// Sizes that are not compatible.
 pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let sizes = Sizes::of(wall);
     sizes.require_few()?;
@@ -133,7 +134,7 @@ pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     }
 }
 
-/// Units of these lengths one after the other.
+/// Places units of these lengths one after the other.
 fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
     let mut start = 0.0;
     let mut slots = Vec::new();
@@ -148,7 +149,7 @@ fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
     slots
 }
 
-/// Leaves of these slots, one behind the other.
+/// Leaves with these units, one behind the other.
 fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
     (0..count)
         .map(|leaf| {
@@ -162,7 +163,7 @@ fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
         .collect()
 }
 
-/// Lengths from the left: units of these lengths by turns, the last one cut to the length.
+/// Lengths of units from the left: the cycle is repeated, and the last unit is cut to the length.
 ///
 /// # Errors
 /// A length that ends within a joint.
@@ -172,7 +173,7 @@ fn filled(cycle: &[f64], length: f64, sizes: &Sizes) -> Result<Vec<f64>, Refusal
     for unit in cycle.iter().copied().cycle() {
         let rest = length - at;
         if rest < unit + tolerance {
-            // A cut that rounding made is no cut.
+            // A difference within the tolerance is not a cut.
             lengths.push(if rest > unit - tolerance { unit } else { rest });
             break;
         }
@@ -206,7 +207,7 @@ fn stack(sizes: &Sizes) -> Result<Vec<Slot>, Refusal> {
     Ok(slots(lengths, sizes.head))
 }
 
-/// Stretchers: mirrored every second course, or shifted by the overlap.
+/// Stretcher courses: every second one mirrored, or shifted by the overlap.
 fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
     let sizes = Sizes::of(wall);
     let Some(overlap) = wall.overlap.map(Quantity::get) else {
@@ -236,7 +237,7 @@ fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
     Ok(vec![stack(&sizes)?, slots(odd, sizes.head)])
 }
 
-/// Courses of stretchers in the leaves of the wall, with headers every so many.
+/// Courses of stretchers in the leaves of the wall, and a header course every `header_courses` courses.
 fn with_headers(
     wall: &Wall,
     sizes: &Sizes,
@@ -244,7 +245,7 @@ fn with_headers(
 ) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let every = wall.header_courses.map_or(0, |n| n as usize);
     let period = patterns.len().saturating_mul(every.max(1));
-    // What would come after the last course is not there.
+    // Courses above the wall are not needed.
     let period = period.min((wall.courses as usize).max(1));
     let course = |k: usize| {
         if every > 0 && k % every + 1 == every {
@@ -362,7 +363,7 @@ fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     [even, odd]
         .into_iter()
         .map(|lengths| {
-            // What is longer than a header is a pair of stretchers.
+            // A unit longer than a header is a pair of stretchers.
             let mut all = slots(lengths, sizes.head);
             for slot in &mut all {
                 slot.header = slot.length < width + sizes.tolerance();
@@ -375,7 +376,7 @@ fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
         .collect()
 }
 
-/// A course as the deck writes it; units begin before the wall and go beyond its end.
+/// A course of a written bond; units may begin before the wall and extend beyond its end.
 ///
 /// # Errors
 /// A leaf that does not fill the length.
@@ -437,10 +438,10 @@ fn written(
 
 /// Units of the even courses (0, 2, …) and of the odd ones of a plain stretcher bond.
 ///
-/// Even courses: whole units from the left, the last one cut to the length. Odd courses: the mirror
-/// image. Where whole units fill the length, its mirror image would put all head joints above each
-/// other, so odd courses begin and end with a half unit of length (l − t)/2. A length of n + ½ units
-/// makes the bat a half unit of itself. A course of one unit is a prism: all courses alike.
+/// Even courses have whole units from the left; the last one is cut to the length. Odd courses are the mirror
+/// image. Where whole units fill the length, the mirror image would put all head joints above each other; odd
+/// courses then begin and end with a half unit of length (l − t)/2. In a length of n + ½ units the bat is such a
+/// half unit. Courses of one unit, as in a prism, are all alike.
 ///
 /// # Errors
 /// A unit longer than the wall, or a length that ends within a joint.
@@ -455,7 +456,7 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
             help: "lengthen the wall or shorten the unit".to_owned(),
         });
     }
-    // n pitches and the rest: n units with their head joints, then what is left for the bat.
+    // n units with their head joints, then the rest for the bat.
     let pitch = unit + joint;
     let whole = ((length + joint + tolerance) / pitch).floor();
     let bat = length - whole * pitch;

@@ -1,7 +1,7 @@
-//! The joints of walls: which faces of units touch, and the facets and laws of the interfaces there.
+//! Joints of walls: contact between faces of units, with facets and laws of the interfaces.
 //!
-//! The mortar side is the slave (top of bed joints, far end of head joints, back of collar joints), and of
-//! dry joints the lower, left or front one; the sides that face it are masters.
+//! The mortar side is the slave (top of bed joints, far end of head joints, back of collar joints); in dry joints
+//! the lower, left or front side. The opposite sides are masters.
 
 use super::{Masonry, Unit};
 use crate::deck::bodies::Bodies;
@@ -9,16 +9,16 @@ use crate::deck::body::Body;
 use crate::deck::joint::{Side, law_between};
 use crate::deck::meeting::Touching;
 use crate::deck::schema::Deck;
+use crate::element::hexahedron::{Face, range};
 use crate::error::ModelError;
 use crate::material::ElasticParameters;
 use crate::model::Mesh;
-use crate::model::hexahedron::{Face, range};
 use crate::model::scene::ContactSurfaces;
 use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
 use wythe_contact::{Aabb, Bvh};
 
-/// Order in which the slave faces of a body come.
+/// Order of the slave faces of a body.
 const SLAVES: [Face; 6] = [
     Face::Top,
     Face::Right,
@@ -27,7 +27,7 @@ const SLAVES: [Face; 6] = [
     Face::Front,
     Face::Bottom,
 ];
-/// Order in which its master faces come.
+/// Order of its master faces.
 const MASTERS: [Face; 6] = [
     Face::Bottom,
     Face::Left,
@@ -37,7 +37,7 @@ const MASTERS: [Face; 6] = [
     Face::Top,
 ];
 
-/// Faces touch if they overlap by more than this [mm] and are no farther apart.
+/// Faces touch if they overlap by more than this [mm] and their distance is no larger.
 const TOUCH: f64 = 1e-6;
 
 /// A face of a unit as a rectangle.
@@ -46,13 +46,13 @@ struct Rectangle {
     body: usize,
     face: Face,
     plane: f64,
-    /// Along the two other axes [mm]. `[axis][low, high]`
+    /// Range along the two other axes [mm]. `[axis][low, high]`
     range: [[f64; 2]; 2],
     has_mortar: bool,
 }
 
 impl Rectangle {
-    /// The box around all that may touch it.
+    /// Box around all faces that may touch this one.
     fn around(&self) -> Aabb {
         let [[a, b], [c, d]] = self.range;
         let flat = Aabb {
@@ -63,10 +63,10 @@ impl Rectangle {
     }
 }
 
-/// Adds the joints of all walls to the surfaces; tells which bodies touch.
+/// Adds the joints of all walls to the surfaces; returns the bodies that touch.
 ///
 /// # Errors
-/// No such interface.
+/// Unknown interface.
 pub(in crate::deck) fn joints(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -107,7 +107,7 @@ pub(in crate::deck) fn joints(
     Ok(touching)
 }
 
-/// Adds the joints that planes of symmetry cut at their middle: units meet the mirrors there.
+/// Adds the joints that planes of symmetry cut at their middle, where units meet the mirrors.
 fn mirrors(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -117,12 +117,12 @@ fn mirrors(
     let mesh = &bodies.mesh;
     for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
         contact.master_facets.push(mirror.facet);
-        // No body has such a number, so that it is another one's for all.
+        // No body has this number, so that the mirror is another body for all of them.
         contact.master_body.push(u32::MAX - number);
         let wall = &bodies.walls[mirror.wall];
         let name = interface_at(wall, mirror.axis);
         let Some(interface) = deck.interfaces.get(name) else {
-            continue; // refused when the deck was read
+            continue; // rejected when the deck was read
         };
         for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
             if !unit.mirror[mirror.axis] {
@@ -135,7 +135,7 @@ fn mirrors(
                     material: &elastic[usize::from(mesh.material[element])],
                     size,
                 };
-                // Of the whole, mortar meets the image of what is behind the mortar here.
+                // In the whole wall the mortar meets the image of the element behind the mortar.
                 let inner = behind(mesh, body, &facet, mirror.face).filter(|_| joint > 0.0);
                 let law = match inner {
                     None => {
@@ -156,7 +156,7 @@ fn mirrors(
     }
 }
 
-/// The element of a body behind that of a facet, and its size normal to it [mm].
+/// The element of a body behind that of a facet, and its size normal to the facet [mm].
 fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize, f64)> {
     let (axis, _) = face.side();
     let opposite = Face::ALL[(face as usize) ^ 1].1.corners();
@@ -177,8 +177,10 @@ fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize,
         })
 }
 
-/// Index of the law of the half of a joint, see [`mirrored`]. It keeps the interface's name: its bond scatters as that
-/// of the others, and the checker tells its stiffnesses.
+/// Index of the law of half a joint, see [`mirrored`].
+///
+/// It keeps the name of the interface, so that its bond scatters like that of the others and `wythe check` reports
+/// its stiffnesses.
 fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
     let own = mirrored(&contact.laws[usize::from(law)]);
     let name = contact.law_names[usize::from(law)].clone();
@@ -254,7 +256,7 @@ fn sides(walls: &[Masonry<'_>], face: Face) -> Vec<Rectangle> {
     sides
 }
 
-/// Facets and laws of one slave face.
+/// Adds facets and laws of one slave face.
 fn slaves(
     deck: &Deck,
     bodies: &Bodies<'_>,
@@ -271,7 +273,7 @@ fn slaves(
     let (axis, _) = face.side();
     let name = interface_at(wall, axis);
     let Some(interface) = deck.interfaces.get(name) else {
-        return Ok(()); // refused when the deck was read
+        return Ok(()); // rejected when the deck was read
     };
     let mesh = &bodies.mesh;
     let body = &bodies.all[slave];
@@ -284,7 +286,7 @@ fn slaves(
     let (mut stack, mut near) = (Vec::new(), Vec::new());
     let mut facets_here = facets(mesh, body, face, axis);
     if axis == 2 {
-        // Along the wall first, so that points of a joint lie one after the other.
+        // Along the wall first, so that the points of a joint are consecutive.
         let corner = |m: &Facet| (m.range[0][0], m.range[1][0]);
         facets_here.sort_by(|a, b| {
             corner(a)
@@ -300,7 +302,7 @@ fn slaves(
         });
         near.sort_unstable();
         let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
-            continue; // over an opening
+            continue; // above an opening
         };
         let size = nominal.unwrap_or(facet.size);
         let here = Side {
@@ -340,7 +342,8 @@ fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
     own.unwrap_or(&wall.wall.interface)
 }
 
-/// Thickness of the joint at a face as the deck says it [mm], where it is that; none where there is none.
+/// Thickness of the joint at a face [mm]: the value of the deck if it agrees to rounding, else the actual one; none
+/// without a joint.
 fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face) -> Option<f64> {
     let (axis, high) = face.side();
     let actual = unit.joint(axis, high);
@@ -356,14 +359,14 @@ struct Facet {
     body: u32,
     material: u16,
     plane: f64,
-    /// Along the two other axes [mm], x before y before z. `[axis][low, high]`
+    /// Range along the two other axes [mm], x before y before z. `[axis][low, high]`
     range: [[f64; 2]; 2],
     /// Size of the element normal to the face [mm].
     size: f64,
 }
 
 impl Facet {
-    /// The box around all that may touch it.
+    /// Box around all facets that may touch this one.
     fn around(&self) -> Aabb {
         let [[a, b], [c, d]] = self.range;
         let flat = Aabb {
@@ -398,8 +401,7 @@ fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
     facets.collect()
 }
 
-/// The facet that stands for what covers most of `facet`: elements of one body and material count
-/// together. None if nothing does.
+/// A facet of that body and material which cover the largest part of `facet`. None if no facet covers it.
 fn most_covering<'a>(facet: &Facet, others: impl Iterator<Item = &'a Facet>) -> Option<&'a Facet> {
     let mut parts: Vec<(&'a Facet, f64)> = Vec::new();
     for other in others {

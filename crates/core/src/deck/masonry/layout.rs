@@ -1,8 +1,8 @@
-//! Where the units of a wall lie, with their joints: plain arithmetic, before any mesh.
+//! Positions of the units of a wall and of their joints, computed before the mesh.
 //!
-//! A unit has the bed joint on top of it, the head joint at its far end along the wall and the collar joint
-//! behind it, as far as there is a unit beyond. Where another wall passes through, the units that end there
-//! have the joint to it.
+//! A unit has the bed joint on top of it, the head joint at its far end along the wall and the collar joint behind
+//! it, if another unit follows there. Where another wall passes through, the units that end there have the joint to
+//! it.
 
 use super::course::{CourseRow, Sizes, courses};
 use super::openings;
@@ -18,27 +18,27 @@ pub struct Unit {
     pub own: [[f64; 2]; 3],
     /// The unit with its joints [mm]. `[xyz][low, high]`
     pub all: [[f64; 2]; 3],
-    /// Course that it stands on, from 0.
+    /// Course on which it stands, from 0.
     pub course: u16,
-    /// What it is.
+    /// Kind of the unit.
     pub kind: Kind,
-    /// Its material, if it is not that of the wall's units.
+    /// Material, if it is not that of the wall's units.
     pub material: Option<String>,
-    /// It ends in the middle of a joint that a plane of symmetry cuts. `[xyz]`
+    /// Whether it ends in the middle of a joint that a plane of symmetry cuts. `[xyz]`
     pub mirror: [bool; 3],
 }
 
-/// What a unit of a wall is.
+/// Kind of a unit of a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A unit, by its place in its course.
+    /// A unit, with its index in its course.
     Unit(u32),
-    /// The lintel of an opening.
+    /// The lintel of an opening, with the index of the opening.
     Lintel(u32),
 }
 
 impl Unit {
-    /// Its name in a wall of this name.
+    /// Name of the unit in a wall of this name.
     pub fn name(&self, wall: &str) -> String {
         match self.kind {
             Kind::Unit(index) => format!("{wall}-{}-{index}", self.course),
@@ -46,41 +46,41 @@ impl Unit {
         }
     }
 
-    /// Thickness of the joint at a side of it [mm]; 0 without one.
+    /// Thickness of the joint at one of its sides [mm]; 0 without a joint.
     pub fn joint(&self, axis: usize, high: bool) -> f64 {
         let side = usize::from(high);
         (self.all[axis][side] - self.own[axis][side]).abs()
     }
 }
 
-/// The wall cannot be laid so.
+/// Reason why a wall cannot be built.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// Key of the wall to blame.
+    /// Key of the wall that causes the error.
     pub key: String,
-    /// What is wrong.
+    /// Message.
     pub message: String,
-    /// How to mend it.
+    /// Advice how to correct it.
     pub help: String,
 }
 
 impl Refusal {
-    /// As an error of the wall at `path`.
+    /// Converts it to an error of the wall at `path`.
     pub fn at(self, deck: &Deck, path: &str) -> ModelError {
         deck.error(&format!("{path}.{}", self.key), self.message, &self.help)
     }
 }
 
-/// Something that takes a part of some courses away.
+/// A part of some courses that is removed: an opening, a lintel, another wall.
 #[derive(Clone, Debug)]
 pub(super) struct Cut {
-    /// Where, along the wall [mm].
+    /// Range along the wall [mm].
     pub(super) along: [f64; 2],
-    /// Of which courses.
+    /// Courses concerned.
     pub(super) courses: Courses,
-    /// Units that end there have a joint of this thickness to it [mm]; none: they end bare.
+    /// Thickness of the joint of units that end there [mm]; none: they end without a joint.
     pub(super) joint: Option<f64>,
-    /// What it is, for errors, and its key.
+    /// Description for errors, and the key.
     pub(super) what: String,
     pub(super) key: String,
 }
@@ -108,22 +108,22 @@ impl Courses {
 struct Piece {
     along: [f64; 2],
     through: [f64; 2],
-    /// Beyond its ends, where a joint to another wall makes it longer.
+    /// Ends of its joints to another wall, where they make it longer [mm].
     reach: [Option<f64>; 2],
     row: usize,
     material: Option<String>,
     kind: Kind,
-    /// Courses that it is high.
+    /// Height in courses.
     courses: u32,
 }
 
-/// Part of a unit below which a piece of it is a sliver.
+/// A piece shorter than this fraction of a unit is a sliver.
 const SLIVER: f64 = 0.1;
 
-/// Lays a wall, out of which `cuts` take parts.
+/// Computes the units of a wall from which `cuts` are removed.
 ///
 /// # Errors
-/// Sizes that do not fit together, openings that leave slivers.
+/// Sizes that are not compatible, openings that leave slivers.
 pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
     let pattern = courses(wall)?;
     let sizes = Sizes::of(wall);
@@ -153,7 +153,7 @@ pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
             let standing = higher
                 .iter()
                 .filter(|(j, p)| *j < next && next < *j + p.courses as usize);
-            // Where another wall passes through, it lies on this one.
+            // Where another wall passes through, its units lie on this piece.
             let passing = cuts.iter().any(|cut| {
                 let passes = cut.joint.is_some() && cut.courses.has(next as u32);
                 passes && beside.overlaps(cut.along, piece.along)
@@ -188,7 +188,7 @@ fn levels(wall: &Wall, sizes: &Sizes) -> Vec<(f64, f64)> {
     let mut at = 0.0;
     let level = |k: usize| {
         let height = heights[k % heights.len()];
-        // Multiples of the rise, not sums of it: courses of all walls are level to the bit.
+        // Multiples of the rise, not sums of it: courses of all walls have bitwise equal levels.
         let bottom = if even {
             k as f64 * (sizes.height + sizes.bed)
         } else {
@@ -200,7 +200,7 @@ fn levels(wall: &Wall, sizes: &Sizes) -> Vec<(f64, f64)> {
     (0..wall.courses as usize).map(level).collect()
 }
 
-/// The pieces of course `k`, leaf by leaf, from the left, then its lintels.
+/// Pieces of course `k`, leaf by leaf, from the left, then its lintels.
 fn pieces(
     wall: &Wall,
     sizes: &Sizes,
@@ -263,7 +263,7 @@ fn pieces(
             courses: lintel.courses,
         }),
     );
-    // From front to back and from left to right within a leaf.
+    // Leaves from front to back, within a leaf from left to right.
     pieces.sort_by(|a, b| {
         (a.row, a.along[0])
             .partial_cmp(&(b.row, b.along[0]))
@@ -279,16 +279,16 @@ fn pieces(
     Ok(pieces)
 }
 
-/// A part of a course that nothing is taken out of.
+/// A range of a course between cuts.
 struct Interval<'a> {
     along: [f64; 2],
-    /// How far units reach beyond its ends, where they have a joint to what cut it.
+    /// Ends of the joints to the cuts at either end, where there are any [mm].
     reach: [Option<f64>; 2],
-    /// What cut it at its ends.
+    /// Cuts at its ends.
     cut: [Option<&'a Cut>; 2],
 }
 
-/// What is left of a course between its cuts, and beside the headers of the leaves in front.
+/// Ranges of a course between its cuts and beside the headers of the leaves in front.
 fn intervals<'a>(sizes: &Sizes, cuts: &[&'a Cut], headers: &[[f64; 2]]) -> Vec<Interval<'a>> {
     struct Taken<'a> {
         along: [f64; 2],
@@ -338,7 +338,7 @@ fn intervals<'a>(sizes: &Sizes, cuts: &[&'a Cut], headers: &[[f64; 2]]) -> Vec<I
 }
 
 fn sliver_of(interval: &Interval<'_>, along: [f64; 2], k: u32, leaf: usize) -> Refusal {
-    // The end that cut it is the one that it lies at.
+    // The cut at the nearer end is named in the error.
     let side =
         usize::from((along[1] - interval.along[1]).abs() < (along[0] - interval.along[0]).abs());
     let cut = interval.cut[side].or(interval.cut[1 - side]);
@@ -355,10 +355,10 @@ fn sliver_of(interval: &Interval<'_>, along: [f64; 2], k: u32, leaf: usize) -> R
     }
 }
 
-/// The pieces of a course by where they begin.
+/// Pieces of a course in the order of their starts.
 struct Ordered<'a> {
     pieces: Vec<&'a Piece>,
-    /// Length of the longest [mm].
+    /// Length of the longest piece [mm].
     longest: f64,
 }
 
@@ -371,20 +371,20 @@ impl<'a> Ordered<'a> {
         Self { pieces, longest }
     }
 
-    /// Pieces that begin between these [mm].
+    /// Pieces that begin in this range [mm].
     fn from(&self, begin: f64, end: f64) -> impl Iterator<Item = &'a Piece> {
         let first = self.pieces.partition_point(|p| p.along[0] < begin);
         let rest = self.pieces[first..].iter().copied();
         rest.take_while(move |p| p.along[0] <= end)
     }
 
-    /// All that have a part in common with this range [mm], and perhaps more.
+    /// Candidates for an overlap with this range [mm]: all pieces that overlap it, and possibly more.
     fn along(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = &'a Piece> {
         self.from(from - self.longest, to)
     }
 }
 
-/// What lies beside the pieces of a course.
+/// Neighbours of the pieces of a course.
 struct Neighbours<'a> {
     sizes: &'a Sizes,
     course: Ordered<'a>,
@@ -400,10 +400,10 @@ impl<'a> Neighbours<'a> {
         a[1].min(b[1]) - a[0].max(b[0]) > self.sizes.tolerance()
     }
 
-    /// Where the next piece along the wall begins, if no more than a joint lies between.
+    /// Start of the next piece along the wall, if only a joint lies between.
     fn next(&self, piece: &Piece) -> Option<f64> {
         let end = piece.along[1];
-        // Joints to a lintel or a header may be wider, where the bond does not meet them.
+        // Joints to a lintel or a header may be wider where they do not fit the bond.
         let most = 2.0 * self.sizes.head + self.sizes.tolerance();
         let near = self
             .course
@@ -415,7 +415,7 @@ impl<'a> Neighbours<'a> {
         starts.map(|p| p.along[0]).min_by(f64::total_cmp)
     }
 
-    /// Where the leaf behind begins, if anything of it is behind.
+    /// Front of the leaf behind the piece, if it has one.
     fn behind(&self, piece: &Piece) -> Option<f64> {
         let back = piece.through[1];
         let behind = self.course.along(piece.along).filter(|p| {
@@ -425,7 +425,7 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// The unit that a piece is, with its joints, in the axes of the scene.
+/// The unit of a piece, with its joints, in the axes of the scene.
 fn unit(
     wall: &Wall,
     piece: &Piece,
@@ -453,7 +453,7 @@ fn unit(
     }
 }
 
-/// A box along, through and up a wall, in the axes of the scene.
+/// Converts a box along, through and up a wall to the axes of the scene.
 fn placed(wall: &Wall, [along, through, up]: [[f64; 2]; 3]) -> [[f64; 2]; 3] {
     let at = wall.at.map(Quantity::get);
     let moved = |range: [f64; 2], by: f64| range.map(|x| if by == 0.0 { x } else { by + x });

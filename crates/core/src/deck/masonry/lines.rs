@@ -1,4 +1,4 @@
-//! Lines of the mesh of rigid-like units: where the units that they touch end.
+//! Grid lines of rigid-like units: they lie where the neighbouring units end.
 //!
 //! ```text
 //!  ├───────┬───────┤
@@ -9,7 +9,7 @@
 use super::layout::Unit;
 use wythe_contact::{Aabb, Bvh};
 
-/// Planes of the grid of each unit along x, y, z, its ends included [mm]. `[unit][xyz]`
+/// Grid planes of each unit along x, y, z, including its ends [mm]. `[unit][xyz]`
 pub(in crate::deck) fn lines(units: &[Unit]) -> Vec<[Vec<f64>; 3]> {
     let mut lines: Vec<[Vec<f64>; 3]> = units.iter().map(|u| u.own.map(Vec::from)).collect();
     let around = |u: &Unit| Aabb {
@@ -43,10 +43,10 @@ pub(in crate::deck) fn lines(units: &[Unit]) -> Vec<[Vec<f64>; 3]> {
     lines
 }
 
-/// Planes closer than this are one [mm].
+/// Planes closer than this are one plane [mm].
 const NEAR: f64 = 1e-6;
 
-/// The axis normal to the faces at which two units touch, if they do.
+/// Axis normal to the faces at which two units touch, if they do.
 fn touching(a: &Unit, b: &Unit) -> Option<usize> {
     let common = |d: usize| a.own[d][1].min(b.own[d][1]) - a.own[d][0].max(b.own[d][0]);
     let gaps = [0, 1, 2].map(common);

@@ -1,4 +1,4 @@
-//! Walls: where their units lie, how these are meshed, which joints lie between them, what holds them.
+//! Walls: positions and mesh of their units, joints between them, and clamped courses.
 
 mod clamps;
 mod course;
@@ -22,35 +22,35 @@ use super::amount;
 use super::quantity::Quantity;
 use super::schema::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::symmetry::Plane;
-use crate::model::hexahedron::Face;
+use crate::element::hexahedron::Face;
 use std::ops::Range;
 
-/// A wall that is laid.
+/// A wall whose units have been placed.
 #[derive(Debug)]
 pub(super) struct Masonry<'a> {
-    /// What the deck says of it.
+    /// Its description in the deck.
     pub(super) wall: &'a Wall,
-    /// Where.
+    /// Path in the deck.
     pub(super) path: String,
     /// Its name.
     pub(super) name: String,
-    /// Its units, course by course, in each from front to back and from left to right.
+    /// Units, course by course; within a course from front to back and from left to right.
     pub(super) units: Vec<Unit>,
     /// Bodies of these units, in the same order.
     pub(super) bodies: Range<usize>,
-    /// What is clamped of it.
+    /// Clamped courses.
     pub(super) clamped: Option<Clamped>,
-    /// Walls that pass through it, and that it passes through.
+    /// Walls that pass through it or through which it passes.
     pub(super) joined: Vec<usize>,
     /// Sides at which a plane of symmetry cuts it. `[face]`
     pub(super) cut: [bool; 6],
 }
 
-/// Lays the walls of a deck, of which the units are the first bodies of the scene. What is refused comes
-/// with the path of its wall.
+/// Places the units of all walls of a deck, which are the first bodies of the scene. An error has the path of its
+/// wall.
 ///
 /// # Errors
-/// Walls that cannot be laid.
+/// Walls that cannot be built.
 pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)> {
     for (path, _, wall) in deck.walls() {
         require_sound(wall).map_err(|refusal| (path, refusal))?;
@@ -87,7 +87,7 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
     Ok(walls)
 }
 
-/// How thick a wall is [mm].
+/// Thickness of a wall [mm].
 pub(super) fn thickness(wall: &Wall) -> f64 {
     let collar = wall.collar_joint.unwrap_or(wall.head_joint).get();
     let [length, width, _] = wall.unit.map(Quantity::get);
@@ -105,10 +105,10 @@ pub(super) fn thickness(wall: &Wall) -> f64 {
     }
 }
 
-/// Elements of the units that are laid: long ones have more than the wall's `unit`.
+/// Number of elements of the units of a wall; long units have more than the wall's `unit`.
 ///
 /// # Errors
-/// With those `before` they are too many.
+/// Together with the elements `before` they are too many.
 fn require_countable(wall: &Wall, units: &[Unit], before: f64) -> Result<f64, Refusal> {
     let of = |unit: &Unit| -> f64 {
         let own = representative::elements(wall, unit);
@@ -135,7 +135,7 @@ fn require_countable(wall: &Wall, units: &[Unit], before: f64) -> Result<f64, Re
     })
 }
 
-/// Refuses sizes and counts of which no wall can be laid, before anything is.
+/// Rejects sizes and counts from which no wall can be built, before any unit is placed.
 fn require_sound(wall: &Wall) -> Result<(), Refusal> {
     let refuse = |key: &str, message: String, help: &str| {
         Err(Refusal {
@@ -239,8 +239,8 @@ impl Masonry<'_> {
             .collect()
     }
 
-    /// Shortest unit, and least distance between head joints of neighbouring courses [mm]; infinite
-    /// without any. Small numbers mean slivers and through joints.
+    /// Shortest unit, and least distance between head joints of neighbouring courses [mm]; infinite if there are
+    /// none. Small values mean slivers and continuous vertical joints.
     pub(super) fn bat_and_lap(&self) -> (f64, f64) {
         let (along, _) = self.wall.axes();
         let length = |u: &Unit| u.own[along][1] - u.own[along][0];
@@ -263,5 +263,5 @@ impl Masonry<'_> {
     }
 }
 
-/// Courses that are looked at for head joints above each other.
+/// Number of courses whose head joints are compared.
 const MOST_COURSES: usize = 24;

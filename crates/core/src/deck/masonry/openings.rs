@@ -1,13 +1,13 @@
-//! Openings: what they and their lintels take out of the courses of a wall.
+//! Openings: parts of the courses that they and their lintels remove.
 
 use super::course::CourseRow;
 use super::layout::{Courses, Cut, Refusal};
 use crate::deck::schema::{DeckLintel, DeckOpening, Wall};
 
-/// What the openings of a wall take away.
+/// Cuts of the openings of a wall.
 ///
 /// # Errors
-/// Openings outside of the wall, over each other, with lintels that nothing carries.
+/// Openings outside of the wall, overlapping openings, lintels without bearing.
 pub(super) fn cuts(wall: &Wall) -> Result<Vec<Cut>, Refusal> {
     let mut cuts = Vec::new();
     for (o, opening) in wall.openings.iter().enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn cuts(wall: &Wall) -> Result<Vec<Cut>, Refusal> {
     Ok(cuts)
 }
 
-/// From where to where the lintel of an opening lies [mm].
+/// Range of the lintel of an opening along the wall [mm].
 pub(super) fn spanned(wall: &Wall, opening: &DeckOpening) -> [f64; 2] {
     let bearing = opening.lintel.as_ref().map_or(0.0, |l| l.bearing.get());
     [
@@ -94,7 +94,8 @@ fn require_within(wall: &Wall, opening: &DeckOpening, o: usize) -> Result<(), Re
     Ok(())
 }
 
-/// Lintels that begin in course `k`: opening, and how it lies.
+/// Lintels that begin in course `k`: index of the opening, range along the wall [mm], depth through the wall [mm],
+/// lintel.
 pub(super) fn lintels<'a>(
     wall: &'a Wall,
     rows: &[CourseRow],

@@ -13,15 +13,15 @@ use super::layout::{Courses, Cut, Refusal};
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Deck, Wall};
 
-/// What walls take of each other. `[wall]`
+/// Intersections of all walls. `[wall]`
 pub(super) struct Plan {
-    /// Parts that others pass through.
+    /// Parts through which other walls pass.
     pub(super) cuts: Vec<Vec<Cut>>,
-    /// Walls that it meets.
+    /// Walls that meet this one.
     pub(super) joined: Vec<Vec<usize>>,
 }
 
-/// Where walls meet.
+/// Finds the intersections of walls.
 ///
 /// # Errors
 /// Walls in the same place that cannot pass through each other.
@@ -92,7 +92,7 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
     Ok(plan)
 }
 
-/// The box of a wall [mm]. `[xyz][low, high]`
+/// Bounding box of a wall [mm]. `[xyz][low, high]`
 fn outline(wall: &Wall) -> Result<[[f64; 2]; 3], Refusal> {
     let sizes = Sizes::of(wall);
     let rows = courses(wall)?;

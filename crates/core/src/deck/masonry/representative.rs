@@ -1,4 +1,4 @@
-//! The mesh of a representative element: a unit and its joints, cut like this,
+//! Mesh of a representative element, which is a unit with its joints:
 //!
 //! ```text
 //!  z  ┌────┬────┬────┬────┬──┐  bed joint (mortar) and, over the head joint, the corner
@@ -7,7 +7,7 @@
 //!  └x └────┴────┴────┴────┴──┘
 //! ```
 //!
-//! with nodes of its own, and the collar joint behind it likewise.
+//! Its nodes are its own. The collar joint lies behind it in the same way.
 
 use super::layout::Unit;
 use crate::deck::body::{Body, Grid};
@@ -15,7 +15,7 @@ use crate::deck::quantity::Quantity;
 use crate::deck::schema::{FilledFrom, Subdivision, Wall};
 use crate::model::Mesh;
 
-/// Grid planes along an axis, and which cells between them are of the unit.
+/// Grid planes along an axis [mm], and the cells between them that belong to the unit.
 struct Planes {
     at: Vec<f64>,
     unit: std::ops::Range<usize>,
@@ -36,8 +36,8 @@ impl Planes {
     }
 }
 
-/// Appends a unit with its joints to the mesh. `materials`: those of the unit and of the mortar. `lines`: planes of
-/// the unit's grid, if they do not follow from the wall's mesh.
+/// Appends a unit with its joints to the mesh. `materials`: those of the unit and of the mortar. `lines`: grid
+/// planes of the unit, if they do not follow from the wall's mesh.
 pub(in crate::deck) fn append(
     mesh: &mut Mesh,
     wall: &Wall,
@@ -49,7 +49,7 @@ pub(in crate::deck) fn append(
     let (along, through) = wall.axes();
     let counts = elements(wall, unit);
     let filled = wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
-    // How deep, from the front and from the back.
+    // Depth of the filling from the front and from the back [mm].
     let depth = match wall.filled_from {
         FilledFrom::Both => [0.5 * filled; 2],
         FilledFrom::Front => [filled, 0.0],
@@ -75,7 +75,8 @@ pub(in crate::deck) fn append(
     let cells = [0, 1, 2].map(|d| planes[d].at.len() - 1);
     let first_element = mesh.elements.len();
     let is_empty = |at: [usize; 3]| {
-        // Only the strips along the faces of the unit are filled, and the bed above is whole.
+        // In a partly filled head joint only strips along the faces of the unit are filled. The bed joint above it
+        // is complete.
         let beside = !planes[along].unit.contains(&at[along]) && planes[2].unit.contains(&at[2]);
         let strips = &planes[through].unit;
         let in_front = depth[0] > 0.0 && at[through] == strips.start;
@@ -99,7 +100,7 @@ pub(in crate::deck) fn append(
     body
 }
 
-/// Elements of the unit along x, y, z: a bat or a header has its share of those of a whole unit.
+/// Number of elements of the unit along x, y, z: those of a whole unit in proportion to its sizes.
 pub(super) fn elements(wall: &Wall, unit: &Unit) -> [usize; 3] {
     let (along, through) = wall.axes();
     let [length, thickness, height] = wall.unit.map(Quantity::get);
@@ -114,13 +115,13 @@ pub(super) fn elements(wall: &Wall, unit: &Unit) -> [usize; 3] {
     counts
 }
 
-/// Elements of a whole unit along, through and up the wall.
+/// Number of elements of a whole unit along, through and up the wall.
 pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
     let m = wall.mesh;
-    // Named meshes say how a unit is cut; a written one counts the joints where there are some.
+    // The named meshes always count joints; a mesh given by numbers counts them only where they have a thickness.
     let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
     let joint = |thickness: f64| u32::from(named || thickness > 0.0);
-    // A mesh without an element for the unit is refused, but after planes of symmetry have asked for these.
+    // The difference may be 0: such a mesh is rejected, but only after planes of symmetry have used this number.
     let unit = |n: u32, thickness: f64| f64::from(n) - f64::from(joint(thickness));
     [
         unit(m.length, wall.head_joint.get()),
@@ -129,7 +130,7 @@ pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
     ]
 }
 
-/// `n` equal intervals from `a` to `b`; both ends exact.
+/// Divides a to b into `n` equal intervals; both ends are exact.
 fn equal(a: f64, b: f64, n: usize) -> Vec<f64> {
     let inner = |i: usize| a + (b - a) * (i as f64 / n as f64);
     (0..=n).map(|i| if i == n { b } else { inner(i) }).collect()

@@ -5,21 +5,22 @@
 //!  ├─┬────┬┊┬────┬┤      against its mirror image; all others are whole or on the other side
 //! ```
 //!
-//! Each layer of mortar belongs to one unit, so that the halves of a wall with mortar are no mirror images to the
-//! last detail: its joints open at one of their faces, those in the plane now in their middle. Dry joints are.
+//! Each layer of mortar belongs to one unit. The halves of a wall with mortar are therefore not exact mirror
+//! images: its joints open at one of their faces, but those in the plane open in their middle. Dry walls are exact
+//! mirror images.
 
 use super::course::TOLERANCE;
 use super::layout::{Refusal, Unit};
 use super::representative;
 use crate::deck::schema::Wall;
 use crate::deck::symmetry::Plane;
-use crate::model::hexahedron::range;
+use crate::element::hexahedron::range;
 
-/// What is left of the units of a wall on the side of the planes that is modelled, and at which faces planes cut it.
+/// Returns the units of a wall on the modelled side of the planes, and the faces at which planes cut the wall.
 ///
 /// # Errors
-/// A wall that lies beyond a plane, or that is no mirror image of itself; elements that a plane would cut. Blames
-/// the path of the plane.
+/// A wall that lies beyond a plane or is not a mirror image of itself; a plane that would cut elements. The error
+/// has the path of the plane.
 pub(super) fn cut(
     planes: &[Plane],
     wall: &Wall,
@@ -42,11 +43,12 @@ pub(super) fn cut(
             ));
         }
         if farthest <= tolerance {
-            continue; // it ends at the plane, or before
+            continue; // ends at the plane or before it
         }
         require_fit(plane, wall, name, clamped)?;
         let images = images(plane, name, &units, tolerance)?;
-        // Each layer of mortar belongs to the unit below it: where what lies above is kept, to the image.
+        // Each layer of mortar belongs to the unit below or before it. If the side above the plane is kept, it
+        // belongs to the mirror image of that unit.
         let owner = |i: usize| if plane.above { images[i] } else { i };
         let joints: Vec<f64> = (0..units.len())
             .map(|i| units[owner(i)].joint(d, true))
@@ -59,7 +61,7 @@ pub(super) fn cut(
     Ok((units, faces))
 }
 
-/// What is wrong with a plane, and where it stands.
+/// An error about a plane, with its path.
 fn refusal(plane: &Plane, key: &str, message: String, help: &str) -> (String, Refusal) {
     let refusal = Refusal {
         key: key.to_owned(),
@@ -69,7 +71,7 @@ fn refusal(plane: &Plane, key: &str, message: String, help: &str) -> (String, Re
     (plane.path.clone(), refusal)
 }
 
-/// Refuses planes that no wall of this kind can be cut by.
+/// Rejects planes that cannot cut a wall of this kind.
 fn require_fit(
     plane: &Plane,
     wall: &Wall,
@@ -95,7 +97,7 @@ fn require_fit(
     Ok(())
 }
 
-/// Refuses a plane that would go through an element.
+/// Rejects a plane that would cut an element.
 fn require_even(
     plane: &Plane,
     wall: &Wall,
@@ -123,10 +125,10 @@ fn require_even(
     Ok(())
 }
 
-/// The mirror image of each unit.
+/// Index of the mirror image of each unit.
 ///
 /// # Errors
-/// A unit that has none.
+/// A unit without a mirror image.
 fn images(
     plane: &Plane,
     name: &str,
@@ -137,7 +139,7 @@ fn images(
     let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|s| (a[s] - b[s]).abs() <= 4.0 * tolerance);
     let mut images = Vec::with_capacity(units.len());
     let courses: Vec<&[Unit]> = if d == 2 {
-        vec![units] // images are in other courses
+        vec![units] // mirror images are in other courses
     } else {
         units.chunk_by(|a, b| a.course == b.course).collect()
     };
@@ -151,7 +153,7 @@ fn images(
             let is = |other: &Unit| {
                 (0..3).all(|d| near(other.own[d], wanted[d])) && other.material == unit.material
             };
-            // Those that begin where it would.
+            // Units that begin where the mirror image would.
             let begins = |i: &usize| course[*i].own[d][0];
             let from = order.partition_point(|i| begins(i) < wanted[d][0] - 4.0 * tolerance);
             let there = order[from..].iter().copied();
@@ -179,11 +181,12 @@ fn images(
     Ok(images)
 }
 
-/// Cuts a unit, of which the joint towards the plane is `joint` mm thick; false if nothing of it is left. Units are
-/// mirror images of each other, so that a plane meets them and the joints between them at their middle.
+/// Cuts a unit whose joint towards the plane is `joint` mm thick; returns false if no part of it is left.
+///
+/// Units are mirror images of each other, so that a plane cuts units and joints at their middle.
 fn keep(plane: &Plane, unit: &mut Unit, joint: f64, tolerance: f64) -> bool {
     let d = plane.axis;
-    // The side that looks at the plane.
+    // The side towards the plane.
     let side = usize::from(!plane.above);
     let end = plane.beyond(unit.own[d][side]);
     let begin = plane.beyond(unit.own[d][1 - side]);
@@ -194,7 +197,7 @@ fn keep(plane: &Plane, unit: &mut Unit, joint: f64, tolerance: f64) -> bool {
         unit.own[d][side] = plane.at;
         unit.all[d][side] = plane.at;
     } else if (2.0 * end + joint).abs() <= 4.0 * tolerance {
-        // It reaches its image, with half the joint.
+        // The unit ends at a joint in the plane and keeps half of it.
         unit.all[d][side] = plane.at;
         if joint <= tolerance {
             unit.own[d][side] = plane.at;

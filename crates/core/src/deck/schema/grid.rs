@@ -5,9 +5,9 @@
 
 use super::Deck;
 use super::rows::{Row, rows};
+use crate::element::hexahedron::{PLACES, is_upright};
 use crate::error::ModelError;
 use crate::input;
-use crate::model::hexahedron::{PLACES, is_upright};
 
 impl Deck {
     /// Reads the nodes of the block `index`, if it has a file of them [mm]. `[node][xyz]`

@@ -1,6 +1,6 @@
 //! The deck: a TOML text as written, with its units resolved and its ranges checked.
 //!
-//! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
+//! The structures here are the serde mirror of the file; `docs/reference/deck.md` explains every key.
 
 mod arch;
 mod beams;
@@ -51,10 +51,11 @@ use super::overrides;
 use super::quantity::Length;
 use super::source::Source;
 use super::wall_defaults;
+use crate::element::Formulation;
 use crate::error::{DeckError, Errors, IoError, MOST_ERRORS, ModelError, printable};
 use crate::input;
 use crate::material::MaterialParameters;
-use crate::model::scene::{ContactPoints, Fidelity, Formulation, Output};
+use crate::model::scene::{ContactPoints, Fidelity, Output};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,32 +1,32 @@
-//! What of the solids can be seen: their outer faces, and the facets of the interfaces on them.
+//! Visible parts of the model: the boundary facets of the solids and the interface facets on them.
 
 use std::collections::HashMap;
 
 use crate::element::hex8::FACES;
 use crate::results::vtkhdf::read::{RestMesh, RestSurface};
 
-/// Points that a facet of the interfaces has in the file: its corners first.
+/// Number of points per interface facet in the file; the corners come first.
 const FACET_POINTS: usize = 9;
-/// Cosine between the normals of two faces below which their common edge is drawn.
+/// An edge is drawn if the cosine between the normals of its faces is below this value.
 const SHARP: f64 = 0.8;
 
-/// The elements that can be seen, and the nodes on them.
+/// Elements with boundary facets, and the nodes on these facets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BoundaryFacets {
-    /// Nodes of the mesh that are on it. `[skin node]`
+    /// Nodes of the mesh on the boundary. `[boundary node]`
     pub nodes: Vec<u32>,
-    /// Elements of the mesh with an outer face. `[skin element]`
+    /// Elements of the mesh with a boundary facet. `[boundary element]`
     pub elements: Vec<u32>,
-    /// Boundary nodes of the elements' corners; 0 at corners within. `[skin element]`
+    /// Boundary nodes at the corners of the elements; 0 at interior corners. `[boundary element]`
     pub corners: Vec<[u32; 8]>,
-    /// Bit f: the face [`FACES`]`[f]` is an outer one. `[skin element]`
+    /// Bit f is set if the face [`FACES`]`[f]` is on the boundary. `[boundary element]`
     pub faces: Vec<u8>,
-    /// Edges of the bodies. `[edge][skin node]`
+    /// Edges of the bodies. `[edge][boundary node]`
     pub edges: Vec<[u32; 2]>,
 }
 
 impl BoundaryFacets {
-    /// Of a mesh; none if an element names a node that is not there.
+    /// Boundary of a mesh; `None` if an element refers to a missing node.
     pub fn of(mesh: &RestMesh) -> Option<Self> {
         let mut met: HashMap<[u32; 4], (usize, u8)> = HashMap::new();
         let mut faces = vec![0_u8; mesh.elements.len()];
@@ -37,7 +37,7 @@ impl BoundaryFacets {
             for (f, face) in FACES.iter().enumerate() {
                 let mut key = face.map(|i| nodes[i]);
                 key.sort_unstable();
-                // A face met twice is within.
+                // A face found twice is interior.
                 if let Some((other, bit)) = met.remove(&key) {
                     faces[other] &= !bit;
                 } else {
@@ -91,11 +91,11 @@ impl BoundaryFacets {
         order
     }
 
-    /// Boundary nodes of the facets of the interfaces; none if the two grids do not belong together. Where
-    /// bodies touch they have nodes at the same place: of those with a node at every corner the one is
-    /// taken whose nodes have moved as the facet has.
+    /// Boundary nodes of the interface facets; `None` if the two grids do not belong together. Bodies in contact have
+    /// nodes at the same positions. Of the bodies with a node at every corner, the one is chosen whose nodes moved
+    /// with the facet.
     ///
-    /// `moved`: displacements of the mesh's nodes and of the surface's points in some frame.
+    /// `moved`: displacements of the nodes of the mesh and of the points of the surface in some frame.
     pub fn facets(
         &self,
         mesh: &RestMesh,
@@ -107,7 +107,7 @@ impl BoundaryFacets {
         if solid.len() != mesh.nodes.len() || interface.len() != points.len() {
             return None;
         }
-        // −0 is 0.
+        // Turns −0 into 0.
         let key = |x: [f64; 3]| x.map(|x| (x + 0.0).to_bits());
         let mut there: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
         let mut seen = vec![false; self.nodes.len()];
@@ -155,7 +155,7 @@ fn outer(bits: u8) -> impl Iterator<Item = [usize; 4]> {
         .map(|(_, face)| face)
 }
 
-/// Unit normal of a quad, from its diagonals.
+/// Unit normal of a quad from its diagonals.
 fn normal(x: [[f64; 3]; 4]) -> [f64; 3] {
     let d = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
     let (a, b) = (d(0, 2), d(1, 3));
@@ -200,7 +200,7 @@ mod tests {
         let three = BoundaryFacets::of(&row(3)).unwrap();
         // +x is bit 3, −x bit 5.
         assert_eq!(three.faces, [0b11_0111, 0b01_0111, 0b01_1111]);
-        // 4 long ones of 3 each, 4 at each end.
+        // Four long edges of 3 each and four edges at each end.
         assert_eq!(three.edges.len(), 12 + 8);
         assert_eq!(three.nodes.len(), 16);
         for (face, (axis, sign)) in FACES.iter().zip([
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn a_facet_is_of_the_body_that_moves_with_it() {
-        // Two bodies that touch at x = 1.
+        // Two bodies in contact at x = 1.
         let mut mesh = row(1);
         for x in row(1).nodes {
             mesh.nodes.push([x[0] + 1.0, x[1], x[2]]);

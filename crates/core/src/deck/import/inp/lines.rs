@@ -1,4 +1,4 @@
-//! The lines of an `.inp` and of the files that it includes: keywords with their parameters, and data.
+//! Lines of an `.inp` and of the files that it includes: keywords with their parameters, and data.
 
 use crate::deck::import::{Loader, Place, Wrong};
 use crate::error::is_hidden;
@@ -6,11 +6,11 @@ use crate::error::is_hidden;
 /// A keyword line: `*ELSET, ELSET=BRICKS, GENERATE`.
 #[derive(Clone, Debug)]
 pub(super) struct Keyword {
-    /// In capitals, without the asterisk, its words parted by one space.
+    /// Name in capitals, without the asterisk, with single spaces between words.
     pub(super) name: String,
-    /// Parameters in capitals, and their values as they are written, without quotes.
+    /// Names of parameters in capitals, and their values as written, without quotes.
     parameters: Vec<(String, String)>,
-    /// Where it is.
+    /// Position in the file.
     pub(super) place: Place,
 }
 
@@ -32,7 +32,7 @@ impl Keyword {
         }
     }
 
-    /// The value of a parameter; empty if it has none.
+    /// Value of a parameter; empty if it has no value.
     pub(super) fn get(&self, parameter: &str) -> Option<&str> {
         let found = self.parameters.iter().find(|(key, _)| key == parameter);
         found.map(|(_, value)| value.as_str())
@@ -58,13 +58,13 @@ impl Keyword {
     }
 }
 
-/// Words in capitals, parted by one space.
+/// The words of a text in capitals, with single spaces between them.
 fn capitals(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ").to_uppercase()
 }
 
-/// Without blanks and quotes around it.
+/// Removes blanks and quotes around a text.
 pub(super) fn unquoted(text: &str) -> &str {
     let text = text.trim();
     text.strip_prefix('"')
@@ -72,7 +72,7 @@ pub(super) fn unquoted(text: &str) -> &str {
         .unwrap_or(text)
 }
 
-/// Parts between commas, those in quotes left alone, without blanks around them.
+/// Splits a line at commas outside of quotes, and removes blanks around the fields.
 fn fields(line: &str) -> Vec<&str> {
     let mut quoted = false;
     let parts = line.split(|c: char| {
@@ -82,23 +82,24 @@ fn fields(line: &str) -> Vec<&str> {
     parts.map(str::trim).collect()
 }
 
-/// How a comment begins that wythe wrote for itself, see [`Sink::remark`].
+/// Start of a comment that wythe writes for itself, see [`Sink::remark`].
 pub(super) const REMARK: &str = "** wythe:";
 
-/// What takes the lines.
+/// Receiver of the lines.
 pub(super) trait Sink {
-    /// A keyword begins; whatever came before it has ended.
+    /// A keyword begins; the one before it has ended.
     fn keyword(&mut self, keyword: &Keyword) -> Result<(), Wrong>;
-    /// A line of data of the last keyword.
+    /// A data line of the last keyword.
     fn data(&mut self, fields: &[&str], place: Place) -> Result<(), Wrong>;
-    /// A comment by which wythe says what Abaqus has no keyword for: `** wythe: KEY = VALUE`, after the last keyword.
+    /// A comment by which wythe stores data without an Abaqus keyword: `** wythe: KEY = VALUE`, after the last
+    /// keyword.
     fn remark(&mut self, key: &str, value: &str);
 }
 
-/// Files deeper than this include each other in a circle, or might as well.
+/// Largest depth of inclusion; deeper files most likely include each other in a circle.
 const DEEPEST: usize = 16;
 
-/// More files than these are a circle of another kind.
+/// Largest number of included files; more most likely include each other repeatedly.
 const MOST_FILES: usize = 1000;
 
 /// Reads files line by line.
@@ -118,17 +119,17 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Hands all lines of a file, and of those that it includes, to the sink.
+    /// Passes all lines of a file, and of the files that it includes, to the sink.
     ///
     /// # Errors
-    /// What the sink refuses, files that cannot be read or include each other.
+    /// Lines that the sink rejects; files that cannot be read or include each other.
     pub(super) fn scan(
         &mut self,
         name: &str,
         bytes: &[u8],
         sink: &mut impl Sink,
     ) -> Result<(), Wrong> {
-        // Titles may be of any code page.
+        // Titles may have any encoding.
         let text = String::from_utf8_lossy(bytes);
         let file = self.files.len() as u32;
         self.files.push(name.to_owned());
@@ -140,7 +141,7 @@ impl<'a> Lines<'a> {
             };
             let line = line.trim();
             if let Some((key, value)) = line.strip_prefix(REMARK).and_then(|l| l.split_once('=')) {
-                // It is about the keyword before it.
+                // The remark belongs to the keyword before it.
                 if let Some((text, place)) = open.take_if(|(text, _)| !text.ends_with(',')) {
                     self.keyword(&text, place, sink)?;
                 }
@@ -170,7 +171,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// A whole keyword: an *INCLUDE is read in its place, the INPUT= of another is its data.
+    /// Handles a complete keyword: the file of an *INCLUDE is read in its place, the INPUT= of another keyword
+    /// gives its data.
     fn keyword(&mut self, text: &str, place: Place, sink: &mut impl Sink) -> Result<(), Wrong> {
         let keyword = Keyword::parse(text, place);
         if let Some((parameter, _)) = keyword

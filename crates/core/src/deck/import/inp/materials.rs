@@ -6,10 +6,10 @@ use crate::deck::import::material::{ImportedMaterial, Measure};
 use crate::deck::import::numbers::real;
 use crate::deck::import::{Place, Wrong};
 
-/// A table of a material.
+/// The table of a material to which data lines belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Table {
-    /// Nothing, of a material.
+    /// No table; the data lines are ignored.
     None,
     Elastic,
     Density,
@@ -21,11 +21,13 @@ pub(super) enum Table {
 }
 
 impl Reader {
-    /// The table that a keyword begins; none if it is not one of a material that is read. One that means another law makes
-    /// the material one that cannot be used: a deck that has a material of its own in its place does without it.
+    /// The table that a keyword begins; none if the keyword does not belong to a material that is read.
+    ///
+    /// A keyword of another law marks the material as unusable. A deck may replace such a material by one of its
+    /// own.
     ///
     /// # Errors
-    /// A material without a name, or with that of another.
+    /// A material without a name, or with the name of another one.
     pub(super) fn material_keyword(&mut self, keyword: &Keyword) -> Result<Option<Table>, Wrong> {
         if keyword.name == "MATERIAL" {
             let name = keyword.required("NAME")?;
@@ -99,7 +101,7 @@ impl Reader {
         }
     }
 
-    /// A line of a table.
+    /// Reads a data line of a table.
     pub(super) fn material_row(&mut self, table: Table, fields: &[&str], place: Place) {
         let ended = &mut self.table_ended;
         let Some(material) = self
@@ -168,8 +170,7 @@ impl Reader {
     }
 }
 
-/// Adds a row. One that begins anew from strain 0 is of another rate or temperature: only the first are
-/// taken.
+/// Adds a row. Once the strains start again from 0, the rows are for another rate or temperature and are ignored.
 fn add(rows: &mut Vec<[f64; 2]>, row: [f64; 2], ended: &mut bool) {
     *ended |= row[1] == 0.0 && rows.last().is_some_and(|last| last[1] > 0.0);
     if !*ended {
@@ -177,7 +178,7 @@ fn add(rows: &mut Vec<[f64; 2]>, row: [f64; 2], ended: &mut bool) {
     }
 }
 
-/// What the second column of a table in tension is.
+/// Meaning of the second column of a table in tension.
 fn measure(kind: Option<&str>, or_energy: bool) -> Option<Measure> {
     match kind {
         None | Some("STRAIN") => Some(Measure::Strain),

@@ -1,4 +1,4 @@
-//! Abaqus' input files: nodes, hexahedra, sets, surfaces, parts and instances, materials and sections.
+//! Abaqus input files: nodes, hexahedra, sets, surfaces, parts and instances, materials and sections.
 
 mod lines;
 mod materials;
@@ -11,10 +11,10 @@ use super::{ImportError, ImportedMesh, Loader};
 use lines::Lines;
 use reader::Reader;
 
-/// Reads an `.inp`. `load` gives the files that it includes.
+/// Reads an `.inp`. `load` returns the contents of the files that it includes.
 ///
 /// # Errors
-/// What cannot be read, and what cannot be meant: elements other than hexahedra, labels twice or of nothing.
+/// Syntax errors, duplicate or unknown labels.
 pub(super) fn read(
     name: &str,
     bytes: &[u8],

@@ -1,11 +1,11 @@
-//! What an `.inp` says before its names are looked up.
+//! Contents of an `.inp` before its names are resolved.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::deck::import::{ImportedMaterial, Place};
 
-/// A node: label, coordinates in the units of the file.
+/// A node: label and coordinates in the units of the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) label: u64,
@@ -13,7 +13,7 @@ pub(super) struct Node {
     pub(super) place: Place,
 }
 
-/// A hexahedron: label, labels of its nodes.
+/// A hexahedron: label and labels of its nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Element {
     pub(super) label: u64,
@@ -21,12 +21,12 @@ pub(super) struct Element {
     pub(super) place: Place,
 }
 
-/// A member of a set as it is written.
+/// A member of a set as written.
 #[derive(Clone, Debug)]
 pub(super) enum Member {
     /// A label.
     Label(u64),
-    /// From, to, step.
+    /// First, last, step.
     Range([u64; 3]),
     /// A set of the same kind, or `INSTANCE.SET`, or `INSTANCE.LABEL`.
     Name(String),
@@ -34,30 +34,31 @@ pub(super) enum Member {
     NodesOf(String),
 }
 
-/// One definition of a set; several of one name add up.
+/// One definition of a set; several definitions of one name are united.
 #[derive(Clone, Debug)]
 pub(super) struct Set {
     pub(super) name: String,
-    /// Instance whose labels are meant, in an assembly.
+    /// Instance to which the labels belong, in an assembly.
     pub(super) instance: Option<String>,
     pub(super) members: Vec<Member>,
     pub(super) place: Place,
 }
 
-/// A surface: sets or labels, with a side of their elements each.
+/// A surface: sets or labels, each with a side of its elements.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     pub(super) name: String,
-    /// Made of nodes, not of sides of elements.
+    /// Whether it consists of nodes instead of sides of elements.
     pub(super) of_nodes: bool,
-    /// The side as it is written, in capitals; none: what is outside. Elements that are not read have sides of other names.
+    /// Members, each with its side in capitals as written; none: the exterior sides. Elements of other types have
+    /// sides of other names.
     pub(super) members: Vec<(Member, Option<String>, Place)>,
 }
 
 /// An element of a type that is not read.
 #[derive(Clone, Debug)]
 pub(super) struct Other {
-    /// Its type, in capitals.
+    /// Type in capitals.
     pub(super) kind: Arc<str>,
     pub(super) label: u64,
     /// Labels of its nodes.
@@ -73,7 +74,7 @@ pub(super) struct SolidSection {
     pub(super) place: Place,
 }
 
-/// What a part, an instance, or a file without them holds.
+/// Contents of a part, of an instance, or of a file without either.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
     pub(super) nodes: Vec<Node>,
@@ -85,31 +86,31 @@ pub(super) struct Scope {
     pub(super) sections: Vec<SolidSection>,
 }
 
-/// A part that stands in the assembly.
+/// An instance of a part in the assembly.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
     pub(super) name: String,
     pub(super) part: String,
-    /// Lines of data: a translation, an axis and an angle.
+    /// Data lines: a translation; an axis and an angle.
     pub(super) moves: Vec<Vec<f64>>,
-    /// What is said of it alone.
+    /// Definitions that belong to the instance alone.
     pub(super) own: Scope,
     pub(super) place: Place,
 }
 
-/// A whole file.
+/// Contents of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raw {
-    /// By name, in capitals.
+    /// Parts by their name in capitals.
     pub(super) parts: BTreeMap<String, Scope>,
     pub(super) instances: Vec<Instance>,
-    /// The assembly, or all of a flat file.
+    /// The assembly, or all of a file without parts.
     pub(super) scope: Scope,
     pub(super) materials: Vec<ImportedMaterial>,
-    /// Types of elements and how many there are.
+    /// Element types, and the number of elements of each.
     pub(super) types: BTreeMap<String, usize>,
-    /// Keywords that were not read, and where the first of each is.
+    /// Keywords that were not read, with the place of the first of each.
     pub(super) skipped: BTreeMap<String, Place>,
-    /// Hexahedra with more labels on their line than those of eight nodes, and where the first is.
+    /// Number of hexahedra with more than eight node labels, and the place of the first.
     pub(super) long: Option<(usize, Place)>,
 }

@@ -1,4 +1,4 @@
-//! From lines to what they say, by part, instance and assembly.
+//! Interprets the lines of an `.inp` by part, instance and assembly.
 
 use std::sync::Arc;
 
@@ -9,22 +9,22 @@ use super::sets;
 use crate::deck::import::numbers::{label, real};
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Place, Wrong};
 
-/// What the lines of data belong to.
+/// Meaning of the data lines that follow.
 #[derive(Debug, Default)]
 pub(super) enum Now {
-    /// Something that is not read.
+    /// Data that is not read.
     #[default]
     Skipped,
-    /// Nodes, with coordinates around an axis if `cylindrical`; of the last set if `named`.
+    /// Nodes; in cylindrical coordinates if `cylindrical`, members of the last set if `named`.
     Nodes { cylindrical: bool, named: bool },
-    /// Elements of a type that is read, of the last set if `named`: numbers of an element so far, and where
-    /// it begins.
+    /// Elements of a type that is read, members of the last set if `named`; with the numbers of the current element
+    /// so far, and its place.
     Elements {
         numbers: Vec<u64>,
         place: Place,
         named: bool,
     },
-    /// Elements of a type that is not: how many nodes each has, where that is known.
+    /// Elements of a type that is not read; with the number of nodes of each, if known.
     Others {
         kind: Arc<str>,
         nodes: Option<usize>,
@@ -33,13 +33,13 @@ pub(super) enum Now {
     Set { of_nodes: bool, generated: bool },
     /// Members of the last surface.
     Surface,
-    /// Moves of the last instance.
+    /// Placement of the last instance.
     Instance,
     /// A table of the last material.
     Material(Table),
 }
 
-/// Where nodes, elements and sets go.
+/// Scope to which nodes, elements and sets are added.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 enum Within {
     #[default]
@@ -48,21 +48,21 @@ enum Within {
     Instance,
 }
 
-/// Takes the lines of an `.inp`.
+/// Reader of the lines of an `.inp`.
 #[derive(Debug, Default)]
 pub(super) struct Reader {
     pub(super) raw: Raw,
     pub(super) now: Now,
     within: Within,
     in_step: bool,
-    /// What follows of the table in hand is of another rate or temperature.
+    /// Whether the rest of the current table is for another rate or temperature.
     pub(super) table_ended: bool,
-    /// Elements of the whole file so far.
+    /// Number of elements of the whole file so far.
     elements: usize,
     nodes: usize,
 }
 
-/// Keywords without which the mesh would not be what is meant.
+/// Keywords that define parts of the mesh but are not supported.
 const REFUSED: [(&str, &str); 8] = [
     ("NGEN", "nodes"),
     ("NFILL", "nodes"),
@@ -74,23 +74,23 @@ const REFUSED: [(&str, &str); 8] = [
     ("PARAMETER", "numbers"),
 ];
 
-/// Whether elements of this type are read as hex8: C3D8, C3D8R, C3D8I, C3D8RH, C3D8T ….
+/// Returns whether elements of this type are read as hex8: C3D8, C3D8R, C3D8I, C3D8RH, C3D8T ….
 fn is_hexahedron(kind: &str) -> bool {
     let rest = kind.strip_prefix("C3D8");
     rest.is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_uppercase()))
 }
 
 impl Reader {
-    /// What was read, at the end of the file.
+    /// Contents of the file, at its end.
     ///
     /// # Errors
-    /// An element that is left half written.
+    /// An incomplete element.
     pub(super) fn end(mut self) -> Result<Raw, Wrong> {
         self.close()?;
         Ok(self.raw)
     }
 
-    /// Where things go now.
+    /// The current scope.
     pub(super) fn scope(&mut self) -> &mut Scope {
         match (&self.within, self.raw.instances.last_mut()) {
             (Within::Instance, Some(instance)) => &mut instance.own,
@@ -99,7 +99,7 @@ impl Reader {
         }
     }
 
-    /// Sees that an element was not left half written.
+    /// Checks that the last element is complete.
     fn close(&mut self) -> Result<(), Wrong> {
         let now = std::mem::take(&mut self.now);
         let Now::Elements { numbers, place, .. } = now else {
@@ -210,7 +210,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Takes the numbers of a line; an element may go on over several.
+    /// Reads the numbers of a line; an element may continue over several lines.
     fn element(
         &mut self,
         fields: &[&str],
@@ -233,12 +233,12 @@ impl Reader {
         if let [first, nodes @ ..] = &numbers[..]
             && nodes.len() >= 8
         {
-            // Programs that read eight write more: nodes of incompatible modes, or those of a quadratic element.
+            // Some programs write more than eight labels: nodes of incompatible modes, or of a quadratic element.
             if nodes.len() > 8 {
                 self.raw.long.get_or_insert((0, begun)).0 += 1;
             }
             let Ok(nodes) = <[u64; 8]>::try_from(&nodes[..8]) else {
-                return Ok(()); // there are eight
+                return Ok(()); // never: the slice has eight labels
             };
             self.elements += 1;
             if self.elements > MOST_ELEMENTS {
@@ -264,7 +264,8 @@ impl Reader {
         Ok(())
     }
 
-    /// A line of an element that is left out. Those of more nodes than fit on a line go on over several.
+    /// Reads a line of an element that is left out. Elements with more nodes than fit on a line continue over
+    /// several.
     fn other(&mut self, fields: &[&str], place: Place, kind: &Arc<str>, nodes: Option<usize>) {
         let mut labels = fields.iter().filter_map(|f| label(f));
         let others = &mut self.scope().others;
@@ -450,7 +451,7 @@ impl Sink for Reader {
 }
 
 impl Reader {
-    /// Takes what wythe wrote of a material beside Abaqus' keywords.
+    /// Reads material data that wythe writes in addition to Abaqus keywords.
     fn remarked(&mut self, key: &str, value: &str) {
         let Some(material) = self.raw.materials.last_mut() else {
             return;
@@ -464,7 +465,7 @@ impl Reader {
         }
     }
 
-    /// Notes a keyword that is not read.
+    /// Records a keyword that is not read.
     pub(super) fn skip(&mut self, keyword: &Keyword) {
         let skipped = &mut self.raw.skipped;
         skipped.entry(keyword.name.clone()).or_insert(keyword.place);
@@ -479,7 +480,7 @@ fn too_many(place: Place, what: &str) -> Wrong {
     )
 }
 
-/// What is to be known of elements of a type that is not read.
+/// Advice about elements of a type that is not read.
 pub(super) fn instead_of(kind: &str) -> &'static str {
     if kind.starts_with("COH") {
         "interfaces have no thickness: let the faces beside cohesive elements meet by [[contacts]]"
@@ -490,14 +491,14 @@ pub(super) fn instead_of(kind: &str) -> &'static str {
     }
 }
 
-/// Nodes of a solid by its type, C3D20R or DC3D10; none of others, which fit on a line.
+/// Number of nodes of a solid by its type, such as C3D20R or DC3D10; none for other types, which fit on a line.
 fn nodes_of(kind: &str) -> Option<usize> {
     let (_, rest) = kind.split_once("3D")?;
     let digits = rest.trim_end_matches(|c: char| !c.is_ascii_digit());
     digits.parse().ok().filter(|&nodes: &usize| nodes > 8)
 }
 
-/// A member of a set: a label or a name.
+/// Parses a member of a set: a label or a name.
 pub(super) fn member(field: &str) -> Member {
     let name = unquoted(field);
     label(name).map_or_else(|| Member::Name(name.to_owned()), Member::Label)

@@ -1,4 +1,4 @@
-//! From an `.inp` to a mesh: instances are placed, labels and names looked up.
+//! From an `.inp` to a mesh: places instances and resolves labels and names.
 
 mod left_out;
 mod surfaces;
@@ -8,40 +8,40 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::raw::{Instance, Member, Node, Raw, Scope, Set};
 use crate::deck::import::{ImportedMesh, MOST_ELEMENTS, MOST_NODES, Place, Section, Wrong};
 use crate::deck::keys::nearest;
-use crate::model::hexahedron::norm;
+use crate::element::hexahedron::norm;
 use crate::model::scene::turned;
 use left_out::{leave_others_out, leave_parts_out, notes};
 use surfaces::surfaces;
 
-/// Sets of sets of sets … deeper than this go round in a circle.
+/// Largest depth of sets of sets; deeper ones refer to each other in a circle.
 const DEEPEST: usize = 32;
 
-/// More members of all sets together than this are a slip.
+/// Largest number of members of all sets together.
 const MOST_MEMBERS: usize = 400_000_000;
 
-/// Kinds of sets.
+/// Keywords of the two kinds of sets.
 const KINDS: [&str; 2] = ["NSET", "ELSET"];
 const NODES: usize = 0;
 const ELEMENTS: usize = 1;
 
-/// An instance in the mesh, or the assembly (a flat file) itself.
+/// An instance in the mesh, or the assembly (a file without parts) itself.
 struct Frame<'a> {
     name: Option<String>,
-    /// The part and what is said of the instance alone.
+    /// Scope of the part, and of the instance alone.
     scopes: Vec<&'a Scope>,
     /// Nodes and elements by label. `[kind]`
     labels: [HashMap<u64, u32>; 2],
-    /// Labels in order, for ranges. `[kind]`
+    /// Labels in ascending order, for ranges. `[kind]`
     order: [Vec<u64>; 2],
     /// Labels of elements that are not read.
     others: HashSet<u64>,
-    /// Definitions by name in capitals, and the name as it is written first. `[kind]`
+    /// Definitions by name in capitals, in the order of the file. `[kind]`
     sets: [BTreeMap<String, Vec<&'a Set>>; 2],
-    /// Sets that are looked up. `[kind]`
+    /// Members of resolved sets. `[kind]`
     found: [BTreeMap<String, Vec<u32>>; 2],
 }
 
-/// Looks all names up.
+/// Resolves all names of a file.
 pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
     let mut mesh = ImportedMesh {
         notes: notes(&raw),
@@ -100,7 +100,7 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
         };
         let nodes = nodes.into_iter().map(|(n, set)| (written(NODES, &n), set));
         mesh.node_sets.extend(nodes);
-        // Sets of elements that are not read are none.
+        // Sets that contain only elements of other types are dropped.
         let others = !frame.others.is_empty();
         let elements = elements
             .into_iter()
@@ -127,7 +127,7 @@ fn unknown_part(raw: &Raw, instance: &Instance) -> Wrong {
     )
 }
 
-/// `INSTANCE.`, or nothing.
+/// `INSTANCE.`, or nothing for the assembly.
 fn prefix(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("{name}."))
 }
@@ -158,7 +158,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Indices of the labels from, to, step.
+    /// Indices of the labels in a range: first, last, step.
     fn range(&self, kind: usize, [from, to, step]: [u64; 3]) -> Vec<u32> {
         let order = &self.order[kind];
         let first = order.partition_point(|label| *label < from);
@@ -168,7 +168,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Adds the nodes and elements of an instance to the mesh, where it stands.
+/// Adds the nodes and elements of an instance to the mesh, at its place in the assembly.
 fn lay(
     mesh: &mut ImportedMesh,
     frame: &mut Frame<'_>,
@@ -238,7 +238,7 @@ fn twice(what: &str, label: u64, place: Place) -> Wrong {
     )
 }
 
-/// Where a point of a part stands: first moved, then turned about an axis of the assembly.
+/// Position of a point of a part: first moved, then turned about an axis of the assembly.
 fn placed(x: [f64; 3], moves: &[Vec<f64>]) -> [f64; 3] {
     let mut x = x;
     for numbers in moves {
@@ -259,14 +259,14 @@ fn placed(x: [f64; 3], moves: &[Vec<f64>]) -> [f64; 3] {
     x
 }
 
-/// Looks up all sets of a frame; those of instances must be known before the assembly's.
+/// Resolves all sets of a frame; those of instances must be resolved before those of the assembly.
 fn look_up(
     frames: &mut [Frame<'_>],
     at: usize,
     mesh: &mut ImportedMesh,
     members: &mut usize,
 ) -> Result<(), Wrong> {
-    // The assembly is the first frame and may name sets of any instance.
+    // The assembly is the first frame and may name sets of any instance: it comes last.
     let at = (at + 1) % frames.len();
     for kind in [ELEMENTS, NODES] {
         let names: Vec<String> = frames[at].sets[kind].keys().cloned().collect();
@@ -297,7 +297,7 @@ fn look_up(
     Ok(())
 }
 
-/// Adds the members of a set, in capitals, of a frame.
+/// Adds the members of a set of a frame; the name is in capitals.
 fn gather(
     frames: &[Frame<'_>],
     at: usize,
@@ -336,7 +336,7 @@ fn gather(
     Ok(())
 }
 
-/// Adds what one member stands for.
+/// Adds the nodes or elements that one member denotes.
 fn one(
     frames: &[Frame<'_>],
     at: usize,
@@ -388,7 +388,7 @@ fn one(
             }
             let label = crate::deck::import::numbers::label(name);
             if kind == ELEMENTS && label.is_some_and(|label| frames[at].others.contains(&label)) {
-                return Ok(()); // of an instance, left out
+                return Ok(()); // belongs to an instance and was left out
             }
             let name = name.to_uppercase();
             if !frames[at].sets[kind].contains_key(&name) {
@@ -401,7 +401,8 @@ fn one(
     Ok(())
 }
 
-/// Where `INSTANCE.NAME` is looked up, and as what; a plain name where it stands.
+/// Splits `INSTANCE.NAME` in the assembly into the frame of the instance and the name; other names stay in frame
+/// `at`.
 fn place_of<'n>(
     frames: &[Frame<'_>],
     at: usize,
@@ -444,7 +445,7 @@ fn unknown<'a>(
     Wrong::new(place, format!("there is no {kind} named {name}"), help)
 }
 
-/// Looks up which elements are of which material.
+/// Assigns materials to elements.
 fn sections(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
     for (at, frame) in frames.iter().enumerate() {
         for section in frame.scopes.iter().flat_map(|s| &s.sections) {

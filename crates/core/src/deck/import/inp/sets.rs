@@ -1,4 +1,4 @@
-//! Sets and surfaces as an `.inp` writes them.
+//! Sets and surfaces of an `.inp` as written.
 
 use super::lines::Keyword;
 use super::raw::{Member, Set, Surface};
@@ -6,7 +6,7 @@ use super::reader::member;
 use crate::deck::import::numbers::label;
 use crate::deck::import::{Place, Wrong};
 
-/// A set of the nodes or elements that follow (`*NODE, NSET=NAME`).
+/// Set of the nodes or elements that follow (`*NODE, NSET=NAME`).
 pub(super) fn of_what_follows(name: &str, place: Place) -> Set {
     Set {
         name: name.to_owned(),
@@ -19,7 +19,7 @@ pub(super) fn of_what_follows(name: &str, place: Place) -> Set {
 /// Adds a label to the last set.
 pub(super) fn follow(sets: &mut [Set], label: u64) {
     if let Some(set) = sets.last_mut() {
-        // Labels mostly ascend by one.
+        // Labels mostly ascend by one: they are stored as ranges.
         match set.members.last_mut() {
             Some(Member::Range([_, to, 1])) if *to + 1 == label => *to = label,
             _ => set.members.push(Member::Range([label, label, 1])),
@@ -42,7 +42,7 @@ pub(super) fn set(keyword: &Keyword, of_nodes: bool) -> Result<Set, Wrong> {
     })
 }
 
-/// Members on a line: labels and names, or first, last and step.
+/// Reads the members on a line: labels and names, or first, last and step.
 pub(super) fn members(
     set: &mut Set,
     fields: &[&str],
@@ -75,7 +75,7 @@ pub(super) fn members(
     Ok(())
 }
 
-/// The surface that a *SURFACE begins; none of a kind that is not read.
+/// The surface that a *SURFACE begins; none if its kind is not read.
 pub(super) fn surface(keyword: &Keyword) -> Result<Option<Surface>, Wrong> {
     let kind = keyword.get("TYPE").unwrap_or("ELEMENT").to_uppercase();
     let read = ["ELEMENT", "NODE"].contains(&kind.as_str());
@@ -89,7 +89,7 @@ pub(super) fn surface(keyword: &Keyword) -> Result<Option<Surface>, Wrong> {
     }))
 }
 
-/// A line of a surface: a label or a set, and the side of its elements.
+/// Reads a line of a surface: a label or a set, and the side of its elements.
 pub(super) fn sides(surface: &mut Surface, fields: &[&str], place: Place) {
     let Some(who) = fields.first().filter(|f| !f.is_empty()) else {
         return;

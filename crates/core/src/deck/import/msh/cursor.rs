@@ -1,18 +1,18 @@
-//! Numbers of a `.msh`, whether they are text or bytes.
+//! Reads numbers of a `.msh` in text or binary form.
 
 use crate::deck::import::numbers::real;
 use crate::deck::import::{Place, Wrong};
 
-/// A place in the file.
+/// Reading position in the file.
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
     line: u32,
-    /// Numbers are bytes, and in which order.
+    /// Byte order of binary numbers; none if numbers are text.
     pub(super) binary: Option<Endian>,
 }
 
-/// Order of the bytes of a number.
+/// Byte order of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Endian {
     Little,
@@ -29,7 +29,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Where it is; a binary file has no lines.
+    /// Current position; a binary file has no lines.
     pub(super) fn place(&self) -> Place {
         let line = if self.binary.is_some() { 0 } else { self.line };
         Place { file: 0, line }
@@ -39,7 +39,7 @@ impl<'a> Cursor<'a> {
         Wrong::new(self.place(), message, help)
     }
 
-    /// The rest of the line; none at the end of the file.
+    /// Rest of the line; none at the end of the file.
     pub(super) fn line(&mut self) -> Option<String> {
         let rest = &self.bytes[self.at..];
         if rest.is_empty() {
@@ -52,7 +52,7 @@ impl<'a> Cursor<'a> {
         Some(String::from_utf8_lossy(line).into_owned())
     }
 
-    /// The next word of text, wherever it is.
+    /// Next word of text, on any line.
     pub(super) fn word(&mut self) -> Option<&'a str> {
         while let Some(b) = self.bytes.get(self.at).filter(|b| b.is_ascii_whitespace()) {
             self.line = self.line.saturating_add(u32::from(*b == b'\n'));
@@ -68,7 +68,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(word).ok()
     }
 
-    /// The line of the next word of text.
+    /// Line of the next word of text.
     pub(super) fn line_of_next(&self) -> u32 {
         let blank = self.bytes[self.at..]
             .iter()
@@ -77,10 +77,10 @@ impl<'a> Cursor<'a> {
         self.line.saturating_add(newlines as u32)
     }
 
-    /// Goes to the byte after the line that ends the section.
+    /// Moves behind the line that ends the section.
     ///
     /// # Errors
-    /// There is none.
+    /// The section has no such line.
     pub(super) fn skip_end_of(&mut self, section: &str) -> Result<(), Wrong> {
         let end = format!("$End{section}");
         let rest = &self.bytes[self.at..];
@@ -98,7 +98,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Whether the section ends here.
+    /// Returns whether the section ends here.
     pub(super) fn at_end_of(&mut self, section: &str) -> bool {
         let (at, line) = (self.at, self.line);
         let end = self
@@ -138,7 +138,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A whole number with a sign: 4 bytes.
+    /// Reads a signed integer of 4 bytes.
     pub(super) fn int(&mut self) -> Result<i64, Wrong> {
         match self.binary {
             Some(endian) => Ok(i64::from(i32::from_le_bytes(self.raw(endian)?))),
@@ -146,7 +146,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A count or a tag of version 4: 8 bytes.
+    /// Reads a count or a tag of version 4, of 8 bytes.
     pub(super) fn size(&mut self) -> Result<u64, Wrong> {
         match self.binary {
             Some(endian) => Ok(u64::from_le_bytes(self.raw(endian)?)),
@@ -154,7 +154,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A tag of version 2, where it has 4 bytes, or of version 4.
+    /// Reads a tag: of 4 bytes in version 2, of 8 bytes in version 4.
     pub(super) fn tag(&mut self, version: u32) -> Result<u64, Wrong> {
         if version >= 4 {
             return self.size();
@@ -168,7 +168,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// A coordinate: 8 bytes.
+    /// Reads a coordinate of 8 bytes.
     pub(super) fn real(&mut self) -> Result<f64, Wrong> {
         let Some(endian) = self.binary else {
             return self.text("a number", real);

@@ -1,14 +1,14 @@
-//! What the sections say, put together.
+//! Collects the data of the sections and builds the mesh.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::cursor::Cursor;
 use crate::deck::import::{ImportedMesh, Place, SIDES, Wrong, point};
 
-/// Gmsh's types of elements.
+/// Gmsh element types.
 const QUADRANGLE: i64 = 3;
 const HEXAHEDRON: i64 = 5;
-/// Types of solids that are no hexahedra of first order.
+/// Types of solids other than hexahedra of first order.
 const OTHER_SOLIDS: [i64; 15] = [4, 6, 7, 11, 12, 13, 14, 17, 18, 19, 29, 30, 31, 92, 93];
 /// Types of surfaces.
 const OTHER_FACES: [i64; 10] = [2, 9, 10, 16, 20, 21, 22, 23, 24, 25];
@@ -16,9 +16,9 @@ const OTHER_FACES: [i64; 10] = [2, 9, 10, 16, 20, 21, 22, 23, 24, 25];
 /// Nodes, elements and groups of a file.
 #[derive(Default)]
 pub(super) struct Gathered {
-    /// Names of physical groups, by dimension and tag.
+    /// Names of physical groups by dimension and tag.
     pub(super) names: BTreeMap<(i64, i64), String>,
-    /// Groups of an entity, by its dimension and tag.
+    /// Groups of an entity by its dimension and tag.
     pub(super) groups: HashMap<(i64, i64), Vec<i64>>,
     /// Coordinates. `[node][xyz]`
     pub(super) nodes: Vec<[f64; 3]>,
@@ -27,19 +27,19 @@ pub(super) struct Gathered {
     hexahedra: Vec<[u32; 8]>,
     hexahedron_labels: Vec<u64>,
     hexahedron_places: Vec<Place>,
-    /// Version 2 writes an element once for each of its groups.
+    /// Hexahedra by their nodes: version 2 writes an element once for each of its groups.
     known: HashMap<[u32; 8], u32>,
-    /// Of groups of volumes: elements.
+    /// Elements of groups of volumes.
     volumes: BTreeMap<i64, Vec<u32>>,
-    /// Of groups of surfaces: corners, number and place of each quadrangle.
+    /// Corners, label and position of each quadrangle of groups of surfaces.
     quadrangles: BTreeMap<i64, Vec<([u32; 4], u64, Place)>>,
-    /// Of groups of curves and points: nodes, by dimension and group.
+    /// Nodes of groups of curves and points, by dimension and group.
     curves: BTreeMap<(i64, i64), Vec<u32>>,
     others: usize,
 }
 
 impl Gathered {
-    /// How many elements were met.
+    /// Number of elements so far.
     pub(super) fn count(&self) -> usize {
         self.hexahedra.len() + self.others
     }
@@ -57,7 +57,7 @@ impl Gathered {
         Ok(())
     }
 
-    /// Takes an element: a hexahedron, or what bounds one and is in a group.
+    /// Adds an element: a hexahedron, or an element of lower dimension that is in a group.
     pub(super) fn element(
         &mut self,
         kind: i64,
@@ -134,7 +134,7 @@ impl Gathered {
         near.trim_end_matches(" mm").to_owned()
     }
 
-    /// The name of a group.
+    /// Name of a group.
     fn name(&self, dimension: i64, group: i64) -> String {
         let kind = ["point", "curve", "surface", "volume"][dimension.clamp(0, 3) as usize];
         let named = self.names.get(&(dimension, group));
@@ -143,7 +143,7 @@ impl Gathered {
             .map_or_else(|| format!("{kind}-{group}"), Clone::clone)
     }
 
-    /// The mesh.
+    /// Builds the mesh.
     pub(super) fn mesh(mut self) -> Result<ImportedMesh, Wrong> {
         let mut mesh = ImportedMesh {
             nodes: std::mem::take(&mut self.nodes),
@@ -169,12 +169,12 @@ impl Gathered {
         Ok(mesh)
     }
 
-    /// Finds the sides of hexahedra that quadrangles lie on.
+    /// Finds the sides of hexahedra on which quadrangles lie.
     fn surfaces(&self, mesh: &mut ImportedMesh) -> Result<(), Wrong> {
         if self.quadrangles.is_empty() {
             return Ok(());
         }
-        // How many elements have a side, and the first of them.
+        // For each side: number of its elements, and the first of them.
         let mut sides: HashMap<[u32; 4], (u32, u32, u8)> = HashMap::new();
         for e in 0..mesh.elements.len() as u32 {
             for side in 0..SIDES.len() as u8 {

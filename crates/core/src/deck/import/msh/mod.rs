@@ -1,7 +1,8 @@
-//! Gmsh's `.msh`, versions 2.2 and 4.1, as text or binary (Gmsh's reference manual, "MSH file format").
+//! Gmsh `.msh` files, versions 2.2 and 4.1, in text or binary form (Gmsh reference manual, "MSH file format").
 //!
-//! Physical groups become sets: of volumes sets of elements, of surfaces surfaces (and sets of their nodes), of
-//! curves and points sets of nodes. A group without a name is called `volume-7`, `surface-2`, ….
+//! Physical groups become sets: groups of volumes become sets of elements, groups of surfaces become surfaces and
+//! sets of their nodes, groups of curves and points become sets of nodes. A group without a name is called
+//! `volume-7`, `surface-2`, ….
 
 mod cursor;
 mod gather;
@@ -14,7 +15,7 @@ use gather::Gathered;
 /// Reads a `.msh`.
 ///
 /// # Errors
-/// What cannot be read, solids other than hexahedra, surfaces that lie on none.
+/// Data that cannot be read, solids other than hexahedra, surfaces that do not lie on hexahedra.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ImportedMesh, ImportError> {
     let files = vec![name.to_owned()];
     match parse(bytes) {
@@ -29,7 +30,7 @@ fn parse(bytes: &[u8]) -> Result<ImportedMesh, Wrong> {
     let mut version = None;
     while let Some(line) = cursor.line() {
         let Some(section) = line.trim().strip_prefix('$') else {
-            continue; // what stands between sections says nothing
+            continue; // text between sections has no meaning
         };
         let section = section.to_owned();
         if section == "MeshFormat" {

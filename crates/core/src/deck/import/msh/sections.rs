@@ -1,4 +1,4 @@
-//! The sections of a `.msh`.
+//! Reads the sections of a `.msh`.
 
 use super::cursor::{Cursor, Endian};
 use super::gather::Gathered;
@@ -6,7 +6,7 @@ use crate::deck::import::numbers::real;
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Wrong};
 use crate::error::is_hidden;
 
-/// `$MeshFormat`: the version, 2 or 4; and whether numbers are bytes from now on.
+/// `$MeshFormat`: returns the version, 2 or 4, and sets the form of the numbers that follow.
 pub(super) fn format(cursor: &mut Cursor<'_>) -> Result<u32, Wrong> {
     let help = "save it as version 4.1 (Mesh.MshFileVersion = 4.1; gmsh -format msh41)";
     let version = cursor.word().and_then(real);
@@ -26,7 +26,7 @@ pub(super) fn format(cursor: &mut Cursor<'_>) -> Result<u32, Wrong> {
     }
     if kind == 1 {
         cursor.line();
-        // A 1 tells the order of the bytes.
+        // The file contains the number 1, whose bytes show their order.
         cursor.binary = Some(Endian::Little);
         match cursor.int()? {
             1 => {}
@@ -42,7 +42,7 @@ pub(super) fn format(cursor: &mut Cursor<'_>) -> Result<u32, Wrong> {
     Ok(version)
 }
 
-/// A number of text, also in a binary file.
+/// Reads a number as text, also in a binary file.
 fn written(cursor: &mut Cursor<'_>) -> Result<i64, Wrong> {
     let number = cursor.word().and_then(|w| w.parse().ok());
     number.ok_or_else(|| {
@@ -53,7 +53,7 @@ fn written(cursor: &mut Cursor<'_>) -> Result<i64, Wrong> {
     })
 }
 
-/// `$PhysicalNames`: text, even in binary files.
+/// `$PhysicalNames`: text, also in binary files.
 pub(super) fn physical_names(
     cursor: &mut Cursor<'_>,
     gathered: &mut Gathered,
@@ -77,7 +77,7 @@ pub(super) fn physical_names(
     Ok(())
 }
 
-/// `$Entities` of version 4: which entity is in which physical groups.
+/// `$Entities` of version 4: physical groups of each entity.
 pub(super) fn entities(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(), Wrong> {
     let mut counts = [0; 4];
     for count in &mut counts {
@@ -86,7 +86,7 @@ pub(super) fn entities(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Resu
     for (dimension, count) in counts.into_iter().enumerate() {
         for _ in 0..count {
             let tag = cursor.int()?;
-            // A point, or a box.
+            // Coordinates of a point, or of a bounding box.
             for _ in 0..if dimension == 0 { 3 } else { 6 } {
                 cursor.real()?;
             }
@@ -192,7 +192,7 @@ pub(super) fn elements(
     Ok(())
 }
 
-/// Elements of version 2: a group each among its tags; in a binary file in blocks of one kind.
+/// Elements of version 2: each has its group among its tags; a binary file has blocks of one type.
 fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(), Wrong> {
     let total = written(cursor)?;
     if cursor.binary.is_some() {
@@ -205,7 +205,7 @@ fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(),
         for number in &mut header {
             *number = cursor.int()?;
         }
-        // As text: its number, kind, how many tags. As bytes: kind, how many, how many tags.
+        // In text: number, type, count of tags. In binary form: type, count of elements, count of tags.
         let (kind, count) = match cursor.binary {
             Some(_) => (header[0], header[1]),
             None => (header[1], 1),
@@ -241,7 +241,7 @@ fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(),
     Ok(())
 }
 
-/// The line on which the next word is.
+/// Line of the next word.
 fn next_line(cursor: &mut Cursor<'_>) -> crate::deck::import::Place {
     let mut place = cursor.place();
     if cursor.binary.is_none() {
@@ -260,7 +260,7 @@ fn require_countable(cursor: &Cursor<'_>, gathered: &Gathered) -> Result<(), Wro
     ))
 }
 
-/// How many nodes an element of a kind has (Gmsh's reference manual, 10.2).
+/// Number of nodes of an element type (Gmsh reference manual, 10.2).
 fn nodes_of(cursor: &Cursor<'_>, kind: i64) -> Result<usize, Wrong> {
     const NODES: [usize; 31] = [
         2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4,

@@ -168,7 +168,7 @@ impl Checks<'_> {
             (_, Some(corners)) => {
                 let corners = corners.map(|x| x.map(Quantity::get));
                 self.demand(
-                    crate::model::hexahedron::is_upright(&corners),
+                    crate::element::hexahedron::is_upright(&corners),
                     &key("corners"),
                     || "the corners are not in order, or the block is flat or folded".to_owned(),
                     "(-,-,-) (+,-,-) (+,+,-) (-,+,-), then the same four above them",

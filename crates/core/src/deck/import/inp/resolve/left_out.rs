@@ -1,4 +1,4 @@
-//! Parts of an `.inp` that the mesh does not take over, and the notes on them.
+//! Parts of an `.inp` that are not imported, and the notes about them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use crate::deck::import::inp::raw::Raw;
 use crate::deck::import::inp::reader::instead_of;
 use crate::deck::import::{ImportedMesh, Place};
 
-/// Notes on keywords that are read as others, and on those that are not read.
+/// Notes on keywords that are read with another meaning, and on those that are not read.
 pub(super) fn notes(raw: &Raw) -> Vec<String> {
     let mut notes = Vec::new();
     let types: Vec<&str> = raw.types.keys().map(String::as_str).collect();
@@ -41,13 +41,13 @@ pub(super) fn notes(raw: &Raw) -> Vec<String> {
     notes
 }
 
-/// Notes elements of types that are not read, a line a type, and remembers their labels.
+/// Adds a note for each element type that is not read, and stores the labels of its elements.
 pub(super) fn leave_others_out(mesh: &mut ImportedMesh, frames: &mut [Frame<'_>]) {
     let mut of_hexahedra = vec![false; mesh.nodes.len()];
     for n in mesh.elements.iter().flatten() {
         of_hexahedra[*n as usize] = true;
     }
-    // By type: how many, how many of them have nodes in common with hexahedra, the first.
+    // By type: number of elements, number of those that share nodes with hexahedra, label and place of the first.
     let mut kinds: BTreeMap<&str, (usize, usize, u64, Place)> = BTreeMap::new();
     for frame in frames {
         for other in frame.scopes.iter().flat_map(|s| &s.others) {
@@ -77,7 +77,7 @@ pub(super) fn leave_others_out(mesh: &mut ImportedMesh, frames: &mut [Frame<'_>]
     }
 }
 
-/// Notes parts that stand nowhere.
+/// Adds a note about parts without an instance.
 pub(super) fn leave_parts_out(mesh: &mut ImportedMesh, raw: &Raw) {
     let placed = raw.instances.iter().map(|i| i.part.to_uppercase());
     let placed: BTreeSet<String> = placed.collect();
@@ -96,7 +96,7 @@ pub(super) fn leave_parts_out(mesh: &mut ImportedMesh, raw: &Raw) {
 }
 
 impl ImportedMesh {
-    /// Takes out nodes of no element: reference points, construction points. They would hang free.
+    /// Removes nodes that belong to no element, such as reference points: they would have no stiffness.
     pub(in crate::deck::import) fn take_unused_nodes_out(&mut self) {
         let mut used = vec![false; self.nodes.len()];
         for n in self.elements.iter().flatten() {

@@ -4,13 +4,13 @@ use super::{ELEMENTS, Frame, NODES, one, prefix};
 use crate::deck::import::inp::raw::Surface;
 use crate::deck::import::{ImportedMesh, Place, Wrong};
 
-/// Looks up the surfaces of all frames. What of them is not there is noted: nobody may need it.
+/// Resolves the surfaces of all frames. Missing members give a note only, because the surface may be unused.
 pub(super) fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
     let any = |f: &Frame<'_>| f.scopes.iter().any(|s| !s.surfaces.is_empty());
     if !frames.iter().any(any) {
         return Ok(());
     }
-    // A mesh with sides of three elements is refused when it is checked.
+    // Sides that belong to three elements are rejected by `ImportedMesh::check`.
     let outside = mesh.exterior().unwrap_or_default();
     for (at, frame) in frames.iter().enumerate() {
         for surface in frame.scopes.iter().flat_map(|s| &s.surfaces) {
@@ -30,7 +30,7 @@ pub(super) fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<
     Ok(())
 }
 
-/// A surface that has no side of a hexahedron: a set of nodes, if it has nodes.
+/// Keeps a surface without sides of hexahedra as a set of nodes, if it has nodes.
 fn left_without_sides(mesh: &mut ImportedMesh, name: String, mut nodes: Vec<u32>) {
     if nodes.is_empty() {
         mesh.notes.push(format!(
@@ -46,10 +46,10 @@ fn left_without_sides(mesh: &mut ImportedMesh, name: String, mut nodes: Vec<u32>
     mesh.node_sets.entry(name).or_insert(nodes);
 }
 
-/// Sides of elements that a surface stands for, and its nodes, if it is one of nodes.
+/// Sides of elements of a surface, and its nodes if it consists of nodes.
 type Found = (Vec<(u32, u8)>, Vec<u32>);
 
-/// Looks up what a surface stands for.
+/// Resolves a surface.
 fn sides(
     frames: &[Frame<'_>],
     at: usize,
@@ -76,7 +76,7 @@ fn sides(
             &mut absent,
         )?;
         match side {
-            // Sides of elements that are not read have other names.
+            // Elements of other types have sides of other names.
             Some(_) if found.is_empty() => {}
             Some(side) => {
                 let side = number_of(side, surface, *place)?;
@@ -106,7 +106,7 @@ fn sides(
     Ok((all, nodes))
 }
 
-/// The side of a hexahedron from 0, S1 to S6 as it is written.
+/// Index of a side of a hexahedron from 0; S1 to S6 in the file.
 fn number_of(side: &str, surface: &Surface, place: Place) -> Result<u8, Wrong> {
     match side
         .strip_prefix('S')
