@@ -1,4 +1,4 @@
-//! `wythe check`: is this model what its author means?
+//! `wythe check`: checks a model without running it.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::findings::{self, Sound, Unsound};
 use crate::plot::{undrawn, write_answer};
 use crate::say::print;
 
-/// Reads and builds the model, and prints what is wrong with it, or what follows from it.
+/// Reads and builds the model, and prints its errors, or its warnings and sizes.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
@@ -23,7 +23,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         _ => Ok(()),
     };
     if arguments.json {
-        // Whatever happens to the picture.
+        // The JSON object is printed even if the picture fails.
         return print_json(path, found).and(drawn);
     }
     drawn?;
@@ -33,7 +33,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         warnings,
     } = found.map_err(|unsound| unsound.tell(path))?;
     let mut report = wythe_core::deck::check(&deck, &model);
-    // These are drawn with their places.
+    // Warnings are printed with their places in the deck instead.
     report.warnings.clear();
     let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
     let lines: Vec<&str> = text.lines().collect();
@@ -44,7 +44,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     print(&format!("{drawn}{report}"))
 }
 
-/// Draws what will be built.
+/// Draws the model.
 fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let svg = scene(model);
     let extension = picture
@@ -65,7 +65,7 @@ fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure
     write_answer(picture, &bytes, inputs)
 }
 
-/// One object, whatever was found.
+/// Prints one JSON object, whether the model is right or wrong.
 fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(), Failure> {
     let file = path.display().to_string();
     let (object, outcome): (Value, _) = match found {

@@ -1,4 +1,4 @@
-//! `wythe export`: a run, or a model that was not run, for other programs.
+//! `wythe export`: writes a run, or a model that was not run, for other programs.
 
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,10 @@ use crate::failure::Failure;
 use crate::plot::write;
 use crate::say::print;
 
-/// Name of the series of all frames.
+/// Name of the file that lists all frames.
 const SERIES: &str = "series.pvd";
 
-/// Writes the files and says which.
+/// Writes the files and prints their names.
 pub fn export(arguments: &Export) -> Result<(), Failure> {
     if arguments.folder.is_file() {
         return scene(&arguments.folder, arguments);
@@ -69,7 +69,7 @@ fn tell(written: &[PathBuf]) -> Result<(), Failure> {
     print(&lines.collect::<String>())
 }
 
-/// A model at rest, without a run.
+/// Writes a model at rest, without a run.
 fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     if arguments.frame.is_some() || arguments.to == Format::Csv {
         return Err(Failure::Model(miette::miette!(
@@ -100,7 +100,7 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     tell(&written)
 }
 
-/// Files of a frame: what comes after its name, and their text.
+/// Files of a frame: suffix of the name, and text.
 fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     let joined = !snapshot.surface.quads.is_empty();
     let mut files = match format {
@@ -119,7 +119,7 @@ fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     files
 }
 
-/// The model of the folder's deck, for Abaqus, and the files that it is made of.
+/// Abaqus text of the model in the folder's deck, and the input files of the model.
 fn model(folder: &RunFolder, arguments: &Export) -> Result<(String, Vec<PathBuf>), Failure> {
     if arguments.frame.is_some() {
         return Err(Failure::Model(miette::miette!(

@@ -1,4 +1,4 @@
-//! `wythe schema`: what editors need to complete and check a deck.
+//! `wythe schema`: prints the schema with which editors complete and check a deck.
 
 use crate::failure::Failure;
 use crate::say::print;

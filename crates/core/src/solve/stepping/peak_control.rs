@@ -26,7 +26,7 @@ const NEAR: f64 = 0.9;
 /// Least size of the next increment over the last one, however sharp the peak seems.
 const LEAST: f64 = 0.25;
 
-/// Largest force over the next one with which a curve may start to count as unloaded.
+/// A curve starts unloaded if its first force is at most this part of the next one.
 pub(in crate::solve) const AT_REST: f64 = 0.1;
 /// Factor on the part missed, where the force does not fall.
 const CORNER: f64 = 4.0;
@@ -267,7 +267,7 @@ mod tests {
         for [a, b, c] in [
             [0.0, 0.3, 0.6], // the peak is beyond the next increment
             [1.5, 2.0, 2.5], // it lies behind
-            [1.7, 1.8, 1.9], // the next one is too flat a piece of it
+            [1.7, 1.8, 1.9], // the next one passes a flat part of the parabola
             [2.0, 1.9, 1.5],
             [1.5, 1.5, 1.5],
         ] {
@@ -431,9 +431,9 @@ mod tests {
         let again = |times: &[f64], to: f64, force: fn(f64) -> f64, part: f64| {
             watch(times, force).passed(to, force(to), part).is_some()
         };
-        assert!(!again(&[1.8, 1.9], 2.05, hill, 0.005)); // too flat a piece of it
+        assert!(!again(&[1.8, 1.9], 2.05, hill, 0.005)); // a flat part of the parabola
         assert!(again(&[0.2, 1.2], 2.9, hill, 0.005));
-        assert!(!again(&[0.2, 1.2], 2.9, hill, 1.0)); // as it was asked for
+        assert!(!again(&[0.2, 1.2], 2.9, hill, 1.0)); // this part switches peak control off
         // A corner: friction does not fall, so no peak is hidden.
         let slides = |t: f64| t.min(2.0);
         assert!(!again(&[1.5, 1.7, 1.9], 2.1, slides, 0.005));

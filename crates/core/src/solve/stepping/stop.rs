@@ -214,7 +214,7 @@ mod tests {
             (1.0, 9.0),
             (0.0, -3.0),
             (-1.0, -7.5), // 0.83 of the peak on this side
-            (0.9, 7.0),   // not as far out as before
+            (0.9, 7.0),   // less displacement than before on this side
         ];
         for (d, f) in loops {
             assert_eq!(watch.take([d, f], false), None, "{d} {f}");
