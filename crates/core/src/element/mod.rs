@@ -1,6 +1,7 @@
 //! The hex8: strains, forces and stiffness in the rotated frame, and the frame.
 
 pub mod extent;
+pub mod exterior;
 pub mod facet;
 mod formulation;
 pub mod hex8;

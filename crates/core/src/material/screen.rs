@@ -118,7 +118,7 @@ fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
     // A stress of zero has a w of zero.
     let w = 0.5 * j3.abs() / if cube > 0.0 { cube } else { 1.0 };
     let w = if w < 1.0 { w } else { 1.0 };
-    // As in `sym6`: 4e-5 off, and each step of Newton doubles its digits.
+    // As in `tensor`: 4e-5 off, and each step of Newton doubles its digits.
     let mut c = 0.866_066_33 + w * (0.165_330_35 + w * (-0.040_691_2 + w * 0.009_319_68));
     for _ in 0..2 {
         c -= ((4.0 * c * c - 3.0) * c - w) / (12.0 * c * c - 3.0);

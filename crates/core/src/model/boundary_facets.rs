@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use wythe_contact::frame_at;
 
 use super::Mesh;
-use crate::element::hex8::FACES;
+use crate::element::exterior::{corners, exterior_faces};
 
 /// A convex edge of a body: its two faces are turned away from each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,30 +38,13 @@ const SHARP: f64 = 0.02;
 impl BoundaryFacets {
     /// Finds the boundary facets and edges of a mesh, whose `unit` is the body of each element.
     pub fn of(mesh: &Mesh) -> Self {
-        // Number of elements with each face, by (body, sorted corners).
-        let mut count: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
-        let faces = |e: usize| FACES.map(|face| face.map(|a| mesh.elements[e][a]));
-        let key = |e: usize, face: [u32; 4]| {
-            let mut corners = face;
-            corners.sort_unstable();
-            (mesh.unit[e], corners)
-        };
-        for e in 0..mesh.elements.len() {
-            for face in faces(e) {
-                *count.entry(key(e, face)).or_default() += 1;
-            }
-        }
-        let mut order: Vec<usize> = (0..mesh.elements.len()).collect();
-        order.sort_by_key(|&e| (mesh.unit[e], e));
+        let mut faces = exterior_faces(&mesh.elements, |e| mesh.unit[e]);
+        faces.sort_by_key(|&(e, face)| (mesh.unit[e as usize], e, face));
         let mut skin = Self::default();
-        for e in order {
-            for face in faces(e) {
-                if count[&key(e, face)] == 1 {
-                    skin.facets.push(face);
-                    skin.body.push(mesh.unit[e]);
-                    skin.element.push(e as u32);
-                }
-            }
+        for (e, face) in faces {
+            skin.facets.push(corners(&mesh.elements[e as usize], face));
+            skin.body.push(mesh.unit[e as usize]);
+            skin.element.push(e);
         }
         skin.find_edges(&mesh.nodes);
         skin

@@ -1,6 +1,6 @@
 """Models from parts: materials, joints, walls, arches, blocks, steps.
 
-Each function returns a part of a deck with the keys of the deck (docs/deck.md); :func:`wall`, :func:`arch` and
+Each function returns a part of a deck with the keys of the deck (docs/reference/deck.md); :func:`wall`, :func:`arch` and
 :func:`blocks` combine parts to a model. A quantity is a number in base units (N, mm, MPa, tonne, s; degrees) or a
 text with its unit. Omitted arguments take the default of the deck.
 """
@@ -241,7 +241,7 @@ def wall(
     clamped
         ``{"bottom_courses": 1, "top_courses": 1}``, or ``False`` if supports and steps refer to its faces.
     overlap, leaves, collar_joint, header_courses, head_filling, filled_from
-        Parameters of the bond (docs/deck.md, ``wall``).
+        Parameters of the bond (docs/reference/deck.md, ``wall``).
     head_interface, collar_interface
         Names of ``interfaces`` for these joints, if they differ from ``joint``.
     rigid

@@ -4,15 +4,8 @@ use std::collections::BTreeMap;
 
 use super::{ImportedMesh, find};
 
-/// Local nodes of the sides S1 to S6 of a hex8 in Abaqus numbering, counter-clockwise seen from outside.
-pub const SIDES: [[usize; 4]; 6] = [
-    [0, 3, 2, 1],
-    [4, 5, 6, 7],
-    [0, 1, 5, 4],
-    [1, 2, 6, 5],
-    [2, 3, 7, 6],
-    [3, 0, 4, 7],
-];
+/// Local nodes of the sides S1 to S6 of a hex8 in Abaqus numbering: the order of its faces in wythe.
+pub use crate::element::hex8::FACES as SIDES;
 
 /// Connected bodies of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

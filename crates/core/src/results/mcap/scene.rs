@@ -3,13 +3,12 @@
 //! Viewers draw a list of triangles in one colour. So faces are grouped: the solids by damage in tenths, the
 //! interfaces by state. Each list contains a node once. Positions are rounded to a micrometre.
 
-use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io;
 
 use wythe_contact::Part;
 
-use crate::element::hex8::FACES;
+use crate::element::exterior::{corners, exterior_faces};
 use crate::model::{Mesh, Model};
 use crate::results::vtkhdf::quarters::{QUARTERS, WEIGHTS};
 use crate::state::{Frame, InterfaceState};
@@ -45,7 +44,7 @@ impl Scene {
     /// Visible faces of a model.
     pub fn of(model: &Model) -> Self {
         Self {
-            skin: skin(&model.mesh),
+            skin: boundary(&model.mesh),
         }
     }
 
@@ -143,22 +142,11 @@ pub fn rest(model: &Model) -> Frame {
     frame
 }
 
-/// Faces that belong to one element only, in the order of the elements.
-fn skin(mesh: &Mesh) -> Vec<(u32, [u32; 4])> {
-    let mut count: HashMap<[u32; 4], u32> = HashMap::new();
-    let key = |mut corners: [u32; 4]| {
-        corners.sort_unstable();
-        corners
-    };
-    let faces = || {
-        let of = |(e, nodes): (usize, &[u32; 8])| FACES.map(|f| (e as u32, f.map(|i| nodes[i])));
-        mesh.elements.iter().enumerate().flat_map(of)
-    };
-    for (_, corners) in faces() {
-        *count.entry(key(corners)).or_default() += 1;
-    }
-    faces()
-        .filter(|(_, corners)| count[&key(*corners)] == 1)
+/// Boundary facets with their elements, in the order of the elements.
+fn boundary(mesh: &Mesh) -> Vec<(u32, [u32; 4])> {
+    let faces = exterior_faces(&mesh.elements, |_| 0).into_iter();
+    faces
+        .map(|(e, face)| (e, corners(&mesh.elements[e as usize], face)))
         .collect()
 }
 

@@ -9,10 +9,8 @@
 
 use std::fmt::Write as _;
 
-use std::collections::HashMap;
-
 use super::super::elevation::escape;
-use crate::element::hex8::FACES;
+use crate::element::exterior::{corners, exterior_faces};
 use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
 use crate::model::{Mesh, Model};
@@ -143,17 +141,10 @@ fn heights(model: &Model) -> Vec<f64> {
 
 /// Boundary facets with their elements, counter-clockwise seen from outside.
 fn bare_faces(mesh: &Mesh) -> Vec<(usize, [u32; 4])> {
-    let faces = |e: usize| FACES.map(|face| face.map(|c| mesh.elements[e][c]));
-    let key = |mut face: [u32; 4]| {
-        face.sort_unstable();
-        face
-    };
-    let mut count: HashMap<[u32; 4], u32> = HashMap::new();
-    for face in (0..mesh.elements.len()).flat_map(faces) {
-        *count.entry(key(face)).or_default() += 1;
-    }
-    let all = (0..mesh.elements.len()).flat_map(|e| faces(e).map(|face| (e, face)));
-    all.filter(|(_, face)| count[&key(*face)] == 1).collect()
+    let faces = exterior_faces(&mesh.elements, |_| 0).into_iter();
+    faces
+        .map(|(e, face)| (e as usize, corners(&mesh.elements[e as usize], face)))
+        .collect()
 }
 
 /// Elevation seen from the front, from −y.

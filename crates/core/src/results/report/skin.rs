@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::element::exterior::exterior_faces;
 use crate::element::hex8::FACES;
 use crate::results::vtkhdf::read::{RestMesh, RestSurface};
 
@@ -28,23 +29,13 @@ pub(super) struct BoundaryFacets {
 impl BoundaryFacets {
     /// Boundary of a mesh; `None` if an element refers to a missing node.
     pub fn of(mesh: &RestMesh) -> Option<Self> {
-        let mut met: HashMap<[u32; 4], (usize, u8)> = HashMap::new();
+        let is_known = |n: &u32| (*n as usize) < mesh.nodes.len();
+        if !mesh.elements.iter().flatten().all(is_known) {
+            return None;
+        }
         let mut faces = vec![0_u8; mesh.elements.len()];
-        for (e, nodes) in mesh.elements.iter().enumerate() {
-            if nodes.iter().any(|&n| n as usize >= mesh.nodes.len()) {
-                return None;
-            }
-            for (f, face) in FACES.iter().enumerate() {
-                let mut key = face.map(|i| nodes[i]);
-                key.sort_unstable();
-                // A face found twice is interior.
-                if let Some((other, bit)) = met.remove(&key) {
-                    faces[other] &= !bit;
-                } else {
-                    met.insert(key, (e, 1 << f));
-                    faces[e] |= 1 << f;
-                }
-            }
+        for (e, face) in exterior_faces(&mesh.elements, |_| 0) {
+            faces[e as usize] |= 1 << face;
         }
         let mut skin = Self::default();
         let mut place = vec![u32::MAX; mesh.nodes.len()];
