@@ -1,4 +1,4 @@
-//! The width of the band in which softening localises (theory A.8): what a crack takes hangs on the element's length
+//! The width of the band in which softening localises (theory/crack-band.md, eq. 5): what a crack takes hangs on the element's length
 //! across it, whatever its shape.
 
 #[path = "../common/mod.rs"]
@@ -289,7 +289,7 @@ fn what_a_deck_says_of_bands_is_checked() {
         let of_it = model.warnings.iter().filter(|w| w.key.starts_with(&key));
         of_it.filter(|w| w.message.contains(limit)).count()
     };
-    // E Δε_in/Δσ l_ref/1.01 = 1.214 · 31.4/1.01 and 1.417 · 31.4/1.01 (theory A.8).
+    // E Δε_in/Δσ l_ref/1.01 = 1.214 · 31.4/1.01 and 1.417 · 31.4/1.01 (theory/crack-band.md, eq. 5).
     assert_eq!(narrowed("tension.1", "37.8 mm"), 2, "{told:#?}");
     assert_eq!(narrowed("compression.2", "44.0 mm"), 2, "{told:#?}");
     let bare = text.replace("reference_length = \"31.4 mm\"\n", "");

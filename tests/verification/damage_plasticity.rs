@@ -334,11 +334,11 @@ fn tangents_match_central_differences() {
                     let central = (up - down) / (2.0 * h);
                     let error = (central - column).amax();
                     // At a kink (a principal stress changes sign, first yield, a table row within
-                    // h) the tangent is that of one side: theory A.6.
+                    // h) the tangent is that of one side: theory/damage-plasticity.md, eq. 12.
                     let forward = ((up - answer.stress) / h - column).amax();
                     let backward = ((answer.stress - down) / h - column).amax();
                     // Second order in h: 2.6e-7 E was found with ten times this h and 2.6e-9 E with
-                    // it (theory B.2 asks for 5e-5 E); one-sided differences carry more.
+                    // it (theory/return-map.md, Verification asks for 5e-5 E); one-sided differences carry more.
                     if error > 1e-7 * e {
                         kinks += 1;
                         assert!(

@@ -21,7 +21,7 @@ fn step(law: &DamagePlasticity, strain: Vector6<f64>, old: &MaterialHistory) -> 
     law.update(&strain, old, 1.0, true).expect("an answer")
 }
 
-/// Residuals of theory B.1 in their nine unknowns (σ̄, κ_t, κ_c), written without the reduction:
+/// Residuals of theory/return-map.md, eq. 8 in their nine unknowns (σ̄, κ_t, κ_c), written without the reduction:
 /// the flow rule with N(σ̄) of A.3, the hardening of A.4, and F ≤ 0. λ is read off tr Δε_p = λT.
 /// Returns the largest, in MPa (κ times E), those of the flow over its condition: near the vertex
 /// of the potential, N turns by dσ̄/A, which λ C₀ multiplies.
@@ -285,7 +285,7 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
     let compliance = c0.try_inverse().expect("regular");
     let old = MaterialHistory::default();
     // Biaxial compression with a third stress that ends below and above zero: the γ- and the
-    // β-branch of theory A.2, which differ in slope.
+    // β-branch of theory/damage-plasticity.md, eqs 2 to 4, which differ in slope.
     let at = |third: f64| {
         let strain = compliance * Vector6::new(-18.0, -11.0, third, 0.3, 0.0, 0.0);
         let answer = step(&law, strain, &old);

@@ -64,5 +64,5 @@ fn a_gap_beyond_the_radius_ends_the_bond() {
         assert!(force.abs() < 2e-2 * 1e-2 * 5.5, "{force} kN");
     }
     let [_, last] = *default.last().unwrap();
-    assert!(last > 0.5, "{last} kN"); // f_t Q(0.1 mm)·A = 0.56 kN by theory C.5
+    assert!(last > 0.5, "{last} kN"); // f_t Q(0.1 mm)·A = 0.56 kN by theory/joint.md, eq. 5
 }

@@ -1,6 +1,6 @@
-//! Everything between a TOML text and converged frames.
+//! Solver for the detailed micro-model of masonry: from a deck (TOML text) to converged results.
 //!
-//! Units are N, mm, MPa, tonne, s throughout. Tension is positive; a gap is positive when open.
+//! Units are N, mm, MPa, tonne and s throughout. Tension is positive; a gap is positive when open.
 #![forbid(unsafe_code)]
 
 pub mod assembly;

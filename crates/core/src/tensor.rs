@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Voigt components of eight points, the points in lanes. `[component][point]`
+/// Voigt components of eight points, with the points in vector lanes. `[component][point]`
 pub type ByPoint = [[f64; 8]; 6];
 
 /// Unit tensor.
@@ -14,13 +14,13 @@ pub fn mean(s: &Vector6<f64>) -> f64 {
     (s[0] + s[1] + s[2]) / 3.0
 }
 
-/// s:s of a stress-like tensor (shear components as they are).
+/// s:s of a stress-like tensor (with shear components as they are).
 #[inline(always)]
 pub fn norm_squared(s: &Vector6<f64>) -> f64 {
     s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
 }
 
-/// As a matrix; stress-like.
+/// Matrix of a stress-like tensor.
 #[inline(always)]
 pub fn matrix(s: &Vector6<f64>) -> Matrix3<f64> {
     Matrix3::new(s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2])
@@ -39,24 +39,24 @@ pub fn dyad(n: &Vector3<f64>) -> Vector6<f64> {
     )
 }
 
-/// A symmetric tensor taken apart into its most distinct principal value and a 2 × 2 block.
+/// A symmetric tensor reduced to its most distinct principal value and a 2 × 2 block.
 struct Reduced {
     mean: f64,
-    /// Size of the deviator; what follows is the deviator over it.
+    /// Largest component of the deviator. The following members are divided by it.
     scale: f64,
-    /// Whether the distinct value is the largest (else it is the smallest).
+    /// Whether the distinct value is the largest. Otherwise it is the smallest.
     largest: bool,
-    /// Its direction, and two directions across it.
+    /// Its direction, and two directions normal to it.
     basis: [Vector3<f64>; 3],
-    /// The tensor in the plane of the last two: 11, 22, 12.
+    /// Components 11, 22, 12 of the tensor in the plane of the last two directions.
     block: [f64; 3],
 }
 
 impl Reduced {
-    /// After W. M. Scherzinger and C. R. Dohrmann, Comput. Methods Appl. Mech. Engrg. 197 (2008)
-    /// 4007: the root of the characteristic cubic that lies apart is well conditioned, and so is the
-    /// 2 × 2 problem left across its direction; the cubic's other two roots would lose half of
-    /// their digits where they coincide. None for a multiple of the unit tensor.
+    /// Method of W. M. Scherzinger and C. R. Dohrmann, Comput. Methods Appl. Mech. Engrg. 197 (2008) 4007. The
+    /// separate root of the characteristic cubic is well conditioned, and so is the remaining 2 × 2 problem normal to
+    /// its direction. The other two roots of the cubic would lose half of their digits where they coincide. None for
+    /// a multiple of the unit tensor.
     #[inline(always)]
     fn new(s: &Vector6<f64>) -> Option<Self> {
         let mean = mean(s);
@@ -68,8 +68,8 @@ impl Reduced {
         let a = matrix(&(deviator / scale));
         let j2 = 0.5 * norm_squared(&(deviator / scale));
         let j3 = a.determinant();
-        // s = 2 √(J₂/3) c with 4c³ − 3c = |cos 3θ| and c in [√3/2, 1]: a cubic through Chebyshev's
-        // points is 4e-5 off, and each step of Newton doubles its digits.
+        // s = 2 √(J₂/3) c with 4c³ − 3c = |cos 3θ| and c in [√3/2, 1]. A cubic through Chebyshev's points errs by
+        // 4e-5, and each Newton step doubles the number of digits.
         let radius = (j2 / 3.0).sqrt();
         let w = (0.5 * j3.abs() / (radius * radius * radius)).min(1.0);
         let mut c = 0.866_066_33 + w * (0.165_330_35 + w * (-0.040_691_2 + w * 0.009_319_68));
@@ -77,7 +77,7 @@ impl Reduced {
             c -= ((4.0 * c * c - 3.0) * c - w) / (12.0 * c * c - 3.0);
         }
         let distinct = (2.0 * radius * c).copysign(j3);
-        // The columns of a − s 1 span the plane across its direction.
+        // The columns of a − s 1 span the plane normal to its direction.
         let mut columns = [
             Vector3::new(a.m11 - distinct, a.m21, a.m31),
             Vector3::new(a.m12, a.m22 - distinct, a.m32),
@@ -100,7 +100,8 @@ impl Reduced {
         })
     }
 
-    /// Half the trace, half the difference and half the distance of the values of the block.
+    /// Half the trace, half the difference of the diagonal, and half the difference of the principal values of the
+    /// block.
     #[inline(always)]
     fn circle(&self) -> (f64, f64, f64) {
         let [uu, vv, uv] = self.block;
@@ -108,7 +109,7 @@ impl Reduced {
         (0.5 * (uu + vv), half, (half * half + uv * uv).sqrt())
     }
 
-    /// Values in descending order.
+    /// Principal values in descending order.
     #[inline(always)]
     fn values(&self) -> [f64; 3] {
         let (middle, _, radius) = self.circle();
@@ -133,7 +134,7 @@ impl Reduced {
     fn directions(&self) -> [Vector3<f64>; 3] {
         let (_, half, radius) = self.circle();
         let [n, u, v] = self.basis;
-        // Of the two ways to write the eigenvector, the one without cancellation.
+        // Of two forms of the eigenvector, the one without cancellation is used.
         let (x, y) = if radius == 0.0 {
             (1.0, 0.0)
         } else if half >= 0.0 {
@@ -152,7 +153,7 @@ impl Reduced {
     }
 }
 
-/// Brings the longest vector to the front.
+/// Moves the longest vector to the front.
 #[inline(always)]
 fn take_longest(vectors: &mut [Vector3<f64>]) {
     for i in 1..vectors.len() {
@@ -162,8 +163,8 @@ fn take_longest(vectors: &mut [Vector3<f64>]) {
     }
 }
 
-/// Principal values in descending order, accurate to a few roundings of the largest also where
-/// values coincide; directions only if asked for.
+/// Principal values in descending order, with directions on request. They are accurate to a few rounding errors of
+/// the largest value, even where values coincide.
 pub(crate) struct Principal {
     mean: f64,
     /// None for a multiple of the unit tensor.
@@ -193,8 +194,8 @@ impl Principal {
     }
 }
 
-/// Principal values in descending order, accurate to a few roundings of the largest also where
-/// values coincide.
+/// Principal values in descending order, accurate to a few rounding errors of the largest value, even where values
+/// coincide.
 pub fn principal_values(s: &Vector6<f64>) -> [f64; 3] {
     Principal::of(s).values()
 }
@@ -209,7 +210,7 @@ pub fn principal(s: &Vector6<f64>) -> ([f64; 3], [Vector3<f64>; 3]) {
 mod tests {
     use super::*;
 
-    /// n ⊗ n weighted with the values must give the tensor back, with orthonormal n.
+    /// The sum of n ⊗ n times the values must be the tensor, with orthonormal n.
     fn check(s: &Vector6<f64>) {
         let (values, directions) = principal(s);
         assert_eq!(values, principal_values(s));
@@ -222,11 +223,11 @@ mod tests {
             rebuilt += dyad(&directions[i]) * values[i];
             for j in 0..3 {
                 let unit = if i == j { 1.0 } else { 0.0 };
-                // Roundings of products of unit vectors.
+                // Rounding errors of products of unit vectors.
                 assert!((directions[i].dot(&directions[j]) - unit).abs() < 1e-14);
             }
         }
-        // Some ten roundings of the largest component.
+        // Some ten rounding errors of the largest component.
         assert!((rebuilt - s).amax() <= 3e-15 * s.amax(), "{s} {rebuilt}");
     }
 
@@ -252,7 +253,7 @@ mod tests {
 
     #[test]
     fn coinciding_values_keep_their_digits_in_any_direction() {
-        // Rotated diag(2, 2 − e, −1), diag(−2, −2 + e, 1): the gap e from 1 to nothing.
+        // Rotated diag(2, 2 − e, −1) and diag(−2, −2 + e, 1), with the difference e from 1 to zero.
         let turn = *nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0).matrix();
         for k in 0..60 {
             let e = if k == 59 { 0.0 } else { 0.5_f64.powi(k) };
@@ -272,7 +273,7 @@ mod tests {
                 sorted.sort_by(|a, b| b.total_cmp(a));
                 let found = principal_values(&s);
                 for i in 0..3 {
-                    // Rounding of the rotation itself.
+                    // Rounding errors of the rotation.
                     assert!(
                         (found[i] - sorted[i]).abs() < 4e-15,
                         "gap {e:.1e}: {found:?}"

@@ -142,3 +142,35 @@ def test_files_that_pages_name_are_there() -> None:
         if "NAME" not in name and not (ROOT / name).exists()
     ]
     assert not missing
+
+
+CITATION = re.compile(r"theory/([a-z-]+)\.md(?:, eqs?\. ?(\d+)|, eqs (\d+)(?: (?:to|and) (\d+))?)?")
+
+
+def test_citations_of_the_theory_lead_to_a_page_and_an_equation() -> None:
+    """Citations have the form `theory/PAGE.md, eq. N`; the page shows (N) at the end of a line."""
+    pages = {}
+    for page in (ROOT / "docs" / "theory").glob("*.md"):
+        blocks = re.findall(r"^```[^\n]*\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+        numbers = re.findall(r"\((\d+)\)[ \t]*$", "\n".join(blocks), re.M)
+        pages[page.stem] = {int(number) for number in numbers}
+    assert len(pages) >= 14
+    wrong, found = [], 0
+    for folder in ("crates", "tests", "benches", "examples", "docs"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix not in {".rs", ".md", ".toml", ".py"} or "target" in path.parts:
+                continue
+            text = path.read_text(encoding="utf-8")
+            # Old forms: a section of a document that is not in the tree.
+            for old in re.findall(r"\btheory [A-G](?:\.\d)?\b", text):
+                wrong.append(f"{path}: {old}")
+            for page, *numbers in CITATION.findall(text):
+                found += 1
+                if page not in pages:
+                    wrong.append(f"{path}: there is no page theory/{page}.md")
+                    continue
+                for number in filter(None, numbers):
+                    if int(number) not in pages[page]:
+                        wrong.append(f"{path}: theory/{page}.md has no equation {number}")
+    assert found > 100
+    assert not wrong, "\n".join(wrong)

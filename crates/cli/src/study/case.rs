@@ -31,7 +31,7 @@ pub struct Case {
     pub steps: Option<Vec<usize>>,
     /// The form that the tests run.
     pub short: Short,
-    /// Largest energy imbalance (theory F) [-].
+    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
     /// Why the energy imbalance may be another than usual.
     pub why: String,

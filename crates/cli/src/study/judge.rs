@@ -19,7 +19,7 @@ pub struct Ended {
     pub message: String,
     /// Tolerance of the residual. `[step]`
     pub tolerances: Vec<f64>,
-    /// Energy imbalance (theory F) [-].
+    /// Energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
 }
 
@@ -49,7 +49,7 @@ impl Ended {
 pub struct Terms<'a> {
     /// How it must end.
     pub status: End,
-    /// Largest energy imbalance (theory F) [-].
+    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
     /// What must come out.
     pub expect: &'a [Expectation],

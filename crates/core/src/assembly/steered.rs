@@ -35,7 +35,7 @@ pub struct Steered {
 }
 
 impl Steered {
-    /// Stiffness for a step with control by a displacement. None for a probe of more than [`MOST`] nodes.
+    /// Stiffness for a step with control by a displacement. None for a probe with very many nodes.
     pub fn new(model: &Model, control: Control) -> Option<Self> {
         let probe = &model.probes[control.probe];
         // In a mirror half a node may count twice, once for its image.

@@ -90,7 +90,7 @@ impl Source {
     ///
     /// # Errors
     /// Syntax errors.
-    pub(crate) fn other<'t>(
+    pub fn other<'t>(
         file: &str,
         text: &'t str,
         advice: fn(&str) -> String,
@@ -312,7 +312,7 @@ impl Source {
     }
 
     /// Converts an error of serde or of the TOML parser; adds the path of the key and advice.
-    pub(crate) fn toml_error(&self, error: &toml::de::Error) -> ModelError {
+    pub fn toml_error(&self, error: &toml::de::Error) -> ModelError {
         if self.places.is_empty() {
             // Positions are unknown until the text is parsed.
             return self.syntax_error(error);

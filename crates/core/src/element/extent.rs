@@ -1,4 +1,4 @@
-//! How far a hex8 reaches across a direction, for the band in which its material softens (theory A.8).
+//! How far a hex8 reaches across a direction, for the band in which its material softens (theory/crack-band.md, eq. 2).
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,4 +1,4 @@
-//! The eight-node brick in its reference configuration (theory E).
+//! The eight-node brick in its reference configuration (theory/hex8.md, eqs 1 to 5).
 //!
 //! Everything that depends on the geometry and the elastic constants alone: strain operators B̃ at
 //! the 2 × 2 × 2 Gauss points, weights, centroid gradients, elastic stiffness. Equal elements share

@@ -1,10 +1,10 @@
-//! A hexahedron by its eight corners, and its six faces.
+//! A hexahedron with its eight corners and six faces.
 
 /// Corners in VTK's order [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above.
 /// `[corner][xyz]`
 pub type Corners = [[f64; 3]; 8];
 
-/// A face of a block, by its outward normal where the block is not turned.
+/// A face of a block, named by its outward normal before the block is rotated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// −x.
@@ -22,7 +22,7 @@ pub enum Face {
 }
 
 impl Face {
-    /// All, with their names in a deck.
+    /// All faces with their names in a deck.
     pub const ALL: [(&'static str, Self); 6] = [
         ("left", Self::Left),
         ("right", Self::Right),
@@ -32,13 +32,13 @@ impl Face {
         ("top", Self::Top),
     ];
 
-    /// Axis of the normal, and whether it points along it.
+    /// Axis of the normal, and whether the normal has the direction of the axis.
     pub fn side(self) -> (usize, bool) {
         let index = self as usize;
         (index / 2, index % 2 == 1)
     }
 
-    /// Local places of its corners, counter-clockwise seen from outside: which side along ξ, η, ζ.
+    /// Local sides (0 or 1) of its corners along ξ, η, ζ, counter-clockwise seen from outside.
     fn round(self) -> [[usize; 3]; 4] {
         let (axis, high) = self.side();
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -65,7 +65,7 @@ impl Face {
     }
 }
 
-/// Local places of the corners in VTK's order: which side along ξ, η, ζ. `[corner][ξηζ]`
+/// Local sides (0 or 1) of the corners along ξ, η, ζ, in VTK's order. `[corner][ξηζ]`
 pub(crate) const PLACES: [[usize; 3]; 8] = [
     [0, 0, 0],
     [1, 0, 0],
@@ -77,7 +77,7 @@ pub(crate) const PLACES: [[usize; 3]; 8] = [
     [0, 1, 1],
 ];
 
-/// Pairs of corners that are edges.
+/// Pairs of corners that form edges.
 pub(crate) const EDGES: [[usize; 2]; 12] = [
     [0, 1],
     [1, 2],
@@ -93,7 +93,7 @@ pub(crate) const EDGES: [[usize; 2]; 12] = [
     [3, 7],
 ];
 
-/// Least and largest of these; [∞, −∞] of none.
+/// Least and largest of these numbers. [∞, −∞] if there are none.
 pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
     of.into_iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
@@ -101,8 +101,8 @@ pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
         })
 }
 
-/// Whether the trilinear map of these corners has a positive volume at each of them: at a corner the
-/// determinant is the triple product of its three edges.
+/// Whether the trilinear map of these corners has a positive Jacobian at each of them. At a corner the determinant is
+/// the triple product of its three edges.
 pub(crate) fn is_upright(corners: &Corners) -> bool {
     let at = |place: [usize; 3]| {
         let corner = PLACES.iter().position(|p| *p == place).unwrap_or_default();
@@ -118,7 +118,7 @@ pub(crate) fn is_upright(corners: &Corners) -> bool {
     })
 }
 
-/// The point at parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
+/// Point at the parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
 pub(crate) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
     let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
     [0, 1, 2].map(|d| {

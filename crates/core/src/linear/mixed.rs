@@ -1,11 +1,11 @@
 //! L Lᵀ in single precision, and in double precision where single does not suffice.
 //!
-//! A factor of single precision takes half of the memory and 0.55 to 0.65 of the time. It leaves a residual of some 1e-5 of
-//! the right-hand side. A few refinements with the matrix in double precision reduce it (Wilkinson 1963; Buttari et
-//! al. 2007), far below the residual that Newton's method leaves. Single precision never decides that a matrix is
-//! singular or not positive definite. Where it finds no good pivots, or refinement does not converge, the matrix is
-//! factorised in double precision. So are those after it, until single precision is tried again ([`Mixed::trust`]).
-//! Results depend on the matrices and right-hand sides since then only.
+//! A factor of single precision takes half of the memory and 0.55 to 0.65 of the time. It leaves a residual of some
+//! 1e-5 of the right-hand side. A few refinements with the matrix in double precision reduce it (Wilkinson 1963;
+//! Buttari et al. 2007), far below the residual that Newton's method leaves. Single precision never decides that a
+//! matrix is singular or not positive definite. Where it finds no good pivots, or refinement does not converge, the
+//! matrix is factorised in double precision. So are those after it, until single precision is tried again
+//! ([`Mixed::trust`]). Results depend on the matrices and right-hand sides since then only.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The width of the band in which softening localises (theory A.8): one length for an element, or a length of
+//! The width of the band in which softening localises (theory/crack-band.md, eqs 1 and 2): one length for an element, or a length of
 //! its own for each direction a crack may face.
 //!
 //! ```text
@@ -66,7 +66,7 @@ pub(super) struct BandWidths {
 
 /// Ratio of widths from a rung to the next: energies within a four-hundredth.
 const RATIO: f64 = 1.005;
-/// A band wider than the limit of snap-back over this counts as wide as that (theory A.8).
+/// A band wider than the limit of snap-back over this counts as wide as that (theory/crack-band.md, eqs 1 and 2).
 const WITHIN: f64 = 1.01;
 
 impl BandWidths {

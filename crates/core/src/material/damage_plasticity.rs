@@ -1,4 +1,4 @@
-//! Concrete damaged plasticity (theory A, B): Lubliner's yield function in effective stress, a
+//! Concrete damaged plasticity (theory/damage-plasticity.md and theory/return-map.md): Lubliner's yield function in effective stress, a
 //! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
@@ -44,7 +44,7 @@ pub struct DamagePlasticity {
     own_viscosity: f64,
 }
 
-/// Yield function above which a step is plastic, over σ̄_c (theory B.1).
+/// Yield function above which a step is plastic, over σ̄_c (theory/return-map.md, Algorithm, step 1).
 const YIELD: f64 = 1e-10;
 /// Largest extrapolated damage: what is left keeps the tangent positive definite.
 const MOST_DAMAGE: f64 = 0.999;
@@ -120,7 +120,7 @@ impl DamagePlasticity {
         self.curves.compression.curve(0)
     }
 
-    /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory A.2) [MPa].
+    /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory/damage-plasticity.md, eq. 2) [MPa].
     pub fn yield_function(&self, effective: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> f64 {
         self.point(&invariants(effective, kappa_t, kappa_c), 0.0).f
     }
@@ -359,7 +359,7 @@ impl DamagePlasticity {
     }
 
     /// Widths of the bands in which a point that yields will crack and be crushed [mm]: across the principal
-    /// directions of the step (which are those of its trial stress), held once it softens (theory A.8). The
+    /// directions of the step (which are those of its trial stress), held once it softens (theory/crack-band.md, Decisions, "Direction"). The
     /// tangent of the step in which it begins to takes them as given.
     fn bands(&self, directions: &[Vector3<f64>; 3], old: &MaterialHistory) -> [f64; 2] {
         let band = |of: &BandWidths, kappa: f64, held: f64, n: &Vector3<f64>| {
@@ -418,7 +418,7 @@ impl DamagePlasticity {
         }
     }
 
-    /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
+    /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory/damage-plasticity.md, eq. 12).
     #[inline(always)]
     pub(super) fn intact(&self, p: &Point) -> ([f64; 2], f64) {
         let s_t = 1.0 - self.tension_recovery * p.r;
@@ -543,7 +543,7 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
     }
 }
 
-/// r(σ̄) of a stress (theory A.4), for tests and reports.
+/// r(σ̄) of a stress (theory/damage-plasticity.md, eq. 7), for tests and reports.
 pub fn tension_weight(effective: &Vector6<f64>) -> f64 {
     weight(&tensor::principal(effective).0)
 }

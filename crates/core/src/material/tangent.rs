@@ -1,4 +1,4 @@
-//! The tangents of damage plasticity: consistent (theory A.7, B.2), secant, and bounded where a point yields.
+//! The tangents of damage plasticity: consistent (theory/return-map.md, eqs 15 to 17), secant, and bounded where a point yields.
 
 use std::f64::consts::SQRT_2;
 
@@ -40,7 +40,7 @@ impl DamagePlasticity {
     }
 
     /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
-    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory A.7, B.2).
+    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory/return-map.md, eqs 15 to 17).
     #[inline(always)]
     pub(super) fn tangent(
         &self,
@@ -69,7 +69,7 @@ impl DamagePlasticity {
         } else {
             (slope.r, Vector6::zeros(), Vector6::zeros())
         };
-        // ∇d (theory A.6): of either factor of the intact part.
+        // ∇d (theory/return-map.md, eq. 16): of either factor of the intact part.
         let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
         let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
         let (factors, _) = self.intact(p);

@@ -1,5 +1,5 @@
-//! The skin of all bodies: the faces of elements that no other element of the same body shares, and the
-//! sharp edges between them. It comes from the mesh alone, whatever made it.
+//! Boundary facets of all bodies: element faces that no other element of the same body shares, and the sharp edges
+//! between them. They follow from the mesh alone.
 
 use std::collections::HashMap;
 
@@ -9,36 +9,36 @@ use wythe_contact::frame_at;
 use super::Mesh;
 use crate::element::hex8::FACES;
 
-/// An edge at which a body ends convexly: two faces that look away from each other.
+/// A convex edge of a body: its two faces are turned away from each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SharpEdge {
-    /// Its ends.
+    /// End nodes.
     pub nodes: [u32; 2],
-    /// The facets on its two sides.
+    /// Facets on both sides.
     pub facets: [u32; 2],
 }
 
-/// Faces and sharp edges of all bodies, body by body.
+/// Boundary facets and sharp edges of all bodies, body by body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoundaryFacets {
-    /// Nodes of each facet, counter-clockwise from outside. `[facet][corner]`
+    /// Nodes of each facet, counter-clockwise seen from outside. `[facet][corner]`
     pub facets: Vec<[u32; 4]>,
     /// Body of each facet, ascending. `[facet]`
     pub body: Vec<u32>,
     /// Element behind each facet. `[facet]`
     pub element: Vec<u32>,
-    /// Convex edges, by their facets.
+    /// Convex edges, in the order of their facets.
     pub edges: Vec<SharpEdge>,
 }
 
-/// Sine of the angle by which two faces must turn from each other to have an edge between them: less is a
-/// face that is meshed, or curved, and nodes find it.
+/// Sine of the least angle between two faces with a sharp edge. Smaller angles belong to plane or curved faces of
+/// several elements, whose nodes detect contact.
 const SHARP: f64 = 0.02;
 
 impl BoundaryFacets {
-    /// Of a mesh, whose `unit` is the body of each element.
+    /// Finds the boundary facets and edges of a mesh, whose `unit` is the body of each element.
     pub fn of(mesh: &Mesh) -> Self {
-        // (body, corners sorted) → how often, and by which element first.
+        // Number of elements with each face, by (body, sorted corners).
         let mut count: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
         let faces = |e: usize| FACES.map(|face| face.map(|a| mesh.elements[e][a]));
         let key = |e: usize, face: [u32; 4]| {
@@ -83,7 +83,7 @@ impl BoundaryFacets {
             }
         }
         for key in order {
-            // Where more than two faces meet in a line bodies touch themselves: no edge of one.
+            // Where more than two faces meet in a line, the body touches itself. This is no edge.
             let &[p, q] = &sides[&key][..] else { continue };
             let edge = SharpEdge {
                 nodes: key.1,
@@ -95,7 +95,7 @@ impl BoundaryFacets {
         }
     }
 
-    /// Whether the facets of an edge turn away from each other there.
+    /// Whether the facets of an edge are turned away from each other.
     fn is_convex(&self, edge: &SharpEdge, x: &[[f64; 3]]) -> bool {
         let corners = |f: u32| self.facets[f as usize].map(|n| x[n as usize]);
         let [p, q] = edge.facets.map(corners);
@@ -103,7 +103,7 @@ impl BoundaryFacets {
         let centre = |c: &[[f64; 3]; 4]| c.iter().map(|v| Vector3::from(*v)).sum::<Vector3<f64>>();
         let (n, m) = (normal(&p), normal(&q));
         let sharp = n.cross(&m).norm() > SHARP || n.dot(&m) < 0.0;
-        // Each lies behind the other.
+        // Each facet lies behind the other.
         sharp && n.dot(&(centre(&q) - centre(&p))) < 0.0
     }
 }
@@ -112,7 +112,7 @@ impl BoundaryFacets {
 mod tests {
     use super::*;
 
-    /// Blocks of unit cells, `[low, cells]` each a body, with nodes of their own.
+    /// Bodies of unit cells with nodes of their own, each given by its lowest corner and its numbers of cells.
     fn blocks(of: &[([f64; 3], [usize; 3])]) -> Mesh {
         let mut mesh = Mesh::default();
         for (body, (low, cells)) in of.iter().enumerate() {
@@ -160,7 +160,7 @@ mod tests {
             let [a, b, c] = cells;
             assert_eq!(skin.facets.len(), 2 * (a * b + b * c + c * a));
             assert_eq!(skin.edges.len(), 4 * (a + b + c));
-            // Normals point out: the volume by the divergence theorem.
+            // Normals point outwards: the divergence theorem gives the volume.
             let volume: f64 = skin
                 .facets
                 .iter()
@@ -180,7 +180,7 @@ mod tests {
         let skin = BoundaryFacets::of(&mesh);
         assert_eq!((skin.facets.len(), skin.edges.len()), (10 + 6, 16 + 12));
         assert!(skin.body.is_sorted());
-        // An L of three cells: the edge in its inner corner is not sharp.
+        // L of three cells: the edge at the inner corner is not sharp.
         mesh = blocks(&[([0.0; 3], [2, 1, 2])]);
         mesh.material.pop();
         mesh.elements.pop();
@@ -188,7 +188,7 @@ mod tests {
         mesh.course.pop();
         let skin = BoundaryFacets::of(&mesh);
         assert_eq!(skin.facets.len(), 14);
-        // 18 edges outside, of which the inner corner is one; its y edges: 5 sharp ones.
+        // 5 sharp edges are parallel to y.
         let along_y = skin.edges.iter().filter(|e| {
             let [a, b] = e.nodes.map(|n| mesh.nodes[n as usize]);
             a[1] != b[1]

@@ -1,4 +1,4 @@
-//! The frozen [`Model`] of a scene: mesh, bodies, joints, supports, loads and steps. It knows no TOML.
+//! The frozen [`Model`] of a scene: mesh, bodies, joints, supports, loads and steps. It does not depend on TOML.
 
 pub mod amplitude;
 pub mod axis;

@@ -1,16 +1,16 @@
-//! Forces that rounding leaves.
+//! Nodal forces caused by rounding.
 
 use nalgebra::Vector3;
 
 use super::Model;
 
-/// ε E h L with the largest E h of the elements (h their mean edge) and the scene's diagonal L: what a
-/// position X + u, known to ε L, leaves of a force [N].
+/// Nodal force caused by rounding of positions [N]: ε E h L with the largest E h of the elements (h their mean edge)
+/// and the diagonal L of the scene. A position X + u is known to ε L.
 pub(crate) fn force(model: &Model) -> f64 {
     largest(model).0
 }
 
-/// That force [N], and the element that has it.
+/// That force [N], and the element with the largest E h.
 pub(crate) fn largest(model: &Model) -> (f64, usize) {
     let mesh = &model.mesh;
     let stiffness = |e: usize| {

@@ -12,13 +12,13 @@ pub struct Sizes {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Unknowns; of a run those that were solved.
+    /// Unknowns. For a run, those that were solved.
     pub dofs: usize,
     /// Contact points.
     pub contact_points: usize,
 }
 
-/// Units, elements, nodes, unknowns, contact points.
+/// Counts units, elements, nodes, unknowns and contact points of a model.
 pub fn sizes(model: &Model) -> Sizes {
     let units = model.mesh.unit.iter().max().map_or(0, |&u| u as usize + 1);
     let nodes = model.mesh.nodes.len();
@@ -36,7 +36,7 @@ pub fn sizes(model: &Model) -> Sizes {
     for image in &model.mesh.reflected {
         free[image.node as usize] = [false; 3];
     }
-    // A direction of a beam is unknown if some step leaves it free under a force.
+    // A direction of a beam is unknown if any step leaves it free under a force.
     let beam_dofs: usize = (0..model.beams.len())
         .flat_map(|b| (0..3).map(move |d| (b, d)))
         .filter(|&(b, d)| {

@@ -125,8 +125,8 @@ pub struct RunFolder {
 impl RunFolder {
     /// Opens a folder that has a history.
     ///
+    /// # Errors
     /// [`ReadError::NoRun`] if it has none.
-    /// [`ReadError::NoRun`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         if path.join(HISTORY).is_file() {
             Ok(Self {

@@ -1,25 +1,25 @@
-//! Seconds and counts by phase of a run.
+//! Wall time and counts by phase of a run.
 
-/// Wall time spent in each phase [s], and how often the dear ones were done.
+/// Wall time of each phase [s], and how often the expensive operations were done.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
     /// Solids.
     pub elements: f64,
-    /// Interfaces, with the search.
+    /// Joints, with the search of contact.
     pub contact: f64,
-    /// Gather.
+    /// Assembly of the matrix.
     pub assembly: f64,
     /// Analysis and factorisation.
     pub factorise: f64,
     /// Triangular solves.
     pub solve: f64,
-    /// How many factorisations.
+    /// Number of factorisations.
     pub factorisations: usize,
-    /// How many of them their branches without a change of the matrix saved, by their operations.
+    /// Number of factorisations saved by reusing branches of the tree, measured by their operations.
     pub reused: f64,
-    /// How many solves of regions by themselves.
+    /// Number of solves of regions.
     pub local_solves: usize,
-    /// How many evaluations of all forces.
+    /// Number of evaluations of all forces.
     pub evaluations: usize,
 }
 

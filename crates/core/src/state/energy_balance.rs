@@ -1,14 +1,14 @@
-//! How well the energies of a run close.
+//! Energy balance of a run.
 
 use super::HistoryRow;
 
-/// How well the energies close (theory F): every term is integrated where it arises and none is
-/// found by difference, so that
+/// Error of the energy balance (theory/energies.md, eqs 1 and 18). Every term is integrated where it arises and none
+/// is found by difference:
 ///
-/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i,
+/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i.
 ///
-/// with W the work of reactions and loads, E the elastic and T the kinetic energy, and D the plastic
-/// and damage, interface, viscous, damping and numerical dissipations.
+/// W is the work of reactions and loads, E the elastic and T the kinetic energy. D are the dissipations: plastic and
+/// damage, joints, viscous, damping and numerical.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyBalance {
     /// maxᵢ |W − (E + T + ΣD)|ᵢ [J].
@@ -37,12 +37,12 @@ impl EnergyBalance {
         self.work
     }
 
-    /// All that was dissipated [J].
+    /// Dissipation up to the last increment [J].
     pub fn dissipated(&self) -> f64 {
         self.dissipated
     }
 
-    /// The error [-]; zero before any work is done.
+    /// Error [-]. Zero before any work is done.
     pub fn error(&self) -> f64 {
         if self.work == 0.0 {
             0.0
@@ -63,7 +63,7 @@ fn inside(row: &HistoryRow) -> f64 {
         + row.numerical_dissipation_J
 }
 
-/// The larger of two; a NaN wins, since a balance that cannot be computed does not close.
+/// The larger of two numbers. NaN counts as larger, because a balance that cannot be computed does not close.
 fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }

@@ -11,13 +11,13 @@ use crate::tensor;
 pub struct Frame {
     /// Accumulated step time [s].
     pub time: f64,
-    /// Increments done.
+    /// Number of increments.
     pub increment: usize,
     /// Step, from 0.
     pub step: usize,
     /// Displacement [mm]. `[node][xyz]`
     pub displacement: Vec<[f64; 3]>,
-    /// Velocity [mm/s]; empty where no step could have inertia. `[node][xyz]`
+    /// Velocity [mm/s]. Empty if no step can have inertia. `[node][xyz]`
     pub velocity: Vec<[f64; 3]>,
     /// Nominal stress, mean over the element's points [MPa]. `[element][xx,yy,zz,xy,yz,zx]`
     pub stress: Vec<[f64; 6]>,
@@ -29,15 +29,14 @@ pub struct Frame {
     pub plastic_strain: Vec<[f64; 6]>,
     /// Whether any point of the element has plastic strain or damage. `[element]`
     pub yielded: Vec<bool>,
-    /// Width of the crack band (l_eq, or its own) times the largest principal inelastic strain of the element's tensile cracks, mean over its
-    /// points [mm]. `[element]`
+    /// Crack opening: the band width (l_eq, or the width of its own band) times the largest principal inelastic
+    /// strain of tensile cracks, mean over the element's points [mm]. `[element]`
     pub crack_width: Vec<f64>,
-    /// What the points of the interfaces do.
+    /// Fields of the joints.
     pub interfaces: InterfaceFrame,
-    /// Forces from outside: on each beam, then on each support, then those of each load [N].
-    /// `[beam, support, load][xyz]`
+    /// External forces on each beam, then on each support, then those of each load [N]. `[beam, support, load][xyz]`
     pub reactions: Vec<[f64; 3]>,
-    /// Values of the model's probes and loads, see [`Model::columns`]. `[column]`
+    /// Values of the model's probes and loads. See [`Model::columns`]. `[column]`
     pub probes: Vec<f64>,
 }
 
@@ -49,11 +48,10 @@ impl Frame {
     }
 }
 
-/// What the points of the interfaces do at one output increment. `[slave facet][point]`, four points to
-/// a facet.
+/// Fields of the joints at one output increment. `[slave facet][point]`, four points on each facet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceFrame {
-    /// Opening u, closed negative [mm].
+    /// Opening u, negative when closed [mm].
     pub opening: Vec<f64>,
     /// Slip δ along the facet's two tangents [mm].
     pub slip: Vec<[f64; 2]>,
@@ -61,34 +59,34 @@ pub struct InterfaceFrame {
     pub traction: Vec<[f64; 3]>,
     /// Damage D [-].
     pub damage: Vec<f64>,
-    /// What has become of the bond.
+    /// State of the bond.
     pub state: Vec<InterfaceState>,
 }
 
-/// What has become of a point of an interface.
+/// State of a contact point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum InterfaceState {
-    /// No damage; of a dry joint: pressed, and not sliding.
+    /// No damage. For a dry joint: under pressure and not sliding.
     #[default]
     Intact = 0,
     /// Damaged, with cohesion left.
     Softening = 1,
     /// Without cohesion, and open.
     FailedOpen = 2,
-    /// Without cohesion, pressed: friction is left.
+    /// Without cohesion, under pressure: friction remains.
     FailedSliding = 3,
 }
 
 impl InterfaceState {
-    /// Of a point with this opening [mm] and damage under `law`.
+    /// State of a point with this history under `law`.
     pub fn of(law: &InterfaceLaw, history: &InterfaceHistory) -> Self {
         let open = history.traction[0] >= 0.0 && history.opening > 0.0;
         let failed = history.damage >= FAILED || law.is_dry();
         match (failed, open) {
             (true, true) => Self::FailedOpen,
             (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
-            // Its slip is the other side's too: nothing slides on anything.
+            // In a plane of symmetry the other side slides equally, so there is no relative slip.
             (true, false) if law.is_dry() && is_mirrored(law) => Self::Intact,
             (true, false) => Self::FailedSliding,
             (false, _) if history.damage > 0.0 => Self::Softening,
@@ -96,7 +94,7 @@ impl InterfaceState {
         }
     }
 
-    /// From its number in the files.
+    /// State with this number in the files.
     pub fn from_number(number: u8) -> Option<Self> {
         [
             Self::Intact,
@@ -109,8 +107,7 @@ impl InterfaceState {
     }
 }
 
-/// Damage from which a point counts as failed: exponential softening reaches 1 only where it is cut
-/// off.
+/// Damage from which a point counts as failed. Exponential softening reaches 1 only where it is cut off.
 const FAILED: f64 = 0.99;
 
 #[cfg(test)]
@@ -119,7 +116,7 @@ mod tests {
     use crate::model::symmetry::mirrored;
     use wythe_contact::Coupling;
 
-    /// A joint cut at its middle opens and closes, and slides freely: that is not damage.
+    /// A joint cut at its middle opens and closes, and slides freely without damage.
     #[test]
     fn slip_along_a_plane_of_symmetry_leaves_the_bond() {
         for coupling in [Coupling::Max, Coupling::Additive] {

@@ -18,18 +18,18 @@ pub struct HistoryRow {
     pub force_kN: f64,
     /// Force on the driven beam normal to its face, compression positive [kN].
     pub reaction_kN: f64,
-    /// Linear solves of this increment.
+    /// Linear solves in this increment.
     pub iterations: usize,
-    /// Cut-backs of this increment.
+    /// Number of times that this increment was cut.
     pub cutbacks: usize,
     /// Work of reactions, loads, gravity and the ground since the start, and the energy of initial
     /// velocities [J].
     pub external_work_J: f64,
-    /// Elastic energy of solids and interfaces now [J].
+    /// Present elastic energy of solids, joints and springs [J].
     pub elastic_energy_J: f64,
     /// Plastic work and damage of the solids since the start [J].
     pub plastic_damage_dissipation_J: f64,
-    /// Dissipation of the interfaces since the start [J].
+    /// Dissipation of the joints since the start [J].
     pub interface_dissipation_J: f64,
     /// Viscous dissipation since the start [J].
     pub viscous_dissipation_J: f64,
@@ -37,41 +37,41 @@ pub struct HistoryRow {
     pub open_points: usize,
     /// Contact points that slid in this increment.
     pub sliding_points: usize,
-    /// Largest interface damage D [-].
+    /// Largest damage D of the joints [-].
     pub max_interface_damage: f64,
     /// Largest tensile damage of the solids [-].
     pub max_tensile_damage: f64,
     /// Largest compressive damage of the solids [-].
     pub max_compressive_damage: f64,
-    /// Largest out-of-balance force at commit, all laws implicit, over the mean nodal force [-].
+    /// Largest out-of-balance force at commit, with all laws updated implicitly, over the mean nodal force [-].
     pub out_of_balance: f64,
-    /// Largest out-of-balance force of the equations that were solved, over the mean nodal force:
-    /// what the tolerance refers to [-].
+    /// Largest out-of-balance force of the equations that were solved, over the mean nodal force [-]. The tolerance
+    /// refers to it.
     pub residual: f64,
-    /// Kinetic energy now, relative to the ground [J].
+    /// Present kinetic energy, relative to the ground [J].
     pub kinetic_energy_J: f64,
-    /// Work of the Rayleigh damping and of the dashpots of relaxations since the start [J].
+    /// Work of Rayleigh damping and of the dashpots of relaxations since the start [J].
     pub damping_dissipation_J: f64,
-    /// What the time integration has taken out since the start [J].
+    /// Energy taken by the time integration and the terms of the trapezoidal rule since the start [J].
     pub numerical_dissipation_J: f64,
-    /// Area of the contact points that press, at rest [mm²].
+    /// Area at rest of the contact points under pressure [mm²].
     pub contact_area_mm2: f64,
-    /// Part of the step's loads and displacements that act now [-].
+    /// Part of the step's loads and displacements that acts now [-].
     pub load_factor: f64,
-    /// What solved the increment.
+    /// Method that solved the increment.
     pub procedure: Method,
-    /// Values of the model's probes, then of its loads: columns of their own after these, see
+    /// Values of the model's probes, then of its loads. They have columns of their own after these. See
     /// [`Model::columns`](crate::model::Model::columns).
     #[serde(skip)]
     pub probes: Vec<f64>,
-    /// Forces from outside: on each beam, then on each support, then those of each load [N]; in
-    /// `results.vtkhdf` only. `[beam, support, load][xyz]`
+    /// External forces on each beam, then on each support, then those of each load [N]. They are only in
+    /// `results.vtkhdf`. `[beam, support, load][xyz]`
     #[serde(skip)]
     pub reactions: Vec<[f64; 3]>,
 }
 
 impl HistoryRow {
-    /// What solids and interfaces have taken: elastic energy and dissipations [J].
+    /// Energy taken by solids and joints: elastic energy and dissipations [J].
     #[expect(non_snake_case, reason = "J is the unit")]
     pub fn taken_J(&self) -> f64 {
         self.elastic_energy_J

@@ -1,29 +1,29 @@
-//! How one increment is solved.
+//! Method that solves one increment.
 
 use crate::model::scene::Procedure;
 
-/// What solves an increment: the procedure of its step, or a choice of the fallback.
+/// Method of an increment: the procedure of its step, or one chosen by the procedure fallback.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Newton's method on equilibrium.
+    /// Newton's method for equilibrium.
     #[default]
     Static,
     /// The same with extrapolated solids.
     Implex,
-    /// Newton's method on the laws themselves, whatever the tangents of the step.
+    /// Newton's method with the exact laws, whatever the tangents of the step.
     Direct,
     /// Backward Euler.
     QuasiStatic,
     /// HHT-α.
     Dynamic,
-    /// At a distance along the path.
+    /// At a prescribed distance along the path.
     ArcLength,
-    /// At an amount of dissipated energy.
+    /// At a prescribed amount of dissipated energy.
     Dissipation,
-    /// At a displacement.
+    /// At a prescribed displacement.
     DisplacementControl,
-    /// Over a snap with dashpots, at held loads.
+    /// Dashpots carry the scene over a snap, at constant loads.
     Relaxation,
 }
 
@@ -41,7 +41,7 @@ impl Method {
         }
     }
 
-    /// As the history spells it.
+    /// Name in the history.
     pub fn name(self) -> &'static str {
         match self {
             Self::Static => "static",
@@ -61,7 +61,7 @@ impl Method {
         matches!(self, Self::QuasiStatic | Self::Dynamic)
     }
 
-    /// Whether the path says how far an increment goes, and not the load.
+    /// Whether a constraint along the path, not the load, determines the size of an increment.
     pub fn follows_path(self) -> bool {
         matches!(self, Self::ArcLength | Self::Dissipation)
     }

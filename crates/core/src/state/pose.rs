@@ -1,16 +1,16 @@
-//! Positions at which stiffness is taken.
+//! Poses for stiffness reuse.
 
 use serde::{Deserialize, Serialize};
 use wythe_contact::PointPair;
 
-/// Where the stiffness of elements and points is taken. Empty: where they are.
+/// Positions at which the stiffness of elements and points is taken. Empty: the present positions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Poses {
     /// Positions of the corners [mm]. `[element][node][xyz]`
     pub solids: Vec<[[f64; 3]; 8]>,
     /// Feet and frames. `[slave facet][point]`
     pub points: Vec<PointPose>,
-    /// Whether so few points slide that the others keep their numerical stiffness for it.
+    /// Whether few enough points slide for the others to keep their numerical stiffness.
     pub steady: bool,
 }
 

@@ -1,26 +1,26 @@
-//! How a run ended, as the solver knows it.
+//! End of a run, as the solver knows it.
 
 use crate::model::mirrored::MirrorPlane;
 use crate::model::sizes::Sizes;
 
-/// Bodies that a sentence names; the others are counted.
+/// Largest number of bodies that a sentence names. The others are counted.
 const NAMES: usize = 4;
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// All steps done.
+    /// All steps were completed.
     Completed,
-    /// Statics found no equilibrium, inertia took over, and bodies fell: there is none.
+    /// Statics found no equilibrium, inertia took over, and bodies fell.
     Collapsed,
-    /// Convergence was lost; everything before is kept.
+    /// Convergence was lost. Earlier results are kept.
     NotConverged,
-    /// Stopped by the user after a whole increment.
+    /// Stopped by the user after a complete increment.
     Interrupted,
 }
 
-/// Bodies that move under inertia, to which `auto` went over because statics found no equilibrium.
+/// Bodies that move under inertia, after `auto` found no static equilibrium.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
 pub struct Fall {
@@ -32,7 +32,7 @@ pub struct Fall {
     pub load_factor: f64,
     /// Kinetic energy at the end [J].
     pub kinetic_energy_J: f64,
-    /// Bodies that moved most, those that moved farther than half as far; the farthest first.
+    /// Bodies that moved at least half as far as the farthest one, in descending order.
     pub bodies: Vec<FallenBody>,
 }
 
@@ -41,7 +41,7 @@ pub struct Fall {
 pub struct FallenBody {
     /// Name in the deck.
     pub name: String,
-    /// Its number, as `unit` of the fields.
+    /// Its number, called `unit` in the fields.
     pub unit: u32,
     /// Mean displacement since the last equilibrium [mm].
     pub moved_mm: f64,
@@ -49,57 +49,57 @@ pub struct FallenBody {
     pub fall_mm: f64,
 }
 
-/// Where convergence was lost, and why.
+/// Place and reason of a loss of convergence.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Lost {
-    /// Where, in words: load factor, step and its name.
+    /// Place in words: load factor, step and its name.
     pub place: String,
-    /// What was not found.
+    /// Reason.
     pub why: String,
 }
 
-/// What `solve` returns when it ends: everything of `summary.json` that the solver knows.
+/// Result of `solve`: everything in `summary.json` that the solver knows.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
-    /// How it ended.
+    /// Outcome.
     pub status: Status,
-    /// Where, why and what to try, if it did not complete.
+    /// Place, reason and advice, if the run did not complete.
     pub message: String,
-    /// What moved under inertia when it ended, if that took over from statics.
+    /// Bodies that moved under inertia at the end, if it had taken over from statics.
     pub fall: Option<Fall>,
-    /// Where convergence was lost, if it was.
+    /// Loss of convergence, if any.
     pub lost: Option<Lost>,
     /// Sizes of the model.
     pub sizes: Sizes,
-    /// Planes that the model is mirrored by, if one half of it was solved; two of a quarter.
+    /// Mirror planes, if one half of the model was solved; two planes for a quarter.
     #[serde(skip)]
     pub mirror_planes: Vec<MirrorPlane>,
     /// Converged increments.
     pub increments: usize,
     /// Linear solves.
     pub iterations: usize,
-    /// Cut-backs.
+    /// Number of times that increments were cut.
     pub cutbacks: usize,
     /// Factorisations.
     pub factorisations: usize,
-    /// How many of them the branches of the matrix without a change saved, by their operations.
+    /// Number of factorisations saved by reusing branches of the tree, measured by their operations.
     pub reused: f64,
-    /// Solves of regions by themselves, between those of the whole.
+    /// Solves of regions, between those of the whole model.
     pub local_solves: usize,
-    /// Evaluations of all forces, those of the line search among them.
+    /// Evaluations of all forces, with those of the line search.
     pub evaluations: usize,
-    /// CPU-independent wall seconds by phase: elements, contact, assembly, factorise, solve, output.
+    /// Wall seconds by phase: elements, contact, assembly, factorise, solve, output.
     pub seconds_by_phase: [f64; 6],
     /// Threads used.
     pub threads: usize,
-    /// Warnings of the run (those of the model are the checker's).
+    /// Warnings of the run. Those of the model belong to the checker.
     pub warnings: Vec<String>,
-    /// Where the procedure changed, and why.
+    /// Changes of procedure and their reasons.
     pub log: Vec<String>,
 }
 
 impl Summary {
-    /// Of a run that has done nothing yet; complete, if nothing happens to it.
+    /// Summary at the start of a run. Its status is that of a run without incidents.
     pub fn begun(sizes: Sizes, threads: usize) -> Self {
         Self {
             status: Status::Completed,
@@ -124,7 +124,7 @@ impl Summary {
 }
 
 impl Fall {
-    /// A collapse in one sentence.
+    /// Collapse in one sentence.
     pub fn collapsed(&self) -> String {
         format!(
             "collapsed at load factor {:.4} of step {} ({}): {}; kinetic energy {:.3} J",
@@ -136,7 +136,7 @@ impl Fall {
         )
     }
 
-    /// Which bodies moved, and how far.
+    /// Bodies that moved, and their displacements, in words.
     pub fn moved(&self) -> String {
         let Some(first) = self.bodies.first() else {
             return "nothing moved".to_owned();
@@ -153,7 +153,7 @@ impl Fall {
                 names.len() - (NAMES - 1)
             ),
         };
-        // Down rather than aside.
+        // Downwards rather than sideways.
         let falls = first.fall_mm > std::f64::consts::FRAC_1_SQRT_2 * first.moved_mm;
         let (verb, by) = if falls {
             ("fell", first.fall_mm)
@@ -166,7 +166,7 @@ impl Fall {
 }
 
 impl Summary {
-    /// The summary of a whole scene that ended, with its collapse in words.
+    /// Summary of the whole scene, with its collapse in words.
     pub(crate) fn in_words(mut self) -> Self {
         if let (Status::Collapsed, Some(fall)) = (self.status, &self.fall) {
             self.message = fall.collapsed();

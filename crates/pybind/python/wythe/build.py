@@ -104,8 +104,10 @@ def beam(
     rotation: str | None = None,
     density: Quantity | None = None,
 ) -> Part:
-    """A stiff loading beam on horizontal faces, with the ``rotation`` ``"level"`` or ``"free"``. It belongs to the table
-    ``beams`` of :func:`wall` or :func:`blocks`; :func:`preload` and :func:`push` refer to it by name.
+    """A stiff loading beam on horizontal faces, with the ``rotation`` ``"level"`` or ``"free"``.
+
+    It belongs to the table ``beams`` of :func:`wall` or :func:`blocks`; :func:`preload` and :func:`push` refer to it
+    by name.
     """
     return _part(name=name, on=on, depth=depth, interface=interface, rotation=rotation, density=density)
 
@@ -223,7 +225,7 @@ def wall(
     courses
         Number of courses.
     brick, mortar
-        Materials (:func:`damage_plasticity`, :func:`elastic`); without mortar the joints have no thickness.
+        Materials (:func:`damage_plasticity`, :func:`elastic`); without mortar the joints are dry and have no thickness.
     joint
         The interface (:func:`joint`, :func:`dry_joint`).
     steps

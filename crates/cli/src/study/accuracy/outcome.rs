@@ -47,7 +47,7 @@ pub struct Outcome {
     pub peak: f64,
     /// Increments, solves and cut-backs.
     pub cost: Cost,
-    /// Energy imbalance (theory F) [-].
+    /// Energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
     /// CPU seconds of all threads of the run; wall seconds where the system does not tell. `[repeat]`
     pub cpu: Vec<f64>,

@@ -50,7 +50,7 @@ pub struct Run {
     pub short: Short,
     /// How it must end.
     pub status: End,
-    /// Largest energy imbalance (theory F) [-].
+    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
     /// The frame whose cracks are drawn, if any.
     pub cracks: Option<FrameChoice>,

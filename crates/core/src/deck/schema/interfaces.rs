@@ -1,4 +1,4 @@
-//! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory C).
+//! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory/joint.md).
 
 use crate::deck::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
 use schemars::JsonSchema;
@@ -92,7 +92,7 @@ impl Interface {
         self.penalty_factor.map_or(PENALTY, Number::get)
     }
 
-    /// Without bond: a dry joint, damaged from the start (theory C.8, last line).
+    /// Without bond: a dry joint, damaged from the start (theory/joint.md, eq. 19).
     pub fn is_dry(&self) -> bool {
         self.f_t.get() == 0.0 && self.c.get() == 0.0
     }
@@ -107,7 +107,7 @@ impl Interface {
         self.xi.map_or(1.0, Number::get)
     }
 
-    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory C.7).
+    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq. 30).
     /// Zero for a dry joint, which does not use it.
     pub fn ultimate_opening(&self) -> f64 {
         match (self.u_k, self.G_I) {
@@ -120,7 +120,7 @@ impl Interface {
     }
 
     /// Ultimate slip δ_k [mm], given or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without
-    /// normal stress (theory C.7). Zero for a dry joint, which does not use it.
+    /// normal stress (theory/joint.md, eq. 30). Zero for a dry joint, which does not use it.
     pub fn ultimate_slip(&self) -> f64 {
         match (self.delta_k, self.G_II) {
             (Some(delta_k), _) => delta_k.get(),
@@ -131,13 +131,13 @@ impl Interface {
         }
     }
 
-    /// Fracture energy in tension G_I [N/mm] (theory C.7).
+    /// Fracture energy in tension G_I [N/mm] (theory/joint.md, eq. 30).
     pub fn mode_1_energy(&self) -> f64 {
         self.curves().mode_1_energy()
     }
 
     /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the
-    /// residual friction (theory C.7).
+    /// residual friction (theory/joint.md, eq. 30).
     pub fn mode_2_energy(&self, sigma: f64) -> f64 {
         self.curves().mode_2_energy(sigma)
     }

@@ -1,4 +1,4 @@
-//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory A).
+//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory/damage-plasticity.md).
 
 use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
 use crate::material::{

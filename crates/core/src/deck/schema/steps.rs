@@ -303,7 +303,7 @@ impl DeckStep {
             )
     }
 
-    /// Tolerance of the model: 5e-3 of the mean nodal force (theory F) with consistent tangents; with
+    /// Tolerance of the model: 5e-3 of the mean nodal force (theory/equilibrium.md, eq. 16) with consistent tangents; with
     /// the cheaper ones what measures as accurate (docs/decisions/convergence-criteria.md).
     pub fn tolerance(&self) -> Tolerance {
         let default = match (self.tangent, self.procedure) {

@@ -169,7 +169,7 @@ fn take_all(
     Ok(true)
 }
 
-/// Writes a record and returns false if it is invalid. Indices are built anew.
+/// Writes a record and returns false if it is invalid. Indices are rebuilt.
 fn take(
     opcode: u8,
     body: &[u8],

@@ -345,7 +345,7 @@ fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
     assert_eq!(error.kind(), ErrorKind::NotFound);
 }
 
-/// Records without a check sum are built anew: indices and the times of chunks.
+/// Records without a check sum are rebuilt: indices and the times of chunks.
 #[test]
 fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
     let folder = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ impl Checks<'_> {
         );
         self.not_negative(&key("density"), m.density);
         let psi = m.dilation_angle.get();
-        // ψ = 0 or eccentricity = 0 puts a vertex in the flow potential (a = ε σ_t0 tan ψ, theory A.3)
+        // ψ = 0 or eccentricity = 0 puts a vertex in the flow potential (a = ε σ_t0 tan ψ, theory/damage-plasticity.md, eq. 6)
         self.demand(
             psi > 0.0 && psi < 90.0,
             &key("dilation_angle"),
@@ -78,7 +78,7 @@ impl Checks<'_> {
     }
 
     /// Rows of (stress, inelastic strain, damage): what holds whatever the modulus. What depends on
-    /// it (theory A.5) is checked where the law is built.
+    /// it (theory/damage-plasticity.md, eqs 10 and 11) is checked where the law is built.
     fn table(&mut self, path: &str, rows: &[Row]) {
         if self.broken.holds(path) {
             return;
@@ -139,7 +139,7 @@ impl Checks<'_> {
     }
 
     /// What falls before the peak of a table would be hardening and softening at once: rows beyond
-    /// the peak are scaled to the element (theory A.8), those before it are not.
+    /// the peak are scaled to the element (theory/crack-band.md, eq. 4), those before it are not.
     fn rises_to_its_peak(&mut self, path: &str, rows: &[Row]) {
         let stress = |i: usize| rows[i].0.get();
         let peak = (0..rows.len()).fold(0, |p, i| if stress(i) > stress(p) { i } else { p });
