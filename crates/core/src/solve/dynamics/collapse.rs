@@ -124,7 +124,7 @@ impl Run<'_> {
     }
 
     /// Reports a collapse during the run.
-    pub(in crate::solve) fn tell_collapse(
+    pub(in crate::solve) fn report_collapse(
         &mut self,
         step_run: &StepRun,
         recorder: &mut dyn Recorder,
@@ -140,7 +140,7 @@ impl Run<'_> {
     }
 
     /// Reports bodies that still fall or move at the end of the last step.
-    pub(in crate::solve) fn tell_what_moves(&mut self) {
+    pub(in crate::solve) fn report_moving_bodies(&mut self) {
         let Some(last) = self.model.steps.len().checked_sub(1) else {
             return;
         };

@@ -73,7 +73,7 @@ impl Run<'_> {
     }
 
     /// Marks the state if, under inertia, something moved farther than the search reach of contact: it fell.
-    pub(in crate::solve) fn mark_what_fell(&mut self) {
+    pub(in crate::solve) fn mark_fallen(&mut self) {
         let reach = self.system.contact.reach();
         self.state.fell |= self.state.q.iter().any(|q| q.abs() > reach);
     }

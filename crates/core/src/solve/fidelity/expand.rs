@@ -85,7 +85,7 @@ impl Places {
     }
 
     /// Expands a fall to the bodies of both halves and their energy.
-    pub fn unfold_fall(&self, whole: &Model, half: &Model, fall: &mut Fall) {
+    pub fn expand_fall(&self, whole: &Model, half: &Model, fall: &mut Fall) {
         fall.kinetic_energy_J *= 2.0;
         let mut images = Vec::new();
         for (e, (own, _)) in self.element.iter().enumerate() {
@@ -200,13 +200,13 @@ fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)
 }
 
 /// Recorder that receives results of the half and passes on those of the whole.
-pub(super) struct Unfold<'a> {
+pub(super) struct Expand<'a> {
     pub whole: &'a Model,
     pub places: &'a Places,
     pub recorder: &'a mut dyn Recorder,
 }
 
-impl Unfold<'_> {
+impl Expand<'_> {
     /// Sum of the forces of both halves; components across the plane cancel.
     fn both(&self, force: &[f64; 3]) -> [f64; 3] {
         let mut both = force.map(|f| 2.0 * f);
@@ -256,7 +256,7 @@ impl Unfold<'_> {
     }
 }
 
-impl Recorder for Unfold<'_> {
+impl Recorder for Expand<'_> {
     fn take(
         &mut self,
         _half: &Model,

@@ -45,11 +45,11 @@ impl Run<'_> {
         }
         let (model, state) = (self.model, &self.state);
         let (system, trial) = (&mut self.system, &mut self.trial);
-        let Some(planes) = leans(model, &self.part, step, system, state, trial) else {
+        let Some(planes) = symmetry_loss(model, &self.part, step, system, state, trial) else {
             return true;
         };
         self.summary.status = Status::NotConverged;
-        self.summary.message = self.part.told_to_lean(&planes, &model.steps[step].name);
+        self.summary.message = self.part.symmetry_message(&planes, &model.steps[step].name);
         recorder.note(&self.summary.message);
         false
     }
@@ -59,7 +59,7 @@ impl Run<'_> {
 /// stiffness is not positive definite; none if it keeps its symmetry. Solids have their secant stiffness, joints that
 /// of their penalty. Follower pressures are not checked, because their stiffness is not symmetric. The trial is
 /// restarted.
-fn leans(
+fn symmetry_loss(
     model: &Model,
     part: &Part,
     step: usize,
@@ -90,7 +90,7 @@ fn leans(
     });
     // A motion without resistance even at rest, such as a stone that may turn on its bed, says nothing about
     // stability.
-    let leans = sets.find(|turned| {
+    let symmetry_loss = sets.find(|turned| {
         asked.gives_way(turned, state, NEUTRAL) && {
             let rest = asked.system.initial_state(model);
             !asked.gives_way(turned, &rest, -NEUTRAL)
@@ -98,7 +98,7 @@ fn leans(
     });
     system.springs.stiffen(springs);
     system.steered = steered;
-    leans
+    symmetry_loss
 }
 
 /// Arguments of the check, with its work space.

@@ -22,7 +22,7 @@ use crate::solve::Recorder;
 use crate::state::Summary;
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
-use expand::{Places, Unfold};
+use expand::{Expand, Places};
 pub(super) use part::Part;
 
 /// Model that is solved instead of the given one.
@@ -84,18 +84,18 @@ impl Reduction {
                 part,
                 places,
             } => {
-                let mut unfold = Unfold {
+                let mut expand = Expand {
                     whole,
                     places,
                     recorder,
                 };
-                let mut summary = go(model, &part.within(part_of), &mut unfold)?;
+                let mut summary = go(model, &part.within(part_of), &mut expand)?;
                 summary.sizes = Sizes {
                     dofs: summary.sizes.dofs,
                     ..sizes(whole)
                 };
                 if let Some(fall) = &mut summary.fall {
-                    places.unfold_fall(whole, model, fall);
+                    places.expand_fall(whole, model, fall);
                 }
                 Ok(summary)
             }

@@ -68,7 +68,7 @@ impl Part {
     }
 
     /// Message of a run that lost its symmetry about some of its planes in a step.
-    pub fn told_to_lean(&self, planes: &[usize], step: &str) -> String {
+    pub fn symmetry_message(&self, planes: &[usize], step: &str) -> String {
         let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
         format!(
             "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: before that it buckles or bows to \

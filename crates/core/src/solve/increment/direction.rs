@@ -2,7 +2,7 @@
 
 use super::convergence::largest;
 use super::newton::{Newton, timed};
-use super::outcome::Refusal;
+use super::outcome::Rejection;
 use crate::assembly::{System, Trial};
 use crate::linear::{Backend, LinearError, LinearSolver};
 use crate::model::scene::{Fidelity, Tangent};
@@ -41,7 +41,7 @@ impl Newton<'_> {
         &mut self,
         system: &mut System,
         trial: &mut Trial,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         self.by_load.clear();
         self.solve_both(system, trial, &[])
     }
@@ -52,7 +52,7 @@ impl Newton<'_> {
         system: &mut System,
         trial: &mut Trial,
         guess: &[f64],
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         self.fill(system, trial)?;
         for (d, r) in self.direction.iter_mut().zip(&self.residual) {
             *d = -r;
@@ -78,7 +78,7 @@ impl Newton<'_> {
         };
         self.by_load.copy_from_slice(&self.direction[n..]);
         self.direction.truncate(n);
-        solved.map_err(|why| self.refusal(system, why))
+        solved.map_err(|why| self.rejection(system, why))
     }
 
     /// Solves with factors of an earlier matrix of the increment, where they apply. Returns whether they served.
@@ -105,26 +105,26 @@ impl Newton<'_> {
         system: &mut System,
         trial: &mut Trial,
         ends: bool,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let open = |factors: Factors| {
             factors.served && (ends || trial.mean_nodal_force > GROWTH * factors.force)
         };
         if self.factors.is_some_and(open) {
             self.fill(system, trial)?;
             let proven = self.factorise(trial);
-            proven.map_err(|why| self.refusal(system, why))?;
+            proven.map_err(|why| self.rejection(system, why))?;
         }
         Ok(())
     }
 
     /// Orders the matrix if its pattern is new, and assembles its values.
-    fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Refusal> {
+    fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Rejection> {
         let backend = self.backend();
         if self.linear.is_none() || system.pattern_changed() {
             let (gather, mut linear) = timed(&mut self.clock.factorise, || {
                 system.analyse(&self.equations, backend)
             })
-            .map_err(|why| Refusal::Linear { why, dof: None })?;
+            .map_err(|why| Rejection::Linear { why, dof: None })?;
             self.values = vec![0.0; gather];
             self.filled = None;
             linear.trust_single(!self.wants_double);
@@ -160,7 +160,7 @@ impl Newton<'_> {
     }
 
     /// Rejection for linear equations without a solution, with the node and direction of the equation.
-    fn refusal(&self, system: &System, why: LinearError) -> Refusal {
+    fn rejection(&self, system: &System, why: LinearError) -> Rejection {
         let equation = match why {
             LinearError::Singular { equation }
             | LinearError::NotPositiveDefinite { equation }
@@ -170,7 +170,7 @@ impl Newton<'_> {
         let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
         // A beam that moves no free node has none.
         let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
-        Refusal::Linear { why, dof }
+        Rejection::Linear { why, dof }
     }
 
     /// Whether the direction moves a node farther than the search reach of contact.

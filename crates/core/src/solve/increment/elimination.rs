@@ -13,7 +13,7 @@
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along, timed};
-use super::outcome::Refusal;
+use super::outcome::Rejection;
 use crate::assembly::{Evaluation, Solids, System, Trial};
 use crate::linear::Region;
 use crate::model::scene::Fidelity;
@@ -46,7 +46,7 @@ impl Newton<'_> {
         trial: &mut Trial,
         setting: Evaluation,
         scale: f64,
-    ) -> Result<bool, Refusal> {
+    ) -> Result<bool, Rejection> {
         let Some(region) = self.region(system, setting) else {
             return Ok(false);
         };
@@ -94,7 +94,7 @@ impl Newton<'_> {
         setting: Evaluation,
         mut region: Region,
         enough: f64,
-    ) -> Result<usize, Refusal> {
+    ) -> Result<usize, Rejection> {
         for solves in 0..SOLVES {
             if region.square(&self.residual).sqrt() <= enough {
                 return Ok(solves);

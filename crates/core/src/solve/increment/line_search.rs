@@ -4,7 +4,7 @@
 //! may grow while the slope falls (the range of stick is only 2 f/k_s ≈ 4e-6 mm wide). A residual costs a tenth of a
 //! factorisation, so a few evaluations pay.
 
-use super::outcome::Refusal;
+use super::outcome::Rejection;
 /// d·r, the slope of the energy along a direction d with out-of-balance forces r.
 pub(in crate::solve) use crate::linear::dot;
 
@@ -88,17 +88,17 @@ impl LineSearch {
     /// The error of `slope` if no shorter step helps.
     pub(in crate::solve) fn run(
         mut self,
-        mut slope: impl FnMut(f64) -> Result<f64, Refusal>,
-    ) -> Result<(), Refusal> {
+        mut slope: impl FnMut(f64) -> Result<f64, Rejection>,
+    ) -> Result<(), Rejection> {
         let mut eta = 1.0;
         loop {
-            let (found, refused) = match slope(eta) {
+            let (found, rejected) = match slope(eta) {
                 Ok(found) => (found, None),
                 // A law that fails far away may succeed nearer.
-                Err(why @ Refusal::Local { .. }) if eta > NEAR => (f64::NAN, Some(why)),
+                Err(why @ Rejection::Local { .. }) if eta > NEAR => (f64::NAN, Some(why)),
                 Err(why) => return Err(why),
             };
-            match (self.next(eta, found), refused) {
+            match (self.next(eta, found), rejected) {
                 (Probe::Try(next), _) => eta = next,
                 (Probe::Accept(_), None) => return Ok(()),
                 // The step tried last has no forces. Return to the longest step that still descends, if there is one.
@@ -222,7 +222,7 @@ mod tests {
     /// If the law fails at the last point tried, the search returns to a point whose forces are known.
     #[test]
     fn a_search_never_ends_where_the_law_failed() {
-        let failed = || Refusal::Local {
+        let failed = || Rejection::Local {
             element: 0,
             why: LocalFailure::StrainNotFinite,
         };
@@ -241,7 +241,7 @@ mod tests {
         assert!(tried[MOST - 1] > 1.0 && tried[MOST] == 1.0, "{tried:?}");
         // The law fails everywhere: its own error is returned.
         let search = LineSearch::new(-1.0).run(|_| Err(failed()));
-        assert!(matches!(search, Err(Refusal::Local { .. })), "{search:?}");
+        assert!(matches!(search, Err(Rejection::Local { .. })), "{search:?}");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::direction::Factors;
 use super::energy_balance::pursuit;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
-use super::outcome::{Attempt, Outcome, Refusal, Report, Solves};
+use super::outcome::{Attempt, Outcome, Rejection, Report, Solves};
 use super::traction_patterns::Pause;
 use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use crate::linear::LinearSolver;
@@ -267,7 +267,7 @@ impl<'m> Newton<'m> {
             });
         match found {
             Ok(report) => Outcome::Converged(report),
-            Err(refusal) => Outcome::Refused(refusal, solves.count),
+            Err(rejection) => Outcome::Rejected(rejection, solves.count),
         }
     }
 
@@ -278,7 +278,7 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
         attempt: Attempt,
         solves: &mut Solves,
-    ) -> Result<Report, Refusal> {
+    ) -> Result<Report, Rejection> {
         // Damage must not lag behind at the end of a relaxation, so the full duration of the step is available to it.
         let dt = if self.dashpots.is_some() {
             self.step.duration
@@ -329,7 +329,7 @@ impl<'m> Newton<'m> {
         solves: &mut Solves,
         mut setting: Evaluation,
         iterations: Range<usize>,
-    ) -> Result<Report, Refusal> {
+    ) -> Result<Report, Rejection> {
         let (solids, tolerance) = (setting.solids, self.step.tolerance);
         let (mut iteration, mut pursued) = (iterations.start, 0);
         // Whether only a region was solved, and led to balance, since the last solve of the whole.
@@ -351,7 +351,7 @@ impl<'m> Newton<'m> {
             let scale = self.scale(system, state, trial);
             let balance = Balance::new(&self.residual, scale);
             if !balance.largest.is_finite() {
-                return Err(Refusal::NotFinite);
+                return Err(Rejection::NotFinite);
             }
             let farther = balance.root_mean_square > before;
             misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
@@ -392,7 +392,7 @@ impl<'m> Newton<'m> {
                 let (node, _) = system
                     .dofs
                     .node_of(self.equations.slot_of[balance.worst] as usize);
-                return Err(Refusal::Iterations {
+                return Err(Rejection::Iterations {
                     residual: balance.largest,
                     root_mean_square: balance.root_mean_square,
                     work,
@@ -444,11 +444,11 @@ impl<'m> Newton<'m> {
         state: &State,
         trial: &mut Trial,
         setting: Evaluation,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         self.clock.evaluations += 1;
         system
             .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
-            .map_err(|(element, why)| Refusal::Local { element, why })?;
+            .map_err(|(element, why)| Rejection::Local { element, why })?;
         self.loads.follow(system, &trial.x);
         let loads = &self.loads.total;
         for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
@@ -475,7 +475,7 @@ impl<'m> Newton<'m> {
         state: &State,
         trial: &mut Trial,
         setting: Evaluation,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let setting = along(setting);
         let mut search = LineSearch::new(dot(&self.direction, &self.residual));
         if trial.may_meet() || self.flies(system) {
@@ -509,7 +509,7 @@ impl<'m> Newton<'m> {
         state: &State,
         trial: &mut Trial,
         increment: Increment,
-    ) -> Result<(f64, f64), Refusal> {
+    ) -> Result<(f64, f64), Rejection> {
         let setting = Evaluation {
             dt: increment.size * self.step.duration,
             solids: Solids::Implicit,

@@ -7,7 +7,7 @@ use crate::solve::stepping::step_size::Increment;
 
 /// Reason why an increment was rejected.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Refusal {
+pub enum Rejection {
     /// The residual was not below the tolerance after the allowed iterations.
     Iterations {
         /// Largest out-of-balance force over the mean nodal force.
@@ -82,7 +82,7 @@ pub enum Outcome {
     /// Equilibrium was found; the trial holds it.
     Converged(Report),
     /// Equilibrium was not found; the state is unchanged. The number counts the linear solves.
-    Refused(Refusal, usize),
+    Rejected(Rejection, usize),
 }
 
 /// Counts linear solves and reports each.

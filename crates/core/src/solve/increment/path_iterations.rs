@@ -3,7 +3,7 @@
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along};
-use super::outcome::Refusal;
+use super::outcome::Rejection;
 use crate::assembly::{Evaluation, System, Trial};
 use crate::model::scene::BeamMotion;
 use crate::solve::stepping::path::Advance;
@@ -50,7 +50,7 @@ impl Newton<'_> {
         &mut self,
         system: &mut System,
         trial: &mut Trial,
-    ) -> Result<Vec<f64>, Refusal> {
+    ) -> Result<Vec<f64>, Rejection> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
         let loads = self
             .loads
@@ -81,7 +81,7 @@ impl Newton<'_> {
         advance: Advance<'_>,
         force: &[f64],
         searches: bool,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         let mut rate = self.prescribed_rate(system);
         let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
         for (e, &slot) in self.equations.slot_of.iter().enumerate() {
@@ -90,7 +90,7 @@ impl Newton<'_> {
         }
         let change = advance
             .load_change(&reached, &rate)
-            .ok_or(Refusal::NoSuchLoad)?;
+            .ok_or(Rejection::NoSuchLoad)?;
         // Without a line search there is no return to the origin.
         let origin: Vec<f64> = if searches {
             let slots = self.equations.slot_of.iter();

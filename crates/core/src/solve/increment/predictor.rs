@@ -1,7 +1,7 @@
 //! Predictor: the start of the iterations of an increment (docs/theory/equilibrium.md, eqs 12 and 13).
 
 use super::newton::{Newton, timed};
-use super::outcome::{Attempt, Refusal, Solves};
+use super::outcome::{Attempt, Rejection, Solves};
 use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, System, Trial};
 use crate::solve::stepping::path::Advance;
 use crate::state::State;
@@ -21,7 +21,7 @@ impl Newton<'_> {
         attempt: Attempt,
         setting: Evaluation,
         solves: &mut Solves,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Rejection> {
         system.start(self.model, trial, state);
         if self.step.loads.iter().any(Option::is_some) {
             trial.stiffest = STIFFEST_UNDER_LOADS;

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::newton::{Newton, timed};
-use super::outcome::{Attempt, Refusal, Report, Solves};
+use super::outcome::{Attempt, Rejection, Report, Solves};
 use crate::assembly::{Evaluation, System, Trial};
 use crate::state::State;
 
@@ -40,7 +40,7 @@ impl Newton<'_> {
         solves: &mut Solves,
         setting: Evaluation,
         report: Report,
-    ) -> Result<Report, Refusal> {
+    ) -> Result<Report, Rejection> {
         if self.pause.left > 0 {
             self.pause.left -= 1;
             return Ok(report);

@@ -8,7 +8,7 @@ use super::run::{CUT, Run};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Procedure;
 use crate::solve::increment::newton::IMBALANCE;
-use crate::solve::increment::outcome::{Refusal, Report};
+use crate::solve::increment::outcome::{Rejection, Report};
 use crate::state::Method;
 
 /// Largest growth of an increment.
@@ -105,11 +105,11 @@ impl Run<'_> {
         &self,
         step_run: &StepRun,
         request: IncrementRequest,
-    ) -> Option<Refusal> {
+    ) -> Option<Rejection> {
         match request.method {
-            Method::Static if self.is_snap(step_run) => Some(Refusal::Snap),
-            Method::Dissipation if self.is_leap(step_run) => Some(Refusal::Leap),
-            _ => self.energy_lost(step_run, request).map(Refusal::Energy),
+            Method::Static if self.is_snap(step_run) => Some(Rejection::Snap),
+            Method::Dissipation if self.is_leap(step_run) => Some(Rejection::Leap),
+            _ => self.energy_lost(step_run, request).map(Rejection::Energy),
         }
     }
 
@@ -144,7 +144,7 @@ impl Run<'_> {
 
     /// Whether to repeat the increment that ends at the trial with a smaller size, because it passed a peak. If it
     /// has jumped, it is rejected for that reason instead.
-    pub(in crate::solve) fn go_back_to_peak(
+    pub(in crate::solve) fn repeat_for_peak(
         &self,
         step_run: &mut StepRun,
         request: IncrementRequest,

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
 use crate::solve::fidelity::Part;
 use crate::solve::increment::convergence::{IMBALANCE, WORK};
-use crate::solve::increment::outcome::Refusal;
+use crate::solve::increment::outcome::Rejection;
 use crate::state::Lost;
 
 /// Message for a run that ends in `step` because its increment cannot be cut further. Returns the full message with
@@ -17,17 +17,17 @@ pub(in crate::solve) fn explain(
     step: usize,
     request: IncrementRequest,
     done: f64,
-    refusal: &Refusal,
+    rejection: &Rejection,
 ) -> (String, Lost) {
     let of = &model.steps[step];
     let name = &of.name;
     let done = progress(of, done);
-    let why = why(model, part, of, refusal);
+    let why = why(model, part, of, rejection);
     let told = format!(
         "step {step} ({name}), at {done}, an increment of {:.2e} of the step, {}: {why}; try {}",
         request.increment.size,
         request.method.name(),
-        advice(model, step, refusal)
+        advice(model, step, rejection)
     );
     let place = format!("{done} of step {step} ({name})");
     (told, Lost { place, why })
@@ -43,9 +43,14 @@ pub(in crate::solve) fn progress(step: &Step, done: f64) -> String {
 }
 
 /// Reason and place of a rejection, with its measures.
-pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &Refusal) -> String {
-    match refusal {
-        Refusal::Iterations {
+pub(in crate::solve) fn why(
+    model: &Model,
+    part: &Part,
+    step: &Step,
+    rejection: &Rejection,
+) -> String {
+    match rejection {
+        Rejection::Iterations {
             residual,
             root_mean_square,
             work,
@@ -58,12 +63,12 @@ pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &R
             step.tolerance.residual,
             place(model, part, *node)
         ),
-        Refusal::Local { element, why } => {
+        Rejection::Local { element, why } => {
             let body = model.mesh.body_of(*element);
             let element = part.element(*element);
             format!("element {element} of {body}: {why}")
         }
-        Refusal::Linear {
+        Rejection::Linear {
             why,
             dof: Some((node, direction)),
         } => format!(
@@ -71,17 +76,17 @@ pub(in crate::solve) fn why(model: &Model, part: &Part, step: &Step, refusal: &R
             place(model, part, *node),
             ["x", "y", "z"][*direction]
         ),
-        Refusal::Linear { why, dof: None } => why.to_string(),
-        Refusal::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
-        Refusal::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
-        Refusal::Energy(part) => format!(
+        Rejection::Linear { why, dof: None } => why.to_string(),
+        Rejection::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
+        Rejection::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
+        Rejection::Energy(part) => format!(
             "the increment leaves {:.1} % of the work done unaccounted for",
             100.0 * part
         ),
-        Refusal::NoSuchLoad => {
+        Rejection::NoSuchLoad => {
             "no load leads as far along the path as the increment should go".to_owned()
         }
-        Refusal::NotFinite => "the out-of-balance force is not finite".to_owned(),
+        Rejection::NotFinite => "the out-of-balance force is not finite".to_owned(),
     }
 }
 
@@ -109,9 +114,9 @@ pub(in crate::solve) fn place(model: &Model, part: &Part, node: usize) -> String
 }
 
 /// Deck keys that may help, the likeliest first, without those already set.
-fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
+fn advice(model: &Model, index: usize, rejection: &Rejection) -> String {
     let step = &model.steps[index];
-    if let Refusal::Linear { dof: Some(_), .. } = refusal {
+    if let Rejection::Linear { dof: Some(_), .. } = rejection {
         let inertia = if model.may_move() {
             format!(
                 "steps.{index}.increments.min below {:e}: inertia carries what comes loose in increments that are \
@@ -128,7 +133,7 @@ fn advice(model: &Model, index: usize, refusal: &Refusal) -> String {
     }
     let mut tries = Vec::new();
     let patience = step.tolerance.max_iterations;
-    if patience < USUAL_ITERATIONS && matches!(refusal, Refusal::Iterations { .. }) {
+    if patience < USUAL_ITERATIONS && matches!(rejection, Rejection::Iterations { .. }) {
         tries.push(format!(
             "steps.{index}.tolerance.max_iterations = {USUAL_ITERATIONS} (now {patience})"
         ));

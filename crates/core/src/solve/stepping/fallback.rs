@@ -22,7 +22,7 @@ use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
 use crate::solve::increment::newton::IMBALANCE;
-use crate::solve::increment::outcome::{Refusal, Report};
+use crate::solve::increment::outcome::{Rejection, Report};
 use crate::state::Method;
 
 /// Size, as a part of the first increment, below which static increments are not cut before another method is tried.
@@ -175,7 +175,7 @@ impl Fallback {
     }
 
     /// Starts with inertia, if available, because bodies already move.
-    pub fn go_on_moving(&mut self) {
+    pub fn start_moving(&mut self) {
         self.at = self.inertia().unwrap_or(0);
     }
 
@@ -205,9 +205,9 @@ impl Fallback {
     }
 
     /// Answer to the rejection of an increment of this size. `spent`: its path cannot be cut further.
-    pub fn refused(&mut self, refusal: &Refusal, size: f64, spent: bool) -> Answer {
+    pub fn rejected(&mut self, rejection: &Rejection, size: f64, spent: bool) -> Answer {
         let higher = self.at + 1 < self.choices.len();
-        let free = matches!(refusal, Refusal::Linear { dof: Some(_), .. });
+        let free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
             Method::Static if self.at + 1 < self.statics => {
@@ -236,16 +236,16 @@ impl Fallback {
     }
 
     /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
-    pub fn climb(&mut self, refusal: &Refusal, load: f64) {
+    pub fn take_next(&mut self, rejection: &Rejection, load: f64) {
         self.stalls = 0;
         if self.at < self.statics {
             self.left_at = load;
-            self.snaps = *refusal == Refusal::Snap;
+            self.snaps = *rejection == Rejection::Snap;
         }
-        let wanted = match refusal {
-            Refusal::Linear { dof: Some(_), .. } => self.inertia(),
+        let wanted = match rejection {
+            Rejection::Linear { dof: Some(_), .. } => self.inertia(),
             // If secant tangents failed before, take the path with consistent ones.
-            Refusal::Snap => self
+            Rejection::Snap => self
                 .place(Method::Dissipation)
                 .map(|path| path + usize::from(self.at > 0)),
             _ => None,
@@ -256,7 +256,7 @@ impl Fallback {
                 .get(self.at + 1)
                 .is_some_and(|choice| choice.method == Method::Dissipation);
             // No path leads to equilibrium once a body is without support.
-            let comes_loose = wanted.is_some() && *refusal != Refusal::Snap;
+            let comes_loose = wanted.is_some() && *rejection != Rejection::Snap;
             if self.snaps && !comes_loose {
                 // If no tangent works along the path, accept the equilibrium that statics found beyond the snap.
                 self.at = if again {
@@ -303,7 +303,7 @@ impl Fallback {
 
     /// Returns to the first method if the increment shows that the trouble has passed; true if it does. `moves`:
     /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
-    pub fn descend(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
+    pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
         if self.at == 0 {
             return false;

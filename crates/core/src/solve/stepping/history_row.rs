@@ -48,7 +48,7 @@ fn along(sense: f64, value: f64) -> f64 {
 
 /// The load that the history shows in a step: the first one that the step changes, else one of a later step, else one
 /// of an earlier step.
-fn told_load(model: &Model, step: usize) -> Option<usize> {
+fn shown_load(model: &Model, step: usize) -> Option<usize> {
     let steps = model.steps[step..].iter().chain(&model.steps);
     let mut loads = steps.filter_map(|step| step.loads.iter().position(Option::is_some));
     loads.next()
@@ -169,7 +169,7 @@ impl Run<'_> {
     /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
     fn loaded(&self, step: usize) -> Option<[f64; 2]> {
         let (model, state) = (self.model, &self.state);
-        let told = told_load(model, step)?;
+        let told = shown_load(model, step)?;
         let load = &model.loads[told];
         let outside = &self.system.outside;
         let force_of = |value: [f64; 3], x: &[[f64; 3]]| {

@@ -5,7 +5,7 @@ use super::fallback::Answer;
 use super::run::{CUT, Run};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::solve::Recorder;
-use crate::solve::increment::outcome::Refusal;
+use crate::solve::increment::outcome::Rejection;
 use crate::state::Method;
 use crate::state::Status;
 
@@ -14,18 +14,18 @@ const GUESS: f64 = 0.1;
 
 impl Run<'_> {
     /// Chooses the next attempt after a rejection; false if none is left.
-    pub(in crate::solve) fn refuse(
+    pub(in crate::solve) fn reject(
         &mut self,
         step_run: &mut StepRun,
         request: IncrementRequest,
-        refusal: &Refusal,
+        rejection: &Rejection,
         recorder: &mut dyn Recorder,
     ) -> bool {
         let on_path = request.method.follows_path();
         let method = step_run.fallback.method();
         if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
             // The rest of the step was tried in one increment; the path continues instead.
-            step_run.end_refused = true;
+            step_run.end_rejected = true;
             return true;
         }
         let spent = if on_path {
@@ -34,7 +34,7 @@ impl Run<'_> {
             false
         };
         let size = request.increment.size;
-        if *refusal == Refusal::Snap {
+        if *rejection == Rejection::Snap {
             step_run.beyond = Some(request.increment.end());
         }
         if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
@@ -42,7 +42,7 @@ impl Run<'_> {
             step_run.schedule.resume(step_run.step.increments.max);
             return true;
         }
-        let mut answer = step_run.fallback.refused(refusal, size, spent);
+        let mut answer = step_run.fallback.rejected(rejection, size, spent);
         if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
             // Without dissipation so far, no path is known. Learn it from the rejected increment.
             if self.guess(step_run, method, size) {
@@ -53,7 +53,7 @@ impl Run<'_> {
             && !on_path
             && step_run.schedule.cut(request.increment, CUT).is_err()
         {
-            answer = step_run.fallback.refused(refusal, size, true);
+            answer = step_run.fallback.rejected(rejection, size, true);
         }
         match answer {
             Answer::Cut => true,
@@ -61,12 +61,12 @@ impl Run<'_> {
                 let why = format!(
                     "{}: {}",
                     request.method.name(),
-                    explain::why(self.model, &self.part, step_run.step, refusal)
+                    explain::why(self.model, &self.part, step_run.step, rejection)
                 );
                 loop {
                     step_run
                         .fallback
-                        .climb(refusal, step_run.sense() * step_run.load);
+                        .take_next(rejection, step_run.sense() * step_run.load);
                     let next = step_run.fallback.method();
                     // Constant loads have no path.
                     let stays = step_run.branch.slope() == 0.0;
@@ -118,7 +118,7 @@ impl Run<'_> {
                     step_run.index,
                     request,
                     done,
-                    refusal,
+                    rejection,
                 );
                 (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
                 false

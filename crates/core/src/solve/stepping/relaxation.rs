@@ -192,7 +192,7 @@ impl Run<'_> {
             );
             let report = match outcome {
                 Outcome::Converged(report) => report,
-                Outcome::Refused(_, spent) => {
+                Outcome::Rejected(_, spent) => {
                     step_run.solves += spent;
                     factor *= STIFFER;
                     slowly = CAUTIOUS;

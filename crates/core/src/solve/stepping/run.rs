@@ -17,7 +17,7 @@ use crate::solve::Recorder;
 use crate::solve::dynamics::collapse::LastEquilibrium;
 use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::increment::outcome::{Attempt, Outcome, Refusal, Report, Solves};
+use crate::solve::increment::outcome::{Attempt, Outcome, Rejection, Report, Solves};
 use crate::solve::restart::checkpoint::CheckpointError;
 use crate::solve::restart::fingerprint::Fingerprint;
 use crate::state::Clock;
@@ -147,7 +147,7 @@ impl<'m> Run<'m> {
             next += 1;
             go_on = self.walk(step_run, recorder)?;
         }
-        self.tell_what_moves();
+        self.report_moving_bodies();
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         self.summary.warnings.extend(self.energy_watch.warning());
@@ -185,7 +185,7 @@ impl<'m> Run<'m> {
             let go_on = match outcome {
                 Outcome::Converged(report)
                     if self.try_as_shock(&mut step_run, request)
-                        || self.go_back_to_peak(&mut step_run, request, report) =>
+                        || self.repeat_for_peak(&mut step_run, request, report) =>
                 {
                     step_run.solves += report.iterations;
                     self.cut_back(&mut step_run);
@@ -193,16 +193,16 @@ impl<'m> Run<'m> {
                 }
                 Outcome::Converged(report) => match self.jump(&step_run, request) {
                     None => self.accept(&mut step_run, request, report, recorder)?,
-                    Some(refusal) => {
+                    Some(rejection) => {
                         step_run.solves += report.iterations;
                         self.cut_back(&mut step_run);
-                        self.relax_or_refuse(&mut step_run, request, &refusal, recorder)?
+                        self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
                     }
                 },
-                Outcome::Refused(refusal, spent) => {
+                Outcome::Rejected(rejection, spent) => {
                     step_run.solves += spent;
                     self.cut_back(&mut step_run);
-                    self.relax_or_refuse(&mut step_run, request, &refusal, recorder)?
+                    self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
                 }
             };
             if !go_on {
@@ -214,26 +214,26 @@ impl<'m> Run<'m> {
     }
 
     /// Relaxes the structure over a snap, or chooses the next attempt after a rejection; false if the run ends.
-    fn relax_or_refuse(
+    fn relax_or_reject(
         &mut self,
         step_run: &mut StepRun<'m>,
         request: IncrementRequest,
-        refusal: &Refusal,
+        rejection: &Rejection,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        step_run.refusals += 1;
+        step_run.rejections += 1;
         let size = request.increment.size;
-        let unsolved = !matches!(refusal, Refusal::Snap | Refusal::Linear { .. });
+        let unsolved = !matches!(rejection, Rejection::Snap | Rejection::Linear { .. });
         if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {
             self.bound_damage(step_run);
         }
-        if may_relax(step_run, request, refusal) {
+        if may_relax(step_run, request, rejection) {
             match self.relax(step_run, request, recorder) {
                 Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
                 None => step_run.relaxes_below = RELAX_AGAIN * size,
             }
         }
-        Ok(self.refuse(step_run, request, refusal, recorder))
+        Ok(self.reject(step_run, request, rejection, recorder))
     }
 
     /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
@@ -295,7 +295,7 @@ impl<'m> Run<'m> {
         let mut fallback = Fallback::new(model, step, massless.is_none());
         if self.state.energies.moving() > QUIET {
             // Bodies that `auto` set in motion continue to move.
-            fallback.go_on_moving();
+            fallback.start_moving();
             if self.last_equilibrium.is_none() {
                 self.depart(index, 0.0);
             }
@@ -358,7 +358,7 @@ impl<'m> Run<'m> {
                 self.swings.add(&row);
             }
             Method::Implex if step_run.step.procedure == Procedure::Auto => self.snaps.add(&row),
-            Method::QuasiStatic => self.mark_what_fell(),
+            Method::QuasiStatic => self.mark_fallen(),
             _ => {}
         }
         let collapsed = self.collapses(step_run, request.method, before.kinetic);
@@ -419,8 +419,8 @@ impl<'m> Run<'m> {
         self.summary.increments += 1;
         self.summary.iterations += solves;
         (step_run.cutbacks, step_run.solves) = (0, 0);
-        (step_run.refusals, step_run.relaxes_below) = (0, f64::INFINITY);
-        (step_run.repeat, step_run.end_refused, step_run.tried) = (true, false, None);
+        (step_run.rejections, step_run.relaxes_below) = (0, f64::INFINITY);
+        (step_run.repeat, step_run.end_rejected, step_run.tried) = (true, false, None);
         let done = step_run.schedule.done();
         if request.method == Method::Static || step_run.beyond.is_some_and(|beyond| beyond <= done)
         {
@@ -428,7 +428,10 @@ impl<'m> Run<'m> {
         }
         let sense = step_run.sense();
         let forth = (sense * added, sense * step_run.load);
-        if step_run.fallback.descend(report, moves, forth.0, forth.1) {
+        if step_run
+            .fallback
+            .take_first_again(report, moves, forth.0, forth.1)
+        {
             if request.method.has_inertia() {
                 self.bring_to_rest();
                 // The last increment does not predict the next one, but its motion may continue.
@@ -448,7 +451,7 @@ impl<'m> Run<'m> {
         }
         let mut keeps_symmetry = true;
         if collapsed {
-            self.tell_collapse(step_run, recorder);
+            self.report_collapse(step_run, recorder);
         }
         if !end && step_run.is_at_row() {
             keeps_symmetry = self.keeps_symmetry(step_run, recorder);
@@ -562,21 +565,22 @@ pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
 }
 
 /// Whether a relaxation may help where an increment was rejected.
-fn may_relax(step_run: &StepRun, request: IncrementRequest, refusal: &Refusal) -> bool {
+fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) -> bool {
     let applies = match step_run.step.procedure {
         Procedure::Auto => step_run.fallback.may_snap(),
         Procedure::DisplacementControl => true,
         _ => false,
     };
     let size = request.increment.size;
-    let stuck = match refusal {
+    let stuck = match rejection {
         // The path of a clear snap-back is followed where that is possible.
-        Refusal::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
-        Refusal::Linear { .. } => false,
+        Rejection::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
+        Rejection::Linear { .. } => false,
         // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
         // as many solves.
         _ => {
-            step_run.relaxations == 0 && (step_run.refusals > 1 || step_run.fallback.is_small(size))
+            step_run.relaxations == 0
+                && (step_run.rejections > 1 || step_run.fallback.is_small(size))
         }
     };
     applies && stuck && size < step_run.relaxes_below

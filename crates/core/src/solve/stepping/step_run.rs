@@ -34,7 +34,7 @@ pub(in crate::solve) struct StepRun<'m> {
     /// Whether the next increment starts by repeating the last one.
     pub(in crate::solve) repeat: bool,
     /// Whether the rest of the step was tried in one static increment and rejected; the path then continues.
-    pub(in crate::solve) end_refused: bool,
+    pub(in crate::solve) end_rejected: bool,
     /// Conditions that end the step early, if it drives or loads.
     pub(in crate::solve) watch: Option<Watch>,
     /// Whether the step ended early.
@@ -46,7 +46,7 @@ pub(in crate::solve) struct StepRun<'m> {
     /// Part of the step at which a static increment found equilibrium beyond a snap.
     pub(in crate::solve) beyond: Option<f64>,
     /// Rejections since the last commit.
-    pub(in crate::solve) refusals: usize,
+    pub(in crate::solve) rejections: usize,
     /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
     pub(in crate::solve) damage_rate: f64,
     /// Number of relaxations in a row.
@@ -124,13 +124,13 @@ impl<'m> StepRun<'m> {
             solves: 0,
             cutbacks: 0,
             repeat: true,
-            end_refused: false,
+            end_rejected: false,
             watch: None,
             peak: PeakWatch::default(),
             tried: None,
             stopped: false,
             beyond: None,
-            refusals: 0,
+            rejections: 0,
             damage_rate: f64::INFINITY,
             relaxations: 0,
             resumes_at: None,
@@ -235,7 +235,7 @@ impl<'m> StepRun<'m> {
         let (size, adds) = self.path_measure.next();
         let (sense, [end, most]) = (self.sense(), self.branch.to);
         // If the path would pass the end of the step or branch, prescribe the loads there, so that it ends exactly.
-        if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_refused {
+        if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_rejected {
             return Some(IncrementRequest {
                 method: Method::Static,
                 increment: Increment {
