@@ -39,8 +39,8 @@ pub struct DeckArch {
 }
 
 impl DeckArch {
-    /// Angle of embrace [rad]: given, or from clear span s and rise f as 4 atan(2 f/s), which the angles at foot
-    /// and crown over the chord give; else π.
+    /// Angle of embrace [rad]: the given one; or 4 atan(2 f/s) for clear span s and rise f, from the angles at foot
+    /// and crown over the chord; else π.
     pub fn embrace(&self) -> f64 {
         match (self.angle, self.rise, self.span) {
             (Some(angle), ..) => angle.get().to_radians(),
@@ -49,7 +49,7 @@ impl DeckArch {
         }
     }
 
-    /// Radius of the centre line [mm]: given, or from the clear span s = 2 (R − t/2) sin(α/2).
+    /// Radius of the centre line [mm]: the given one, or that of the clear span s = 2 (R − t/2) sin(α/2).
     pub fn centre_line(&self) -> f64 {
         match (self.radius, self.span) {
             (Some(radius), _) => radius.get(),

@@ -105,7 +105,7 @@ pub struct DeckSpring {
     pub stiffness: [SpringStiffness; 3],
 }
 
-/// One name or a list of them.
+/// One name or a list of names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(pub Vec<String>);
 

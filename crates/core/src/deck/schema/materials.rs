@@ -1,4 +1,5 @@
-//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory A).
+//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity
+//! (theory/damage-plasticity.md).
 
 use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
 use crate::material::{
@@ -66,7 +67,7 @@ pub struct Material {
 #[serde(expecting = "a row [stress, inelastic strain, damage]")]
 pub struct Row(pub Pressure, pub Number, pub Number);
 
-// General parameters of quasi-brittle materials: the paper's Table 2.
+// Parameters of quasi-brittle materials in Table 2 of the paper.
 fn dilation_angle() -> Angle {
     Angle::new(10.0)
 }
@@ -84,7 +85,7 @@ fn one() -> Number {
 }
 
 impl Material {
-    /// A linear elastic material; all else as where a deck says nothing.
+    /// A linear elastic material; all other keys have their defaults.
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
             E: modulus,

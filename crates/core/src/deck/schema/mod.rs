@@ -1,6 +1,6 @@
-//! The deck: a TOML text as written, with its units resolved and its ranges checked.
+//! The deck as written in TOML, with units converted and ranges checked.
 //!
-//! The structures here are the serde mirror of the file; `docs/deck.md` explains every key.
+//! The structures here mirror the file for serde; `docs/deck.md` explains every key.
 
 mod arch;
 mod beams;
@@ -194,19 +194,19 @@ impl Default for DeckOutput {
 }
 
 impl Deck {
-    /// Reads a deck from a text. `file` names it in errors.
+    /// Reads a deck from a text. `file` is its name in errors.
     ///
     /// # Errors
-    /// Syntax, unknown or missing keys, wrong types and units, values out of range, names of nothing: all
-    /// that can be found, in the order in which it is written.
+    /// Syntax, unknown or missing keys, wrong types and units, values out of range, unknown names: all errors that
+    /// can be found, in the order of the text.
     pub fn from_str(text: &str, file: &str) -> Result<Self, ModelError> {
         Self::from_str_with(text, file, &[])
     }
 
-    /// Reads a deck from a text, then says the keys of `overrides` (dotted path, value) anew.
+    /// Reads a deck from a text and then sets the keys of `overrides` (dotted path, value).
     ///
-    /// A value is TOML, or else taken as a string (`2.12 MPa` needs no quotes). Of `u_k` and `G_I`,
-    /// and of `delta_k` and `G_II`, the override replaces whichever the file has.
+    /// A value is TOML, or else a string (`2.12 MPa` needs no quotes). An override of one of `u_k` and `G_I`, or of
+    /// `delta_k` and `G_II`, replaces either.
     ///
     /// # Errors
     /// As [`Deck::from_str`]; errors about an override name it.
@@ -225,7 +225,8 @@ impl Deck {
             })
             .collect();
         let (mut root, syntax) = DeTable::parse_recoverable(text);
-        // What follows on a line that is no TOML is noise, and a whole file of such lines soon is.
+        // One error per line is enough: further ones on the same line follow from the first. Their number is
+        // limited.
         let mut syntax = syntax;
         syntax.dedup_by_key(|error| error.span().map(|span| source.line_of(span.start)));
         syntax.truncate(MOST_ERRORS);
@@ -269,7 +270,7 @@ impl Deck {
         Err(all.end(()).err().unwrap_or_else(nothing))
     }
 
-    /// Reads the deck in the file `path`, then says the keys of `overrides` anew.
+    /// Reads the deck in the file `path`, then sets the keys of `overrides`.
     ///
     /// # Errors
     /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
@@ -286,32 +287,32 @@ impl Deck {
         )?)
     }
 
-    /// Files that the deck names are relative to this folder, wherever the deck itself lies.
+    /// Sets the folder to which file names in the deck are relative, wherever the deck itself lies.
     #[must_use]
     pub fn in_folder(mut self, folder: PathBuf) -> Self {
         self.source.folder = Some(folder);
         self
     }
 
-    /// The folder that files named by the deck are relative to.
+    /// The folder to which file names in the deck are relative.
     pub fn folder(&self) -> &Path {
         let beside = || Path::new(&self.source.file).parent();
         let folder = self.source.folder.as_deref().or_else(beside);
         folder.unwrap_or(Path::new(""))
     }
 
-    /// The deck as TOML, in base units and with every default said.
+    /// The deck as TOML, in base units and with every default written out.
     ///
     /// # Errors
-    /// None that a deck which was read can cause.
+    /// None are expected from a deck that was read.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// Parameters of the material `name`, its tables as given.
+    /// Parameters of the material `name`, with its tables as given.
     ///
     /// # Errors
-    /// No such material.
+    /// Unknown material.
     pub fn material(&self, name: &str) -> Result<MaterialParameters, ModelError> {
         match self.materials.get(name) {
             Some(material) => Ok(material.parameters()),
@@ -319,12 +320,13 @@ impl Deck {
         }
     }
 
-    /// The law of the interface `name` at a single point. A point has no neighbours from which
-    /// stiffnesses could be derived: both must be explicit. Nor is it of a unit: strengths that scatter have
-    /// their mean.
+    /// The law of the interface `name` at a single point.
+    ///
+    /// A point has no neighbouring elements from which stiffnesses follow: both must be explicit. It belongs to no
+    /// unit: strengths that scatter have their mean.
     ///
     /// # Errors
-    /// No such interface, or stiffnesses not given.
+    /// Unknown interface, or stiffnesses that are not given.
     pub fn interface(&self, name: &str) -> Result<InterfaceLaw, ModelError> {
         let Some(interface) = self.interfaces.get(name) else {
             return Err(self.unknown("interfaces", "interface", name, "interfaces"));
@@ -351,32 +353,32 @@ impl Deck {
         self.source.warning(path, message)
     }
 
-    /// Whether the key `path` is written, in the file or in an override.
+    /// Returns whether the key `path` is written, in the file or in an override.
     pub(super) fn says(&self, path: &str) -> bool {
         self.source.has(path)
     }
 
-    /// Findings at `path`, or below, are told of the key `from`: the file has no such table.
+    /// Errors and warnings at `path` or below refer to the key `from`: the file has no such table.
     pub(super) fn stands_for(&mut self, path: String, from: String) {
         self.source.stands_for(path, from);
     }
 
-    /// Whether there are blocks, imported bodies or an arch in the scene.
+    /// Returns whether the scene has blocks, imported bodies or an arch.
     pub fn has_blocks(&self) -> bool {
         !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()
     }
 
-    /// Whether there is anything in the scene.
+    /// Returns whether there is a scene.
     pub fn has_scene(&self) -> bool {
         self.has_blocks() || self.has_walls()
     }
 
-    /// Whether there are walls in the scene.
+    /// Returns whether the scene has walls.
     pub fn has_walls(&self) -> bool {
         self.wall.is_some() || !self.walls.is_empty()
     }
 
-    /// The walls, with the paths at which they stand and their names.
+    /// The walls, with their paths in the deck and their names.
     pub fn walls(&self) -> impl Iterator<Item = (String, &str, &Wall)> {
         let one = self.wall.iter().map(|wall| ("wall".to_owned(), wall));
         let more = self.walls.iter().enumerate();
@@ -384,7 +386,7 @@ impl Deck {
             .map(|(path, wall)| (path, wall.name.as_deref().unwrap_or("wall"), wall))
     }
 
-    /// What is clamped of `[wall]`, if there is such a wall and anything is.
+    /// Clamped courses of `[wall]`, if there is such a wall and it is clamped.
     pub fn clamped(&self) -> Option<Clamped> {
         match self.wall.as_ref()?.clamped {
             Clamping::Unsaid => Some(Clamped::default()),
@@ -393,7 +395,7 @@ impl Deck {
         }
     }
 
-    /// `name` is asked for at `path`, but `[table.name]` is not there.
+    /// An error: `path` refers to `name`, but `[table.name]` does not exist.
     fn unknown(&self, path: &str, kind: &str, name: &str, table: &str) -> ModelError {
         let names: Vec<&str> = if table == "materials" {
             self.materials.keys().map(String::as_str).collect()
@@ -409,7 +411,7 @@ impl Deck {
     }
 }
 
-/// Two decks are equal if they say the same, wherever and however it is written.
+/// Two decks are equal if their values are equal, wherever and however they are written.
 impl PartialEq for Deck {
     fn eq(&self, other: &Self) -> bool {
         self.format == other.format

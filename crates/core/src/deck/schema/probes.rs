@@ -64,7 +64,7 @@ impl JsonSchema for DeckPlace {
     }
 }
 
-// The table that `DeckPlace` may be.
+// The table form of `DeckPlace`.
 /// Nodes of a scene: those of `on`, or of these the one nearest to `near`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,4 +1,4 @@
-//! How the steps of a deck are solved, and what they say of inertia.
+//! Procedures of steps, and their keys of inertia.
 
 use crate::deck::quantity::{Frequency, Length, Number, Time};
 use crate::model::scene::{Procedure, Rayleigh};
@@ -98,8 +98,8 @@ impl Default for DeckGroundFactor {
     }
 }
 
-/// α where the deck says none: enough to quiet what the increments do not resolve, 0.1 % of damping
-/// at ten increments a period.
+/// Default of α: it damps vibrations that the increments do not resolve, with a damping ratio of 0.1 % at ten
+/// increments per period.
 const ALPHA: f64 = -0.05;
 
 impl DeckProcedure {
@@ -126,7 +126,7 @@ impl DeckProcedure {
 }
 
 impl DeckGround {
-    /// The files. `[xyz]`
+    /// Names of the files. `[xyz]`
     pub fn files(&self) -> [Option<&str>; 3] {
         [&self.x, &self.y, &self.z].map(Option::as_deref)
     }

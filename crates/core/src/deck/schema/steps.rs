@@ -128,7 +128,7 @@ pub enum StepKind {
 }
 
 impl StepKind {
-    /// As the deck spells it.
+    /// Name in the deck.
     pub fn name(self) -> &'static str {
         match self {
             Self::Preload => "preload",
@@ -165,7 +165,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Index of the axis and sign along it.
+    /// Index of the axis, and sign along it.
     pub fn axis(self) -> (usize, f64) {
         match self {
             Self::X => (0, 1.0),
@@ -235,27 +235,28 @@ fn no_time() -> Time {
     Time::new(0.0)
 }
 
-/// Bodies of masonry vibrate on their joints within a millisecond or less; inertia holds only in increments shorter than that [s].
+/// Largest default of the smallest increment [s]: units vibrate on their joints within a millisecond or less, and
+/// inertia stabilises only in increments shorter than that.
 const LEAST_INCREMENT: f64 = 1e-4;
 
-/// Part of the largest force that may lie unseen between two increments at a peak: well within the 1 % that a mesh
-/// leaves open, and nothing that increments of 1/80 of the paper's 4 mm do not see anyway.
+/// Default of `increments.peak`: well below the 1 % error of a mesh, and reached anyway by increments of 1/80 of
+/// the paper's 4 mm.
 const PEAK: f64 = 0.005;
 
 impl DeckStep {
-    /// Sizes of increments with the defaults of this kind of step.
+    /// Sizes of increments, with the defaults of this kind of step.
     ///
-    /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area
-    /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic, and so
-    /// is gravity; what tilts or moves freely is to be seen in a hundred pictures. Loads may break what
-    /// they act on; where a displacement steers them they go on as a drive does.
+    /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area below the curve
+    /// has an error of 1.6 % at 1/80 of the paper's 4 mm. Preloads and gravity are nearly elastic. Tilts and free
+    /// motion have a hundred increments, for output. Loads may break bodies; under displacement control their
+    /// increments are those of a drive.
     pub fn increments(&self) -> Increments {
         self.increments_of(1.0, f64::INFINITY)
     }
 
-    /// The same where an amplitude moves up to so many times as fast as the step would without: what
-    /// the deck does not say goes as far in an increment as ever. Nor is it larger than `finest`, the part of the
-    /// step from row to row of the ground's records.
+    /// Sizes of increments where an amplitude changes at most `steepest` times as fast as the step would without
+    /// it. Default sizes are divided by this factor. They are at most `finest`, the spacing of the ground record as
+    /// a fraction of the step.
     pub fn increments_of(&self, steepest: f64, finest: f64) -> Increments {
         let steered = self.procedure == DeckProcedure::DisplacementControl;
         let [initial, max, min] = match self.kind {
@@ -264,12 +265,12 @@ impl DeckStep {
             StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
-        // What comes loose is held by inertia, in long steps, too.
+        // Inertia must stabilise loose bodies in long steps, too.
         let min = f64::min(min, LEAST_INCREMENT / self.duration.get());
         let faster = steepest.max(1.0);
         let (initial, max) = (initial / faster, (max / faster).min(finest));
         let first = self.increments.initial.map(Number::get);
-        // A default yields to what is said: never a first increment above the largest.
+        // A default never contradicts a given value: the first increment is at most the largest.
         let max = match (self.increments.max, first) {
             (Some(max), _) => max.get(),
             (None, Some(first)) if steepest > 1.0 || finest < 1.0 => max.max(first),
@@ -277,7 +278,7 @@ impl DeckStep {
         };
         let initial = first.unwrap_or(initial.min(max));
         let min = self.increments.min.map_or(min.min(initial), Number::get);
-        // Records and amplitudes may make the first one shorter than what the deck says of the smallest.
+        // Records and amplitudes may make the first increment smaller than the smallest one of the deck.
         let min = if steepest > 1.0 || finest < 1.0 {
             min.min(initial)
         } else {
@@ -292,7 +293,7 @@ impl DeckStep {
         }
     }
 
-    /// Whether increments are shortened at a peak of its force.
+    /// Returns whether the step has peak control, which shortens increments at a peak of the force.
     pub fn sees_peaks(&self) -> bool {
         use DeckProcedure::{ArcLength, Dissipation, Dynamic, QuasiStatic};
         let driven = self.kind == StepKind::Drive || self.control.is_some();
@@ -303,8 +304,8 @@ impl DeckStep {
             )
     }
 
-    /// Tolerance of the model: 5e-3 of the mean nodal force (theory F) with consistent tangents; with
-    /// the cheaper ones what measures as accurate (docs/decisions.md).
+    /// Tolerance of the residual: 5e-3 of the mean nodal force with consistent tangents (theory/equilibrium.md, eq.
+    /// 16); larger ones, measured to be as accurate, with secant tangents (theory/equilibrium.md, Decisions).
     pub fn tolerance(&self) -> Tolerance {
         let default = match (self.tangent, self.procedure) {
             (Tangent::Secant, DeckProcedure::Implex) => 2e-2,
@@ -317,7 +318,7 @@ impl DeckStep {
         }
     }
 
-    /// Name, or the kind where none is given.
+    /// Name of the step; its kind if it has none.
     pub fn name(&self) -> &str {
         match &self.name {
             Some(name) => name,

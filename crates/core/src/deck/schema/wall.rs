@@ -106,7 +106,7 @@ pub enum Bond {
 }
 
 impl Bond {
-    /// Whether it is laid one whole unit thick, of two stretchers or a header.
+    /// Returns whether the wall is one whole unit thick, of two stretchers or a header.
     pub fn has_headers(self) -> bool {
         matches!(self, Self::English | Self::EnglishCross | Self::Flemish)
     }
@@ -212,13 +212,13 @@ impl Default for Clamped {
     }
 }
 
-/// What is clamped of a wall.
+/// Clamped courses of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clamping {
-    /// One course at either end of `[wall]`, nothing of `[[walls]]`.
+    /// Default: one course at either end of `[wall]`, none of `[[walls]]`.
     #[default]
     Unsaid,
-    /// Nothing.
+    /// None.
     Nothing,
     /// These courses.
     Courses(Clamped),
@@ -310,13 +310,13 @@ fn one_course() -> u32 {
     1
 }
 
-/// Elements of a representative element along its length, height and thickness, one of them the
+/// Number of elements of a representative element along its length, height and thickness, including one of the
 /// joint in length and in height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subdivision {
-    /// Along x: those of the unit and one of the head joint.
+    /// Along x: elements of the unit and one of the head joint.
     pub length: u32,
-    /// Along z: those of the unit and one of the bed joint.
+    /// Along z: elements of the unit and one of the bed joint.
     pub height: u32,
     /// Along y.
     pub thickness: u32,
@@ -333,13 +333,13 @@ impl Wall {
 }
 
 impl Subdivision {
-    /// 20 hex8: the paper's coarse mesh.
+    /// 20 hex8: the coarse mesh of the paper.
     pub const COARSE: Self = Self {
         length: 5,
         height: 2,
         thickness: 2,
     };
-    /// 108 hex8: the paper's fine mesh.
+    /// 108 hex8: the fine mesh of the paper.
     pub const FINE: Self = Self {
         length: 9,
         height: 4,
