@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
 use wythe_contact::{Coupling, InterfaceLaw};
 
-/// An interface as written.
+/// Parameters of an interface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -40,8 +40,8 @@ pub struct Interface {
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
-    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
-    /// nothing is in general contact.
+    /// Stiffness over the representative stiffness of the facing elements [-]. The default is 500, or 50 for joints
+    /// of walls with mortar in decks without general contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub penalty_factor: Option<Number>,
     /// Explicit normal stiffness k_n [N/mm³].
@@ -50,7 +50,7 @@ pub struct Interface {
     /// Explicit shear stiffness k_s [N/mm³].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_stiffness: Option<InterfaceStiffness>,
-    /// Coupling of the modes.
+    /// Coupling of opening and slip.
     #[serde(default)]
     #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
@@ -59,27 +59,27 @@ pub struct Interface {
     pub scatter: Option<Scatter>,
 }
 
-/// `[interfaces.NAME.scatter]`: every unit has a bond strength of its own.
+/// `[interfaces.NAME.scatter]`: every unit has its own bond strength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Coefficient of variation of the strengths [-].
     pub cv: Number,
-    /// What the draws begin from: another one, other strengths.
+    /// Seed of the random numbers; another seed gives other strengths.
     #[serde(default)]
     pub seed: u64,
 }
 
 // Schema of `Coupling`, whose crate does not depend on schemars.
-/// How opening and slip damage the same bond.
+/// Combination of the damage by opening and by slip.
 #[derive(JsonSchema)]
 #[schemars(rename = "Coupling")]
 #[serde(rename_all = "kebab-case")]
 #[expect(dead_code, reason = "its schema is what counts")]
 enum CouplingSchema {
-    /// The larger of both damages.
+    /// The larger one of the two.
     Max,
-    /// Damages add up.
+    /// Their sum.
     Additive,
 }
 

@@ -15,37 +15,37 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
-/// A load with a name: where it acts, said when it is named first, and its value at the end of the step.
+/// A named load: its place, given where it is named first, and its value at the end of the step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLoad {
-    /// Name, by which later steps say its value anew, and from which its columns have theirs.
+    /// Name, by which later steps change its value; its columns in the history begin with it.
     pub name: String,
-    /// Faces, or for a force blocks, too.
+    /// Faces; for a force also blocks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
-    /// A point at rest [mm]: the node nearest to it, of those of `on` if given.
+    /// A point at rest [mm]: the load acts on the nearest node, of those of `on` if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
-    /// A line at rest begins here [mm]: the nodes along it, of those of `on` if given.
+    /// Start of a line at rest [mm]: the load acts on the nodes along it, of those of `on` if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<[Length; 3]>,
-    /// And ends here [mm].
+    /// End of the line [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<[Length; 3]>,
-    /// How far from the line a node may lie [mm].
+    /// Largest distance of these nodes from the line [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<Length>,
     /// Pressure on faces [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
-    /// Whether the pressure turns with the faces, as that of an airbag does; so if absent.
+    /// Whether the pressure turns with the faces, like that of an airbag; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub follower: Option<bool>,
     /// Force over the area of faces at rest [MPa].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<[Pressure; 3]>,
-    /// Force in all [N].
+    /// Total force [N].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<[Force; 3]>,
     /// Force over the length of the line at rest [N/mm].
@@ -67,9 +67,9 @@ pub enum DeckAmplitude {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckCycles {
-    /// How far forth and back [mm], one after the other.
+    /// Amplitudes [mm], one after the other, each in both directions.
     pub amplitudes: Vec<Length>,
-    /// How often each.
+    /// Number of cycles of each amplitude.
     #[serde(default = "once")]
     pub repeat: u32,
 }

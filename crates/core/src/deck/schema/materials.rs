@@ -9,7 +9,7 @@ use crate::material::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A material as written.
+/// Parameters of a material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -21,13 +21,13 @@ pub struct Material {
     pub E: Pressure,
     /// Poisson's ratio ν [-].
     pub nu: Number,
-    /// Density [tonne/mm³]; 0 = without mass.
+    /// Density [tonne/mm³]; 0: no mass.
     #[serde(default)]
     pub density: Density,
-    /// Uniaxial tension; empty = linear elastic.
+    /// Uniaxial tension; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tension: Vec<Row>,
-    /// Uniaxial compression; empty = linear elastic.
+    /// Uniaxial compression; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compression: Vec<Row>,
     /// Dilation angle ψ [deg].
@@ -36,28 +36,29 @@ pub struct Material {
     /// Eccentricity of the flow potential [-].
     #[serde(default = "eccentricity")]
     pub eccentricity: Number,
-    /// f_b0/f_c0 [-].
+    /// Ratio f_b0/f_c0 of the biaxial to the uniaxial compressive strength [-].
     #[serde(default = "fb0_fc0")]
     pub fb0_fc0: Number,
     /// Shape of the deviatoric section K_c, the paper's ρ [-].
     #[serde(default = "k_c")]
     pub K_c: Number,
-    /// Stiffness recovery on going into tension w_t [-].
+    /// Stiffness recovery w_t on reversal to tension [-].
     #[serde(default)]
     pub tension_recovery: Number,
-    /// Stiffness recovery on going into compression w_c [-].
+    /// Stiffness recovery w_c on reversal to compression [-].
     #[serde(default = "one")]
     pub compression_recovery: Number,
-    /// Viscosity in step time [s]; 0 = none.
+    /// Viscosity in step time [s]; 0: none.
     #[serde(default)]
     pub viscosity: Time,
-    /// Length for which the tables hold l_ref [mm]; none = no scaling.
+    /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_length: Option<Length>,
-    /// What is set against it: the cube root of an element's volume, or its length across the crack.
+    /// Length of an element that is compared with `reference_length`: the cube root of its volume, or its length
+    /// across the crack.
     #[serde(default)]
     pub crack_band: CrackBand,
-    /// Interpolation between rows.
+    /// Interpolation between rows of the tables.
     #[serde(default)]
     pub interpolation: Interpolation,
 }

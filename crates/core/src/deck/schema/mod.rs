@@ -62,7 +62,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use wythe_contact::InterfaceLaw;
 
-/// Everything that a model file says.
+/// A deck: the whole of a model file.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Deck {
@@ -72,7 +72,7 @@ pub struct Deck {
     /// Title; the name of the file if absent.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// How much of the scene is computed.
+    /// Extent of the computation: with reductions, in full, or with elastic solids.
     #[serde(default)]
     pub fidelity: Fidelity,
     /// Materials by name.
@@ -81,7 +81,7 @@ pub struct Deck {
     /// Interfaces by name.
     #[serde(default)]
     pub interfaces: BTreeMap<String, Interface>,
-    /// The wall. A deck without any scene serves only to drive single points.
+    /// The wall. A deck without a scene serves only to drive single points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<Wall>,
     /// Further walls, by name.
@@ -96,7 +96,7 @@ pub struct Deck {
     /// An arch of voussoirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<DeckArch>,
-    /// Faces of blocks that may meet.
+    /// Contact between faces of blocks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<DeckContact>,
     /// Blocks and faces that are held.
@@ -111,7 +111,7 @@ pub struct Deck {
     /// Planes of symmetry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub symmetry: Vec<DeckSymmetry>,
-    /// Places that the history follows.
+    /// Quantities recorded in the history.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<DeckProbe>,
     /// Element formulation.
@@ -123,7 +123,7 @@ pub struct Deck {
     /// Steps, in order.
     #[serde(default)]
     pub steps: Vec<DeckStep>,
-    /// What is written, and how often.
+    /// Output of fields and scenes.
     #[serde(default)]
     pub output: DeckOutput,
     #[serde(skip)]
@@ -134,7 +134,7 @@ pub struct Deck {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Element {
-    /// How the hex8 interpolates strain.
+    /// Interpolation of strain in the hex8.
     pub formulation: Formulation,
 }
 
@@ -142,15 +142,14 @@ pub struct Element {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Where an interface is sampled on a slave facet.
+    /// Positions of the contact points on a slave facet.
     pub points: ContactPoints,
-    /// Parts along x, y and z that a slave facet is cut into, each with points of its own.
+    /// Number of parts along x, y and z into which a slave facet is divided, each with its own points.
     pub parts: [u32; 3],
-    /// How far a point looks for its master facet [mm]; the solver chooses if absent.
+    /// Largest distance between a point and its master facet [mm]; chosen by the solver if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search_radius: Option<Length>,
-    /// The dry interface by which any face of a body may meet any other body's; none but those that are
-    /// paired meet if absent.
+    /// Dry interface of contact between any faces of different bodies; if absent, only paired faces are in contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub general: Option<String>,
 }
@@ -170,13 +169,13 @@ impl Default for Contact {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
-    /// A frame of fields every so many increments; the last one always.
+    /// Number of increments between frames of fields; the last increment always has a frame.
     pub every: usize,
     /// Whether `run.mcap` is written.
     pub mcap: bool,
-    /// A scene in `run.mcap` every so many frames of fields.
+    /// Number of frames of fields between scenes in `run.mcap`.
     pub scene_every: usize,
-    /// A measured load-displacement curve: a CSV file in the deck's folder.
+    /// Measured load-displacement curve: a CSV file in the folder of the deck.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
 }

@@ -11,14 +11,14 @@ use crate::model::scene::{Increments, Tangent, Tolerance};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A step as written. Keys that belong to the other kind are refused when the deck is checked.
+/// A step. Keys that belong to another kind of step are rejected by the check.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckStep {
     /// Name; the kind if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// What the step does.
+    /// Kind of the step.
     pub kind: StepKind,
     /// Preload: pressure on the top [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -29,19 +29,19 @@ pub struct DeckStep {
     /// Drive: displacement of the top beam in this step [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Length>,
-    /// Drive in x or y: what the beam does vertically meanwhile; locked if absent.
+    /// Drive in x or y: vertical motion of the beam; locked if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical: Option<Vertical>,
-    /// Preload, drive of blocks: the faces that move as one.
+    /// Preload, drive of blocks: faces that move as one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face: Option<Names>,
-    /// Drive: how far forth and back, instead of `displacement`.
+    /// Drive: amplitudes in both directions, instead of `displacement`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycles: Option<DeckCycles>,
     /// Preload of blocks: pressure on the face [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
-    /// Preload, drive of blocks: directions in which the face is free under what it carries.
+    /// Preload, drive of blocks: directions in which the face moves freely under its load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free: Option<Vec<Axis>>,
     /// Drive of blocks: the spring whose far end moves, instead of a face.
@@ -53,31 +53,31 @@ pub struct DeckStep {
     /// Gravity, free: acceleration of gravity [mm/s²].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Acceleration>,
-    /// Gravity, free: inclination of the ground. Tilt: that at its end [deg].
+    /// Gravity, free: inclination of the ground [deg]. Tilt: inclination at the end of the step [deg].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Angle>,
     /// Gravity, tilt, free: horizontal axis about which the ground is turned, right-handed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Direction>,
-    /// Loads with a name.
+    /// Named loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<DeckLoad>,
-    /// Part of what the step drives and loads over the parts of its time; evenly if absent.
+    /// Factor of the drive and the loads over the fraction of the step's duration; linear from 0 to 1 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<DeckAmplitude>,
-    /// Duration [s]; viscosity is measured in it.
+    /// Duration [s]; viscosity is measured in this time.
     #[serde(default = "one_second")]
     pub duration: Time,
-    /// Viscosity of all solids with tables in this step, where it is above their own [s].
+    /// Viscosity of all solids with tables in this step [s], where it is larger than their own.
     #[serde(default = "no_time")]
     pub viscosity: Time,
     /// Procedure.
     #[serde(default)]
     pub procedure: DeckProcedure,
-    /// Displacement control: the displacement that steers the load.
+    /// Displacement control: the displacement that controls the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<DeckControl>,
-    /// Drive: what ends the step before its displacement is whole.
+    /// Drive: conditions that end the step before its full displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop: Option<DeckStop>,
     /// Tangents.
@@ -89,41 +89,41 @@ pub struct DeckStep {
     /// Dynamic: Rayleigh damping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<DeckRayleigh>,
-    /// Dynamic: records of the ground's acceleration.
+    /// Dynamic: records of ground acceleration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<DeckGround>,
-    /// What 1 in these records means [mm/s²]; 1 mm/s² if absent.
+    /// Unit of the accelerations in these records [mm/s²]; 1 mm/s² if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_unit: Option<Acceleration>,
-    /// By what they are multiplied, direction by direction; 1 if absent.
+    /// Factors of these records in each direction; 1 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_factor: Option<DeckGroundFactor>,
-    /// Where in the records the step begins [s]; at their time 0 if absent.
+    /// Time in the records at which the step begins [s]; 0 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_start: Option<Time>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
     pub increments: DeckIncrements,
-    /// When an increment counts as converged.
+    /// Criteria of convergence.
     #[serde(default)]
     pub tolerance: DeckTolerance,
 }
 
-/// What a step does.
+/// Kind of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepKind {
-    /// Presses the top, free to move vertically and nowhere else.
+    /// Presses the top, which may move vertically only.
     Preload,
     /// Drives the top beam, a face of a block, or the far end of a spring.
     Drive,
-    /// Gravity grows from nothing.
+    /// Applies gravity.
     Gravity,
-    /// The ground is tilted: gravity turns.
+    /// Tilts the ground: gravity turns.
     Tilt,
-    /// Nothing changes but time: for motion under inertia.
+    /// Changes nothing but time: for motion under inertia.
     Free,
-    /// Nothing changes but the loads with a name.
+    /// Changes named loads only.
     Load,
 }
 
@@ -178,31 +178,32 @@ impl Direction {
     }
 }
 
-/// What the level beam does vertically while it is driven sideways.
+/// Vertical motion of the level beam while it is driven sideways.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Vertical {
-    /// Held where the preload left it, as in the tests of the paper.
+    /// Held in the position after the preload, as in the tests of the paper.
     #[default]
     Locked,
     /// Free under the load of the preload.
     Free,
 }
 
-/// `increments`; what is not said depends on the kind of the step.
+/// `increments`; defaults depend on the kind of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckIncrements {
-    /// First.
+    /// First increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial: Option<Number>,
-    /// Largest.
+    /// Largest increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<Number>,
-    /// Smallest.
+    /// Smallest increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<Number>,
-    /// Part of the largest force that may lie unseen between two increments at a peak, which are shortened there; 1 leaves them as they are.
+    /// Fraction of the largest force that may be missed at a peak between two increments; increments are shortened
+    /// there. 1: no peak control.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak: Option<Number>,
 }
@@ -211,10 +212,10 @@ pub struct DeckIncrements {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckTolerance {
-    /// Largest out-of-balance force over the mean nodal force [-]; by default that of the procedure.
+    /// Largest out-of-balance force over the mean nodal force [-]; the default depends on the procedure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<Number>,
-    /// Iterations before the increment is cut.
+    /// Number of iterations after which the increment is rejected.
     pub max_iterations: usize,
 }
 
