@@ -1,4 +1,4 @@
-//! `[[steps]]`: what is done to the wall, in order.
+//! `[[steps]]`: loads and drives of a scene, in order.
 
 use super::Names;
 use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
@@ -266,7 +266,7 @@ impl DeckStep {
             StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
-        // Inertia must stabilise loose bodies in long steps, too.
+        // Inertia must stabilise detached bodies in long steps, too.
         let min = f64::min(min, LEAST_INCREMENT / self.duration.get());
         let faster = steepest.max(1.0);
         let (initial, max) = (initial / faster, (max / faster).min(finest));

@@ -1,4 +1,4 @@
-//! `[wall]`, `[[walls]]`: what is built, of what, how finely, and how it is held.
+//! `[wall]`, `[[walls]]`: bond, materials, mesh and clamping of walls.
 
 use crate::deck::quantity::{Length, Number};
 use crate::model::axis::Axis;
