@@ -2,17 +2,9 @@
 
 use super::scatter::MOST_LAWS;
 use super::schema::Interface;
-use crate::material::ElasticParameters;
 use crate::model::scene::ContactSurfaces;
+use crate::model::surfaces::{JointSide, joint_stiffness};
 use wythe_contact::InterfaceLaw;
-
-/// Elastic constants of an element, and its size normal to an interface.
-#[derive(Clone, Copy)]
-pub(super) struct Side<'a> {
-    pub(super) material: &'a ElasticParameters,
-    /// [mm]
-    pub(super) size: f64,
-}
 
 /// Index of the law between two elements; adds it if it is new.
 ///
@@ -23,13 +15,10 @@ pub(super) fn law_between(
     contact: &mut ContactSurfaces,
     name: &str,
     interface: &Interface,
-    a: Side<'_>,
-    b: Side<'_>,
+    a: JointSide<'_>,
+    b: JointSide<'_>,
 ) -> u16 {
-    let stiffness = |s: &Side<'_>| s.material.E / s.size;
-    let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
-    let normal = interface.penalty() * stiffness(&softer);
-    let shear = normal / (2.0 * (1.0 + softer.material.nu));
+    let [normal, shear] = joint_stiffness(interface.penalty(), a, b);
     let law = match (interface.normal_stiffness, interface.shear_stiffness) {
         (Some(normal), Some(shear)) => interface.law(normal.get(), shear.get()),
         _ => interface.law(normal, shear),

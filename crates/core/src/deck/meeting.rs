@@ -1,7 +1,7 @@
 //! Contact surfaces of a scene: facets and laws of faces that meet, and pairs of bodies that touch.
 
 use super::bodies::Bodies;
-use super::joint::{Side, law_between};
+use super::joint::law_between;
 use super::masonry;
 use super::overlap;
 use super::pairing::{Pairing, Patch, TOUCHES, pairings};
@@ -12,6 +12,7 @@ use crate::element::hexahedron::{area_vector, difference, dot, mean, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
 use crate::model::scene::ContactSurfaces;
+use crate::model::surfaces::JointSide;
 use std::collections::HashSet;
 use wythe_contact::{Aabb, Bvh};
 
@@ -32,7 +33,7 @@ pub(super) struct Meeting {
 struct Facing<'a> {
     centre: [f64; 3],
     normal: [f64; 3],
-    side: Side<'a>,
+    side: JointSide<'a>,
 }
 
 /// Builds facets and laws of all pairings.
@@ -58,7 +59,7 @@ pub(super) fn meeting(
         Facing {
             centre: mean(&x),
             normal: area,
-            side: Side {
+            side: JointSide {
                 material: &elastic[mesh.material[element] as usize],
                 size: mesh.volume(element) / norm(area),
             },

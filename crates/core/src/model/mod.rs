@@ -3,6 +3,7 @@
 pub mod amplitude;
 pub mod axis;
 pub mod boundary_facets;
+pub mod builder;
 pub mod columns;
 pub mod general;
 pub mod loads;

@@ -45,6 +45,30 @@ pub struct Model {
 }
 
 impl Model {
+    /// A model without parts: incompatible modes, every increment written, fidelity `auto`.
+    pub fn empty(title: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            mesh: Mesh::default(),
+            materials: Vec::new(),
+            formulation: Formulation::Incompatible,
+            contact: ContactSurfaces::default(),
+            beams: Vec::new(),
+            supports: Vec::new(),
+            initial_velocity: Vec::new(),
+            springs: Vec::new(),
+            probes: Vec::new(),
+            loads: Vec::new(),
+            steps: Vec::new(),
+            output: Output {
+                every: 1,
+                ..Output::default()
+            },
+            warnings: Vec::new(),
+            fidelity: Fidelity::Auto,
+        }
+    }
+
     /// Columns of the history after those that every history has: the probes, then the loads.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
@@ -200,6 +224,30 @@ pub struct Step {
     pub amplitude: Option<Amplitude>,
 }
 
+/// A step of 1 s in which nothing moves, by the defaults of a deck.
+impl Default for Step {
+    fn default() -> Self {
+        Self {
+            name: "step".to_owned(),
+            duration: 1.0,
+            motion: Vec::new(),
+            driven: None,
+            increments: Increments::default(),
+            viscosity: 0.0,
+            procedure: Procedure::Auto,
+            tangent: Tangent::Secant,
+            control: None,
+            stop: None,
+            tolerance: Tolerance::default(),
+            gravity: Gravity::None,
+            ground: GroundMotion::default(),
+            springs: Vec::new(),
+            loads: Vec::new(),
+            amplitude: None,
+        }
+    }
+}
+
 impl Step {
     /// Number of branches of the amplitude.
     pub fn branches(&self) -> usize {
@@ -329,6 +377,18 @@ pub struct Increments {
     pub peak: f64,
 }
 
+/// Those of a step that drives a displacement.
+impl Default for Increments {
+    fn default() -> Self {
+        Self {
+            initial: 0.005,
+            max: 0.0125,
+            min: 1e-6,
+            peak: 0.005,
+        }
+    }
+}
+
 /// Procedure of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Procedure {
@@ -418,6 +478,16 @@ pub struct Tolerance {
     pub residual: f64,
     /// Newton iterations before the increment is cut.
     pub max_iterations: usize,
+}
+
+/// Those of secant tangents (theory/equilibrium.md, Decisions).
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self {
+            residual: 5e-2,
+            max_iterations: 25,
+        }
+    }
 }
 
 /// Output settings.

@@ -2,6 +2,7 @@
 
 use super::general::GeneralContact;
 use crate::element::hexahedron::norm;
+use crate::material::ElasticParameters;
 use wythe_contact::{InterfaceLaw, Part, Surface};
 
 /// Where an interface is sampled on a slave facet.
@@ -136,4 +137,22 @@ fn directions(corners: &[[f64; 3]; 4]) -> [usize; 2] {
     let best = pairs.into_iter().rev();
     best.max_by(|p, q| fit(*p).total_cmp(&fit(*q)))
         .unwrap_or([0, 1])
+}
+
+/// Elastic constants of an element at a joint, and its size normal to the joint.
+#[derive(Clone, Copy, Debug)]
+pub struct JointSide<'a> {
+    /// Elastic constants.
+    pub material: &'a ElasticParameters,
+    /// Size normal to the joint [mm].
+    pub size: f64,
+}
+
+/// Stiffnesses k_n and k_s of a joint between two elements [N/mm³]: `factor` times E/h of the softer one, and G/h of
+/// the same element (theory/joint.md, eqs 32 and 33).
+pub fn joint_stiffness(factor: f64, a: JointSide<'_>, b: JointSide<'_>) -> [f64; 2] {
+    let stiffness = |s: &JointSide<'_>| s.material.E / s.size;
+    let softer = if stiffness(&b) < stiffness(&a) { b } else { a };
+    let normal = factor * stiffness(&softer);
+    [normal, normal / (2.0 * (1.0 + softer.material.nu))]
 }

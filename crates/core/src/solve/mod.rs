@@ -14,9 +14,11 @@ mod increment;
 
 mod recorder;
 mod restart;
+mod stepper;
 mod stepping;
 
 pub use recorder::Recorder;
 pub use restart::checkpoint::{Checkpoint, CheckpointError, resume};
+pub use stepper::{Increment, Stepper};
 
 pub use stepping::run::{RunError, run};

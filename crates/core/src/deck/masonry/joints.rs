@@ -6,7 +6,7 @@
 use super::{Masonry, Unit};
 use crate::deck::bodies::Bodies;
 use crate::deck::body::Body;
-use crate::deck::joint::{Side, law_between};
+use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
@@ -14,6 +14,7 @@ use crate::error::ModelError;
 use crate::material::ElasticParameters;
 use crate::model::Mesh;
 use crate::model::scene::ContactSurfaces;
+use crate::model::surfaces::JointSide;
 use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
 use wythe_contact::{Aabb, Bvh};
@@ -131,7 +132,7 @@ fn mirrors(
             let body = &bodies.all[body];
             let joint = 2.0 * unit.joint(mirror.axis, mirror.face.side().1);
             for facet in facets(mesh, body, mirror.face, mirror.axis) {
-                let side = |element: usize, size: f64| Side {
+                let side = |element: usize, size: f64| JointSide {
                     material: &elastic[usize::from(mesh.material[element])],
                     size,
                 };
@@ -305,11 +306,11 @@ fn slaves(
             continue; // above an opening
         };
         let size = nominal.unwrap_or(facet.size);
-        let here = Side {
+        let here = JointSide {
             material: &elastic[usize::from(mesh.material[facet.element])],
             size,
         };
-        let there = Side {
+        let there = JointSide {
             material: &elastic[usize::from(mesh.material[facing.element])],
             size: facing.size,
         };

@@ -223,7 +223,7 @@ impl Default for DeckTolerance {
     fn default() -> Self {
         Self {
             residual: None,
-            max_iterations: 25,
+            max_iterations: Tolerance::default().max_iterations,
         }
     }
 }
@@ -239,10 +239,6 @@ fn no_time() -> Time {
 /// Largest default of the smallest increment [s]: units vibrate on their joints within a millisecond or less, and
 /// inertia stabilises only in increments shorter than that.
 const LEAST_INCREMENT: f64 = 1e-4;
-
-/// Default of `increments.peak`: well below the 1 % error of a mesh, and reached anyway by increments of 1/80 of
-/// the paper's 4 mm.
-const PEAK: f64 = 0.005;
 
 impl DeckStep {
     /// Sizes of increments, with the defaults of this kind of step.
@@ -260,10 +256,11 @@ impl DeckStep {
     /// a fraction of the step.
     pub fn increments_of(&self, steepest: f64, finest: f64) -> Increments {
         let steered = self.procedure == DeckProcedure::DisplacementControl;
+        let driven = Increments::default();
         let [initial, max, min] = match self.kind {
             StepKind::Preload | StepKind::Gravity => [0.25, 0.5, 1e-4],
             StepKind::Load if !steered => [0.05, 0.1, 1e-6],
-            StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
+            StepKind::Drive | StepKind::Load => [driven.initial, driven.max, driven.min],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
         // Inertia must stabilise detached bodies in long steps, too.
@@ -285,7 +282,7 @@ impl DeckStep {
         } else {
             min
         };
-        let peak = self.increments.peak.map_or(PEAK, Number::get);
+        let peak = self.increments.peak.map_or(driven.peak, Number::get);
         Increments {
             initial,
             max,
@@ -310,7 +307,7 @@ impl DeckStep {
     pub fn tolerance(&self) -> Tolerance {
         let default = match (self.tangent, self.procedure) {
             (Tangent::Secant, DeckProcedure::Implex) => 2e-2,
-            (Tangent::Secant, _) => 5e-2,
+            (Tangent::Secant, _) => Tolerance::default().residual,
             _ => 5e-3,
         };
         Tolerance {

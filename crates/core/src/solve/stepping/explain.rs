@@ -132,6 +132,11 @@ fn advice(model: &Model, index: usize, rejection: &Rejection) -> String {
         );
     }
     let mut tries = Vec::new();
+    if step.procedure == Procedure::Auto && !model.may_move() {
+        tries.push(
+            "a density for every material: inertia carries what slides or comes loose".to_owned(),
+        );
+    }
     let patience = step.tolerance.max_iterations;
     if patience < USUAL_ITERATIONS && matches!(rejection, Rejection::Iterations { .. }) {
         tries.push(format!(
