@@ -9,6 +9,7 @@ use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{
     DamagePlasticityParameters, Material, MaterialHistory, MaterialParameters, PointEnergy,
+    elastic_stiffness,
 };
 use wythe::model::scene::Formulation;
 use wythe::system::bulk::{self, ElementSlot, Marks};
@@ -125,6 +126,10 @@ impl One {
                     law.bounded(&answer.tangent, intact)
                 }
                 (Material::DamagePlasticity(law), _) => law.secant_stiffness(intact),
+                (law, Solids::Softened) if yields(exact) => {
+                    law.law().bounded(&answer.tangent, intact)
+                }
+                (law, _) => elastic_stiffness(law.law().elastic()) * intact,
             };
         }
         let work = large

@@ -1,6 +1,12 @@
 //! Pure point laws of the solids: (strain, old history) → (stress, tangent, new history).
+//!
+//! [`SolidLaw`] is the trait of all of them. The laws that the library brings are variants of [`Material`], so that the
+//! loop over the points of an element calls none of them through a table; a law from outside is
+//! [`Material::Custom`], with one virtual call for the points of an element. The registry of `kind = "..."` is
+//! [`model::deck::registry`](crate::model::deck::registry).
 
 pub mod band;
+mod built_in;
 pub mod damage_plasticity;
 pub mod law;
 pub mod parameters;
@@ -8,6 +14,7 @@ mod return_map;
 #[cfg(test)]
 mod sample;
 mod screen;
+pub mod solid_law;
 mod tangent;
 pub mod uniaxial;
 
@@ -18,7 +25,10 @@ pub use parameters::{
     CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
     TableRow,
 };
+pub use solid_law::{CustomLaw, Increment, LawOutput, Points, Slot, SolidLaw};
 pub use uniaxial::{Branch, Curve, TableError, TableWarning};
+
+use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -44,6 +54,8 @@ pub enum Material {
     Elastic(ElasticParameters),
     /// Concrete damaged plasticity.
     DamagePlasticity(Box<DamagePlasticity>),
+    /// A law from outside the library.
+    Custom(Arc<dyn SolidLaw>),
 }
 
 impl Material {
@@ -62,6 +74,22 @@ impl Material {
                 let (law, warnings) = DamagePlasticity::new(p, l_eq)?;
                 Ok((Self::DamagePlasticity(Box::new(law)), warnings))
             }
+            MaterialParameters::Custom(CustomLaw(law)) => {
+                let fitted = l_eq.map_or(Ok(None), |l_eq| law.fitted(l_eq));
+                let name = law.name();
+                let fitted = fitted.map_err(|why| TableError::Law { law: name, why })?;
+                let law = fitted.unwrap_or_else(|| law.clone());
+                Ok((Self::Custom(law), Vec::new()))
+            }
+        }
+    }
+
+    /// The trait of its law.
+    pub fn law(&self) -> &dyn SolidLaw {
+        match self {
+            Self::Elastic(law) => law,
+            Self::DamagePlasticity(law) => &**law,
+            Self::Custom(law) => &**law,
         }
     }
 
@@ -79,6 +107,20 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.update(strain, old, dt, tangent),
+            Self::Custom(law) => {
+                let wanted = if tangent {
+                    Wanted::Everywhere
+                } else {
+                    Wanted::Nowhere
+                };
+                let increment = Increment {
+                    dt,
+                    tangent: wanted,
+                };
+                let response = law.update(strain, old, increment)?;
+                response.checked(law.name(), tangent)?;
+                Ok(response)
+            }
         }
     }
 
@@ -87,6 +129,7 @@ impl Material {
         let elastic = match self {
             Self::Elastic(elastic) => elastic,
             Self::DamagePlasticity(law) => law.elastic(),
+            Self::Custom(law) => law.elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
         let mean = crate::sym6::mean(effective);
@@ -110,10 +153,12 @@ impl Material {
         match self {
             Self::Elastic(e) => (1.0, hooke(e, strain)),
             Self::DamagePlasticity(law) => law.extrapolated(strain, old, ratio),
+            Self::Custom(law) => law.extrapolated(strain, old, ratio),
         }
     }
 
-    /// [`Self::update`], with the tangent where it is wanted.
+    /// [`Self::update`], with the tangent where it is wanted; within an element a law from outside answers all points
+    /// at once instead ([`SolidLaw::update_points`]).
     ///
     /// # Errors
     /// [`LocalFailure`] if the law has no answer.
@@ -128,6 +173,7 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.step(strain, old, dt, tangent),
+            Self::Custom(law) => law.update(strain, old, Increment { dt, tangent }),
         }
     }
 
@@ -137,13 +183,14 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic_stiffness(e),
             Self::DamagePlasticity(law) => law.bounded(tangent, intact),
+            Self::Custom(law) => law.bounded(tangent, intact),
         }
     }
 }
 
 /// Where a consistent tangent is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub enum Wanted {
     /// Nowhere.
     Nowhere,
     /// At points that yield.

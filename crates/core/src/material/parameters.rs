@@ -1,7 +1,11 @@
 //! What a user says about a material, before it is fitted to an element's size.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::solid_law::{CustomLaw, LawOutput, SolidLaw};
 
 /// Parameters of a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +14,8 @@ pub enum MaterialParameters {
     Elastic(ElasticParameters),
     /// Concrete damaged plasticity.
     DamagePlasticity(DamagePlasticityParameters),
+    /// A law from outside the library.
+    Custom(CustomLaw),
 }
 
 /// Isotropic linear elasticity.
@@ -102,6 +108,25 @@ impl MaterialParameters {
         match self {
             Self::Elastic(e) => e,
             Self::DamagePlasticity(p) => &p.elastic,
+            Self::Custom(law) => law.elastic(),
+        }
+    }
+
+    /// Those of a law from outside the library.
+    pub fn custom(law: impl SolidLaw + 'static) -> Self {
+        Self::Custom(CustomLaw(Arc::new(law)))
+    }
+
+    /// Whether it can yield or break.
+    pub fn yields(&self) -> bool {
+        !matches!(self, Self::Elastic(_))
+    }
+
+    /// Numbers of the history that its law shows beside those of every solid.
+    pub fn outputs(&self) -> &'static [LawOutput] {
+        match self {
+            Self::Elastic(_) | Self::DamagePlasticity(_) => &[],
+            Self::Custom(law) => law.outputs(),
         }
     }
 }

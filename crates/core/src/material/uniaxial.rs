@@ -56,6 +56,14 @@ pub enum TableError {
         /// The largest admissible one.
         capped: f64,
     },
+    /// A law without a table, in words of its own.
+    #[error("the law `{law}`: {why}")]
+    Law {
+        /// Its name.
+        law: &'static str,
+        /// What is wrong.
+        why: String,
+    },
     /// The element is so large that its softening snaps back.
     #[error(
         "{branch} row {row}: the softening snaps back in an element of equivalent length \

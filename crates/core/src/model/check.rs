@@ -210,6 +210,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         };
         let kind = match &material.parameters {
             MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
+            MaterialParameters::Custom(law) => format!("law `{}`", law.name()),
             MaterialParameters::DamagePlasticity(p) => {
                 let limit = [&p.tension, &p.compression].map(|rows| {
                     snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)

@@ -9,6 +9,10 @@ pub const EXAMPLES: &[(&str, &str)] = &[
         "fidelity = \"auto\"  # or \"full\", \"elastic\"",
     ),
     ("materials", "[materials.brick]"),
+    (
+        "materials.kind",
+        "kind = \"damage-plasticity\"  # the default",
+    ),
     ("E", "E = \"16.7 GPa\""),
     ("nu", "nu = 0.15"),
     ("density", "density = \"1900 kg/m^3\""),

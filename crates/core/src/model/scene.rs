@@ -7,6 +7,7 @@ use super::probes::Probe;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
 use crate::error::Warning;
 use crate::experiment::Experiment;
+use crate::material::LawOutput;
 
 /// Everything that a run reads and nothing that it changes.
 #[derive(Clone, Debug)]
@@ -44,11 +45,22 @@ pub struct Model {
 }
 
 impl Model {
-    /// Columns of the history beside those that every history has: the probes, then the loads.
+    /// Columns of the history beside those that every history has: the probes, then the loads, then the outputs of the
+    /// laws of the solids.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
-        probes.chain(loads).collect()
+        let outputs = self.outputs().into_iter().map(|output| output.column());
+        probes.chain(loads).chain(outputs).collect()
+    }
+
+    /// What the laws of the solids show, each name once; nothing where solids stay elastic.
+    pub fn outputs(&self) -> Vec<LawOutput> {
+        if self.fidelity == Fidelity::Elastic {
+            return Vec::new();
+        }
+        let materials = self.materials.iter();
+        LawOutput::once(materials.flat_map(|material| material.parameters.outputs()))
     }
 
     /// Whether inertia may act in any step: everything has mass, and a procedure may use it.

@@ -22,7 +22,7 @@ impl Deck {
         let parameters = self.material(name)?;
         let lengths: Vec<f64> = l_eq.into_iter().collect();
         let warnings = match &parameters {
-            MaterialParameters::Elastic(_) => Vec::new(),
+            MaterialParameters::Elastic(_) | MaterialParameters::Custom(_) => Vec::new(),
             MaterialParameters::DamagePlasticity(p) => judge(self, name, p, &lengths)?,
         };
         let (law, _) = Material::new(&parameters, l_eq)
@@ -193,6 +193,11 @@ pub(super) fn refusal(
             ),
             "lower the damage of the rows before it, or give this row a larger inelastic strain",
         ),
+        TableError::Law { law, why } => deck.error(
+            &format!("materials.{name}"),
+            format!("the law `{law}`: {why}"),
+            "change the parameters of this material, or the mesh",
+        ),
         TableError::SnapBack {
             branch,
             row,
@@ -201,7 +206,7 @@ pub(super) fn refusal(
         } => {
             let l_ref = match parameters {
                 MaterialParameters::DamagePlasticity(p) => p.reference_length,
-                MaterialParameters::Elastic(_) => None,
+                _ => None,
             };
             let of = l_ref.map_or_else(String::new, |l| format!(" (for {l} mm)"));
             deck.error(

@@ -67,7 +67,7 @@ pub struct HistoryRow {
     pub load_factor: f64,
     /// What solved the increment.
     pub procedure: Method,
-    /// Values of the model's probes, then of its loads: columns of their own after these, see
+    /// Values of the model's probes, of its loads, of the outputs of its solids: columns of their own after these, see
     /// [`Model::columns`](crate::model::Model::columns).
     #[serde(skip)]
     pub probes: Vec<f64>,
@@ -114,13 +114,24 @@ pub struct Frame {
     /// Width of the crack band (l_eq, or its own) times the largest principal inelastic strain of the element's tensile cracks, mean over its
     /// points [mm]. `[element]`
     pub crack_width: Vec<f64>,
+    /// What the laws of the solids show beside these, see [`Model::outputs`].
+    pub outputs: Vec<OutputField>,
     /// What the points of the interfaces do.
     pub interfaces: InterfaceFrame,
     /// Forces from outside: on each beam, then on each support, then those of each load [N].
     /// `[beam, support, load][xyz]`
     pub reactions: Vec<[f64; 3]>,
-    /// Values of the model's probes and loads, see [`Model::columns`]. `[column]`
+    /// Values of the model's probes, loads and outputs, see [`Model::columns`]. `[column]`
     pub probes: Vec<f64>,
+}
+
+/// An output of a law of the solids.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OutputField {
+    /// Its name.
+    pub name: String,
+    /// Largest value of the element's points; 0 where its law has no such output. `[element]`
+    pub values: Vec<f64>,
 }
 
 impl Frame {

@@ -44,8 +44,8 @@ pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 pub use directory::{OutputError, RunDirectory};
 pub use frame::{
-    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Status,
-    Summary,
+    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, OutputField,
+    Recorder, Status, Summary,
 };
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;

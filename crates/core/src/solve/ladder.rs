@@ -22,7 +22,6 @@ use serde::{Deserialize, Serialize};
 use super::method::Method;
 use super::newton::IMBALANCE;
 use super::outcome::{Refusal, Report};
-use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
 
@@ -88,10 +87,7 @@ pub struct Ladder {
 impl Ladder {
     /// The ladder of a step; `all_has_mass` if inertia could act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
-        let softens = model
-            .materials
-            .iter()
-            .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
+        let softens = model.materials.iter().any(|m| m.parameters.yields());
         let own = |method| Rung {
             method,
             // Extrapolated solids are linear: their tangent is their secant.

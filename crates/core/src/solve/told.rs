@@ -244,7 +244,7 @@ impl Run<'_> {
     }
 
     /// Columns of the last commit beside those of every history: probes, then each load's value and its
-    /// force in all, which is among the `reactions` [N].
+    /// force in all, which is among the `reactions` [N], then the outputs of the solids.
     pub(super) fn columns(&self, reactions: &[[f64; 3]]) -> Vec<f64> {
         let (model, state) = (self.model, &self.state);
         let mut columns = probes(model, &self.system.dofs, state);
@@ -255,6 +255,7 @@ impl Run<'_> {
             }
             columns.push(1e-3 * load.along(reactions[first + l]));
         }
+        columns.extend(self.most_of_outputs());
         columns
     }
 }

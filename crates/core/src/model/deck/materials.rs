@@ -1,5 +1,6 @@
-//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory A).
+//! `[materials.NAME]`: elastic constants, the law, and what it reads.
 
+use super::registry::SolidKind;
 use crate::material::{
     CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
     TableRow,
@@ -16,6 +17,9 @@ use serde::{Deserialize, Serialize};
     reason = "E and K_c are spelt in the deck as in the theory"
 )]
 pub struct Material {
+    /// Law; concrete damaged plasticity, which is linear elastic without tables, if absent.
+    #[serde(default)]
+    pub kind: SolidKind,
     /// Young's modulus E [MPa].
     pub E: Pressure,
     /// Poisson's ratio ν [-].
@@ -87,6 +91,7 @@ impl Material {
     /// A linear elastic material; all else as where a deck says nothing.
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
+            kind: SolidKind::default(),
             E: modulus,
             nu,
             density,
@@ -105,13 +110,22 @@ impl Material {
         }
     }
 
-    /// Parameters of the law: elastic without tables, else concrete damaged plasticity.
+    /// Parameters of its law.
     pub fn parameters(&self) -> MaterialParameters {
-        let elastic = ElasticParameters {
+        (self.kind.registered().parameters)(self)
+    }
+
+    fn elastic_parameters(&self) -> ElasticParameters {
+        ElasticParameters {
             E: self.E.get(),
             nu: self.nu.get(),
             density: self.density.get(),
-        };
+        }
+    }
+
+    /// Of concrete damaged plasticity; linear elastic without tables.
+    pub(super) fn damage_plasticity(&self) -> MaterialParameters {
+        let elastic = self.elastic_parameters();
         if self.tension.is_empty() || self.compression.is_empty() {
             return MaterialParameters::Elastic(elastic);
         }

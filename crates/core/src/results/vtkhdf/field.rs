@@ -15,7 +15,7 @@ const GROUPS: [(&str, &str); 4] = [
 ];
 
 /// Fields that are the same in every frame, and have no rows of their own in it.
-const LABELS: [&str; 5] = ["material", "unit", "course", "facet", "law"];
+pub(super) const LABELS: [&str; 5] = ["material", "unit", "course", "facet", "law"];
 
 /// Values of a field at a frame.
 #[derive(Clone, Debug, PartialEq)]

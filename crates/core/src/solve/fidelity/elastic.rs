@@ -35,9 +35,7 @@ impl Elastic {
         };
         let law = |parameters: &MaterialParameters| match parameters {
             MaterialParameters::Elastic(_) => None,
-            MaterialParameters::DamagePlasticity(_) => {
-                Material::new(parameters, None).ok().map(|(law, _)| law)
-            }
+            _ => Material::new(parameters, None).ok().map(|(law, _)| law),
         };
         let laws = elastic.materials.iter_mut().map(|material| {
             let law = law(&material.parameters);
@@ -51,14 +49,9 @@ impl Elastic {
     }
 }
 
-/// Part of the yield stress that a stress reaches: 1 on the initial yield surface, which is homogeneous of degree one
-/// about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory A.2).
+/// Part of the yield stress that a stress reaches: 1 on the initial yield surface; 0 where the law does not tell.
 fn reached(law: &Material, stress: &Vector6<f64>) -> f64 {
-    let Material::DamagePlasticity(law) = law else {
-        return 0.0;
-    };
-    let at = |stress: &Vector6<f64>| law.yield_function(stress, 0.0, 0.0);
-    1.0 - at(stress) / at(&Vector6::zeros())
+    law.law().reached(stress).unwrap_or_default()
 }
 
 /// Looks at the stresses of each commit.

@@ -5,7 +5,7 @@ use wythe_contact::{PointPair, frame_at};
 
 use crate::model::Model;
 use crate::model::mirrored::{Half, Images};
-use crate::results::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, Recorder};
+use crate::results::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, OutputField, Recorder};
 use crate::solve::{Checkpoint, State};
 use crate::system::System;
 
@@ -115,10 +115,19 @@ impl Places {
             plastic_strain: self.elements(&half.plastic_strain, |t| self.tensor(t)),
             yielded: self.elements(&half.yielded, |y| y),
             crack_width: self.elements(&half.crack_width, |w| w),
+            outputs: self.outputs(&half.outputs),
             interfaces: self.interfaces(&half.interfaces),
             reactions,
             probes,
         }
+    }
+
+    fn outputs(&self, half: &[OutputField]) -> Vec<OutputField> {
+        let field = |of: &OutputField| OutputField {
+            name: of.name.clone(),
+            values: self.elements(&of.values, |v| v),
+        };
+        half.iter().map(field).collect()
     }
 
     fn interfaces(&self, half: &InterfaceFrame) -> InterfaceFrame {

@@ -2,6 +2,7 @@
 
 use super::Checks;
 use crate::material::CrackBand;
+use crate::model::deck::registry::SOLIDS;
 use crate::model::deck::{Material, Row};
 use crate::model::keys;
 
@@ -17,6 +18,7 @@ impl Checks<'_> {
             "brick and mortar have about 0.15",
         );
         self.not_negative(&key("density"), m.density);
+        self.keys_of_its_law(path, m);
         let psi = m.dilation_angle.get();
         // ψ = 0 or eccentricity = 0 puts a vertex in the flow potential (a = ε σ_t0 tan ψ, theory A.3)
         self.demand(
@@ -75,6 +77,34 @@ impl Checks<'_> {
         }
         self.table(&key("tension"), &m.tension);
         self.table(&key("compression"), &m.compression);
+    }
+
+    /// Keys that the law does not read, and those that it lacks.
+    fn keys_of_its_law(&mut self, path: &str, m: &Material) {
+        let (law, given) = (m.kind.registered(), m.given());
+        for key in &given {
+            if law.keys.contains(&key.as_str()) {
+                continue;
+            }
+            let of = SOLIDS
+                .iter()
+                .filter(|other| other.keys.contains(&key.as_str()));
+            let of: Vec<String> = of.map(|other| format!("\"{}\"", other.name)).collect();
+            self.require(
+                false,
+                &format!("{path}.{key}"),
+                || format!("`{key}` is not read by kind = \"{}\"", law.name),
+                &format!("leave `{key}` out, or say kind = {}", of.join(" or ")),
+            );
+        }
+        for key in law.required {
+            self.require(
+                given.iter().any(|own| own == key),
+                path,
+                || format!("kind = \"{}\" needs `{key}`", law.name),
+                &keys::example(key),
+            );
+        }
     }
 
     /// Rows of (stress, inelastic strain, damage): what holds whatever the modulus. What depends on

@@ -15,6 +15,10 @@ pub(super) fn material(text: &mut String, name: &str, of: &MaterialParameters) -
     match of {
         MaterialParameters::Elastic(_) => Ok(()),
         MaterialParameters::DamagePlasticity(p) => damage_plasticity(text, p),
+        MaterialParameters::Custom(law) => {
+            let law = law.name();
+            writeln!(text, "** wythe: the law `{law}` is left out; elastic here")
+        }
     }
 }
 
