@@ -8,6 +8,7 @@
 pub mod band;
 mod built_in;
 pub mod damage_plasticity;
+pub mod drucker_prager;
 pub mod law;
 pub mod parameters;
 mod return_map;
@@ -20,10 +21,11 @@ pub mod uniaxial;
 
 pub use band::{Curves, Extent};
 pub use damage_plasticity::DamagePlasticity;
+pub use drucker_prager::DruckerPrager;
 pub use law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 pub use parameters::{
-    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
-    TableRow,
+    CrackBand, DamagePlasticityParameters, DruckerPragerParameters, ElasticParameters,
+    Interpolation, MaterialParameters, TableRow,
 };
 pub use solid_law::{CustomLaw, Increment, LawOutput, Points, Slot, SolidLaw};
 pub use uniaxial::{Branch, Curve, TableError, TableWarning};
@@ -54,6 +56,8 @@ pub enum Material {
     Elastic(ElasticParameters),
     /// Concrete damaged plasticity.
     DamagePlasticity(Box<DamagePlasticity>),
+    /// Hyperbolic Drucker–Prager plasticity.
+    DruckerPrager(Box<DruckerPrager>),
     /// A law from outside the library.
     Custom(Arc<dyn SolidLaw>),
 }
@@ -74,6 +78,10 @@ impl Material {
                 let (law, warnings) = DamagePlasticity::new(p, l_eq)?;
                 Ok((Self::DamagePlasticity(Box::new(law)), warnings))
             }
+            MaterialParameters::DruckerPrager(p) => {
+                let law = DruckerPrager::new(p, l_eq)?;
+                Ok((Self::DruckerPrager(Box::new(law)), Vec::new()))
+            }
             MaterialParameters::Custom(CustomLaw(law)) => {
                 let fitted = l_eq.map_or(Ok(None), |l_eq| law.fitted(l_eq));
                 let name = law.name();
@@ -89,6 +97,7 @@ impl Material {
         match self {
             Self::Elastic(law) => law,
             Self::DamagePlasticity(law) => &**law,
+            Self::DruckerPrager(law) => &**law,
             Self::Custom(law) => &**law,
         }
     }
@@ -107,7 +116,8 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.update(strain, old, dt, tangent),
-            Self::Custom(law) => {
+            Self::DruckerPrager(_) | Self::Custom(_) => {
+                let law = self.law();
                 let wanted = if tangent {
                     Wanted::Everywhere
                 } else {
@@ -129,7 +139,7 @@ impl Material {
         let elastic = match self {
             Self::Elastic(elastic) => elastic,
             Self::DamagePlasticity(law) => law.elastic(),
-            Self::Custom(law) => law.elastic(),
+            Self::DruckerPrager(_) | Self::Custom(_) => self.law().elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
         let mean = crate::sym6::mean(effective);
@@ -153,6 +163,7 @@ impl Material {
         match self {
             Self::Elastic(e) => (1.0, hooke(e, strain)),
             Self::DamagePlasticity(law) => law.extrapolated(strain, old, ratio),
+            Self::DruckerPrager(law) => law.extrapolated(strain, old, ratio),
             Self::Custom(law) => law.extrapolated(strain, old, ratio),
         }
     }
@@ -173,6 +184,7 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.step(strain, old, dt, tangent),
+            Self::DruckerPrager(law) => law.update(strain, old, Increment { dt, tangent }),
             Self::Custom(law) => law.update(strain, old, Increment { dt, tangent }),
         }
     }
@@ -183,6 +195,7 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic_stiffness(e),
             Self::DamagePlasticity(law) => law.bounded(tangent, intact),
+            Self::DruckerPrager(law) => law.bounded(tangent, intact),
             Self::Custom(law) => law.bounded(tangent, intact),
         }
     }

@@ -11,9 +11,9 @@
 //! which loses half of its digits where two values coincide (c = 1): a margin makes up for it. What is not
 //! certain here is left to the law.
 
-use super::Material;
 use super::damage_plasticity::DamagePlasticity;
 use super::parameters::ElasticParameters;
+use super::{Material, SolidLaw};
 use crate::sym6::ByPoint;
 
 /// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
@@ -40,6 +40,7 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.screen(strain),
+            Self::DruckerPrager(law) => law.screen(strain),
             Self::Custom(law) => law.screen(strain),
         }
     }

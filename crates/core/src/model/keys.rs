@@ -11,7 +11,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("materials", "[materials.brick]"),
     (
         "materials.kind",
-        "kind = \"damage-plasticity\"  # the default",
+        "kind = \"damage-plasticity\"  # the default; or \"drucker-prager\"",
     ),
     ("E", "E = \"16.7 GPa\""),
     ("nu", "nu = 0.15"),
@@ -37,6 +37,9 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("interfaces", "[interfaces.joint]"),
     ("f_t", "f_t = \"0.2 MPa\""),
     ("c", "c = \"0.22 MPa\""),
+    ("phi", "phi = \"35 deg\""),
+    ("psi", "psi = \"15 deg\"  # phi for associated flow"),
+    ("G_c", "G_c = \"20 N/mm\"  # in compression"),
     ("tan_phi", "tan_phi = 0.75"),
     ("mu", "mu = 0.75"),
     ("zeta", "zeta = 4.38"),

@@ -18,6 +18,8 @@ pub enum SolidKind {
     /// Concrete damaged plasticity; linear elastic without tables.
     #[default]
     DamagePlasticity,
+    /// Hyperbolic Drucker–Prager plasticity, with or without softening.
+    DruckerPrager,
 }
 
 /// A law as decks know it.
@@ -39,26 +41,35 @@ pub struct RegisteredSolid {
 pub const COMMON: [&str; 4] = ["kind", "E", "nu", "density"];
 
 /// All laws of the solids.
-pub const SOLIDS: [RegisteredSolid; 1] = [RegisteredSolid {
-    kind: SolidKind::DamagePlasticity,
-    name: "damage-plasticity",
-    keys: &[
-        "tension",
-        "compression",
-        "dilation_angle",
-        "eccentricity",
-        "fb0_fc0",
-        "K_c",
-        "tension_recovery",
-        "compression_recovery",
-        "viscosity",
-        "reference_length",
-        "crack_band",
-        "interpolation",
-    ],
-    required: &[],
-    parameters: Material::damage_plasticity,
-}];
+pub const SOLIDS: [RegisteredSolid; 2] = [
+    RegisteredSolid {
+        kind: SolidKind::DamagePlasticity,
+        name: "damage-plasticity",
+        keys: &[
+            "tension",
+            "compression",
+            "dilation_angle",
+            "eccentricity",
+            "fb0_fc0",
+            "K_c",
+            "tension_recovery",
+            "compression_recovery",
+            "viscosity",
+            "reference_length",
+            "crack_band",
+            "interpolation",
+        ],
+        required: &[],
+        parameters: Material::damage_plasticity,
+    },
+    RegisteredSolid {
+        kind: SolidKind::DruckerPrager,
+        name: "drucker-prager",
+        keys: &["c", "phi", "psi", "f_t", "G_I", "G_c", "reference_length"],
+        required: &["c", "phi", "f_t"],
+        parameters: Material::drucker_prager,
+    },
+];
 
 impl SolidKind {
     /// Its line of the registry.
