@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! F = √(q² + a²y²) + η σ_m − k y                                                                   (1)
-//! G = √(q² + a²y²) + η̄ σ_m                                                                         (4)
-//! y = r + (1 − r) e^(−ω),   ω̇ = σ:ε̇_p ℓ/(y 𝒢)                                                      (6, 7)
+//! G = √(q² + a²y²) + η̄ σ_m                                                                         (5)
+//! y = r + (1 − r) e^(−ω),   dω = (σ : dε_p) ℓ/(y 𝒢)                                                (7, 8)
 //! ```
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
@@ -173,7 +173,7 @@ impl DruckerPrager {
         left(self.softening(history))[0]
     }
 
-    /// ω of the equivalent plastic strains κ_t, κ_c (7).
+    /// ω of the equivalent plastic strains κ_t, κ_c (11).
     fn softening(&self, history: &MaterialHistory) -> f64 {
         self.uniaxial[0] * self.brittleness[0] * history.kappa_t
             + self.uniaxial[1] * self.brittleness[1] * history.kappa_c
@@ -293,7 +293,7 @@ impl DruckerPrager {
     /// Derivatives of the residuals by q, λ, ω:
     ///
     /// ```text
-    /// R₁ = q (1 + 3Gλ/√(q² + a²y²)) − q_tr,   R₂ = F,   R₃ = ω − ω_n − λ dω/dλ                     (10)
+    /// R₁ = q (1 + 3Gλ/√(q² + a²y²)) − q_tr,   R₂ = F,   R₃ = ω − ω_n − λ dω/dλ                     (14)
     /// ```
     fn jacobian(&self, p: &Point) -> Matrix3<f64> {
         let g3 = 3.0 * self.shear * p.lambda;
@@ -355,7 +355,7 @@ impl DruckerPrager {
         Err(LocalFailure::ReturnMap { residual })
     }
 
-    /// D = K 1⊗1 + 2Gζ dev + s_tr ⊗ ∇ζ − K η̄ 1 ⊗ ∇λ (11).
+    /// D = K 1⊗1 + 2Gζ dev + s_tr ⊗ ∇ζ − K η̄ 1 ⊗ ∇λ (15).
     fn tangent(&self, trial: &Trial, deviator: &Vector6<f64>, p: &Point) -> Matrix6<f64> {
         let Some(inverse) = self.jacobian(p).try_inverse() else {
             return elastic_stiffness(&self.elastic) * p.ratio;
@@ -485,7 +485,7 @@ fn invariants(stress: &Vector6<f64>) -> (f64, f64) {
     (mean, (1.5 * sym6::norm_squared(&deviator)).sqrt())
 }
 
-/// y and dy/dω (6).
+/// y and dy/dω (7).
 fn left(softening: f64) -> [f64; 2] {
     let soft = (1.0 - RESIDUAL) * (-softening).exp();
     [RESIDUAL + soft, -soft]
