@@ -25,16 +25,8 @@ const YIELD: f64 = 1e-10;
 const MOST_STEPS: usize = 100;
 
 pub(super) const OUTPUTS: [LawOutput; 2] = [
-    LawOutput {
-        name: "kappa_t",
-        unit: "1",
-        slot: Slot::KappaT,
-    },
-    LawOutput {
-        name: "kappa_c",
-        unit: "1",
-        slot: Slot::KappaC,
-    },
+    LawOutput::new("kappa_t", "1", Slot::KappaT),
+    LawOutput::new("kappa_c", "1", Slot::KappaC),
 ];
 
 /// The law in elements of one size.

@@ -212,9 +212,9 @@ pub enum Wanted {
     Everywhere,
 }
 
-/// C₀ : ε without the matrix.
+/// Stress C₀ : ε [MPa] of an elastic strain, engineering Voigt, without the matrix.
 #[inline(always)]
-pub(crate) fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
+pub fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
     let shear = elastic.shear_modulus();
     let lame = elastic.bulk_modulus() - 2.0 / 3.0 * shear;
     let volume = lame * (e[0] + e[1] + e[2]);

@@ -76,6 +76,11 @@ pub struct LawOutput {
 }
 
 impl LawOutput {
+    /// An output by its name, unit and slot.
+    pub const fn new(name: &'static str, unit: &'static str, slot: Slot) -> Self {
+        Self { name, unit, slot }
+    }
+
     /// Its column of the history.
     pub fn column(&self) -> String {
         format!("max_{}", self.name)

@@ -57,9 +57,8 @@ pub(super) fn judge_law(
     parameters: &MaterialParameters,
     lengths: &[f64],
 ) -> Result<(), ModelError> {
-    let longest_first = lengths.iter().rev();
-    let refused = longest_first.map(|l_eq| Material::new(parameters, Some(*l_eq)));
-    match refused.filter_map(Result::err).next() {
+    let mut longest_first = lengths.iter().rev();
+    match longest_first.find_map(|l_eq| Material::new(parameters, Some(*l_eq)).err()) {
         Some(error) => Err(refusal(deck, name, parameters, &error)),
         None => Ok(()),
     }
