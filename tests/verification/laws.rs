@@ -28,10 +28,10 @@ use wythe::system::{Evaluation, Solids, Turning};
 fn sample(kind: &str) -> (&'static str, f64) {
     match kind {
         "damage-plasticity" => (
-            r#"E = 16700
+            r"E = 16700
             nu = 0.15
             tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]
-            compression = [[11.0, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]"#,
+            compression = [[11.0, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]",
             1e-4,
         ),
         "drucker-prager" => (

@@ -3,7 +3,7 @@
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
-use crate::material::{Material, MaterialParameters};
+use crate::material::{Material, MaterialParameters, SolidLaw};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
 use crate::results::{Frame, HistoryRow, Recorder};
@@ -47,6 +47,13 @@ impl Elastic {
             model: elastic,
         }
     }
+
+    /// Name of a law that does not tell which part of its yield stress is reached.
+    fn unknown(&self) -> Option<&'static str> {
+        let laws = self.laws.iter().flatten().map(Material::law);
+        let mut silent = laws.filter(|law| law.reached(&Vector6::zeros()).is_none());
+        silent.next().map(SolidLaw::name)
+    }
 }
 
 /// Part of the yield stress that a stress reaches: 1 on the initial yield surface; 0 where the law does not tell.
@@ -70,6 +77,12 @@ impl Watch<'_> {
             increment,
         } = self.reached;
         let mesh = &self.elastic.model.mesh;
+        if let Some(law) = self.elastic.unknown() {
+            return format!(
+                "fidelity is \"elastic\", and the law `{law}` does not say where it yields: what yields or cracks is \
+                 left out; fidelity = \"auto\" has it"
+            );
+        }
         if largest <= 1.0 {
             return format!(
                 "the solids reach {largest:.2} times their yield stress: that they are elastic leaves nothing out"
