@@ -5,13 +5,15 @@
 //! F = q − (f_y + H κ) ≤ 0,   q = √(3/2 s:s),   Δκ = F_tr/(3G + H),   Δε_p = Δκ (3/2) s/q
 //! ```
 use nalgebra::Vector6;
+use wythe::deck::Deck;
 use wythe::material::{
     self as solid, LawOutput, MaterialHistory, MaterialParameters, Response, Slot, SolidLaw,
 };
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::point::checks::{self, Paths};
-use wythe::results::{Frame, HistoryRow, Recorder};
-use wythe::sym6::{UNIT, mean, norm_squared};
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow};
+use wythe::tensor::{UNIT, mean, norm_squared};
 
 /// κ becomes a field of the elements and the column `max_hardening` of the history.
 const KAPPA: LawOutput = LawOutput::new("hardening", "1", Slot::KappaT);

@@ -3,11 +3,11 @@
 use std::num::NonZeroUsize;
 
 use nalgebra::{Vector3, Vector6};
+use wythe::deck::Deck;
 use wythe::material::{
     DruckerPrager, DruckerPragerParameters, ElasticParameters, Increment, Material,
     MaterialHistory, MaterialParameters, SolidLaw, TableError, Wanted,
 };
-use wythe::model::Deck;
 use wythe::point::checks::{self, Paths};
 use wythe::point::{Row, Target, Walk, material_path};
 

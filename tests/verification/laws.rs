@@ -7,22 +7,22 @@ use std::sync::Arc;
 
 use common::{brick, mortar};
 use nalgebra::Vector6;
+use wythe::assembly::bulk::{self, ElementSlot, Marks};
+use wythe::assembly::pattern::CELL;
+use wythe::assembly::{Evaluation, Solids, Turning};
+use wythe::deck::Deck;
+use wythe::deck::schema::registry::SOLIDS;
 use wythe::element::hex8::CORNERS;
-use wythe::element::{Corotated, ElementShape};
+use wythe::element::{Corotated, ElementShape, Formulation};
 use wythe::material::{
     DamagePlasticity, DamagePlasticityParameters, ElasticParameters, Increment, LawOutput,
     LocalFailure, Material, MaterialHistory, MaterialParameters, PointEnergy, Response, Slot,
     SolidLaw, elastic_stiffness, hooke,
 };
-use wythe::model::deck::registry::SOLIDS;
-use wythe::model::scene::Formulation;
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::point::checks::{self, CheckError, Paths};
-use wythe::results::{Frame, HistoryRow, Recorder, Status};
-use wythe::solve;
-use wythe::system::bulk::{self, ElementSlot, Marks};
-use wythe::system::pattern::CELL;
-use wythe::system::{Evaluation, Solids, Turning};
+use wythe::solve::{self, Recorder};
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// A material of each kind, and the length of a step that shows the law.
 fn sample(kind: &str) -> (&'static str, f64) {

@@ -7,7 +7,7 @@ use super::damage_plasticity::DamagePlasticity;
 use super::law::{LocalFailure, MaterialHistory, Response};
 use super::parameters::ElasticParameters;
 use super::solid_law::{Increment, SolidLaw};
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
 
 impl SolidLaw for ElasticParameters {
     fn name(&self) -> &'static str {
@@ -67,7 +67,7 @@ impl SolidLaw for DamagePlasticity {
         self.bounded(tangent, intact)
     }
 
-    /// The yield surface is homogeneous of degree one about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory A.2).
+    /// The yield surface is homogeneous of degree one about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory/damage-plasticity.md, eq. 2).
     fn reached(&self, stress: &Vector6<f64>) -> Option<f64> {
         let at = |stress: &Vector6<f64>| self.yield_function(stress, 0.0, 0.0);
         Some(1.0 - at(stress) / at(&Vector6::zeros()))

@@ -1,4 +1,4 @@
-//! Smooth hyperbolic Drucker–Prager plasticity with softening (docs/theory/drucker-prager.md): for stone and soil.
+//! Smooth hyperbolic Drucker–Prager plasticity with softening (theory/drucker-prager.md): for stone and soil.
 //!
 //! ```text
 //! F = √(q² + a²y²) + η σ_m − k y                                                                   (1)
@@ -15,7 +15,7 @@ use super::screen::{bits, hooke_by_point};
 use super::solid_law::{Increment, LawOutput, Slot, SolidLaw};
 use super::uniaxial::{Branch, TableError};
 use super::{Wanted, elastic_stiffness};
-use crate::sym6::{self, ByPoint};
+use crate::tensor::{self, ByPoint};
 
 /// Strength that is left at the end of softening, over the first: keeps the surface smooth and the point stiff enough.
 pub const RESIDUAL: f64 = 1e-3;
@@ -352,7 +352,7 @@ impl DruckerPrager {
         let Some(inverse) = self.jacobian(p).try_inverse() else {
             return elastic_stiffness(&self.elastic) * p.ratio;
         };
-        let mean = sym6::UNIT * self.bulk;
+        let mean = tensor::UNIT * self.bulk;
         let by_q = if trial.q > 0.0 {
             deviator * (3.0 * self.shear / trial.q)
         } else {
@@ -375,7 +375,7 @@ impl DruckerPrager {
         if trial.q > 0.0 {
             d += deviator * ((q - by_q * p.ratio) / trial.q).transpose();
         }
-        d - sym6::UNIT * (self.bulk * self.dilation) * lambda.transpose()
+        d - tensor::UNIT * (self.bulk * self.dilation) * lambda.transpose()
     }
 }
 
@@ -414,8 +414,8 @@ impl SolidLaw for DruckerPrager {
             return Ok(Response::inviscid(strain, old, stress, tangent, *old));
         }
         let (p, softening) = self.solve(&trial)?;
-        let deviator = stress - sym6::UNIT * mean;
-        let stress = deviator * p.ratio + sym6::UNIT * p.mean;
+        let deviator = stress - tensor::UNIT * mean;
+        let stress = deviator * p.ratio + tensor::UNIT * p.mean;
         let mut history = *old;
         // λN = (3/2)(λ/√(…)) s + (λη̄/3) 1; shear components doubled.
         let (along, volume) = (
@@ -472,9 +472,9 @@ impl SolidLaw for DruckerPrager {
 
 /// Mean stress σ_m and q = √(3/2 s:s) [MPa].
 fn invariants(stress: &Vector6<f64>) -> (f64, f64) {
-    let mean = sym6::mean(stress);
-    let deviator = stress - sym6::UNIT * mean;
-    (mean, (1.5 * sym6::norm_squared(&deviator)).sqrt())
+    let mean = tensor::mean(stress);
+    let deviator = stress - tensor::UNIT * mean;
+    (mean, (1.5 * tensor::norm_squared(&deviator)).sqrt())
 }
 
 /// y and dy/dω (7).

@@ -3,7 +3,7 @@
 //! [`SolidLaw`] is the trait of all of them. The laws that the library brings are variants of [`Material`], so that the
 //! loop over the points of an element calls none of them through a table; a law from outside is
 //! [`Material::Custom`], with one virtual call for the points of an element. The registry of `kind = "..."` is
-//! [`model::deck::registry`](crate::model::deck::registry).
+//! [`deck::schema::registry`](crate::deck::schema::registry).
 
 pub mod band;
 mod built_in;
@@ -63,7 +63,7 @@ pub enum Material {
 }
 
 impl Material {
-    /// Law of a material in elements of equivalent length `l_eq` [mm] (theory A.8); none for a
+    /// Law of a material in elements of equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1); none for a
     /// point without size: tables as given.
     ///
     /// # Errors
@@ -142,8 +142,8 @@ impl Material {
             Self::DruckerPrager(_) | Self::Custom(_) => self.law().elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
-        let mean = crate::sym6::mean(effective);
-        let mut strain = (effective - crate::sym6::UNIT * mean) / (2.0 * shear);
+        let mean = crate::tensor::mean(effective);
+        let mut strain = (effective - crate::tensor::UNIT * mean) / (2.0 * shear);
         for i in 0..3 {
             strain[i] += mean / (3.0 * bulk);
             // Engineering shear.
@@ -153,7 +153,7 @@ impl Material {
     }
 
     /// Intact part 1 − d̃ and stress [MPa] with viscous strain and damage extrapolated by `ratio`
-    /// = Δt/Δt_n times their last change (theory B.3, for the solids alone).
+    /// = Δt/Δt_n times their last change (theory/return-map.md, eqs 19 and 20, for the solids alone).
     pub fn extrapolated(
         &self,
         strain: &Vector6<f64>,

@@ -7,7 +7,7 @@
 //! σ = (1 − d_v) C₀ : (ε − ε_v)                                                                     (1)
 //! ```
 //!
-//! with `viscous_damage` d_v and `viscous_strain` ε_v, where it extrapolates (theory B.3), takes a secant, measures a
+//! with `viscous_damage` d_v and `viscous_strain` ε_v, where it extrapolates (theory/return-map.md, eq. 19), takes a secant, measures a
 //! crack or interpolates within an increment. [`Response::inviscid`] fills these, and the energies, from `damage` d
 //! and `plastic_strain` ε_p of a law without viscosity.
 
@@ -20,7 +20,7 @@ use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::ElasticParameters;
 use super::tangent::bounded;
 use super::{Wanted, hooke};
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
 
 /// One implicit step of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,7 @@ impl Points<'_> {
 /// stresses in MPa.
 ///
 /// `name`, `elastic` and `update` make a law; the rest has defaults, which a law overrides where it can do better.
-/// Its elasticity is isotropic: the element condenses its incompatible modes with it (theory E).
+/// Its elasticity is isotropic: the element condenses its incompatible modes with it (theory/hex8.md, eq. 4).
 pub trait SolidLaw: Send + Sync + fmt::Debug {
     /// Its name, as `kind` of a deck and in messages.
     fn name(&self) -> &'static str;
@@ -169,7 +169,7 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
     }
 
     /// Intact part 1 − d̃ [-] and stress [MPa] with viscous strain and damage extrapolated by `ratio` = Δt/Δt_n times
-    /// their last change (theory B.3). Default: that of (1).
+    /// their last change (theory/return-map.md, eq. 19). Default: that of (1).
     fn extrapolated(
         &self,
         strain: &Vector6<f64>,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Deck, templates};
+use crate::deck::{Deck, templates};
 
 const ONCE: NonZeroUsize = NonZeroUsize::MIN;
 
