@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
 use wythe_contact::{Coupling, InterfaceLaw};
 
-/// An interface as written.
+/// Parameters of an interface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -40,8 +40,8 @@ pub struct Interface {
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
-    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
-    /// nothing is in general contact.
+    /// Stiffness over the representative stiffness of the facing elements [-]. The default is 500, or 50 for joints
+    /// of walls with mortar in decks without general contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub penalty_factor: Option<Number>,
     /// Explicit normal stiffness k_n [N/mm³].
@@ -50,7 +50,7 @@ pub struct Interface {
     /// Explicit shear stiffness k_s [N/mm³].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_stiffness: Option<InterfaceStiffness>,
-    /// Coupling of the modes.
+    /// Coupling of opening and slip.
     #[serde(default)]
     #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
@@ -59,56 +59,56 @@ pub struct Interface {
     pub scatter: Option<Scatter>,
 }
 
-/// `[interfaces.NAME.scatter]`: every unit has a bond strength of its own.
+/// `[interfaces.NAME.scatter]`: every unit has its own bond strength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Coefficient of variation of the strengths [-].
     pub cv: Number,
-    /// What the draws begin from: another one, other strengths.
+    /// Seed of the random numbers; another seed gives other strengths.
     #[serde(default)]
     pub seed: u64,
 }
 
-// `Coupling` as the schema of decks tells it: its crate knows no schemas.
-/// How opening and slip damage the same bond.
+// Schema of `Coupling`, whose crate does not depend on schemars.
+/// Combination of the damage by opening and by slip.
 #[derive(JsonSchema)]
 #[schemars(rename = "Coupling")]
 #[serde(rename_all = "kebab-case")]
 #[expect(dead_code, reason = "its schema is what counts")]
 enum CouplingSchema {
-    /// The larger of both damages.
+    /// The larger one of the two.
     Max,
-    /// Damages add up.
+    /// Their sum.
     Additive,
 }
 
-/// Theory C.8: 500 × E/h.
+/// Penalty factor of the paper: k_n = 500 E/h (theory/joint.md, eq. 32).
 const PENALTY: f64 = 500.0;
 
 impl Interface {
-    /// Stiffness over that of the facing elements [-].
+    /// Stiffness over the representative stiffness E/h of the facing elements [-].
     pub fn penalty(&self) -> f64 {
         self.penalty_factor.map_or(PENALTY, Number::get)
     }
 
-    /// Without bond: a dry joint, damaged from the start (theory/joint.md, eq. 19).
+    /// Returns whether the joint has no bond: it is dry and has D = 1 from the start (theory/joint.md, eq. 19).
     pub fn is_dry(&self) -> bool {
         self.f_t.get() == 0.0 && self.c.get() == 0.0
     }
 
-    /// ζ, or 1 where a dry joint leaves it out (it is not used there).
+    /// ζ, or 1 if a dry joint, which does not use it, leaves it out.
     fn zeta(&self) -> f64 {
         self.zeta.map_or(1.0, Number::get)
     }
 
-    /// ξ, or 1 where a dry joint leaves it out (it is not used there).
+    /// ξ, or 1 if a dry joint, which does not use it, leaves it out.
     fn xi(&self) -> f64 {
         self.xi.map_or(1.0, Number::get)
     }
 
-    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq. 30).
-    /// Zero for a dry joint, which does not use it.
+    /// Ultimate opening u_k [mm]: the given one, or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq.
+    /// 30). Zero for a dry joint, which does not use it.
     pub fn ultimate_opening(&self) -> f64 {
         match (self.u_k, self.G_I) {
             (Some(u_k), _) => u_k.get(),
@@ -119,8 +119,8 @@ impl Interface {
         }
     }
 
-    /// Ultimate slip δ_k [mm], given or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without
-    /// normal stress (theory/joint.md, eq. 30). Zero for a dry joint, which does not use it.
+    /// Ultimate slip δ_k [mm]: the given one, or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without normal
+    /// stress (theory/joint.md, eq. 31). Zero for a dry joint, which does not use it.
     pub fn ultimate_slip(&self) -> f64 {
         match (self.delta_k, self.G_II) {
             (Some(delta_k), _) => delta_k.get(),
@@ -136,18 +136,18 @@ impl Interface {
         self.curves().mode_1_energy()
     }
 
-    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the
-    /// residual friction (theory/joint.md, eq. 30).
+    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the residual friction
+    /// (theory/joint.md, eq. 31).
     pub fn mode_2_energy(&self, sigma: f64) -> f64 {
         self.curves().mode_2_energy(sigma)
     }
 
-    /// The law for what does not depend on its stiffnesses.
+    /// The law for quantities that do not depend on its stiffnesses.
     fn curves(&self) -> InterfaceLaw {
         self.law(f64::INFINITY, f64::INFINITY)
     }
 
-    /// The law with these stiffnesses [N/mm³]; of mean strength, if it scatters.
+    /// The law with these stiffnesses [N/mm³]; of mean strength, if its strength scatters.
     pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
         InterfaceLaw {
             f_t: self.f_t.get(),

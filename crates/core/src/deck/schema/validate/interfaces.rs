@@ -5,7 +5,7 @@ use crate::deck::keys;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Interface, Scatter};
 
-/// Largest coefficient of variation of bond strengths: those measured stay below 1.
+/// Largest coefficient of variation of bond strengths: measured ones are below 1.
 const MOST_SCATTER: f64 = 2.0;
 
 impl Checks<'_> {
@@ -78,7 +78,7 @@ impl Checks<'_> {
         );
     }
 
-    /// An ultimate displacement or the energy below the curve: exactly one, unless the joint is dry.
+    /// Requires exactly one of an ultimate displacement and the energy below the curve, unless the joint is dry.
     fn either(
         &mut self,
         path: &str,
