@@ -14,6 +14,7 @@ use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{
     DamagePlasticityParameters, Material, MaterialHistory, MaterialParameters, PointEnergy,
+    elastic_stiffness,
 };
 
 /// An element and all that it writes.
@@ -126,6 +127,10 @@ impl One {
                     law.bounded(&answer.tangent, intact)
                 }
                 (Material::DamagePlasticity(law), _) => law.secant_stiffness(intact),
+                (law, Solids::Softened) if yields(exact) => {
+                    law.law().bounded(&answer.tangent, intact)
+                }
+                (law, _) => elastic_stiffness(law.law().elastic()) * intact,
             };
         }
         let work = large

@@ -277,3 +277,36 @@ fn a_material_point_is_sheared_at_constant_compression() {
         last = peak;
     }
 }
+
+/// The law of a point is that of its `kind`, and its outputs are columns after those of every law.
+#[test]
+fn a_material_of_another_kind_follows_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("stone.toml");
+    let keys = "kind = \"drucker-prager\"\nE = 8000\nnu = 0.2\nc = 3\nphi = 40\npsi = 15\nf_t = 1";
+    std::fs::write(&deck, format!("format = 1\n[materials.stone]\n{keys}\n")).unwrap();
+    let path = folder.path().join("path.csv");
+    let rows = "t,eps_xx,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx\n\
+        1,1e-4,0,0,0,0,0\n2,1e-3,0,0,0,0,0\n";
+    std::fs::write(&path, rows).unwrap();
+    let deck = deck.display().to_string();
+    let free = ["--stress", "yy", "--stress", "zz"];
+    let output = drive(["material", "stone"], &deck, &path, &free);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let answer = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        answer
+            .lines()
+            .next()
+            .unwrap()
+            .ends_with(",kt,kc,dt,dc,d,kappa_t,kappa_c")
+    );
+    let stress = column(&answer, "sig_xx_MPa");
+    // The search for stress-free sides ends at 1e-10 MPa.
+    assert!(
+        (stress[0] - 0.8).abs() < 1e-9 && (stress[1] - 1.0).abs() < 1e-9,
+        "{stress:?}"
+    );
+    // In uniaxial tension κ_t is the axial plastic strain.
+    assert!((column(&answer, "kappa_t")[1] - (1e-3 - 1.0 / 8000.0)).abs() < 1e-9);
+}

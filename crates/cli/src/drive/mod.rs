@@ -33,12 +33,19 @@ fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     for warning in warnings {
         tell!("warning: {warning}");
     }
+    let outputs = law.law().outputs();
+    let more: Vec<&str> = outputs.iter().map(|output| output.name).collect();
     let follow = |rows: &[Row<6>]| point::material_path(&law, rows, arguments.substeps);
     walk(
         arguments,
         &MATERIAL,
+        &more,
         follow,
-        point::material_state,
+        |history| {
+            let outputs = outputs.iter().map(|output| output.slot.of(history));
+            let common = point::material_state(history).into_iter();
+            common.chain(outputs).collect()
+        },
         deck.inputs(),
     )
 }
@@ -50,8 +57,9 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
     walk(
         arguments,
         &INTERFACE,
+        &[],
         follow,
-        point::interface_state,
+        |history| point::interface_state(history).to_vec(),
         deck.inputs(),
     )
 }
@@ -79,12 +87,14 @@ fn help<const N: usize>(failure: &PointFailure<N>) -> &'static str {
     }
 }
 
-/// Drives the point along its path, and writes the path and the response.
-fn walk<const N: usize, const M: usize, H>(
+/// Drives the point along its path, and writes the path and the response, with `more` columns of the state that only
+/// this law has.
+fn walk<const N: usize, H>(
     arguments: &DrivePoint,
     layout: &Layout<N>,
+    more: &[&str],
     follow: impl FnOnce(&[Row<N>]) -> Walk<N, H>,
-    state: impl Fn(&H) -> [f64; M],
+    state: impl Fn(&H) -> Vec<f64>,
     mut inputs: Vec<PathBuf>,
 ) -> Result<(), Failure> {
     inputs.push(arguments.path.clone());
@@ -96,7 +106,7 @@ fn walk<const N: usize, const M: usize, H>(
     let path = Path::read(&file, &text, layout, &arguments.stress)
         .map_err(|error| Failure::model(*error))?;
     let Walk { records, failure } = follow(&path.rows);
-    let mut table = table::Table::new(&path, layout);
+    let mut table = table::Table::new(&path, layout, more);
     for (index, record) in records.iter().enumerate() {
         table.push(&path, index, &record.state, &state(&record.state.history));
     }

@@ -242,7 +242,7 @@ impl MaterialCurves {
         all: &[(usize, u16, Extent)],
     ) -> Result<Material, TableError> {
         let MaterialParameters::DamagePlasticity(p) = parameters else {
-            return Ok(Material::new(parameters, None)?.0);
+            return Ok(Material::new(parameters, Some(extent.l_eq))?.0);
         };
         if !p.has_bands() {
             return Ok(Material::new(parameters, Some(extent.l_eq))?.0);

@@ -6,7 +6,10 @@ use super::stiffness_reuse::{Kept, stands_for};
 use super::{Evaluation, Solids};
 use crate::element::hex8::Nodal;
 use crate::element::{Corotated, ElementShape};
-use crate::material::{LocalFailure, Material, MaterialHistory, PointEnergy, Wanted};
+use crate::material::{
+    Increment, LocalFailure, Material, MaterialHistory, PointEnergy, Points, Response, SolidLaw,
+    Wanted,
+};
 use crate::tensor::ByPoint;
 
 /// Output of the evaluation of one element.
@@ -96,8 +99,56 @@ impl pulp::NullaryFnOnce for OneElement<'_, '_> {
                 self.extrapolated(&frame);
                 Ok(())
             }
-            Solids::Implicit | Solids::Secant | Solids::Softened => self.by_law(&frame),
+            Solids::Implicit | Solids::Secant | Solids::Softened => match self.law {
+                Material::Custom(law) => self.by_custom_law(&frame, &**law),
+                law => self.by_law(&frame, law),
+            },
         }
+    }
+}
+
+/// Answers of a law to the points of an element.
+trait Answers {
+    /// Prepares those of the points that `points` asks for.
+    fn prepare(&mut self, points: &Points<'_>) -> Result<(), LocalFailure>;
+
+    /// That of point `g`.
+    fn of(&mut self, g: usize, points: &Points<'_>) -> Result<Response, LocalFailure>;
+}
+
+impl Answers for &Material {
+    #[inline(always)]
+    fn prepare(&mut self, _points: &Points<'_>) -> Result<(), LocalFailure> {
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn of(&mut self, g: usize, points: &Points<'_>) -> Result<Response, LocalFailure> {
+        let Increment { dt, tangent } = points.increment;
+        self.step(&of_point(points.strain, g), &points.old[g], dt, tangent)
+    }
+}
+
+/// Of a law from outside the library: all at once, by one virtual call.
+struct Batch<'a> {
+    law: &'a dyn SolidLaw,
+    answers: [Response; 8],
+}
+
+impl Answers for Batch<'_> {
+    fn prepare(&mut self, points: &Points<'_>) -> Result<(), LocalFailure> {
+        self.law.update_points(points, &mut self.answers)?;
+        let tangent = points.increment.tangent != Wanted::Nowhere;
+        for (g, answer) in self.answers.iter().enumerate() {
+            if points.which & (1 << g) != 0 {
+                answer.checked(self.law.name(), tangent)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn of(&mut self, g: usize, _points: &Points<'_>) -> Result<Response, LocalFailure> {
+        Ok(self.answers[g])
     }
 }
 
@@ -134,9 +185,16 @@ impl OneElement<'_, '_> {
         }
     }
 
+    /// [`Self::by_law`] of a law from outside the library.
+    #[inline(never)]
+    fn by_custom_law(&mut self, frame: &Corotated, law: &dyn SolidLaw) -> Result<(), LocalFailure> {
+        let answers = [Response::default(); 8];
+        self.by_law(frame, Batch { law, answers })
+    }
+
     /// Response by the material law. Virgin points that stay elastic are treated together.
     #[inline(always)]
-    fn by_law(&mut self, frame: &Corotated) -> Result<(), LocalFailure> {
+    fn by_law(&mut self, frame: &Corotated, mut answers: impl Answers) -> Result<(), LocalFailure> {
         let (shape, law, setting) = (self.shape, self.law, self.setting);
         let strains = shape.strains_by_point(&frame.local);
         let (stresses, elastic) = law.screen(&strains);
@@ -156,6 +214,16 @@ impl OneElement<'_, '_> {
             Solids::Softened if setting.tangent => Wanted::WherePlastic,
             _ => Wanted::Nowhere,
         };
+        let points = Points {
+            strain: &strains,
+            old: self.old,
+            which: !at_rest,
+            increment: Increment {
+                dt: setting.dt,
+                tangent: wanted,
+            },
+        };
+        answers.prepare(&points)?;
         let few = at_rest.count_zeros() <= FEW;
         let mut force = [[0.0; 8]; 3];
         if few {
@@ -177,7 +245,7 @@ impl OneElement<'_, '_> {
                 continue;
             }
             let old = &self.old[g];
-            let point = law.step(&of_point(&strains, g), old, setting.dt, wanted)?;
+            let point = answers.of(g, &points)?;
             let elastic = if few {
                 of_point(&stresses, g)
             } else {

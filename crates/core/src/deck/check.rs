@@ -180,6 +180,17 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         };
         let kind = match &material.parameters {
             MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
+            MaterialParameters::DruckerPrager(p) => {
+                let (f_t, f_c) = (p.tensile_strength, p.compressive_strength());
+                let limits = match p.longest() {
+                    [t, c] if t.is_infinite() && c.is_infinite() => "no softening".to_owned(),
+                    [t, c] => {
+                        format!("snap-back from {t:.1} mm (tension) and {c:.1} mm (compression) on")
+                    }
+                };
+                format!("f_t {f_t:.3} MPa, f_c {f_c:.3} MPa, {limits}")
+            }
+            MaterialParameters::Custom(law) => format!("law `{}`", law.name()),
             MaterialParameters::DamagePlasticity(p) => {
                 let limit = [&p.tension, &p.compression].map(|rows| {
                     snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)

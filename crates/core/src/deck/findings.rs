@@ -84,6 +84,13 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
             continue; // units and mortar of one material
         }
         let elements = &by_name[name];
+        if let MaterialParameters::DruckerPrager(_) | MaterialParameters::Custom(_) =
+            &material.parameters
+        {
+            let lengths = equivalent_lengths(model, elements);
+            let judged = tables::judge_law(deck, name, &material.parameters, &lengths);
+            errors.extend(judged.err());
+        }
         if let MaterialParameters::DamagePlasticity(p) = &material.parameters {
             let lengths = equivalent_lengths(model, elements);
             if p.reference_length.is_none() {

@@ -22,12 +22,45 @@ impl Deck {
         let parameters = self.material(name)?;
         let lengths: Vec<f64> = l_eq.into_iter().collect();
         let warnings = match &parameters {
-            MaterialParameters::Elastic(_) => Vec::new(),
+            MaterialParameters::Elastic(_) | MaterialParameters::Custom(_) => Vec::new(),
+            MaterialParameters::DruckerPrager(p) => {
+                let softens = p.tension_energy.or(p.compression_energy).is_some();
+                let sized = l_eq.or(p.reference_length).is_some();
+                let warning = (softens && !sized).then(|| without_length(self, name));
+                warning.into_iter().collect()
+            }
             MaterialParameters::DamagePlasticity(p) => judge(self, name, p, &lengths)?,
         };
         let (law, _) = Material::new(&parameters, l_eq)
             .map_err(|error| refusal(self, name, &parameters, &error))?;
         Ok((law, warnings))
+    }
+}
+
+/// That a point without size does not soften.
+fn without_length(deck: &Deck, name: &str) -> Warning {
+    deck.warning(
+        &format!("materials.{name}"),
+        "softening by a fracture energy wants a length, and a point has none: it does not soften here; \
+         reference_length gives it one"
+            .to_owned(),
+    )
+}
+
+/// Makes the law in elements of these equivalent lengths [mm], as a run does.
+///
+/// # Errors
+/// What the law of the longest element says that has none.
+pub(super) fn judge_law(
+    deck: &Deck,
+    name: &str,
+    parameters: &MaterialParameters,
+    lengths: &[f64],
+) -> Result<(), ModelError> {
+    let mut longest_first = lengths.iter().rev();
+    match longest_first.find_map(|l_eq| Material::new(parameters, Some(*l_eq)).err()) {
+        Some(error) => Err(refusal(deck, name, parameters, &error)),
+        None => Ok(()),
     }
 }
 
@@ -195,6 +228,29 @@ pub(super) fn refusal(
             ),
             "lower the damage of the rows before it, or give this row a larger inelastic strain",
         ),
+        TableError::TooBrittle {
+            branch,
+            l_eq,
+            l_max,
+        } => {
+            let key = match branch {
+                Branch::Tension => "G_I",
+                Branch::Compression => "G_c",
+            };
+            deck.error(
+                &format!("materials.{name}.{key}"),
+                format!(
+                    "elements of {l_eq:.1} mm (cube root of the volume) are not below the limit of {l_max:.1} mm: \
+                     beyond it the softening in {branch} with this {key} snaps back within an element"
+                ),
+                "refine the mesh, or give more fracture energy",
+            )
+        }
+        TableError::Law { law, why } => deck.error(
+            &format!("materials.{name}"),
+            format!("the law `{law}`: {why}"),
+            "change the parameters of this material, or the mesh",
+        ),
         TableError::SnapBack {
             branch,
             row,
@@ -203,7 +259,7 @@ pub(super) fn refusal(
         } => {
             let l_ref = match parameters {
                 MaterialParameters::DamagePlasticity(p) => p.reference_length,
-                MaterialParameters::Elastic(_) => None,
+                _ => None,
             };
             let of = l_ref.map_or_else(String::new, |l| format!(" (for {l} mm)"));
             deck.error(

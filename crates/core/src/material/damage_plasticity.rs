@@ -11,6 +11,7 @@ use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
 use super::return_map::{Point, TrialStress, weight};
 use super::screen::FirstYield;
+use super::solid_law::MOST_DAMAGE;
 use super::uniaxial::{Curve, TableError, TableWarning};
 use super::{Wanted, hooke};
 use crate::tensor;
@@ -46,8 +47,6 @@ pub struct DamagePlasticity {
 
 /// Yield function above which a step is plastic, over σ̄_c (theory/return-map.md, Algorithm, step 1).
 const YIELD: f64 = 1e-10;
-/// Largest extrapolated damage: what is left keeps the tangent positive definite.
-const MOST_DAMAGE: f64 = 0.999;
 impl DamagePlasticity {
     /// Fits the parameters to elements of equivalent length `l_eq` [mm]; none, or none in the
     /// parameters' `reference_length`: tables as given.

@@ -98,6 +98,22 @@ pub enum LocalFailure {
         /// Value of the yield function where it stopped [MPa].
         residual: f64,
     },
+    /// A number of a response is not finite.
+    #[error("the law `{law}` gave a {what} that is not finite")]
+    NotFinite {
+        /// Name of the law.
+        law: &'static str,
+        /// Stress, tangent, history or energy.
+        what: &'static str,
+    },
+    /// The law itself says that it has no answer.
+    #[error("the law `{law}` has no answer: {why}")]
+    NoAnswer {
+        /// Name of the law.
+        law: &'static str,
+        /// What it says.
+        why: &'static str,
+    },
     /// An element has turned inside out.
     #[error("the element has turned inside out (det F = {determinant:.3e})")]
     Inverted {

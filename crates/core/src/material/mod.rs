@@ -1,24 +1,36 @@
 //! Pure point laws of the solids: (strain, old history) → (stress, tangent, new history).
+//!
+//! [`SolidLaw`] is the trait of all of them. The laws that the library brings are variants of [`Material`], so that the
+//! loop over the points of an element calls none of them through a table; a law from outside is
+//! [`Material::Custom`], with one virtual call for the points of an element. The registry of `kind = "..."` is
+//! [`deck::schema::registry`](crate::deck::schema::registry).
 
 pub mod band;
+mod built_in;
 pub mod damage_plasticity;
+pub mod drucker_prager;
 pub mod law;
 pub mod parameters;
 mod return_map;
 #[cfg(test)]
 mod sample;
 mod screen;
+pub mod solid_law;
 mod tangent;
 pub mod uniaxial;
 
 pub use band::{Curves, Extent};
 pub use damage_plasticity::DamagePlasticity;
+pub use drucker_prager::DruckerPrager;
 pub use law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 pub use parameters::{
-    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
-    TableRow,
+    CrackBand, DamagePlasticityParameters, DruckerPragerParameters, ElasticParameters,
+    Interpolation, MaterialParameters, TableRow,
 };
+pub use solid_law::{CustomLaw, Increment, LawOutput, Points, Slot, SolidLaw};
 pub use uniaxial::{Branch, Curve, TableError, TableWarning};
+
+use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -44,6 +56,10 @@ pub enum Material {
     Elastic(ElasticParameters),
     /// Concrete damaged plasticity.
     DamagePlasticity(Box<DamagePlasticity>),
+    /// Hyperbolic Drucker–Prager plasticity.
+    DruckerPrager(Box<DruckerPrager>),
+    /// A law from outside the library.
+    Custom(Arc<dyn SolidLaw>),
 }
 
 impl Material {
@@ -62,6 +78,27 @@ impl Material {
                 let (law, warnings) = DamagePlasticity::new(p, l_eq)?;
                 Ok((Self::DamagePlasticity(Box::new(law)), warnings))
             }
+            MaterialParameters::DruckerPrager(p) => {
+                let law = DruckerPrager::new(p, l_eq)?;
+                Ok((Self::DruckerPrager(Box::new(law)), Vec::new()))
+            }
+            MaterialParameters::Custom(CustomLaw(law)) => {
+                let fitted = l_eq.map_or(Ok(None), |l_eq| law.fitted(l_eq));
+                let name = law.name();
+                let fitted = fitted.map_err(|why| TableError::Law { law: name, why })?;
+                let law = fitted.unwrap_or_else(|| law.clone());
+                Ok((Self::Custom(law), Vec::new()))
+            }
+        }
+    }
+
+    /// The trait of its law.
+    pub fn law(&self) -> &dyn SolidLaw {
+        match self {
+            Self::Elastic(law) => law,
+            Self::DamagePlasticity(law) => &**law,
+            Self::DruckerPrager(law) => &**law,
+            Self::Custom(law) => &**law,
         }
     }
 
@@ -79,6 +116,21 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.update(strain, old, dt, tangent),
+            Self::DruckerPrager(_) | Self::Custom(_) => {
+                let law = self.law();
+                let wanted = if tangent {
+                    Wanted::Everywhere
+                } else {
+                    Wanted::Nowhere
+                };
+                let increment = Increment {
+                    dt,
+                    tangent: wanted,
+                };
+                let response = law.update(strain, old, increment)?;
+                response.checked(law.name(), tangent)?;
+                Ok(response)
+            }
         }
     }
 
@@ -87,6 +139,7 @@ impl Material {
         let elastic = match self {
             Self::Elastic(elastic) => elastic,
             Self::DamagePlasticity(law) => law.elastic(),
+            Self::DruckerPrager(_) | Self::Custom(_) => self.law().elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
         let mean = crate::tensor::mean(effective);
@@ -110,10 +163,13 @@ impl Material {
         match self {
             Self::Elastic(e) => (1.0, hooke(e, strain)),
             Self::DamagePlasticity(law) => law.extrapolated(strain, old, ratio),
+            Self::DruckerPrager(law) => law.extrapolated(strain, old, ratio),
+            Self::Custom(law) => law.extrapolated(strain, old, ratio),
         }
     }
 
-    /// [`Self::update`], with the tangent where it is wanted.
+    /// [`Self::update`], with the tangent where it is wanted; within an element a law from outside answers all points
+    /// at once instead ([`SolidLaw::update_points`]).
     ///
     /// # Errors
     /// [`LocalFailure`] if the law has no answer.
@@ -128,6 +184,8 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.step(strain, old, dt, tangent),
+            Self::DruckerPrager(law) => law.update(strain, old, Increment { dt, tangent }),
+            Self::Custom(law) => law.update(strain, old, Increment { dt, tangent }),
         }
     }
 
@@ -137,13 +195,15 @@ impl Material {
         match self {
             Self::Elastic(e) => elastic_stiffness(e),
             Self::DamagePlasticity(law) => law.bounded(tangent, intact),
+            Self::DruckerPrager(law) => law.bounded(tangent, intact),
+            Self::Custom(law) => law.bounded(tangent, intact),
         }
     }
 }
 
 /// Where a consistent tangent is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub enum Wanted {
     /// Nowhere.
     Nowhere,
     /// At points that yield.
@@ -152,9 +212,9 @@ pub(crate) enum Wanted {
     Everywhere,
 }
 
-/// C₀ : ε without the matrix.
+/// Stress C₀ : ε [MPa] of an elastic strain, engineering Voigt, without the matrix.
 #[inline(always)]
-pub(crate) fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
+pub fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
     let shear = elastic.shear_modulus();
     let lame = elastic.bulk_modulus() - 2.0 / 3.0 * shear;
     let volume = lame * (e[0] + e[1] + e[2]);

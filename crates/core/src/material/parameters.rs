@@ -1,7 +1,11 @@
 //! What a user says about a material, before it is fitted to an element's size.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::solid_law::{CustomLaw, LawOutput, SolidLaw};
 
 /// Parameters of a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +14,10 @@ pub enum MaterialParameters {
     Elastic(ElasticParameters),
     /// Concrete damaged plasticity.
     DamagePlasticity(DamagePlasticityParameters),
+    /// Hyperbolic Drucker–Prager plasticity.
+    DruckerPrager(DruckerPragerParameters),
+    /// A law from outside the library.
+    Custom(CustomLaw),
 }
 
 /// Isotropic linear elasticity.
@@ -89,6 +97,27 @@ pub struct DamagePlasticityParameters {
     pub interpolation: Interpolation,
 }
 
+/// Hyperbolic Drucker–Prager plasticity (docs/theory/drucker-prager.md).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DruckerPragerParameters {
+    /// Elastic constants and density.
+    pub elastic: ElasticParameters,
+    /// Cohesion c of Mohr–Coulomb [MPa].
+    pub cohesion: f64,
+    /// Friction angle φ of Mohr–Coulomb [rad].
+    pub friction_angle: f64,
+    /// Dilation angle ψ [rad]; φ for associated flow.
+    pub dilation_angle: f64,
+    /// Uniaxial tensile strength f_t [MPa].
+    pub tensile_strength: f64,
+    /// Fracture energy in tension 𝒢_t [N/mm]; none = no softening.
+    pub tension_energy: Option<f64>,
+    /// Fracture energy in compression 𝒢_c [N/mm]; none = no softening.
+    pub compression_energy: Option<f64>,
+    /// Length of a point without size [mm].
+    pub reference_length: Option<f64>,
+}
+
 impl DamagePlasticityParameters {
     /// Whether the band of each point has a width of its own.
     pub fn has_bands(&self) -> bool {
@@ -102,6 +131,27 @@ impl MaterialParameters {
         match self {
             Self::Elastic(e) => e,
             Self::DamagePlasticity(p) => &p.elastic,
+            Self::DruckerPrager(p) => &p.elastic,
+            Self::Custom(law) => law.elastic(),
+        }
+    }
+
+    /// Those of a law from outside the library.
+    pub fn custom(law: impl SolidLaw + 'static) -> Self {
+        Self::Custom(CustomLaw(Arc::new(law)))
+    }
+
+    /// Whether it can yield or break.
+    pub fn yields(&self) -> bool {
+        !matches!(self, Self::Elastic(_))
+    }
+
+    /// Numbers of the history that its law shows beside those of every solid.
+    pub fn outputs(&self) -> &'static [LawOutput] {
+        match self {
+            Self::Elastic(_) | Self::DamagePlasticity(_) => &[],
+            Self::DruckerPrager(_) => &super::drucker_prager::OUTPUTS,
+            Self::Custom(law) => law.outputs(),
         }
     }
 }

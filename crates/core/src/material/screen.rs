@@ -11,9 +11,9 @@
 //! which loses half of its digits where two values coincide (c = 1): a margin makes up for it. What is not
 //! certain here is left to the law.
 
-use super::Material;
 use super::damage_plasticity::DamagePlasticity;
 use super::parameters::ElasticParameters;
+use super::{Material, SolidLaw};
 use crate::tensor::ByPoint;
 
 /// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
@@ -38,21 +38,26 @@ impl Material {
     #[inline(always)]
     pub(crate) fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
         match self {
-            Self::Elastic(e) => {
-                let stress = hooke_by_point(e, strain);
-                // What is not finite is reported by the law.
-                let finite: [bool; 8] =
-                    std::array::from_fn(|g| strain.iter().all(|e| e[g].is_finite()));
-                (stress, bits(&finite))
-            }
+            Self::Elastic(e) => elastic(e, strain),
             Self::DamagePlasticity(law) => law.screen(strain),
+            Self::DruckerPrager(law) => law.screen(strain),
+            Self::Custom(law) => law.screen(strain),
         }
     }
 }
 
+/// Of a linear elastic law: all that are finite.
+#[inline(always)]
+pub(super) fn elastic(parameters: &ElasticParameters, strain: &ByPoint) -> (ByPoint, u8) {
+    let stress = hooke_by_point(parameters, strain);
+    // What is not finite is reported by the law.
+    let finite: [bool; 8] = std::array::from_fn(|g| strain.iter().all(|e| e[g].is_finite()));
+    (stress, bits(&finite))
+}
+
 impl DamagePlasticity {
     #[inline(always)]
-    fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
+    pub(super) fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
         let stress = hooke_by_point(&self.elastic, strain);
         let first = &self.first_yield;
         if first.by_largest < 0.0 {
@@ -131,7 +136,7 @@ fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
 
 /// C₀ : ε.
 #[inline(always)]
-fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoint {
+pub(super) fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoint {
     let shear = elastic.shear_modulus();
     let lame = elastic.bulk_modulus() - 2.0 / 3.0 * shear;
     let mut stress = [[0.0; 8]; 6];
@@ -147,7 +152,7 @@ fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoint {
 
 /// Bit g of each point that is true.
 #[inline(always)]
-fn bits(of: &[bool; 8]) -> u8 {
+pub(super) fn bits(of: &[bool; 8]) -> u8 {
     let mut bits = 0;
     for g in 0..8 {
         bits |= u8::from(of[g]) << g;

@@ -21,22 +21,7 @@ impl DamagePlasticity {
     /// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between
     /// 0.3 (`LEAST_STIFFNESS`) and one times the intact part.
     pub fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
-        // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
-        let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);
-        let moduli = [3.0 * self.bulk, 2.0 * self.shear];
-        let [volume, shape] = moduli.map(f64::sqrt);
-        let root = kelvin_isotropic(volume, shape);
-        let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
-        let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
-        if !relative.sum().is_finite() {
-            return *tangent; // whose forces are refused; the search for eigenvalues would not end
-        }
-        let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
-        for value in eigen.eigenvalues.iter_mut() {
-            *value = value.max(LEAST_STIFFNESS * intact).min(intact);
-        }
-        let bounded = root * eigen.recompose() * root;
-        bounded.component_div(&(kelvin * kelvin.transpose()))
+        bounded(self.bulk, self.shear, tangent, intact)
     }
 
     /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
@@ -119,6 +104,27 @@ impl DamagePlasticity {
         };
         (slope, by_lambda, lambda)
     }
+}
+
+/// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between 0.3 (`LEAST_STIFFNESS`) and one
+/// times the intact part.
+pub(super) fn bounded(bulk: f64, shear: f64, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
+    // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
+    let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);
+    let moduli = [3.0 * bulk, 2.0 * shear];
+    let [volume, shape] = moduli.map(f64::sqrt);
+    let root = kelvin_isotropic(volume, shape);
+    let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
+    let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
+    if !relative.sum().is_finite() {
+        return *tangent; // whose forces are refused; the search for eigenvalues would not end
+    }
+    let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
+    for value in eigen.eigenvalues.iter_mut() {
+        *value = value.max(LEAST_STIFFNESS * intact).min(intact);
+    }
+    let bounded = root * eigen.recompose() * root;
+    bounded.component_div(&(kelvin * kelvin.transpose()))
 }
 
 /// K 1⊗1 + 2G dev, engineering Voigt.

@@ -56,6 +56,27 @@ pub enum TableError {
         /// The largest admissible one.
         capped: f64,
     },
+    /// Softening by a fracture energy that snaps back in an element so large.
+    #[error(
+        "the softening in {branch} snaps back in an element of equivalent length {l_eq:.1} mm; below \
+         {l_max:.1} mm with this modulus, strength and energy"
+    )]
+    TooBrittle {
+        /// Tension or compression.
+        branch: Branch,
+        /// Equivalent length of the element [mm].
+        l_eq: f64,
+        /// What it must be below [mm].
+        l_max: f64,
+    },
+    /// A law without a table, in words of its own.
+    #[error("the law `{law}`: {why}")]
+    Law {
+        /// Its name.
+        law: &'static str,
+        /// What is wrong.
+        why: String,
+    },
     /// The element is so large that its softening snaps back.
     #[error(
         "{branch} row {row}: the softening snaps back in an element of equivalent length \

@@ -8,6 +8,7 @@ pub use super::surfaces::{ContactPoints, ContactSurfaces};
 use crate::element::Formulation;
 use crate::error::Warning;
 use crate::experiment::Experiment;
+use crate::material::LawOutput;
 
 /// All data that a run reads and does not change.
 #[derive(Clone, Debug)]
@@ -69,11 +70,22 @@ impl Model {
         }
     }
 
-    /// Columns of the history after those that every history has: the probes, then the loads.
+    /// Columns of the history after those that every history has: the probes, then the loads, then the outputs of the
+    /// laws of the solids.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
-        probes.chain(loads).collect()
+        let outputs = self.outputs().into_iter().map(|output| output.column());
+        probes.chain(loads).chain(outputs).collect()
+    }
+
+    /// What the laws of the solids show, each name once; nothing where solids stay elastic.
+    pub fn outputs(&self) -> Vec<LawOutput> {
+        if self.fidelity == Fidelity::Elastic {
+            return Vec::new();
+        }
+        let materials = self.materials.iter();
+        LawOutput::once(materials.flat_map(|material| material.parameters.outputs()))
     }
 
     /// Whether inertia may act in any step: all materials have mass, and a procedure may use inertia.

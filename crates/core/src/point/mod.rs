@@ -2,8 +2,9 @@
 //! rows of targets in, states and tangents out; nothing is kept between calls.
 //!
 //! [`material_path`] and [`interface_path`] take a virgin point along a whole path, [`follow_material`] and
-//! [`follow_interface`] hand over row by row, from any state on.
+//! [`follow_interface`] hand over row by row, from any state on. [`checks`] are for tests of laws.
 
+pub mod checks;
 mod follow;
 mod layout;
 mod search;

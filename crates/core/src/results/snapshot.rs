@@ -236,6 +236,9 @@ impl Snapshot {
         ] {
             expect(name, length, wanted)?;
         }
+        for output in &frame.outputs {
+            expect(&output.name, output.values.len(), elements)?;
+        }
         if !frame.velocity.is_empty() {
             expect("velocity", frame.velocity.len(), nodes)?;
         }

@@ -32,12 +32,24 @@ pub struct Frame {
     /// Crack opening: the band width (l_eq, or the width of its own band) times the largest principal inelastic
     /// strain of tensile cracks, mean over the element's points [mm]. `[element]`
     pub crack_width: Vec<f64>,
+    /// Outputs of the laws of the solids. See [`Model::outputs`](crate::model::Model::outputs).
+    pub outputs: Vec<OutputField>,
     /// Fields of the joints.
     pub interfaces: InterfaceFrame,
     /// External forces on each beam, then on each support, then those of each load [N]. `[beam, support, load][xyz]`
     pub reactions: Vec<[f64; 3]>,
-    /// Values of the model's probes and loads. See [`Model::columns`]. `[column]`
+    /// Values of the model's probes, loads and outputs. See [`Model::columns`](crate::model::Model::columns).
+    /// `[column]`
     pub probes: Vec<f64>,
+}
+
+/// Field of an output of a law of the solids.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OutputField {
+    /// Its name.
+    pub name: String,
+    /// Largest value over the element's points; 0 in elements whose law has no such output. `[element]`
+    pub values: Vec<f64>,
 }
 
 impl Frame {

@@ -60,8 +60,8 @@ pub struct HistoryRow {
     pub load_factor: f64,
     /// Method that solved the increment.
     pub procedure: Method,
-    /// Values of the model's probes, then of its loads. They have columns of their own after these. See
-    /// [`Model::columns`](crate::model::Model::columns).
+    /// Values of the model's probes, then of its loads, then of the outputs of its solids. They have columns of their
+    /// own after these. See [`Model::columns`](crate::model::Model::columns).
     #[serde(skip)]
     pub probes: Vec<f64>,
     /// External forces on each beam, then on each support, then those of each load [N]. They are only in

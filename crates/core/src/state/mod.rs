@@ -19,7 +19,7 @@ use crate::material::MaterialHistory;
 pub use clock::Clock;
 pub use energies::{Energies, QUIET, is_moving};
 pub use energy_balance::EnergyBalance;
-pub use frame::{Frame, InterfaceFrame, InterfaceState};
+pub use frame::{Frame, InterfaceFrame, InterfaceState, OutputField};
 pub use history_row::HistoryRow;
 pub use method::Method;
 pub use pose::{PointPose, Poses};

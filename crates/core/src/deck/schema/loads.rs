@@ -6,7 +6,9 @@ use super::{Deck, DeckProcedure, DeckStep};
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
 use crate::error::ModelError;
 use crate::input;
+use crate::material::LawOutput;
 use crate::model::amplitude::Amplitude;
+use crate::model::scene::Fidelity;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
@@ -125,7 +127,17 @@ impl Deck {
             .loads()
             .into_iter()
             .flat_map(|(_, load)| load.columns());
-        probes.chain(loads).collect()
+        let outputs = self.outputs().into_iter().map(|output| output.column());
+        probes.chain(loads).chain(outputs).collect()
+    }
+
+    /// What the laws of its solids show, each name once; nothing where solids stay elastic.
+    fn outputs(&self) -> Vec<LawOutput> {
+        if self.fidelity == Fidelity::Elastic {
+            return Vec::new();
+        }
+        let materials = self.materials.values();
+        LawOutput::once(materials.flat_map(|material| material.parameters().outputs()))
     }
 
     /// Loads in order, each at its first occurrence, with its path.

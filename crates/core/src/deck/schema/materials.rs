@@ -1,10 +1,11 @@
-//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity
-//! (theory/damage-plasticity.md).
+//! `[materials.NAME]`: elastic constants, the law, and the keys that it reads (theory/damage-plasticity.md,
+//! theory/drucker-prager.md).
 
-use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
+use super::registry::SolidKind;
+use crate::deck::quantity::{Angle, Density, FractureEnergy, Length, Number, Pressure, Time};
 use crate::material::{
-    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
-    TableRow,
+    CrackBand, DamagePlasticityParameters, DruckerPragerParameters, ElasticParameters,
+    Interpolation, MaterialParameters, TableRow,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,9 +15,12 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 #[expect(
     non_snake_case,
-    reason = "E and K_c are spelt in the deck as in the theory"
+    reason = "E, K_c and G_I are spelt in the deck as in the theory"
 )]
 pub struct Material {
+    /// Law; concrete damaged plasticity, which is linear elastic without tables, if absent.
+    #[serde(default)]
+    pub kind: SolidKind,
     /// Young's modulus E [MPa].
     pub E: Pressure,
     /// Poisson's ratio ν [-].
@@ -24,6 +28,24 @@ pub struct Material {
     /// Density [tonne/mm³]; 0: no mass.
     #[serde(default)]
     pub density: Density,
+    /// Drucker–Prager: cohesion of Mohr–Coulomb c [MPa].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub c: Option<Pressure>,
+    /// Drucker–Prager: friction angle φ of Mohr–Coulomb [deg].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phi: Option<Angle>,
+    /// Drucker–Prager: dilation angle ψ [deg]; φ if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psi: Option<Angle>,
+    /// Drucker–Prager: uniaxial tensile strength f_t [MPa].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_t: Option<Pressure>,
+    /// Drucker–Prager: fracture energy in tension [N/mm]; if absent, no softening.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_I: Option<FractureEnergy>,
+    /// Drucker–Prager: fracture energy in compression [N/mm]; if absent, no softening.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_c: Option<FractureEnergy>,
     /// Uniaxial tension; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tension: Vec<Row>,
@@ -89,9 +111,16 @@ impl Material {
     /// A linear elastic material; all other keys have their defaults.
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
+            kind: SolidKind::default(),
             E: modulus,
             nu,
             density,
+            c: None,
+            phi: None,
+            psi: None,
+            f_t: None,
+            G_I: None,
+            G_c: None,
             tension: Vec::new(),
             compression: Vec::new(),
             dilation_angle: dilation_angle(),
@@ -107,13 +136,37 @@ impl Material {
         }
     }
 
-    /// Parameters of the law: elastic without tables, else concrete damaged plasticity.
+    /// Parameters of its law.
     pub fn parameters(&self) -> MaterialParameters {
-        let elastic = ElasticParameters {
+        (self.kind.registered().parameters)(self)
+    }
+
+    fn elastic_parameters(&self) -> ElasticParameters {
+        ElasticParameters {
             E: self.E.get(),
             nu: self.nu.get(),
             density: self.density.get(),
-        };
+        }
+    }
+
+    /// Of Drucker–Prager plasticity; what is required and absent, which the checks refuse, is 0.
+    pub(super) fn drucker_prager(&self) -> MaterialParameters {
+        let radians = |angle: Option<Angle>| angle.map_or(0.0, |a| a.get().to_radians());
+        MaterialParameters::DruckerPrager(DruckerPragerParameters {
+            elastic: self.elastic_parameters(),
+            cohesion: self.c.map_or(0.0, Pressure::get),
+            friction_angle: radians(self.phi),
+            dilation_angle: radians(self.psi.or(self.phi)),
+            tensile_strength: self.f_t.map_or(0.0, Pressure::get),
+            tension_energy: self.G_I.map(FractureEnergy::get),
+            compression_energy: self.G_c.map(FractureEnergy::get),
+            reference_length: self.reference_length.map(Length::get),
+        })
+    }
+
+    /// Of concrete damaged plasticity; linear elastic without tables.
+    pub(super) fn damage_plasticity(&self) -> MaterialParameters {
+        let elastic = self.elastic_parameters();
         if self.tension.is_empty() || self.compression.is_empty() {
             return MaterialParameters::Elastic(elastic);
         }

@@ -17,6 +17,7 @@ mod materials;
 mod output;
 mod probes;
 mod procedure;
+pub mod registry;
 mod resumed;
 mod rows;
 mod stand_in;
@@ -39,6 +40,7 @@ pub use probes::{DeckPlace, DeckProbe};
 pub use procedure::{
     DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
 };
+pub use registry::SolidKind;
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use symmetry::{DeckSymmetry, Keep};

@@ -27,7 +27,9 @@ pub fn elements(snapshot: &Snapshot) -> String {
         let unit = if field == "stress" { "_MPa" } else { "" };
         header.extend(TENSOR.map(|c| format!(",{field}_{c}{unit}")));
     }
-    header += ",tensile_damage,compressive_damage,crack_width_mm,yielded\n";
+    header += ",tensile_damage,compressive_damage,crack_width_mm,yielded";
+    header.extend(frame.outputs.iter().map(|of| format!(",{}", of.name)));
+    header.push('\n');
     let mut text = header;
     for e in 0..mesh.elements.len() {
         let name = &snapshot.materials[usize::from(mesh.material[e])];
@@ -37,6 +39,7 @@ pub fn elements(snapshot: &Snapshot) -> String {
             mesh.course[e].to_string(),
         ];
         labels.extend(mesh.elements[e].map(|n| n.to_string()));
+        let outputs: Vec<f64> = frame.outputs.iter().map(|of| of.values[e]).collect();
         let last = [
             frame.tensile_damage[e],
             frame.compressive_damage[e],
@@ -47,7 +50,7 @@ pub fn elements(snapshot: &Snapshot) -> String {
             &mut text,
             e,
             &labels,
-            &[&frame.stress[e], &frame.plastic_strain[e], &last],
+            &[&frame.stress[e], &frame.plastic_strain[e], &last, &outputs],
         );
     }
     text

@@ -35,6 +35,9 @@ pub fn solids(snapshot: &Snapshot) -> String {
     xml.reals("tensile_damage", 1, &frame.tensile_damage);
     xml.reals("compressive_damage", 1, &frame.compressive_damage);
     xml.reals("crack_width", 1, &frame.crack_width);
+    for output in &frame.outputs {
+        xml.reals(&output.name, 1, &output.values);
+    }
     xml.small("yielded", frame.yielded.iter().map(|&y| u8::from(y)));
     xml.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
     xml.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));

@@ -15,7 +15,7 @@ const GROUPS: [(&str, &str); 4] = [
 ];
 
 /// Labels, which are the same in every frame and have no rows per frame.
-const LABELS: [&str; 5] = ["material", "unit", "course", "facet", "law"];
+pub(super) const LABELS: [&str; 5] = ["material", "unit", "course", "facet", "law"];
 
 /// Values of a field at a frame.
 #[derive(Clone, Debug, PartialEq)]

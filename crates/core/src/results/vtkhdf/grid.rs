@@ -261,6 +261,10 @@ impl Grid {
             let (found, wanted) = (series.len(), self.series.len());
             return Err(format!("{found} probes where {wanted} belong"));
         }
+        if columns.len() != self.fields.len() {
+            let (found, wanted) = (columns.len(), self.fields.len());
+            return Err(format!("{found} fields where {wanted} belong"));
+        }
         for (field, values) in self.fields.iter().zip(columns) {
             let (tuples, components) = (field.tuples, field.components);
             if values.len() != tuples * components {

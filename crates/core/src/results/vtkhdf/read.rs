@@ -7,11 +7,12 @@ use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
 
 use super::about::{self, MODEL};
-use super::field::Values;
+use super::field::{LABELS, Values};
 use super::history::{self, FRAME_INCREMENT, HISTORY};
+use super::work::SOLIDS;
 use super::{INTERFACES, into_io, publication};
 use crate::model::Model;
-use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, OutputField};
 
 /// The solids at rest with the labels of their elements.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -233,9 +234,23 @@ impl FieldsFile {
                 .map(|y| *y != 0)
                 .collect(),
             crack_width: self.scalars(frame, &cell("crack_width"))?,
+            outputs: self.outputs(frame)?,
             interfaces: self.interfaces(frame)?,
             ..Frame::default()
         })
+    }
+
+    /// Fields of the solids that are none of those of every law.
+    fn outputs(&self, frame: usize) -> hdf5::Result<Vec<OutputField>> {
+        let mut outputs = Vec::new();
+        for name in self.file.group("VTKHDF/CellData")?.member_names()? {
+            if SOLIDS.iter().any(|field| field.name == name) || LABELS.contains(&name.as_str()) {
+                continue;
+            }
+            let values = self.scalars(frame, &format!("VTKHDF/CellData/{name}"))?;
+            outputs.push(OutputField { name, values });
+        }
+        Ok(outputs)
     }
 
     fn interfaces(&self, frame: usize) -> hdf5::Result<InterfaceFrame> {

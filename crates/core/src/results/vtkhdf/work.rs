@@ -21,7 +21,7 @@ const fn column(name: &'static str, on: On, components: usize, unit: &'static st
 }
 
 /// Fields of the solids; the last one only if the model has inertia.
-const SOLIDS: [Column; 9] = [
+pub(super) const SOLIDS: [Column; 9] = [
     column("displacement", On::Points, 3, "mm"),
     column("stress", On::Cells, 6, "MPa"),
     column("principal_stress", On::Cells, 3, "MPa"),
@@ -111,6 +111,13 @@ impl WorkFile {
         let moves = model.may_move();
         let columns = model.columns();
         let series: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let outputs = model.outputs().into_iter();
+        let outputs = outputs.map(|o| column(o.name, On::Cells, 1, o.unit));
+        let columns_of_solids: Vec<Column> = present(&SOLIDS, moves)
+            .iter()
+            .copied()
+            .chain(outputs)
+            .collect();
         let solids = Meshed {
             geometry: &Geometry {
                 points: mesh.nodes.clone(),
@@ -118,7 +125,7 @@ impl WorkFile {
                 corners: 8,
                 kind: HEXAHEDRON,
             },
-            columns: present(&SOLIDS, moves),
+            columns: &columns_of_solids,
             labels: &labels(mesh),
             series: &series,
         };
@@ -184,9 +191,8 @@ impl WorkFile {
             fields.displacement = quarters.spread(&frame.displacement)?;
             grid.check(&fields.of_surfaces(frame), &[])?;
         }
-        let solids = fields.of_solids(frame);
-        self.solids
-            .check(present(&solids, self.moves), &frame.probes)?;
+        let solids = fields.of_solids(frame, self.moves);
+        self.solids.check(&solids, &frame.probes)?;
         Ok(fields)
     }
 
@@ -199,9 +205,8 @@ impl WorkFile {
         if let Some((_, grid)) = &mut self.interfaces {
             grid.append(step, time, &fields.of_surfaces(frame), &[])?;
         }
-        let solids = fields.of_solids(frame);
-        let solids = present(&solids, self.moves);
-        self.solids.append(step, time, solids, &frame.probes)?;
+        let solids = fields.of_solids(frame, self.moves);
+        self.solids.append(step, time, &solids, &frame.probes)?;
         self.history.frame(step, frame.increment)?;
         self.flush()
     }
@@ -228,9 +233,9 @@ impl WorkFile {
 }
 
 impl Fields {
-    /// Values in the order of [`SOLIDS`].
-    fn of_solids<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SOLIDS.len()] {
-        [
+    /// Values in the order of [`SOLIDS`], then those of the outputs.
+    fn of_solids<'a>(&'a self, frame: &'a Frame, moves: bool) -> Vec<Values<'a>> {
+        let solids = [
             Values::Real(frame.displacement.as_flattened()),
             Values::Real(frame.stress.as_flattened()),
             Values::Real(self.principal_stress.as_flattened()),
@@ -240,7 +245,10 @@ impl Fields {
             Values::Real(&frame.crack_width),
             Values::Small(&self.yielded),
             Values::Real(frame.velocity.as_flattened()),
-        ]
+        ];
+        let outputs = frame.outputs.iter().map(|of| Values::Real(&of.values));
+        let solids = present(&solids, moves).iter().copied();
+        solids.chain(outputs).collect()
     }
 
     /// Values in the order of [`SURFACES`].

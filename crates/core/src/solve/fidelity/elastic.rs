@@ -3,7 +3,7 @@
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
-use crate::material::{Material, MaterialParameters};
+use crate::material::{Material, MaterialParameters, SolidLaw};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
 use crate::solve::Checkpoint;
@@ -37,9 +37,7 @@ impl Elastic {
         };
         let law = |parameters: &MaterialParameters| match parameters {
             MaterialParameters::Elastic(_) => None,
-            MaterialParameters::DamagePlasticity(_) => {
-                Material::new(parameters, None).ok().map(|(law, _)| law)
-            }
+            _ => Material::new(parameters, None).ok().map(|(law, _)| law),
         };
         let laws = elastic.materials.iter_mut().map(|material| {
             let law = law(&material.parameters);
@@ -51,16 +49,18 @@ impl Elastic {
             model: elastic,
         }
     }
+
+    /// Name of a law that does not tell which part of its yield stress is reached.
+    fn unknown(&self) -> Option<&'static str> {
+        let laws = self.laws.iter().flatten().map(Material::law);
+        let mut silent = laws.filter(|law| law.reached(&Vector6::zeros()).is_none());
+        silent.next().map(SolidLaw::name)
+    }
 }
 
-/// Ratio of a stress to the yield stress: 1 on the initial yield surface (docs/theory/damage-plasticity.md, eq. 2).
-/// The surface is homogeneous of degree one about σ̄_c0, so the ratio is (F + σ̄_c0)/σ̄_c0.
+/// Ratio of a stress to the yield stress: 1 on the initial yield surface; 0 if the law does not know it.
 fn reached(law: &Material, stress: &Vector6<f64>) -> f64 {
-    let Material::DamagePlasticity(law) = law else {
-        return 0.0;
-    };
-    let at = |stress: &Vector6<f64>| law.yield_function(stress, 0.0, 0.0);
-    1.0 - at(stress) / at(&Vector6::zeros())
+    law.law().reached(stress).unwrap_or_default()
 }
 
 /// Recorder that observes the stresses of each commit.
@@ -79,6 +79,12 @@ impl Watch<'_> {
             increment,
         } = self.reached;
         let mesh = &self.elastic.model.mesh;
+        if let Some(law) = self.elastic.unknown() {
+            return format!(
+                "fidelity is \"elastic\", and the law `{law}` does not say where it yields: what yields or cracks is \
+                 left out; fidelity = \"auto\" has it"
+            );
+        }
         if largest <= 1.0 {
             return format!(
                 "the solids reach {largest:.2} times their yield stress: that they are elastic leaves nothing out"

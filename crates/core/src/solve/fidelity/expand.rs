@@ -9,7 +9,7 @@ use crate::model::mirrored::{Half, Images};
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::State;
-use crate::state::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame};
+use crate::state::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, OutputField};
 
 /// Nodes, elements and points of the half from which those of the whole get their results; `true` marks images.
 #[derive(Clone, Debug)]
@@ -118,10 +118,19 @@ impl Places {
             plastic_strain: self.elements(&half.plastic_strain, |t| self.tensor(t)),
             yielded: self.elements(&half.yielded, |y| y),
             crack_width: self.elements(&half.crack_width, |w| w),
+            outputs: self.outputs(&half.outputs),
             interfaces: self.interfaces(&half.interfaces),
             reactions,
             probes,
         }
+    }
+
+    fn outputs(&self, half: &[OutputField]) -> Vec<OutputField> {
+        let field = |of: &OutputField| OutputField {
+            name: of.name.clone(),
+            values: self.elements(&of.values, |v| v),
+        };
+        half.iter().map(field).collect()
     }
 
     fn interfaces(&self, half: &InterfaceFrame) -> InterfaceFrame {

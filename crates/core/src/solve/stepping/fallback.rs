@@ -18,7 +18,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
 use crate::solve::increment::newton::IMBALANCE;
@@ -86,10 +85,7 @@ pub struct Fallback {
 impl Fallback {
     /// Fallback of a step; `all_has_mass` if inertia can act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
-        let softens = model
-            .materials
-            .iter()
-            .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
+        let softens = model.materials.iter().any(|m| m.parameters.yields());
         let own = |method| MethodChoice {
             method,
             // Extrapolated solids are linear: their tangent is their secant.

@@ -3,8 +3,8 @@
 use nalgebra::Vector6;
 
 use super::run::Run;
-use crate::material::{ElasticParameters, MaterialHistory};
-use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::material::{ElasticParameters, LawOutput, MaterialHistory};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, OutputField};
 use crate::tensor;
 
 impl Run<'_> {
@@ -32,6 +32,12 @@ impl Run<'_> {
             probes: row.probes.clone(),
             ..Frame::default()
         };
+        frame.outputs = self
+            .model
+            .outputs()
+            .iter()
+            .map(|of| self.output_field(of))
+            .collect();
         for (e, points) in state.material.chunks_exact(8).enumerate() {
             let mean = |of: fn(&MaterialHistory) -> Vector6<f64>| {
                 let sum: Vector6<f64> = points.iter().map(of).sum();
@@ -62,6 +68,33 @@ impl Run<'_> {
                 .push(points.iter().map(width).sum::<f64>() / 8.0);
         }
         frame
+    }
+
+    /// Largest value of an output at the points of each element.
+    fn output_field(&self, output: &LawOutput) -> OutputField {
+        let (mesh, name) = (&self.model.mesh, output.name);
+        let elements = self.state.material.chunks_exact(8).zip(&mesh.material);
+        let value = |(points, material): (&[MaterialHistory], &u16)| {
+            let parameters = &self.model.materials[usize::from(*material)].parameters;
+            let own = parameters.outputs().iter().find(|own| own.name == name);
+            own.map_or(0.0, |own| {
+                let values = points.iter().map(|point| own.slot.of(point));
+                values.fold(f64::NEG_INFINITY, f64::max)
+            })
+        };
+        OutputField {
+            name: name.to_owned(),
+            values: elements.map(value).collect(),
+        }
+    }
+
+    /// Largest value of each output of the solids at the last commit.
+    pub(super) fn most_of_outputs(&self) -> impl Iterator<Item = f64> {
+        let most = |of: LawOutput| {
+            let values = self.output_field(&of).values.into_iter();
+            values.fold(f64::NEG_INFINITY, f64::max)
+        };
+        self.model.outputs().into_iter().map(most)
     }
 
     fn interface_frame(&self) -> InterfaceFrame {

@@ -2,8 +2,12 @@
 
 use super::Checks;
 use crate::deck::keys;
-use crate::deck::schema::{Material, Row};
-use crate::material::CrackBand;
+use crate::deck::schema::registry::SOLIDS;
+use crate::deck::schema::{Material, Row, SolidKind};
+use crate::material::{CrackBand, MaterialParameters};
+
+/// Part of the tensile strength of the sharp cone up to which the surface is smooth enough for a return map.
+const LARGEST_PART: f64 = 0.95;
 
 impl Checks<'_> {
     pub(super) fn material(&mut self, path: &str, m: &Material) {
@@ -17,6 +21,10 @@ impl Checks<'_> {
             "brick and mortar have about 0.15",
         );
         self.not_negative(&key("density"), m.density);
+        self.keys_of_its_law(path, m);
+        if m.kind == SolidKind::DruckerPrager {
+            self.drucker_prager(path, m);
+        }
         let psi = m.dilation_angle.get();
         // ψ = 0 or eccentricity = 0 gives the flow potential a vertex: a = ε σ_t0 tan ψ
         // (theory/damage-plasticity.md, eq. 6).
@@ -76,6 +84,84 @@ impl Checks<'_> {
         }
         self.table(&key("tension"), &m.tension);
         self.table(&key("compression"), &m.compression);
+    }
+
+    /// Ranges of hyperbolic Drucker–Prager plasticity.
+    fn drucker_prager(&mut self, path: &str, m: &Material) {
+        let key = |name: &str| format!("{path}.{name}");
+        for (name, value) in [("c", m.c), ("f_t", m.f_t)] {
+            if let Some(value) = value {
+                self.positive(&key(name), value);
+            }
+        }
+        for (name, value) in [("G_I", m.G_I), ("G_c", m.G_c)] {
+            if let Some(value) = value {
+                self.positive(&key(name), value);
+            }
+        }
+        let (Some(c), Some(phi), Some(f_t)) = (m.c, m.phi, m.f_t) else {
+            return;
+        };
+        let degrees = phi.get();
+        self.demand(
+            degrees > 0.0 && degrees < 90.0,
+            &key("phi"),
+            || format!("{degrees} degrees is not between 0 and 90"),
+            "soil has 25 to 40 degrees, stone 30 to 60",
+        );
+        if let Some(psi) = m.psi {
+            let psi = psi.get();
+            self.demand(
+                psi > 0.0 && psi <= degrees,
+                &key("psi"),
+                || format!("{psi} degrees is not above 0 and at most phi = {degrees}"),
+                "more would give energy away; without dilation take a small angle such as \"0.1 deg\"",
+            );
+        }
+        let MaterialParameters::DruckerPrager(p) = m.parameters() else {
+            return;
+        };
+        let (largest, f_t) = (p.largest_tensile_strength(), f_t.get());
+        let sound = c.get() > 0.0 && degrees > 0.0 && degrees < 90.0;
+        self.demand(
+            !sound || f_t < LARGEST_PART * largest,
+            &key("f_t"),
+            || {
+                format!(
+                    "{f_t} MPa is not below {LARGEST_PART} times the {largest:.4} MPa that the sharp cone of c and \
+                     phi carries in tension"
+                )
+            },
+            "give less tensile strength, or more cohesion",
+        );
+    }
+
+    /// Keys that the law does not read, and those that it lacks.
+    fn keys_of_its_law(&mut self, path: &str, m: &Material) {
+        let (law, given) = (m.kind.registered(), m.given());
+        for key in &given {
+            if law.keys.contains(&key.as_str()) {
+                continue;
+            }
+            let of = SOLIDS
+                .iter()
+                .filter(|other| other.keys.contains(&key.as_str()));
+            let of: Vec<String> = of.map(|other| format!("\"{}\"", other.name)).collect();
+            self.require(
+                false,
+                &format!("{path}.{key}"),
+                || format!("`{key}` is not read by kind = \"{}\"", law.name),
+                &format!("leave `{key}` out, or say kind = {}", of.join(" or ")),
+            );
+        }
+        for key in law.required {
+            self.require(
+                given.iter().any(|own| own == key),
+                path,
+                || format!("kind = \"{}\" needs `{key}`", law.name),
+                &keys::example(key),
+            );
+        }
     }
 
     /// Checks rows of (stress, inelastic strain, damage) as far as they do not depend on the modulus. Other

@@ -15,7 +15,13 @@ pub(super) fn material(text: &mut String, name: &str, of: &MaterialParameters) -
     match of {
         MaterialParameters::Elastic(_) => Ok(()),
         MaterialParameters::DamagePlasticity(p) => damage_plasticity(text, p),
+        MaterialParameters::DruckerPrager(_) => left_out(text, "drucker-prager"),
+        MaterialParameters::Custom(law) => left_out(text, law.name()),
     }
+}
+
+fn left_out(text: &mut String, law: &str) -> std::fmt::Result {
+    writeln!(text, "** wythe: the law `{law}` is left out; elastic here")
 }
 
 fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::fmt::Result {
