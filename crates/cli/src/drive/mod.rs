@@ -9,7 +9,7 @@ use miette::Diagnostic;
 use wythe_core::error::IoError;
 use wythe_core::input;
 use wythe_core::model::Deck;
-use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Walk};
+use wythe_core::point::{self, Layout, MATERIAL, PointFailure, Row, Walk};
 
 use crate::arguments::{Drive, DrivePoint, Point};
 use crate::failure::Failure;
@@ -49,9 +49,9 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
     let follow = |rows: &[Row<3>]| point::interface_path(&law, rows, arguments.substeps);
     walk(
         arguments,
-        &INTERFACE,
+        &point::interface_layout(&law),
         follow,
-        point::interface_state,
+        |history| point::interface_outputs(&law, history),
         deck.inputs(),
     )
 }
@@ -80,11 +80,11 @@ fn help<const N: usize>(failure: &PointFailure<N>) -> &'static str {
 }
 
 /// Takes the point along its path, and writes path and answers.
-fn walk<const N: usize, const M: usize, H>(
+fn walk<const N: usize, H, S: AsRef<[f64]>>(
     arguments: &DrivePoint,
     layout: &Layout<N>,
     follow: impl FnOnce(&[Row<N>]) -> Walk<N, H>,
-    state: impl Fn(&H) -> [f64; M],
+    state: impl Fn(&H) -> S,
     mut inputs: Vec<PathBuf>,
 ) -> Result<(), Failure> {
     inputs.push(arguments.path.clone());
@@ -98,7 +98,12 @@ fn walk<const N: usize, const M: usize, H>(
     let Walk { records, failure } = follow(&path.rows);
     let mut table = table::Table::new(&path, layout);
     for (index, record) in records.iter().enumerate() {
-        table.push(&path, index, &record.state, &state(&record.state.history));
+        table.push(
+            &path,
+            index,
+            &record.state,
+            state(&record.state.history).as_ref(),
+        );
     }
     let text = table.finish();
     match &arguments.out {

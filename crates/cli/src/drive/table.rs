@@ -39,7 +39,7 @@ impl Table {
                 layout
                     .stresses
                     .iter()
-                    .chain(layout.state)
+                    .chain(&*layout.state)
                     .map(|&name| name.to_owned()),
             )
             .collect();

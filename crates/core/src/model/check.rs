@@ -14,6 +14,7 @@ use crate::material::{MaterialHistory, MaterialParameters};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
+use wythe_contact::JointLaw;
 
 /// The checker's findings about a deck that is free of errors.
 #[derive(Clone, Debug)]
@@ -401,7 +402,7 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     let contact = &model.contact;
     let laws = contact.laws.iter().zip(&contact.law_names);
     let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
-        let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
+        let [normal, shear] = law.stiffness();
         format!("{} / {}", rounded(normal), rounded(shear))
     });
     let mut pairs: Vec<String> = pairs.collect();

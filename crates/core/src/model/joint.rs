@@ -4,7 +4,7 @@ use super::deck::Interface;
 use super::scatter::MOST_LAWS;
 use super::scene::ContactSurfaces;
 use crate::material::ElasticParameters;
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// Stiffness of an element's material and its size normal to an interface.
 #[derive(Clone, Copy)]
@@ -33,10 +33,11 @@ pub(super) fn law_between(
         _ => interface.law(normal, shear),
     };
     // Sizes are differences of coordinates: equal ones may differ in their last bits.
+    let stiffness = law.stiffness();
     let alike = |l: &InterfaceLaw| {
-        (l.normal_stiffness - law.normal_stiffness).abs() <= 1e-9 * law.normal_stiffness
-            && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
-            && l.delta_k == law.delta_k // that of a joint cut at its middle is another law
+        let same = |(a, b): (f64, f64)| (a - b).abs() <= 1e-9 * b;
+        // That of a joint cut at its middle is another law.
+        l.stiffness().into_iter().zip(stiffness).all(same) && l.is_half() == law.is_half()
     };
     // More are refused when all are seen, and must not be searched until then.
     if contact.laws.len() > MOST_LAWS {

@@ -31,6 +31,7 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("crack_band", "crack_band = \"projected\"  # or \"volume\""),
     ("interpolation", "interpolation = \"eff1\"  # or \"lit\""),
     ("interfaces", "[interfaces.joint]"),
+    ("interfaces.kind", "kind = \"cohesive-frictional\""),
     ("f_t", "f_t = \"0.2 MPa\""),
     ("c", "c = \"0.22 MPa\""),
     ("tan_phi", "tan_phi = 0.75"),

@@ -2,7 +2,7 @@
 
 use super::general::GeneralContact;
 use super::hexahedron::norm;
-use wythe_contact::{InterfaceLaw, Part, Surface};
+use wythe_contact::{InterfaceLaw, JointLaw, Output, Part, Surface};
 
 /// Where an interface is sampled on a slave facet.
 #[derive(
@@ -64,6 +64,17 @@ impl ContactSurfaces {
             facets: self.slave_facets.clone(),
             body: self.slave_body.clone(),
         }
+    }
+
+    /// What the laws tell of their histories, each name once, in the order of the laws.
+    pub fn outputs(&self) -> Vec<Output> {
+        let mut outputs: Vec<Output> = Vec::new();
+        for output in self.laws.iter().flat_map(|law| law.outputs()) {
+            if outputs.iter().all(|known| known.name != output.name) {
+                outputs.push(*output);
+            }
+        }
+        outputs
     }
 
     /// What an entry of the slave facets samples.

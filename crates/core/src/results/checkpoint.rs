@@ -24,7 +24,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";
 /// Version of the content: another number for every change of what is in it.
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 /// Bytes before the content.
 const HEAD: usize = 8 + 4 + 4 + 8;
 

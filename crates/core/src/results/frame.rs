@@ -2,10 +2,10 @@
 
 use crate::model::sizes::Sizes;
 use nalgebra::Vector6;
-use wythe_contact::{InterfaceHistory, InterfaceLaw};
+use wythe_contact::{InterfaceHistory, InterfaceLaw, JointLaw};
 
+use crate::model::Model;
 use crate::model::mirrored::MirrorPlane;
-use crate::model::{Model, symmetry};
 use crate::solve::{Checkpoint, Method, State};
 use crate::sym6;
 
@@ -145,6 +145,8 @@ pub struct InterfaceFrame {
     pub damage: Vec<f64>,
     /// What has become of the bond.
     pub state: Vec<InterfaceState>,
+    /// Further fields by the names that the joint laws give them; NaN at points of other laws. `[field]` (name, `[point]`)
+    pub outputs: Vec<(String, Vec<f64>)>,
 }
 
 /// What has become of a point of an interface.
@@ -171,7 +173,7 @@ impl InterfaceState {
             (true, true) => Self::FailedOpen,
             (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
             // Its slip is the other side's too: nothing slides on anything.
-            (true, false) if law.is_dry() && symmetry::is_mirrored(law) => Self::Intact,
+            (true, false) if law.is_dry() && law.is_half() => Self::Intact,
             (true, false) => Self::FailedSliding,
             (false, _) if history.damage > 0.0 => Self::Softening,
             (false, _) => Self::Intact,
@@ -352,13 +354,13 @@ pub trait Recorder: Send {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wythe_contact::Coupling;
+    use wythe_contact::{CohesiveFrictional, Coupling};
 
     /// A joint cut at its middle opens and closes, and slides freely: that is not damage.
     #[test]
     fn slip_along_a_plane_of_symmetry_leaves_the_bond() {
         for coupling in [Coupling::Max, Coupling::Additive] {
-            let whole = InterfaceLaw {
+            let whole = CohesiveFrictional {
                 f_t: 0.2,
                 c: 0.3,
                 u_k: 0.36,
@@ -366,9 +368,9 @@ mod tests {
                 zeta: 4.38,
                 xi: 1.1,
                 coupling,
-                ..InterfaceLaw::dry(0.75, 100.0, 40.0)
+                ..CohesiveFrictional::dry(0.75, 100.0, 40.0)
             };
-            let law = symmetry::mirrored(&whole);
+            let law = whole.half();
             let u_0 = law.f_t / law.normal_stiffness;
             let after = |opening: f64| {
                 let first = law.update([0.5 * opening, 0.1, 0.0], &law.virgin()).history;
@@ -377,22 +379,31 @@ mod tests {
             for held in [-0.01, 0.5 * u_0] {
                 let history = after(held);
                 assert_eq!(history.damage, 0.0, "{coupling:?}");
-                assert_eq!(InterfaceState::of(&law, &history), InterfaceState::Intact);
+                assert_eq!(
+                    InterfaceState::of(&law.into(), &history),
+                    InterfaceState::Intact
+                );
             }
             let history = after(2.0 * u_0);
             let (expected, _) = law.opening_curve().evaluate(u_0);
             // Rounding of an exponential.
             assert!((history.damage - expected).abs() < 1e-14, "{coupling:?}");
             assert_eq!(
-                InterfaceState::of(&law, &history),
+                InterfaceState::of(&law.into(), &history),
                 InterfaceState::Softening
             );
         }
-        let law = symmetry::mirrored(&InterfaceLaw::dry(0.6, 50.0, 20.0));
+        let law = CohesiveFrictional::dry(0.6, 50.0, 20.0).half();
         let pressed = law.update([-0.01, 0.1, 0.0], &law.virgin()).history;
         assert!(pressed.slip_max > 0.0);
-        assert_eq!(InterfaceState::of(&law, &pressed), InterfaceState::Intact);
+        assert_eq!(
+            InterfaceState::of(&law.into(), &pressed),
+            InterfaceState::Intact
+        );
         let open = law.update([0.01, 0.1, 0.0], &law.virgin()).history;
-        assert_eq!(InterfaceState::of(&law, &open), InterfaceState::FailedOpen);
+        assert_eq!(
+            InterfaceState::of(&law.into(), &open),
+            InterfaceState::FailedOpen
+        );
     }
 }

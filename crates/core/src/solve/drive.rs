@@ -22,6 +22,7 @@ use crate::results::curve::QUIET;
 use crate::results::{Recorder, Sizes, Status, Summary};
 use crate::system::bulk::BulkError;
 use crate::system::{Steered, System, Trial};
+use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// A run that could not begin, or could not be recorded.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +36,20 @@ pub enum RunError {
     /// A checkpoint that the model cannot go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// A joint law whose answer is not finite.
+    #[error(
+        "the joint law {law} gives a traction or a history that is not finite at contact point {point}, \
+         for the opening {} and the slip {}, {} mm: see what it does there, and whether its parameters are finite",
+        gap[0], gap[1], gap[2]
+    )]
+    JointLaw {
+        /// Name of the law.
+        law: &'static str,
+        /// Number of the contact point.
+        point: usize,
+        /// Opening and slip at the last commit [mm].
+        gap: [f64; 3],
+    },
     /// Inertia without mass.
     #[error(
         "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
@@ -215,6 +230,7 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
         course.refusals += 1;
+        self.joint_laws_answer()?;
         let size = leg.increment.size;
         let unsolved = !matches!(refusal, Refusal::Snap | Refusal::Linear { .. });
         if unsolved && course.ladder.may_snap() && course.step.procedure == Procedure::Auto {
@@ -227,6 +243,29 @@ impl<'m> Run<'m> {
             }
         }
         Ok(self.refuse(course, leg, refusal, recorder))
+    }
+
+    /// Whether the laws of users have given finite answers in the last iterate.
+    fn joint_laws_answer(&self) -> Result<(), RunError> {
+        let laws = &self.model.contact.laws;
+        if !laws
+            .iter()
+            .any(|law| matches!(law, InterfaceLaw::Custom(_)))
+        {
+            return Ok(());
+        }
+        let histories = self.trial.interface.iter().enumerate();
+        for (point, history) in histories {
+            let numbers = history.traction.iter().chain(&history.slots);
+            if numbers.clone().all(|n| n.is_finite()) && history.damage.is_finite() {
+                continue;
+            }
+            let law = self.system.contact.law(self.model, point).name();
+            let [slip_1, slip_2] = history.slip;
+            let gap = [self.state.interface[point].opening, slip_1, slip_2];
+            return Err(RunError::JointLaw { law, point, gap });
+        }
+        Ok(())
     }
 
     /// From here on the damage of a point has a largest rate, unless a viscosity holds it back.

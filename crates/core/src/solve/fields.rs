@@ -6,6 +6,7 @@ use super::drive::Run;
 use crate::material::{ElasticParameters, MaterialHistory};
 use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 use crate::sym6;
+use wythe_contact::{InterfaceHistory, JointLaw};
 
 impl Run<'_> {
     /// Fields of the last commit, whose row is `row`.
@@ -73,6 +74,17 @@ impl Run<'_> {
             frame.traction.push(history.traction);
             frame.damage.push(history.damage);
             frame.state.push(InterfaceState::of(law, history));
+        }
+        for output in self.model.contact.outputs() {
+            let histories = self.state.interface.iter().enumerate();
+            let value = |(p, history): (usize, &InterfaceHistory)| {
+                let law = self.system.contact.law(self.model, p);
+                let own = law.outputs().iter().find(|own| own.name == output.name);
+                own.map_or(f64::NAN, |own| own.of(history))
+            };
+            frame
+                .outputs
+                .push((output.name.to_owned(), histories.map(value).collect()));
         }
         frame
     }

@@ -1,10 +1,11 @@
-//! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory C).
+//! `[interfaces.NAME]`: the law of a joint, by its kind.
 
+use super::JointKind;
 use crate::model::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
-use wythe_contact::{Coupling, InterfaceLaw};
+use wythe_contact::{CohesiveFrictional, Coupling, InterfaceLaw};
 
 /// An interface as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,6 +15,9 @@ use wythe_contact::{Coupling, InterfaceLaw};
     reason = "G_I and G_II are spelt in the deck as in the theory"
 )]
 pub struct Interface {
+    /// The law of the joint.
+    #[serde(default)]
+    pub kind: JointKind,
     /// Tensile strength f_t [MPa].
     pub f_t: Pressure,
     /// Cohesion c [MPa].
@@ -143,13 +147,21 @@ impl Interface {
     }
 
     /// The law for what does not depend on its stiffnesses.
-    fn curves(&self) -> InterfaceLaw {
-        self.law(f64::INFINITY, f64::INFINITY)
+    fn curves(&self) -> CohesiveFrictional {
+        self.cohesive_frictional(f64::INFINITY, f64::INFINITY)
     }
 
     /// The law with these stiffnesses [N/mm³]; of mean strength, if it scatters.
     pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
-        InterfaceLaw {
+        self.kind.law(self, normal_stiffness, shear_stiffness)
+    }
+
+    pub(super) fn cohesive_frictional(
+        &self,
+        normal_stiffness: f64,
+        shear_stiffness: f64,
+    ) -> CohesiveFrictional {
+        CohesiveFrictional {
             f_t: self.f_t.get(),
             c: self.c.get(),
             tan_phi: self.tan_phi.get(),

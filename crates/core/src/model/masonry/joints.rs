@@ -14,7 +14,6 @@ use crate::model::hexahedron::{Face, range};
 use crate::model::joint::{Side, law_between};
 use crate::model::meeting::Touching;
 use crate::model::scene::ContactSurfaces;
-use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
 use wythe_contact::{Aabb, Bvh};
 
@@ -177,10 +176,12 @@ fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize,
         })
 }
 
-/// Index of the law of the half of a joint, see [`mirrored`]. It keeps the interface's name: its bond scatters as that
+/// Index of the law of the half of a joint, see [`half`](wythe_contact::InterfaceLaw::half). It keeps the interface's name: its bond scatters as that
 /// of the others, and the checker tells its stiffnesses.
 fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
-    let own = mirrored(&contact.laws[usize::from(law)]);
+    let whole = &contact.laws[usize::from(law)];
+    // Every law of a deck has a half.
+    let own = whole.half().unwrap_or_else(|| whole.clone());
     let name = contact.law_names[usize::from(law)].clone();
     let mut known = contact.laws.iter().zip(&contact.law_names);
     let found = known.position(|(l, n)| *n == name && *l == own);

@@ -57,8 +57,13 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     let (surface, of) = (&snapshot.surface, &snapshot.frame.interfaces);
     let mut text = String::from(
         "point,state,x_mm,y_mm,z_mm,opening_mm,slip_1_mm,slip_2_mm,traction_n_MPa,traction_1_MPa,\
-         traction_2_MPa,damage\n",
+         traction_2_MPa,damage",
     );
+    for (name, _) in &of.outputs {
+        text += ",";
+        text += &quoted(name);
+    }
+    text += "\n";
     for (p, quad) in surface.quads.iter().enumerate() {
         let corner = |i: usize| {
             quad.map(|n| surface.points[n as usize][i])
@@ -73,7 +78,15 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
             InterfaceState::FailedSliding => "failed_sliding",
         };
         let (opening, damage) = ([of.opening[p]], [of.damage[p]]);
-        let numbers: [&[f64]; 5] = [&middle, &opening, &of.slip[p], &of.traction[p], &damage];
+        let further: Vec<f64> = of.outputs.iter().map(|(_, values)| values[p]).collect();
+        let numbers: [&[f64]; 6] = [
+            &middle,
+            &opening,
+            &of.slip[p],
+            &of.traction[p],
+            &damage,
+            &further,
+        ];
         row(&mut text, p, &[state.to_owned()], &numbers);
     }
     text

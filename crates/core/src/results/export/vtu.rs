@@ -119,6 +119,9 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     xml.reals("traction", 3, of.traction.as_flattened());
     xml.reals("damage", 1, &of.damage);
     xml.small("state", of.state.iter().map(|&s| s as u8));
+    for (name, values) in &of.outputs {
+        xml.reals(name, 1, values);
+    }
     xml.close("CellData");
     xml.cells(&surface.points, surface.quads.as_flattened(), 4, QUAD);
     xml.end()

@@ -125,9 +125,12 @@ impl WorkFile {
         let solids = grid(&file, "VTKHDF", &solids)?;
         let interfaces = match Quarters::of(model) {
             Some(quarters) => {
+                let further = model.contact.outputs().into_iter();
+                let further = further.map(|output| column(output.name, On::Cells, 1, output.unit));
+                let columns: Vec<Column> = SURFACES.into_iter().chain(further).collect();
                 let surfaces = Meshed {
                     geometry: &quarters.geometry(),
-                    columns: &SURFACES,
+                    columns: &columns,
                     labels: &quarters.labels(),
                     series: &[],
                 };
@@ -243,17 +246,20 @@ impl Fields {
         ]
     }
 
-    /// In the order of [`SURFACES`].
-    fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SURFACES.len()] {
+    /// In the order of [`SURFACES`], then what the laws add.
+    fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> Vec<Values<'a>> {
         let of = &frame.interfaces;
-        [
+        let mut values = vec![
             Values::Real(self.displacement.as_flattened()),
             Values::Real(&of.opening),
             Values::Real(of.slip.as_flattened()),
             Values::Real(of.traction.as_flattened()),
             Values::Real(&of.damage),
             Values::Small(&self.state),
-        ]
+        ];
+        let further = of.outputs.iter();
+        values.extend(further.map(|(_, of_points)| Values::Real(of_points)));
+        values
     }
 }
 

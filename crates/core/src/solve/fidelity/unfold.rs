@@ -134,6 +134,12 @@ impl Places {
             whole.damage.push(half.damage[p]);
             whole.state.push(half.state[p]);
         }
+        // Scalars: they do not turn.
+        for (name, values) in &half.outputs {
+            let of_point = |(p, _): &(u32, Turn)| values[*p as usize];
+            let values = self.point.iter().map(of_point).collect();
+            whole.outputs.push((name.clone(), values));
+        }
         whole
     }
 }

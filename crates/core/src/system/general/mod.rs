@@ -16,7 +16,7 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use wythe_contact::{InterfaceHistory, InterfaceLaw, Part, Surface, corner_points};
+use wythe_contact::{CohesiveFrictional, InterfaceHistory, Part, Surface, corner_points};
 
 use super::{Contact, Mass, Trial};
 use crate::model::Model;
@@ -340,8 +340,8 @@ impl General {
     }
 
     /// The law between two facets.
-    fn law(&self, [a, b]: [u32; 2]) -> InterfaceLaw {
-        let none = || InterfaceLaw::dry(0.0, 0.0, 0.0);
+    fn law(&self, [a, b]: [u32; 2]) -> CohesiveFrictional {
+        let none = || CohesiveFrictional::dry(0.0, 0.0, 0.0);
         self.of.as_ref().map_or_else(none, |of| of.law(a, b))
     }
 

@@ -1,0 +1,32 @@
+//! The kinds of joint laws that a deck may name, and the law that each of them makes: one line per kind.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use wythe_contact::InterfaceLaw;
+
+use super::Interface;
+
+/// The law of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointKind {
+    /// Cohesion that softens to friction; pressure does not damage the joint.
+    #[default]
+    CohesiveFrictional,
+}
+
+impl JointKind {
+    /// The name of the kind in a deck.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CohesiveFrictional => "cohesive-frictional",
+        }
+    }
+
+    /// The law of an interface with these stiffnesses [N/mm³].
+    pub(super) fn law(self, interface: &Interface, normal: f64, shear: f64) -> InterfaceLaw {
+        match self {
+            Self::CohesiveFrictional => interface.cohesive_frictional(normal, shear).into(),
+        }
+    }
+}
