@@ -6,6 +6,8 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod cap;
+pub mod checks;
 mod cohesive;
 mod cohesive_frictional;
 pub mod edges;
@@ -26,6 +28,7 @@ pub mod surface;
 
 pub use aabb::Aabb;
 pub use bvh::Bvh;
+pub use cap::{Cap, CapCurve};
 pub use edges::EdgePair;
 pub use four::{FourPlaced, FourSeen, Symmetric, write_symmetric};
 pub use joint::{JointLaw, Output};

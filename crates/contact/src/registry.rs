@@ -7,18 +7,21 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::cap::Cap;
 use crate::joint::{JointLaw, Output};
 use crate::law::{CohesiveFrictional, InterfaceHistory, InterfaceResponse};
 use crate::shifted::Shift;
 
 /// Values of `kind` of `[interfaces.NAME]`; the first is the default.
-pub const KINDS: [&str; 1] = ["cohesive-frictional"];
+pub const KINDS: [&str; 2] = ["cohesive-frictional", "cap"];
 
 /// A joint law: one that is built in, which costs no dispatch within a facet, or any other.
 #[derive(Clone)]
 pub enum InterfaceLaw {
     /// `kind = "cohesive-frictional"`.
     CohesiveFrictional(CohesiveFrictional),
+    /// `kind = "cap"`.
+    Cap(Cap),
     /// A law of the user, which costs a virtual call per point.
     Custom(Arc<dyn JointLaw>),
 }
@@ -30,6 +33,7 @@ macro_rules! for_law {
     ($any:expr, $law:ident => $body:expr) => {
         match $any {
             $crate::InterfaceLaw::CohesiveFrictional($law) => $body,
+            $crate::InterfaceLaw::Cap($law) => $body,
             $crate::InterfaceLaw::Custom(custom) => {
                 let $law: &dyn $crate::JointLaw = &**custom;
                 $body
@@ -41,6 +45,12 @@ macro_rules! for_law {
 impl From<CohesiveFrictional> for InterfaceLaw {
     fn from(law: CohesiveFrictional) -> Self {
         Self::CohesiveFrictional(law)
+    }
+}
+
+impl From<Cap> for InterfaceLaw {
+    fn from(law: Cap) -> Self {
+        Self::Cap(law)
     }
 }
 
@@ -56,6 +66,7 @@ impl PartialEq for InterfaceLaw {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::CohesiveFrictional(a), Self::CohesiveFrictional(b)) => a == b,
+            (Self::Cap(a), Self::Cap(b)) => a == b,
             (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
@@ -77,7 +88,7 @@ impl InterfaceLaw {
     pub fn as_cohesive_frictional(&self) -> Option<&CohesiveFrictional> {
         match self {
             Self::CohesiveFrictional(law) => Some(law),
-            Self::Custom(_) => None,
+            Self::Cap(_) | Self::Custom(_) => None,
         }
     }
 
@@ -88,6 +99,11 @@ impl InterfaceLaw {
                 law.f_t *= factor;
                 law.c *= factor;
             }
+            Self::Cap(law) => {
+                for number in [&mut law.f_t, &mut law.c, &mut law.mode_1, &mut law.mode_2] {
+                    *number *= factor;
+                }
+            }
             Self::Custom(_) => {}
         }
     }
@@ -96,6 +112,7 @@ impl InterfaceLaw {
     pub fn is_half(&self) -> bool {
         match self {
             Self::CohesiveFrictional(law) => law.is_half(),
+            Self::Cap(law) => law.is_half(),
             Self::Custom(_) => false,
         }
     }
@@ -104,6 +121,7 @@ impl InterfaceLaw {
     pub fn half(&self) -> Option<Self> {
         match self {
             Self::CohesiveFrictional(law) => Some(law.half().into()),
+            Self::Cap(law) => Some(law.half().into()),
             Self::Custom(law) => law.halved().map(Self::Custom),
         }
     }
