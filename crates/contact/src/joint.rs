@@ -36,6 +36,11 @@ pub struct Output {
 }
 
 impl Output {
+    /// A quantity by name and unit at this place of the slots.
+    pub const fn new(name: &'static str, unit: &'static str, slot: usize) -> Self {
+        Self { name, unit, slot }
+    }
+
     /// Its value in a history.
     pub fn of(&self, history: &InterfaceHistory) -> f64 {
         history.slots.get(self.slot).copied().unwrap_or(f64::NAN)

@@ -22,7 +22,7 @@ impl CapCurve {
     pub const RESIDUAL: f64 = 1.0 / 7.0;
 
     /// Area above the residual up to the peak, over f_m κ_p.
-    const RISING: f64 = Self::INITIAL + (1.0 - Self::INITIAL) * FRAC_PI_4 - Self::RESIDUAL;
+    pub const RISING: f64 = Self::INITIAL + (1.0 - Self::INITIAL) * FRAC_PI_4 - Self::RESIDUAL;
     /// Area above the residual beyond the peak, over f_m (κ_m − κ_p).
     const FALLING: f64 = 1.0 + (Self::MIDDLE - 1.0) / 3.0 - Self::RESIDUAL
         + 0.5 * (Self::MIDDLE - Self::RESIDUAL) * (Self::MIDDLE - Self::RESIDUAL)

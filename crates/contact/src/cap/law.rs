@@ -11,21 +11,9 @@ use crate::law::{InterfaceHistory, InterfaceResponse};
 use crate::shifted::Shift;
 
 const OUTPUTS: [Output; 3] = [
-    Output {
-        name: "plastic_opening",
-        unit: "mm",
-        slot: slot::OPENING,
-    },
-    Output {
-        name: "plastic_slip",
-        unit: "mm",
-        slot: slot::SLIP,
-    },
-    Output {
-        name: "crushing",
-        unit: "mm",
-        slot: slot::CRUSHING,
-    },
+    Output::new("plastic_opening", "mm", slot::OPENING),
+    Output::new("plastic_slip", "mm", slot::SLIP),
+    Output::new("crushing", "mm", slot::CRUSHING),
 ];
 
 /// The part of a bond that is left at the opening up to which points are searched.

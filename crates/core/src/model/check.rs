@@ -1,6 +1,6 @@
 //! What `wythe check` says: warnings, what follows from the deck, and how large the job is.
 
-use super::deck::{Deck, DeckBeam, Interface, Subdivision, Turning};
+use super::deck::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::findings;
 use super::masonry::{self, Masonry};
 use super::mirrored::{self, MirrorPlane};
@@ -386,7 +386,16 @@ fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> O
 
 /// What an interface is, and its stiffnesses in this model.
 fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
-    let kind = if f.is_dry() {
+    let kind = if let (JointKind::Cap, Some(curve)) = (f.kind, f.cap_curve()) {
+        format!(
+            "interface {name}: cap law, f_m = {} MPa at a plastic closing of {} mm, half of it at {:.4} mm <=> G_fc = \
+             {:.4} N/mm",
+            curve.strength,
+            curve.peak,
+            curve.middle,
+            curve.energy()
+        )
+    } else if f.is_dry() {
         format!("interface {name}: dry, friction {}", f.mu.get())
     } else {
         format!(

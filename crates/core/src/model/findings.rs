@@ -186,7 +186,7 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
             ));
         }
     }
-    let u_k = f.ultimate_opening();
+    let u_k = f.law(1.0, 1.0).ultimate_opening();
     if let Some(radius) = model.contact.search_radius.filter(|radius| *radius < u_k) {
         warnings.push(deck.warning(
             "contact.search_radius",

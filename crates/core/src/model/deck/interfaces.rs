@@ -1,18 +1,20 @@
 //! `[interfaces.NAME]`: the law of a joint, by its kind.
 
 use super::JointKind;
-use crate::model::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
+use crate::model::quantity::{
+    FractureEnergy, InterfaceStiffness, InverseLength, Length, Number, Pressure, Quantity,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
-use wythe_contact::{CohesiveFrictional, Coupling, InterfaceLaw};
+use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
 
 /// An interface as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
     non_snake_case,
-    reason = "G_I and G_II are spelt in the deck as in the theory"
+    reason = "energies and weights are spelt in the deck as in the theory"
 )]
 pub struct Interface {
     /// The law of the joint.
@@ -44,6 +46,30 @@ pub struct Interface {
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
+    /// Compressive strength f_m [MPa]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_m: Option<Pressure>,
+    /// Energy of crushing above the residual strength f_m/7, G_fc [N/mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_fc: Option<FractureEnergy>,
+    /// Plastic closing at the compressive strength κ_p [mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_p: Option<Length>,
+    /// Weight of the normal traction in the cap C_nn [-]; of `cap`, 1 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_nn: Option<Number>,
+    /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_ss: Option<Number>,
+    /// Dilatancy tan ψ₀ at the begin of slip, without normal stress [-]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tan_psi: Option<Number>,
+    /// Pressure from which on nothing dilates σ_u [MPa]; of `cap`, none if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_u: Option<Pressure>,
+    /// Decay of the dilatancy with plastic slip δ [1/mm]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delta: Option<InverseLength>,
     /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
     /// nothing is in general contact.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -132,6 +158,43 @@ impl Interface {
                 g.get() / (self.c.get() * Softening::shape_integral(self.xi()))
             }
             _ => 0.0,
+        }
+    }
+
+    /// The curve of the cap; none where `f_m`, `kappa_p` and `G_fc` are not all there, or do not fit.
+    pub fn cap_curve(&self) -> Option<CapCurve> {
+        let [strength, peak] = [self.f_m?.get(), self.kappa_p?.get()];
+        CapCurve::with_energy(strength, peak, self.G_fc?.get())
+    }
+
+    /// C_nn and C_ss [-].
+    pub fn cap_weights(&self) -> [f64; 2] {
+        [(self.C_nn, 1.0), (self.C_ss, 9.0)].map(|(given, own)| given.map_or(own, Number::get))
+    }
+
+    /// The law of `kind = "cap"`. Of a deck that was read its keys are there.
+    pub(super) fn cap(&self, normal_stiffness: f64, shear_stiffness: f64) -> Cap {
+        let energy = |given: Option<FractureEnergy>| given.map_or(1.0, Quantity::get);
+        let [c_nn, c_ss] = self.cap_weights();
+        Cap {
+            normal_stiffness,
+            shear_stiffness,
+            f_t: self.f_t.get(),
+            mode_1: energy(self.G_I),
+            c: self.c.get(),
+            mode_2: energy(self.G_II),
+            tan_phi: self.tan_phi.get(),
+            mu: self.mu.get(),
+            tan_psi: self.tan_psi.map_or(0.0, Number::get),
+            sigma_u: self.sigma_u.map_or(f64::INFINITY, Quantity::get),
+            decay: self.delta.map_or(0.0, Quantity::get),
+            curve: self.cap_curve().unwrap_or(CapCurve {
+                strength: f64::INFINITY,
+                peak: 1.0,
+                middle: 2.0,
+            }),
+            c_nn,
+            c_ss,
         }
     }
 

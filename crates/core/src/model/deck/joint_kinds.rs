@@ -13,6 +13,8 @@ pub enum JointKind {
     /// Cohesion that softens to friction; pressure does not damage the joint.
     #[default]
     CohesiveFrictional,
+    /// Tension cut-off, Coulomb friction and a compression cap, as plasticity: joints between expanded units.
+    Cap,
 }
 
 impl JointKind {
@@ -20,6 +22,7 @@ impl JointKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::CohesiveFrictional => "cohesive-frictional",
+            Self::Cap => "cap",
         }
     }
 
@@ -27,6 +30,7 @@ impl JointKind {
     pub(super) fn law(self, interface: &Interface, normal: f64, shear: f64) -> InterfaceLaw {
         match self {
             Self::CohesiveFrictional => interface.cohesive_frictional(normal, shear).into(),
+            Self::Cap => interface.cap(normal, shear).into(),
         }
     }
 }
