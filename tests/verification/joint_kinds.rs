@@ -3,6 +3,7 @@
 use wythe::contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, registry};
 use wythe::model::deck::JointKind;
 use wythe::model::{Deck, Model, check};
+use wythe::point::{self, Row, Target};
 use wythe::results::{Frame, HistoryRow, Recorder};
 use wythe::solve::RunError;
 
@@ -171,6 +172,22 @@ fn a_couplet_slides_and_crushes_at_its_strengths() {
     let peak = largest(&kept.0, -1.0).max(largest(&kept.0, 1.0));
     // f_m on 200 × 100 mm; the edges of blocks that spread under pressure slide, which the cap feels.
     assert!((peak / 210.0 - 1.0).abs() < 0.02, "{peak}");
+}
+
+#[test]
+fn points_tell_the_outputs_of_their_law_after_the_damage() {
+    let law = model(SHEARED).0.interface("joint").unwrap();
+    let names = ["D", "plastic_opening", "plastic_slip", "crushing"];
+    assert_eq!(*point::interface_layout(&law).state, names);
+    let rows = [Row {
+        time: 1.0,
+        targets: [0.01, 0.0, 0.0].map(Target::Strain),
+    }];
+    let walk = point::interface_path(&law, &rows, std::num::NonZeroUsize::MIN);
+    let history = walk.records[0].state.history;
+    let told = point::interface_outputs(&law, &history);
+    assert_eq!(told[..2], [history.damage, history.slots[0]]);
+    assert!(told[0] > 0.0 && told[1] > 0.0);
 }
 
 /// Elastic up to a slip from which it has no answer.

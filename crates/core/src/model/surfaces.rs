@@ -69,7 +69,7 @@ impl ContactSurfaces {
     /// What the laws tell of their histories, each name once, in the order of the laws.
     pub fn outputs(&self) -> Vec<Output> {
         let mut outputs: Vec<Output> = Vec::new();
-        for output in self.laws.iter().flat_map(|law| law.outputs()) {
+        for output in self.laws.iter().flat_map(JointLaw::outputs) {
             if outputs.iter().all(|known| known.name != output.name) {
                 outputs.push(*output);
             }
