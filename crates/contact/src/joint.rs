@@ -13,7 +13,7 @@
 //! ```
 //!
 //! with t₋ the traction of the last iterate. The fixed point t = t₋ is t = T(g). Equation (1) is solved by
-//! Newton's method; the stiffness of the iterate, (K⁻¹ + C)⁻¹ with K the tangent of the law, enters the matrix
+//! Newton's method, and by elastic steps between branches of the law; the stiffness of the iterate, (K⁻¹ + C)⁻¹ with K the tangent of the law, enters the matrix
 //! by its symmetric blocks (normal, shear) with eigenvalues from 0 to k'.
 
 use std::fmt::Debug;
@@ -48,11 +48,11 @@ impl Output {
 }
 
 /// Steps of Newton's method for equation (1).
-const STEPS: usize = 60;
+const STEPS: usize = 300;
 /// Residual of equation (1) that ends them, over the size of the tractions: rounding of k'/k.
 const CLOSE: f64 = 1e-12;
-/// Halvings of a step that makes the residual larger.
-const HALVINGS: usize = 8;
+/// Lengths of a step that are tried, each half of the one before, until the residual falls.
+const HALVINGS: usize = 6;
 
 /// The law of a joint: traction of opening and slip.
 ///
@@ -190,6 +190,11 @@ fn in_series(
     let size = |r: &Vector3<f64>| r.component_mul(&weight).norm();
     let scale = last.norm() + size(&goal) + f64::MIN_POSITIVE;
 
+    // 1/(1 + C k) = k'/k.
+    let elastic = Vector3::new(normal, shear, shear)
+        .map(f64::recip)
+        .component_div(&Vector3::new(stiffness[0], stiffness[1], stiffness[1]));
+
     let mut x = goal;
     let mut response = update(x.into());
     let mut rest = residual(&x, response.traction);
@@ -198,23 +203,27 @@ fn in_series(
         if !far.is_finite() || far <= CLOSE * scale {
             break;
         }
-        let jacobian = Matrix3::identity() + compliance * response.tangent;
-        let Some(step) = jacobian.lu().solve(&rest) else {
-            break;
-        };
         let mut part = 1.0;
-        let mut halvings = 0;
-        loop {
-            let at = x - step * part;
-            let answer = update(at.into());
-            let left = residual(&at, answer.traction);
-            if size(&left) < far || halvings == HALVINGS {
-                (x, response, rest) = (at, answer, left);
-                break;
+        let mut next = None;
+        let jacobian = Matrix3::identity() + compliance * response.tangent;
+        if let Some(step) = jacobian.lu().solve(&rest) {
+            for _ in 0..HALVINGS {
+                let at = x - step * part;
+                let answer = update(at.into());
+                let left = residual(&at, answer.traction);
+                if size(&left) < far {
+                    next = Some((at, answer, left));
+                    break;
+                }
+                part *= 0.5;
             }
-            part *= 0.5;
-            halvings += 1;
         }
+        // Between two branches: a step with the elastic stiffness comes nearer by k'/k.
+        (x, response, rest) = next.unwrap_or_else(|| {
+            let at = x - rest.component_mul(&elastic);
+            let answer = update(at.into());
+            (at, answer, residual(&at, answer.traction))
+        });
     }
     let stiff = (Matrix3::identity() + response.tangent * compliance)
         .lu()

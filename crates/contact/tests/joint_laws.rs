@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 use wythe_contact::checks::{Path, dissipation, objectivity, tangent};
 use wythe_contact::{
     Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse,
-    JointLaw, registry,
+    JointLaw, Shift, registry,
 };
 
 fn cohesive(coupling: Coupling) -> CohesiveFrictional {
@@ -112,6 +112,64 @@ fn energies_balance_and_none_is_given_back() {
             assert!(law.is_dry() || lost > 0.0, "{work} {lost}");
         }
     }
+}
+
+/// The cap law with the defaults of the trait.
+#[derive(Debug)]
+struct Plain(Cap);
+
+impl JointLaw for Plain {
+    fn name(&self) -> &'static str {
+        "plain"
+    }
+    fn stiffness(&self) -> [f64; 2] {
+        self.0.stiffness()
+    }
+    fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse {
+        self.0.update(gap, old)
+    }
+}
+
+#[test]
+fn the_default_iterate_of_a_soft_stiffness_is_the_closed_form() {
+    let (mut compared, mut tangents) = (0, 0);
+    for seed in 0..40 {
+        let own = Cap {
+            normal_stiffness: if seed % 2 == 0 { 82.0 } else { 360.0 },
+            shear_stiffness: if seed % 2 == 0 { 36.0 } else { 200.0 },
+            ..cap(0.0)
+        };
+        let plain = Plain(own);
+        let mut old = own.virgin();
+        for gap in Path::random(seed, 30, 0.02, 0.02).0 {
+            // Above the steepest softening, 21 N/mm³ of the cap and 1 N/mm³ of the bond in shear.
+            let shift = Shift {
+                stiffness: if seed % 2 == 0 {
+                    [40.0, 11.0]
+                } else {
+                    [84.0, 5.0]
+                },
+                traction: old.traction,
+                bounding: old.traction[0],
+            };
+            let closed = own.update_shifted(gap, &old, &shift);
+            let found = plain.update_shifted(gap, &old, &shift);
+            let pairs = closed.traction.iter().zip(&found.traction);
+            let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Newton's method ends at 1e-12 of the tractions; softening multiplies it.
+            assert!(off < 1e-8, "{gap:?} {old:?}: {closed:?} {found:?}");
+            // At corners either side's tangent is right.
+            tangents += usize::from((closed.tangent - found.tangent).amax() < 1e-6 * 84.0);
+            compared += 1;
+            assert!((found.tangent - found.tangent.transpose()).amax() < 1e-12);
+            old = own.update(gap, &old).history;
+        }
+    }
+    assert!(tangents * 100 > 99 * compared, "{tangents} of {compared}");
+    // A guess beyond the bounds is brought within them by the law.
+    let plain = Plain(cap(0.0));
+    let bound = plain.within_bounds([1.0, 2.0, 0.0], &plain.virgin());
+    assert!(bound[0] <= 0.25 && bound[1] <= 0.35, "{bound:?}");
 }
 
 #[derive(Debug)]
