@@ -28,6 +28,20 @@ lint:
 doc:
     RUSTDOCFLAGS="-D warnings -A rustdoc::broken_intra_doc_links" cargo doc --release --workspace --no-deps
 
+# The site of the documents, in target/site
+site:
+    python3 -m venv target/docs-environment
+    target/docs-environment/bin/python -m pip install --quiet -r docs/requirements.txt
+    target/docs-environment/bin/mkdocs build --strict
+
+# The notebooks with their outputs, with the package wythe
+notebooks:
+    python3 crates/pybind/tests/store_notebooks.py
+
+# The pictures and the page of the gallery, with the package wythe
+gallery:
+    python3 docs/gallery.py
+
 # Licences, advisories and sources of the dependencies
 deny:
     cargo deny check

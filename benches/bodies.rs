@@ -3,8 +3,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow};
 
 struct Nothing;
 

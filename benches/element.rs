@@ -10,13 +10,14 @@ use std::hint::black_box;
 use common::{Random, brick};
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Rotation3, Vector3};
+use wythe::assembly::bulk;
+use wythe::assembly::bulk::{ElementSlot, Marks};
+use wythe::assembly::pattern::CELL;
+use wythe::assembly::{Evaluation, Solids, Turning};
+use wythe::element::Formulation;
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
-use wythe::model::scene::Formulation;
-use wythe::system::bulk::{self, ElementSlot, Marks};
-use wythe::system::pattern::CELL;
-use wythe::system::{Evaluation, Solids, Turning};
 
 /// Corners bent and stretched until exactly one of the Gauss points yields.
 fn one_yielding(

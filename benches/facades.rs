@@ -9,8 +9,9 @@ use std::fmt::Write as _;
 
 use growth::exponent;
 use rayon::ThreadPoolBuilder;
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::Fidelity;
-use wythe::model::{Deck, Model};
 use wythe::results::plotting::{Spot, scatter};
 
 const DECK: &str = include_str!("facade.toml");

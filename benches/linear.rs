@@ -20,7 +20,7 @@ mod serve;
 use criterion::{Criterion, Throughput, criterion_group};
 use matrices::matrix;
 use std::path::Path;
-use wythe::system::linear::Backend;
+use wythe::linear::Backend;
 
 fn pools() -> [(usize, rayon::ThreadPool); 3] {
     [1, 2, 4].map(|threads| {

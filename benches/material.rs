@@ -12,7 +12,7 @@ use common::brick;
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector6;
 use wythe::material::{DamagePlasticity, MaterialHistory};
-use wythe::sym6;
+use wythe::tensor;
 
 /// A strain, and the history it starts from.
 type State = (Vector6<f64>, MaterialHistory);
@@ -83,7 +83,7 @@ fn points(c: &mut Criterion) {
 fn principal(c: &mut Criterion) {
     let s = Vector6::new(1.0, -2.0, 3.0, 0.4, -0.5, 0.6);
     c.bench_function("sym6/principal", |b| {
-        b.iter(|| sym6::principal(black_box(&s)));
+        b.iter(|| tensor::principal(black_box(&s)));
     });
 }
 

@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use rayon::ThreadPoolBuilder;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::results::{RunDirectory, SummaryFile};
 
 #[derive(Clone, Copy)]

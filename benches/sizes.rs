@@ -10,7 +10,8 @@ use std::time::Instant;
 
 use growth::exponent;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::results::plotting::{Spot, scatter};
 use wythe::results::usage::peak_memory_megabytes;
 

@@ -11,9 +11,9 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use pushed::{Pushed, setting};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use wythe::assembly::{Contact, Evaluation, Solids};
 use wythe::contact::{Aabb, Candidates};
-use wythe::system::linear::{Backend, LinearSolver};
-use wythe::system::{Contact, Evaluation, Solids};
+use wythe::linear::{Backend, LinearSolver};
 
 fn threads(n: usize) -> ThreadPool {
     ThreadPoolBuilder::new()

@@ -4,8 +4,8 @@
 use nalgebra::{Matrix3, Vector3};
 use wythe::contact::checks::{Path, dissipation, objectivity, tangent};
 use wythe::contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, Output};
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
+use wythe::state::{Frame, HistoryRow};
+use wythe::{deck::Deck, model::Model, solve::Recorder};
 
 /// Cohesion c [MPa], friction tan φ and dilatancy tan ψ.
 const C: f64 = 0.2;

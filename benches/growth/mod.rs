@@ -3,7 +3,8 @@
 use rayon::ThreadPool;
 use wythe::model::Model;
 use wythe::results::usage::cpu_seconds;
-use wythe::results::{Frame, HistoryRow, Recorder, Summary};
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow, Summary};
 
 /// The last row alone.
 #[derive(Default)]

@@ -1,10 +1,11 @@
 //! The matrices on which linear solvers are compared.
 
 use std::path::Path;
-use wythe::model::{Deck, Model};
-use wythe::solve::Clock;
-use wythe::system::linear::{Backend, LinearSolver, Options, Pattern};
-use wythe::system::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::deck::Deck;
+use wythe::linear::{Backend, LinearSolver, Options, Pattern};
+use wythe::model::Model;
+use wythe::state::Clock;
 
 /// A structurally symmetric matrix.
 pub struct Matrix {

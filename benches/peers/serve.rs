@@ -6,8 +6,8 @@ use std::io::{BufRead, BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
+use wythe::linear::{Backend, LinearSolver};
 use wythe::results::plotting::{Spot, scatter};
-use wythe::system::linear::{Backend, LinearSolver};
 
 use super::matrices::{Matrix, NAMES, large_wall, matrix};
 

@@ -1,11 +1,13 @@
 //! The wall J7D of `examples/03_shear_wall_j7d.toml`, pushed a little by the solver itself: joints
 //! open and slide, some points of the mortar have yielded. What the benches of the system start from.
 
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
-use wythe::solve::{Clock, State};
-use wythe::system::linear::{Backend, LinearSolver};
-use wythe::system::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::deck::Deck;
+use wythe::linear::{Backend, LinearSolver};
+use wythe::model::Model;
+use wythe::solve::Recorder;
+use wythe::state::{Clock, State};
+use wythe::state::{Frame, HistoryRow};
 
 /// Displacement of the top that the benches start from [mm].
 const PUSHED: f64 = 0.4;

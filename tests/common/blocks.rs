@@ -1,6 +1,7 @@
 //! Scenes of blocks as decks, and what is measured of their meshes.
 
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 
 /// Rounding of a few hundred sums of coordinates, relative to their size.
 pub const ROUNDING: f64 = 1e-12;

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Status;
 
 use super::scene::{Recording, run};
 
@@ -38,7 +39,7 @@ pub fn completed(name: &str, overrides: &[(&str, &str)]) -> (Model, Recording) {
     );
     let last = recording.rows.last().unwrap();
     let moved = last.kinetic_energy_J + last.damping_dissipation_J + last.numerical_dissipation_J;
-    // Each term is integrated where it arises; 1 % is the most that theory F allows.
+    // Each term is integrated where it arises; 1 % is the most that theory/energies.md, Decisions (1 %) allows.
     let open = last.external_work_J - last.taken_J() - moved;
     assert!(
         open.abs() <= 1e-2 * last.external_work_J.abs(),

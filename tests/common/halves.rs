@@ -1,7 +1,7 @@
 //! A wall that `auto` solves as a half, in full and with `auto`, and how far both are from each other.
 
 use wythe::model::Model;
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 use super::blocks::deck_and_model;
 use super::scene::{Recording, completed};

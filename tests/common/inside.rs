@@ -2,7 +2,7 @@
 //! inversion of each hexahedron's map, blind to what the solver knows of contact.
 
 use nalgebra::{Matrix3, Vector3};
-use wythe::model::mesh::CORNERS;
+use wythe::element::hex8::CORNERS;
 use wythe::model::{Mesh, Model};
 
 use super::scene::Recording;

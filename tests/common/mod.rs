@@ -13,10 +13,11 @@ use std::path::Path;
 
 use nalgebra::Vector6;
 use wythe::contact::{CohesiveFrictional, Coupling};
+use wythe::deck::Deck;
 use wythe::material::{
     CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow,
 };
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 
 /// A CSV file with `#` comments: column name → values.
 pub fn csv(path: &str) -> HashMap<String, Vec<f64>> {

@@ -1,17 +1,19 @@
 //! Scenes of blocks, built in memory: a grid of hex8 per block, faces, beams, steps.
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
+use wythe::deck::Deck;
+use wythe::element::Formulation;
+pub use wythe::element::hexahedron::Face;
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::general::GeneralContact;
-pub use wythe::model::hexahedron::Face;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion,
-    HeldBy, Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent,
-    Tolerance,
+    Beam, BeamMotion, ContactPoints, ContactSurfaces, Fidelity, Gravity, GroundMotion, HeldBy,
+    Increments, NamedMaterial, Output, Procedure, Rayleigh, Step, Support, Tangent, Tolerance,
 };
-use wythe::model::{Deck, Mesh, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
-use wythe::solve::State;
+use wythe::model::{Mesh, Model};
+use wythe::solve::Recorder;
+use wythe::state::State;
+use wythe::state::{Frame, HistoryRow, Status, Summary};
 
 /// Gravity [mm/s²].
 pub const G: f64 = 9810.0;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use wythe::study::{self, Case, Options, Study, StudyError, Verdict};
+use wythe_cli::study::{self, Case, Options, Study, StudyError, Verdict};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability/cases")

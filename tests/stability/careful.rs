@@ -6,8 +6,9 @@ mod common;
 use std::path::Path;
 
 use common::scene;
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Status;
 
 /// Displacement [mm] and force [kN].
 type Curve = Vec<[f64; 2]>;

@@ -7,7 +7,7 @@ use common::inside::{penetration, positions};
 use common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure};
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 const E: f64 = 1e4;
 
@@ -25,7 +25,7 @@ fn gain(recording: &Recording) -> f64 {
 }
 
 fn velocity(model: &Model, recording: &Recording, block: &Block) -> [f64; 3] {
-    let dofs = wythe::system::DofMap::new(model);
+    let dofs = wythe::assembly::DofMap::new(model);
     let state = recording.states.last().unwrap();
     let nodes = block.nodes();
     [0, 1, 2].map(|i| {

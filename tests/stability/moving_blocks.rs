@@ -6,8 +6,9 @@ mod common;
 use common::blocks;
 use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
 use wythe::contact::CohesiveFrictional;
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
-use wythe::model::{Deck, Model};
 
 const MU: f64 = 0.4;
 
@@ -38,7 +39,7 @@ fn on_a_table(length: f64) -> (Model, Block) {
 
 /// Mean displacement and velocity in x of a block at each commit, with the time.
 fn way(model: &Model, recording: &Recording, block: &Block) -> Vec<[f64; 3]> {
-    let dofs = wythe::system::DofMap::new(model);
+    let dofs = wythe::assembly::DofMap::new(model);
     let nodes = block.nodes();
     let mean = |of: &[f64]| {
         let sum: f64 = nodes

@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use wythe::study::StudyError;
-use wythe::study::accuracy::{
+use wythe_cli::study::StudyError;
+use wythe_cli::study::accuracy::{
     Group, Options, Origin, Outcome, Scene, Studied, advice, chart, front, page, read, renew,
     scenes, study, table,
 };

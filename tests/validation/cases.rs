@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use wythe::study::validation::{
+use wythe_cli::study::validation::{
     Case, Chart, Content, Options, Outcome, Validated, cases, chart, index, page, table, validate,
 };
-use wythe::study::{Cost, History, Measured, StudyError, Verdict, Wanted};
+use wythe_cli::study::{Cost, History, Measured, StudyError, Verdict, Wanted};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/validation")
@@ -21,7 +21,7 @@ fn run(cases: &[Case], folder: &Path) -> Vec<Validated> {
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         folder: folder.to_owned(),
     };
-    let progress = |case: &Case, outcome: &wythe::study::validation::Outcome| {
+    let progress = |case: &Case, outcome: &wythe_cli::study::validation::Outcome| {
         let seconds = outcome.cost.seconds;
         println!("{}, {}: {seconds:.2} s", case.name(), outcome.name);
     };

@@ -4,7 +4,7 @@
 mod common;
 
 use common::examples::completed;
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {
     completed(name, overrides).1.rows

@@ -6,8 +6,9 @@ mod common;
 use std::path::Path;
 
 use common::scene::{Recording, run};
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Status;
 
 /// Runs an example and checks what holds of every run: it completes, each increment is in balance,
 /// and the energies close.
@@ -30,7 +31,7 @@ fn pushed(name: &str) -> (Model, Recording) {
             + row.plastic_damage_dissipation_J
             + row.interface_dissipation_J
             + row.viscous_dissipation_J;
-        // Each term is integrated where it arises (theory F). What the tolerance leaves measures
+        // Each term is integrated where it arises (theory/energies.md, eq. 1). What the tolerance leaves measures
         // 0.2 %; 1 % is the most that a user should accept.
         let error = (row.external_work_J - stored).abs();
         assert!(error < 0.01 * row.external_work_J.max(1.0), "{row:?}");

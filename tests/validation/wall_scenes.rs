@@ -7,8 +7,8 @@ mod common;
 use common::examples::{completed, load};
 use common::scene::run;
 use wythe::model::Model;
-use wythe::results::{HistoryRow, Status};
-use wythe::solve::Method;
+use wythe::state::Method;
+use wythe::state::{HistoryRow, Status};
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {
     completed(name, overrides).1.rows
@@ -62,7 +62,7 @@ fn a_small_pressure_beside_the_weight_bends_a_wall_elastically() {
 }
 
 /// A wall whose joints open and slide everywhere goes on in increments as large as may be: without the line search
-/// along the path it took 357 solves to 0.11 mm, now 134 to 0.15 mm (docs/decisions.md).
+/// along the path it took 357 solves to 0.11 mm, now 134 to 0.15 mm (docs/decisions/line-search.md).
 #[test]
 fn joints_that_open_and_slide_do_not_cut_the_path_of_an_airbag() {
     let rows = rows(

@@ -4,8 +4,9 @@
 mod common;
 
 use common::blocks::{GRAVITY, HEAD, PAIR};
+use wythe::deck::Deck;
 use wythe::error::ModelError;
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 
 const WALL: &str = include_str!("../../examples/03_shear_wall_j7d.toml");
 

@@ -4,8 +4,9 @@
 mod common;
 
 use common::scene::{completed, gap, run};
-use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Status};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::{HistoryRow, Status};
 
 fn built(text: &str) -> Result<Model, wythe::error::ModelError> {
     Deck::from_str(text, "scene.toml")
@@ -249,7 +250,7 @@ fn a_wallette_is_sheared_to_and_fro() {
         .map(|r| gap(r).abs())
         .fold(0.0, f64::max);
     println!("open {:.1e}", open / last.external_work_J);
-    assert!(open < 1e-2 * last.external_work_J); // theory F
+    assert!(open < 1e-2 * last.external_work_J); // theory/energies.md, eq. 18
     // The area of the loops is what was dissipated in them, but for the elastic energy that stays.
     let ends = recording.rows.windows(2).filter(|pair| pair[1].step == 1);
     let strip = |pair: &[HistoryRow]| {
@@ -262,7 +263,7 @@ fn a_wallette_is_sheared_to_and_fro() {
     let stored = last.elastic_energy_J - begin.elastic_energy_J;
     let dissipated = lost(last) - lost(begin);
     println!("loops {area} J, dissipated {dissipated} J, stored {stored} J");
-    assert!((area - stored - dissipated).abs() < 1e-2 * dissipated); // theory F
+    assert!((area - stored - dissipated).abs() < 1e-2 * dissipated); // theory/energies.md, eq. 18
     // Nothing but friction at most μ N resists: 0.75 · 2.12 MPa on 420.5 × 49 mm, with what the bond adds at first.
     let friction = 1e-3 * 0.75 * 2.12 * 420.5 * 49.0;
     let tip = |way: f64| {

@@ -6,7 +6,8 @@ mod common;
 use common::blocks::{
     GRAVITY, HEAD, ROUNDING, area_vector, model, nodes, norm, normals_point_out, volume,
 };
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 
 #[test]
 fn an_arch_is_made_of_equal_voussoirs_on_springings() {

@@ -7,11 +7,12 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use common::Random;
-use wythe::model::{Deck, Model};
-use wythe::system::dofs::{HELD, PRESCRIBED};
-use wythe::system::linear::Kind;
-use wythe::system::pattern::CELL;
-use wythe::system::{DofMap, Equations, Gather};
+use wythe::assembly::dofs::{HELD, PRESCRIBED};
+use wythe::assembly::pattern::CELL;
+use wythe::assembly::{DofMap, Equations, Gather};
+use wythe::deck::Deck;
+use wythe::linear::Kind;
+use wythe::model::Model;
 
 /// Three courses of J7D: nodes that are free, held, tied to the beam; in the first step one
 /// direction of the beam is an unknown, in the second none.

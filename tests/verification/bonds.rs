@@ -6,7 +6,8 @@ mod common;
 
 use common::blocks::{area_vector, nodes, norm};
 use common::boxes::{Box3, bodies, element_box, volume};
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 
 const MATERIALS: &str = "format = 1
 [materials.brick]
@@ -147,7 +148,7 @@ fn headers_lap_by_a_quarter() {
             "[wall]\n{BRICK}length = {length}\ncourses = 6\nbond = \"{bond}\""
         ));
         let model = Model::from_deck(&deck).unwrap().0;
-        let notes = wythe::model::check(&deck, &model).notes;
+        let notes = wythe::deck::check(&deck, &model).notes;
         let lap = "lap 56.25 mm";
         assert!(notes.iter().any(|n| n.contains(lap)), "{bond}: {notes:?}");
     }

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
+use wythe::deck::{Deck, check};
 use wythe::error::{MOST_ERRORS, ModelError};
-use wythe::model::{Deck, Model, check};
+use wythe::model::Model;
 
 /// `wythe check` ends within 10 s on any deck below 1 MB; on a machine that is busy with other tests a deck that takes a
 /// second has been seen to take half a minute, and one that is not bounded takes hours.

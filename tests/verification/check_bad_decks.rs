@@ -1,8 +1,9 @@
 //! Every wrong deck gives an error that names the file, the line, the key, the reason and the fix.
 
 use std::path::Path;
+use wythe::deck::Deck;
 use wythe::error::{DeckError, ModelError};
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 
 /// The error of `tests/data/bad/NAME.toml`, read and built.
 fn error_of(name: &str) -> ModelError {

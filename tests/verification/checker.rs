@@ -4,7 +4,8 @@
 mod common;
 
 use common::examples::{load, path};
-use wythe::model::{Deck, Model, check};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 
 /// Two elements through the thickness are too few for a wall that bends, and enough for one that is sheared.
 #[test]
@@ -41,7 +42,7 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     assert_eq!(factor("62_out_of_plane_wall", &[said]), 500.0);
     assert_eq!(factor("03_shear_wall_j7d", &[]), 50.0);
     assert_eq!(factor("03_shear_wall_j7d", &[said]), 500.0);
-    // In general contact a stiff joint is what stops bodies that fly; a dry wall has that of theory C.8.
+    // In general contact a stiff joint is what stops bodies that fly; a dry wall has that of theory/joint.md, eq. 32.
     assert_eq!(factor("90_falling_wall", &[]), 500.0);
     let text = std::fs::read_to_string(path("63_dry_stone_wall")).unwrap();
     let silent = |line: &&str| !line.contains("_stiffness = ");
@@ -122,7 +123,7 @@ fn the_checker_reports_sizes_energies_and_warnings() {
         key_of(&[("interfaces.joint.f_t", "0.9")]),
         ["interfaces.joint.f_t"]
     );
-    // theory C.5: Table 1 snaps back below k_n = .28 × 4.38/(.2 (1 − e^−4.38)) = 6.21, k_s = 3.59
+    // theory/joint.md, eq. 23: Table 1 snaps back below k_n = .28 × 4.38/(.2 (1 − e^−4.38)) = 6.21, k_s = 3.59
     let soft = |n: &str, s: &str| {
         key_of(&[
             ("interfaces.joint.normal_stiffness", n),
@@ -211,7 +212,7 @@ fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
     assert!(text.contains("k_n / k_s = 6.800e16 / "), "{text}");
 }
 
-/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory A.5). In
+/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory/damage-plasticity.md, Decisions, "Inadmissible damage"). In
 /// another element the strains beyond the peak are others, and so is the cap.
 #[test]
 fn capped_damage_names_its_row() {

@@ -5,9 +5,9 @@ mod common;
 
 use common::blocks::deck_and_model;
 use common::scene::{completed, run};
+use wythe::assembly::Contact;
 use wythe::model::Model;
-use wythe::results::Status;
-use wythe::system::Contact;
+use wythe::state::Status;
 
 /// A block of one element on one element, pressed, then pushed at its top.
 ///

@@ -1,15 +1,15 @@
 //! Contact patch test: two blocks with other facets on either side of a joint, under uniform
-//! pressure (theory C.8).
+//! pressure (theory/contact.md, Decisions, One pass).
 
 #[path = "../common/mod.rs"]
 mod common;
 
 use common::scene::{self, Block, Face, How};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::CohesiveFrictional;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
-use wythe::solve::{Clock, State};
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::state::{Clock, State};
 
 const SIDE: f64 = 120.0;
 const HEIGHT: f64 = 60.0;
@@ -165,7 +165,7 @@ fn the_finer_side_as_slave_passes_within_two_percent() {
             let errors = compress(slave, master, nu, EXACT);
             println!("nu {nu}, {slave} on {master}: {errors:.4?}");
             // The accuracy that is asked for; two points to a facet see the kinks of the master's
-            // shape functions at places that are not theirs (theory C.8).
+            // shape functions at places that are not theirs (theory/contact.md, Decisions, One pass).
             assert!(errors.largest() < 0.02, "{errors:?}");
         }
     }

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use common::scene::{self, Face, How, completed};
 use wythe::contact::CohesiveFrictional;
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
-use wythe::model::{Deck, Model};
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 /// Pressure, peak of shear and residual friction of Fig. 7 [MPa].
 const FIGURE_7: [[f64; 3]; 3] = [

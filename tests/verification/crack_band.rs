@@ -1,4 +1,4 @@
-//! The width of the band in which softening localises (theory A.8): what a crack takes hangs on the element's length
+//! The width of the band in which softening localises (theory/crack-band.md, eq. 5): what a crack takes hangs on the element's length
 //! across it, whatever its shape.
 
 #[path = "../common/mod.rs"]
@@ -10,13 +10,14 @@ use common::blocks::deck_and_model;
 use common::scene::{completed, run};
 use common::{Random, brick};
 use nalgebra::{Rotation3, Vector3, Vector6};
+use wythe::deck::Deck;
 use wythe::element::extent;
+use wythe::element::hex8::CORNERS;
 use wythe::material::{
     CrackBand, Curves, DamagePlasticity, DamagePlasticityParameters, Extent, MaterialHistory,
 };
-use wythe::model::mesh::CORNERS;
-use wythe::model::{Deck, Model};
-use wythe::results::Status;
+use wythe::model::Model;
+use wythe::state::Status;
 
 /// Edges of a bed joint's element in the paper's walls [mm].
 const EDGES: [f64; 3] = [51.0, 49.0, 12.5];
@@ -288,7 +289,7 @@ fn what_a_deck_says_of_bands_is_checked() {
         let of_it = model.warnings.iter().filter(|w| w.key.starts_with(&key));
         of_it.filter(|w| w.message.contains(limit)).count()
     };
-    // E Δε_in/Δσ l_ref/1.01 = 1.214 · 31.4/1.01 and 1.417 · 31.4/1.01 (theory A.8).
+    // E Δε_in/Δσ l_ref/1.01 = 1.214 · 31.4/1.01 and 1.417 · 31.4/1.01 (theory/crack-band.md, eq. 5).
     assert_eq!(narrowed("tension.1", "37.8 mm"), 2, "{told:#?}");
     assert_eq!(narrowed("compression.2", "44.0 mm"), 2, "{told:#?}");
     let bare = text.replace("reference_length = \"31.4 mm\"\n", "");

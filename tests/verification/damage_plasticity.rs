@@ -9,7 +9,7 @@ use wythe::material::{
     DamagePlasticity, DamagePlasticityParameters, Interpolation, MaterialHistory, TableRow,
     TableWarning,
 };
-use wythe::sym6;
+use wythe::tensor;
 
 const STRESS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
@@ -161,7 +161,7 @@ fn first_yield_of_the_paper_is_exact() {
         } else if path == "uniaxial tension" {
             Vector6::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         } else if path.starts_with("hydrostatic") {
-            sym6::UNIT
+            tensor::UNIT
         } else {
             continue;
         };
@@ -334,11 +334,11 @@ fn tangents_match_central_differences() {
                     let central = (up - down) / (2.0 * h);
                     let error = (central - column).amax();
                     // At a kink (a principal stress changes sign, first yield, a table row within
-                    // h) the tangent is that of one side: theory A.6.
+                    // h) the tangent is that of one side: theory/damage-plasticity.md, eq. 12.
                     let forward = ((up - answer.stress) / h - column).amax();
                     let backward = ((answer.stress - down) / h - column).amax();
                     // Second order in h: 2.6e-7 E was found with ten times this h and 2.6e-9 E with
-                    // it (theory B.2 asks for 5e-5 E); one-sided differences carry more.
+                    // it (theory/return-map.md, Verification asks for 5e-5 E); one-sided differences carry more.
                     if error > 1e-7 * e {
                         kinks += 1;
                         assert!(
@@ -369,7 +369,7 @@ fn a_rotated_path_gives_rotated_stresses() {
             for k in 3..6 {
                 t[k] *= shear;
             }
-            let m = r * sym6::matrix(&t) * r.transpose();
+            let m = r * tensor::matrix(&t) * r.transpose();
             let back = 1.0 / shear;
             Vector6::new(
                 m[(0, 0)],

@@ -9,7 +9,7 @@ use wythe::material::{
     DamagePlasticity, DamagePlasticityParameters, Interpolation, LocalFailure, MaterialHistory,
     Response, TableRow, elastic_stiffness,
 };
-use wythe::sym6;
+use wythe::tensor;
 
 fn law(parameters: &DamagePlasticityParameters) -> DamagePlasticity {
     DamagePlasticity::new(parameters, None)
@@ -21,7 +21,7 @@ fn step(law: &DamagePlasticity, strain: Vector6<f64>, old: &MaterialHistory) -> 
     law.update(&strain, old, 1.0, true).expect("an answer")
 }
 
-/// Residuals of theory B.1 in their nine unknowns (σ̄, κ_t, κ_c), written without the reduction:
+/// Residuals of theory/return-map.md, eq. 8 in their nine unknowns (σ̄, κ_t, κ_c), written without the reduction:
 /// the flow rule with N(σ̄) of A.3, the hardening of A.4, and F ≤ 0. λ is read off tr Δε_p = λT.
 /// Returns the largest, in MPa (κ times E), those of the flow over its condition: near the vertex
 /// of the potential, N turns by dσ̄/A, which λ C₀ multiplies.
@@ -38,10 +38,10 @@ fn nine_residuals(
     let a = p.eccentricity * p.tension[0].stress * dilation;
     let flow = new.plastic_strain - old.plastic_strain;
     let lambda = (flow[0] + flow[1] + flow[2]) / dilation;
-    let deviator = effective - sym6::UNIT * sym6::mean(&effective);
-    let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
+    let deviator = effective - tensor::UNIT * tensor::mean(&effective);
+    let q = (1.5 * tensor::norm_squared(&deviator)).sqrt();
     // N as a tensor, then with engineering shears.
-    let n = deviator * (1.5 / a.hypot(q)) + sym6::UNIT * (dilation / 3.0);
+    let n = deviator * (1.5 / a.hypot(q)) + tensor::UNIT * (dilation / 3.0);
     let mut voigt = n;
     for k in 3..6 {
         voigt[k] *= 2.0;
@@ -49,7 +49,7 @@ fn nine_residuals(
     let stress_residual = (c0 * (flow - voigt * lambda)).amax();
     // Principal values by nalgebra, not by the routine under test.
     let eigen = |s: &Vector6<f64>| {
-        let mut v: Vec<f64> = sym6::matrix(s)
+        let mut v: Vec<f64> = tensor::matrix(s)
             .symmetric_eigenvalues()
             .iter()
             .copied()
@@ -226,7 +226,7 @@ fn hydrostatic_tension_returns_along_its_axis_with_the_right_shear_stiffness() {
             (1.0 - alpha) * sc / (3.0 * alpha + beta)
         };
         let bulk = p.elastic.bulk_modulus();
-        let strain = sym6::UNIT * (2.0 * yield_stress / (3.0 * bulk));
+        let strain = tensor::UNIT * (2.0 * yield_stress / (3.0 * bulk));
         let old = MaterialHistory::default();
         let answer = step(&law, strain, &old);
         let s = answer.stress;
@@ -258,7 +258,7 @@ fn without_eccentricity_the_vertex_of_the_cone_is_reached() {
     let strain = Vector6::new(6e-4, 5e-4, 5.5e-4, 1e-5, -1e-5, 2e-5);
     let answer = step(&law, strain, &old);
     let effective = elastic_stiffness(&p.elastic) * (strain - answer.history.plastic_strain);
-    let deviator = effective - sym6::UNIT * sym6::mean(&effective);
+    let deviator = effective - tensor::UNIT * tensor::mean(&effective);
     // Rounding of stresses of 10 MPa.
     assert!(deviator.amax() < 1e-13, "{deviator}");
     assert!(
@@ -285,7 +285,7 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
     let compliance = c0.try_inverse().expect("regular");
     let old = MaterialHistory::default();
     // Biaxial compression with a third stress that ends below and above zero: the γ- and the
-    // β-branch of theory A.2, which differ in slope.
+    // β-branch of theory/damage-plasticity.md, eqs 2 to 4, which differ in slope.
     let at = |third: f64| {
         let strain = compliance * Vector6::new(-18.0, -11.0, third, 0.3, 0.0, 0.0);
         let answer = step(&law, strain, &old);
@@ -294,7 +294,7 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
         (
             strain,
             answer.tangent,
-            sym6::principal_values(&effective)[0],
+            tensor::principal_values(&effective)[0],
         )
     };
     let (mut below, mut above) = (0.0, 12.0);

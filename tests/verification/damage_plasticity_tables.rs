@@ -55,7 +55,7 @@ fn the_uniaxial_response_is_the_tables_own_polyline() {
                 for k in 0..=1000 {
                     let kappa = last * f64::from(k) / 1000.0;
                     let at = curve.at(kappa);
-                    // Uniaxially ε = ε_p + σ̄/E with ε_p = κ (theory A.4, A.5).
+                    // Uniaxially ε = ε_p + σ̄/E with ε_p = κ (theory/damage-plasticity.md, eqs 8 and 9).
                     let strain = kappa + at.effective / e;
                     let stress = (1.0 - at.damage) * at.effective;
                     let exact = polyline(&response, strain);
@@ -286,7 +286,7 @@ fn uniaxial(s: f64, history: &MaterialHistory) -> Vector6<f64> {
 #[test]
 fn recovery_factors_give_back_what_they_say() {
     // Cracked, then pressed: with w_c the tensile damage counts (1 − w_c); crushed, then pulled: the
-    // compressive damage counts (1 − w_t) (theory A.6).
+    // compressive damage counts (1 − w_t) (theory/damage-plasticity.md, eq. 12).
     for w in [0.0, 0.3, 1.0] {
         let law = plain(|p| (p.tension_recovery, p.compression_recovery) = (w, w));
         let virgin = MaterialHistory::default();

@@ -5,10 +5,12 @@ mod common;
 
 use common::examples::{load, path};
 use wythe::contact::{Coupling, InterfaceLaw};
+use wythe::deck::schema::Subdivision;
+use wythe::deck::{Deck, keys};
+use wythe::element::Formulation;
 use wythe::material::{Interpolation, MaterialParameters};
-use wythe::model::deck::Subdivision;
-use wythe::model::scene::{BeamMotion, ContactPoints, Formulation, Output, Procedure};
-use wythe::model::{Deck, Model, keys};
+use wythe::model::Model;
+use wythe::model::scene::{BeamMotion, ContactPoints, Output, Procedure};
 
 const EXAMPLES: [&str; 4] = [
     "01_couplet_tension",
@@ -240,7 +242,7 @@ fn an_override_replaces_the_other_of_a_pair() {
     let deck = load("01_couplet_tension", &[("interfaces.joint.G_I", "12 N/m")]);
     let joint = &deck.interfaces["joint"];
     assert_eq!(joint.u_k, None);
-    // theory C.7: G_I = f_t u_k × 0.215626 (six digits)
+    // theory/joint.md, eq. 30: G_I = f_t u_k × 0.215626 (six digits)
     assert!((joint.ultimate_opening() - 0.012 / (0.28 * 0.215626)).abs() < 1e-6);
     assert!((joint.mode_1_energy() - 0.012).abs() < 1e-15);
     // and the other way round, in both modes
@@ -396,7 +398,7 @@ fn single_points_need_explicit_stiffnesses() {
 
 #[test]
 fn energies_are_those_of_the_theory() {
-    // theory C.7's table [N/m]: two digits after the point for G_I, one for G_II
+    // theory/joint.md, eq. 30's table [N/m]: two digits after the point for G_I, one for G_II
     for (name, g_1, g_2) in [
         ("01_couplet_tension", 12.08, [142.7, 147.3, 165.7, 188.7]),
         ("03_shear_wall_j7d", 15.53, [36.1; 4]),
@@ -436,13 +438,13 @@ fn dry_joints_need_no_softening() {
 
 #[test]
 fn the_documentation_lists_every_key() {
-    let reference = include_str!("../../docs/deck.md");
+    let reference = include_str!("../../docs/reference/deck.md");
     for (key, example) in keys::EXAMPLES {
         // `table.key` where a key means different things in different tables
         let key = key.rsplit('.').next().unwrap();
         assert!(
             reference.contains(&format!("`{key}`")),
-            "docs/deck.md lacks `{key}`"
+            "docs/reference/deck.md lacks `{key}`"
         );
         assert!(
             example.contains(key),

@@ -5,13 +5,14 @@ mod common;
 
 use common::blocks;
 use common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
+use wythe::assembly::{Bulk, DofMap, Mass};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::{
     BeamMotion, Fidelity, Gravity, GroundMotion, Procedure, Rayleigh, Tangent,
 };
-use wythe::model::{Deck, Model};
-use wythe::results::HistoryRow;
 use wythe::solve::RunError;
-use wythe::system::{Bulk, DofMap, Mass};
+use wythe::state::HistoryRow;
 
 /// Of the mean nodal force: linear problems are solved to rounding by one iteration.
 const EXACT: f64 = 1e-8;
@@ -460,7 +461,7 @@ fn a_block_slides_on_a_shaken_ground() {
         let recording = completed(&model);
         let last = recording.states.last().unwrap();
         let mut u = vec![[0.0; 3]; model.mesh.nodes.len()];
-        wythe::system::DofMap::new(&model).spread(&last.q, &mut u);
+        wythe::assembly::DofMap::new(&model).spread(&last.q, &mut u);
         let way = u.iter().map(|u| u[0]).fold(0.0, f64::min);
         let exact = if slides {
             -0.5 * (1.0 - 0.4) * 9810.0 * 0.01

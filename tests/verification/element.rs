@@ -5,15 +5,16 @@ mod common;
 
 use common::{Random, brick, mortar};
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
+use wythe::assembly::bulk;
+use wythe::assembly::bulk::{ElementSlot, Marks};
+use wythe::assembly::pattern::CELL;
+use wythe::assembly::{Evaluation, Solids, Turning};
+use wythe::element::Formulation;
 use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{
     DamagePlasticityParameters, Material, MaterialHistory, MaterialParameters, PointEnergy,
 };
-use wythe::model::scene::Formulation;
-use wythe::system::bulk::{self, ElementSlot, Marks};
-use wythe::system::pattern::CELL;
-use wythe::system::{Evaluation, Solids, Turning};
 
 /// An element and all that it writes.
 struct One {

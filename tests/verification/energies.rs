@@ -1,9 +1,12 @@
 //! The energies of a run balance, and one whose energies do not says so and where.
 
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::scene::Procedure;
-use wythe::model::{Deck, Model};
-use wythe::results::{Curve, EnergyBalance, Frame, HistoryRow, Recorder, StepOfCurve, Summary};
+use wythe::results::{Curve, StepOfCurve};
 use wythe::solve;
+use wythe::solve::Recorder;
+use wythe::state::{EnergyBalance, Frame, HistoryRow, Summary};
 
 #[derive(Default)]
 struct Energies {

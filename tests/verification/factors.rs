@@ -6,8 +6,9 @@ mod common;
 use std::path::Path;
 
 use common::scene;
-use wythe::model::{Deck, Model};
-use wythe::results::{HistoryRow, Summary};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::{HistoryRow, Summary};
 
 /// An example with `fidelity` and these overrides.
 fn run(example: &str, fidelity: &str, overrides: &[(&str, &str)]) -> (Vec<HistoryRow>, Summary) {

@@ -6,10 +6,12 @@ mod common;
 use common::blocks::{deck, deck_and_model};
 use common::halves::{WALL, apart, both, quantities};
 use common::scene::{self, Recording, completed};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 use wythe::model::mirrored::{MirrorPlane, mirror_planes};
 use wythe::model::scene::{Fidelity, Procedure};
-use wythe::model::{Deck, Model, check};
-use wythe::results::{Frame, HistoryRow, Sizes, Status};
+use wythe::model::sizes::Sizes;
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// Facets are not cut into parts.
 const WHOLE: &str = "[1, 1, 1]";

@@ -6,6 +6,7 @@ mod common;
 use common::Random;
 use common::scene::{self, Face};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::pairs::stays_on;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
@@ -13,8 +14,7 @@ use wythe::contact::{
     extend, write_stiffness, write_symmetric,
 };
 use wythe::model::Model;
-use wythe::solve::Clock;
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::state::Clock;
 
 /// Size of the facets, and how far off the origin they are [mm].
 const SIZE: f64 = 25.0;

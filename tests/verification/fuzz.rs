@@ -10,9 +10,11 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::solve;
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow};
 
 /// Decks to begin with, small ones: the mutations reach every key, not every element.
 static SEEDS: LazyLock<Vec<String>> = LazyLock::new(|| {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use wythe::model::import::{ImportedMesh, Units};
+use wythe::deck::import::{ImportedMesh, Units};
 
 /// Files to begin with, by name.
 static SEEDS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {

@@ -6,12 +6,13 @@ mod common;
 use common::Random;
 use common::scene::{self, Face};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::{CohesiveFrictional, PointStatus};
+use wythe::element::Formulation;
 use wythe::material::MaterialParameters;
 use wythe::model::Model;
-use wythe::model::scene::{ContactPoints, Formulation};
-use wythe::solve::{Clock, State};
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::model::scene::ContactPoints;
+use wythe::state::{Clock, State};
 
 /// Two blocks of 60 × 40 × 20 mm, one on the other, 2 × 2 facets below and 3 × 2 above.
 fn two_blocks(material: &MaterialParameters, law: CohesiveFrictional) -> Model {

@@ -6,7 +6,8 @@ mod common;
 use std::fs;
 
 use common::blocks::HEAD;
-use wythe::model::{Deck, Model};
+use wythe::deck::Deck;
+use wythe::model::Model;
 
 const SCENE: &str = r#"
 [[blocks]]

@@ -5,10 +5,10 @@ mod common;
 
 use common::Random;
 use nalgebra::{DMatrix, DVector, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
+use wythe::element::Formulation;
 use wythe::element::hex8::{CORNERS, FACES, Stiffness};
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{ElasticParameters, elastic_stiffness};
-use wythe::model::scene::Formulation;
 
 const ALL: [Formulation; 3] = [
     Formulation::Full,

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use wythe::model::deck::{Material, Row};
-use wythe::model::import::{ImportError, ImportedMesh, Lengths, Units};
-use wythe::model::quantity::{Density, Length, Number, Pressure};
+use wythe::deck::import::{ImportError, ImportedMesh, Lengths, Units};
+use wythe::deck::quantity::{Density, Length, Number, Pressure};
+use wythe::deck::schema::{Material, Row};
 
 fn data(name: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

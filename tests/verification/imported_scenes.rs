@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 
 use common::examples;
 use common::scene::completed;
+use wythe::deck::Deck;
+use wythe::deck::import::{ImportedMesh, SIDES, Units};
 use wythe::error::DeckError;
-use wythe::model::import::{ImportedMesh, SIDES, Units};
-use wythe::model::{Deck, Model};
+use wythe::model::Model;
 use wythe::results::export::inp::inp;
 
 fn data(name: &str) -> PathBuf {

@@ -1,11 +1,13 @@
 //! Kinds of joints in decks: keys, messages, laws, whole models with them and with laws of users.
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, registry};
-use wythe::model::deck::JointKind;
-use wythe::model::{Deck, Model, check};
+use wythe::deck::schema::JointKind;
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 use wythe::point::{self, Row, Target};
-use wythe::results::{Frame, HistoryRow, Recorder};
+use wythe::solve::Recorder;
 use wythe::solve::RunError;
+use wythe::state::{Frame, HistoryRow};
 
 const CAP: &str = r#"
 format = 1

@@ -5,12 +5,12 @@ mod common;
 
 use common::blocks::deck_and_model;
 use common::scene;
+use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::linear::Backend;
 use wythe::model::mirrored::{MirrorPlane, mirror_planes};
 use wythe::model::scene::Fidelity;
-use wythe::results::HistoryRow;
-use wythe::solve::Clock;
-use wythe::system::linear::Backend;
-use wythe::system::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::state::Clock;
+use wythe::state::HistoryRow;
 
 /// A wall whose ground parts below its middle: one crack climbs, and the rest hardly knows of it.
 const PARTED: &str = include_str!("../../benches/facade.toml");

@@ -5,9 +5,10 @@ mod common;
 
 use common::Random;
 use common::scene::{self, Recording, completed};
-use wythe::model::{Deck, Model};
-use wythe::solve::Clock;
-use wythe::system::{Evaluation, Solids, System, Trial, Turning};
+use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::Clock;
 
 fn model(text: &str) -> Model {
     let deck = Deck::from_str(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"));

@@ -5,7 +5,7 @@
 mod common;
 
 use common::blocks::{Bad, deck_and_model as model, refuses};
-use wythe::model::{Deck, check};
+use wythe::deck::{Deck, check};
 
 /// Half of a wall whose middle head joints lie in the plane.
 const HALF: &str = "format = 1

@@ -4,11 +4,12 @@
 mod common;
 
 use common::scene::{self, Face, Recording, completed};
-use wythe::model::deck::ProbeQuantity;
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::probes::Probe;
+use wythe::model::probes::ProbeQuantity;
 use wythe::model::scene::{Control, Gravity, Increments, Procedure, Step, Tangent};
-use wythe::model::{Deck, Model};
-use wythe::solve::Method;
+use wythe::state::Method;
 
 /// The bar of the atlas, with other steps.
 fn bar(steps: &str) -> Recording {

@@ -7,7 +7,7 @@ use common::blocks::{Bad, HEAD, deck, model, refuses};
 use common::scene::Recording;
 use wythe::model::Model;
 use wythe::model::scene::Fidelity;
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// A block is pushed over another on a dry joint; then both fly on.
 const SCENE: &str = r#"
@@ -92,7 +92,7 @@ fn probes_follow_nodes_faces_and_blocks() {
         // The first node of the base's top, and that of the driven face.
         assert_eq!(x[10], [0.0, 0.0, 50.0]);
         assert_eq!(row.probes[1], -(row.displacement_mm - u[10][0]));
-        let dofs = wythe::system::DofMap::new(&model);
+        let dofs = wythe::assembly::DofMap::new(&model);
         let of_top = (20..32).map(|n| state.velocity[dofs.slot[n][2] as usize]);
         assert!((row.probes[2] - of_top.sum::<f64>() / 12.0).abs() < 1e-12);
     }

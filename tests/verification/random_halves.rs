@@ -7,7 +7,7 @@ use common::halves::{WALL, apart, both};
 use common::scene::Recording;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use wythe::results::HistoryRow;
+use wythe::state::HistoryRow;
 
 /// The same walls every time, so that a change is told from chance; `PROPTEST_RNG_SEED` makes others.
 fn random() -> ProptestConfig {

@@ -4,9 +4,10 @@
 mod common;
 
 use common::scene::completed;
-use wythe::model::{Deck, Model};
-use wythe::results::HistoryRow;
-use wythe::solve::Method;
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::state::HistoryRow;
+use wythe::state::Method;
 
 /// Case 15 of the atlas: a brick of 3.5 MPa on 50 by 50 mm breaks in series with 0.8 m of elastic brickwork. Its residual
 /// stress is 0.3 MPa.

@@ -4,15 +4,19 @@
 
 use std::path::Path;
 
+use wythe_core::element::Formulation;
 use wythe_core::material::{ElasticParameters, MaterialParameters};
-use wythe_core::model::deck::ProbeQuantity;
 use wythe_core::model::probes::Probe;
+use wythe_core::model::probes::ProbeQuantity;
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
+use wythe_core::model::sizes::Sizes;
 use wythe_core::model::{Mesh, Model};
-use wythe_core::results::{Frame, HistoryRow, Recorder, RunDirectory, Sizes, Summary};
+use wythe_core::results::RunDirectory;
+use wythe_core::solve::Recorder;
+use wythe_core::state::{Frame, HistoryRow, Summary};
 
 /// Elements along x: three cubes of 100 mm that share no nodes, 1 mm apart.
 const CUBES: u32 = 3;

@@ -8,12 +8,16 @@ use std::path::Path;
 
 use common::Random;
 use common::scene::{self, Face, Recording};
+use wythe::deck::Deck;
+use wythe::model::Model;
 use wythe::model::mirrored::mirror_planes;
 use wythe::model::scene::{Fidelity, Gravity};
-use wythe::model::{Deck, Model};
 use wythe::results::checkpoint::CheckpointFile;
-use wythe::results::{Frame, HistoryRow, Recorder, Status, Summary};
-use wythe::solve::{self, Checkpoint, Method, State};
+use wythe::solve;
+use wythe::solve::Checkpoint;
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow, Status, Summary};
+use wythe::state::{Method, State};
 
 /// Keeps everything, with a checkpoint after each commit, and may ask to stop.
 #[derive(Default)]

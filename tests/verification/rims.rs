@@ -90,7 +90,7 @@ fn a_soft_block_that_bulges_over_the_sides_of_its_base_is_dragged_by_the_coulomb
 
 /// The template of a column whose top block is struck, for 0.4 s.
 fn struck(velocity: f64, points: &str) -> String {
-    let template = wythe::model::templates::find("column").expect("a template of wythe");
+    let template = wythe::deck::templates::find("column").expect("a template of wythe");
     template
         .text
         .replace("\"0.15 s\"", "\"0.4 s\"")

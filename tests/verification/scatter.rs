@@ -9,8 +9,9 @@ use std::path::Path;
 use common::blocks::{GRAVITY, HEAD, deck};
 use common::scene::completed;
 use wythe::contact::{CohesiveFrictional, InterfaceLaw};
-use wythe::model::scatter::{factor, factors};
-use wythe::model::{Deck, Model, check};
+use wythe::deck::scatter::{factor, factors};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 
 /// A wall of bricks whose joint scatters.
 fn wall(overrides: &[(&str, &str)]) -> (Deck, Model) {

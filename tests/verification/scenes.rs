@@ -9,8 +9,9 @@ use common::blocks::{
     GRAVITY, HEAD, PAIR, ROUNDING, area_vector, deck, model, nodes, norm, normals_point_out, volume,
 };
 use wythe::contact::JointLaw;
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Gravity};
-use wythe::model::{Deck, Model, check};
 
 #[test]
 fn boxes_have_their_sizes_faces_masses_and_velocities() {
@@ -33,7 +34,7 @@ fn boxes_have_their_sizes_faces_masses_and_velocities() {
     near(area(&contact.master_facets), 400.0 * 200.0);
     normals_point_out(&model);
     assert_eq!(contact.points, ContactPoints::Corner);
-    // k_n = 500 min E/h (theory C.8): the softer side is the higher block.
+    // k_n = 500 min E/h (theory/joint.md, eq. 32): the softer side is the higher block.
     let [normal, shear] = contact.laws[0].stiffness();
     near(normal, 500.0 * 5000.0 / 80.0);
     near(shear, 500.0 * 5000.0 / 80.0 / 2.4);

@@ -2,14 +2,14 @@
 //! docs is up to date.
 
 use std::path::{Path, PathBuf};
-use wythe::model::{Deck, schema};
+use wythe::deck::{Deck, json_schema};
 
 fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
 fn validator() -> jsonschema::Validator {
-    jsonschema::draft7::new(&schema::schema()).expect("a schema")
+    jsonschema::draft7::new(&json_schema::schema()).expect("a schema")
 }
 
 /// A deck as its schema sees it.
@@ -32,7 +32,7 @@ fn decks(folder: &str) -> Vec<PathBuf> {
 #[test]
 fn examples_and_templates_validate_and_name_the_schema() {
     let validator = validator();
-    for path in [decks("examples"), decks("crates/core/src/model/templates")].concat() {
+    for path in [decks("examples"), decks("crates/core/src/deck/templates")].concat() {
         let text = std::fs::read_to_string(&path).unwrap();
         let first = text.lines().next().unwrap();
         assert!(
@@ -153,7 +153,7 @@ fn every_key_is_described() {
         }
     }
     let mut bare = Vec::new();
-    walk(&schema::schema(), "", &mut bare);
+    walk(&json_schema::schema(), "", &mut bare);
     assert!(bare.is_empty(), "{bare:?}");
 }
 
@@ -161,7 +161,7 @@ fn every_key_is_described() {
 fn the_copy_in_docs_is_up_to_date() {
     let copy = std::fs::read_to_string(repository("docs/deck.schema.json")).unwrap_or_default();
     assert!(
-        copy == schema::text(),
+        copy == json_schema::text(),
         "docs/deck.schema.json is old: cargo run -- schema > docs/deck.schema.json"
     );
 }

@@ -1,8 +1,10 @@
 //! The reach of contact across a gap: within it a joint carries, beyond it the bond is gone.
 
 use std::io;
-use wythe::model::{Deck, Model};
-use wythe::results::{Frame, HistoryRow, Recorder, Status};
+use wythe::deck::Deck;
+use wythe::model::Model;
+use wythe::solve::Recorder;
+use wythe::state::{Frame, HistoryRow, Status};
 
 /// Keeps displacement [mm] and force [kN] of every increment.
 #[derive(Default)]
@@ -62,5 +64,5 @@ fn a_gap_beyond_the_radius_ends_the_bond() {
         assert!(force.abs() < 2e-2 * 1e-2 * 5.5, "{force} kN");
     }
     let [_, last] = *default.last().unwrap();
-    assert!(last > 0.5, "{last} kN"); // f_t Q(0.1 mm)·A = 0.56 kN by theory C.5
+    assert!(last > 0.5, "{last} kN"); // f_t Q(0.1 mm)·A = 0.56 kN by theory/joint.md, eq. 5
 }

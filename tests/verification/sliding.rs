@@ -71,7 +71,7 @@ fn off_the_cone(recording: &Recording) -> (f64, usize) {
 /// Largest deviation of force and reaction from μN and N, over them, while pulled.
 fn force_error(recording: &Recording) -> f64 {
     let rows = recording.rows.iter().filter(|r| r.step == 1);
-    let error = |r: &wythe::results::HistoryRow| {
+    let error = |r: &wythe::state::HistoryRow| {
         let (force, reaction) = (r.force_kN * 1e3, r.reaction_kN * 1e3);
         (force / (MU * N) - 1.0)
             .abs()
@@ -83,7 +83,7 @@ fn force_error(recording: &Recording) -> f64 {
 /// Positions where the seam lies under the slider: it must be crossed.
 fn crosses_the_seam(model: &Model, recording: &Recording) -> bool {
     let faces = |body: u32| {
-        move |state: &wythe::solve::State| {
+        move |state: &wythe::state::State| {
             let master = &model.contact.master_body;
             state
                 .pairs
@@ -198,7 +198,7 @@ const PROCEDURES: [How; 4] = [
 ];
 
 /// Force over μ times the reaction, less one.
-fn off_friction(row: &wythe::results::HistoryRow) -> f64 {
+fn off_friction(row: &wythe::state::HistoryRow) -> f64 {
     row.force_kN / (MU * row.reaction_kN) - 1.0
 }
 

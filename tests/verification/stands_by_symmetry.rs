@@ -5,7 +5,7 @@ mod common;
 
 use common::blocks::deck_and_model;
 use common::scene;
-use wythe::results::Status;
+use wythe::state::Status;
 
 /// A column that buckles would stand as a half, which is held in its plane; the run ends where it has found that, from
 /// Euler's load on: π² E I/4 L² = 10,280 N, 0.514 MPa. Twenty elements along it, shear and the compression before it buckles

@@ -6,8 +6,9 @@ mod common;
 use common::blocks::{Bad, deck as parsed, refuses};
 use common::examples::load;
 use common::scene::{rows, run};
-use wythe::model::{Deck, Model, check};
-use wythe::results::Status;
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
+use wythe::state::Status;
 
 const PIER: &str = include_str!("../../examples/66_rocking_pier.toml");
 

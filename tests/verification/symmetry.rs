@@ -6,7 +6,7 @@ mod common;
 use common::blocks::{self, Bad, deck_and_model as model, refuses};
 use common::scene::rows;
 use wythe::contact::InterfaceLaw;
-use wythe::model::check;
+use wythe::deck::check;
 
 const STONE: &str = "format = 1
 [materials.stone]

@@ -6,7 +6,7 @@ mod common;
 use common::scene::{self, How};
 use wythe::model::Model;
 use wythe::model::scene::Increments;
-use wythe::results::{HistoryRow, Status};
+use wythe::state::{HistoryRow, Status};
 
 /// The small wall pushed by 0.3 mm in equal increments; its drive.
 fn push(procedure: How, tolerance: f64) -> Vec<HistoryRow> {

@@ -323,7 +323,7 @@ fn clamped_courses_are_held_without_their_beds() {
     assert_eq!(beam.nodes.len(), (22 + 5) * 3 * 2);
     let free = model.mesh.nodes.len() - 2 * (22 + 5) * 6;
     // the beam moves freely only vertically, during the preload
-    assert_eq!(wythe::model::check::sizes(&model).dofs, 3 * free + 1);
+    assert_eq!(wythe::model::sizes::sizes(&model).dofs, 3 * free + 1);
 }
 
 #[test]
@@ -346,7 +346,7 @@ fn penalties_follow_the_softer_side_of_each_face() {
     let model = j7d(&[]);
     let s = surfaces(&model);
     let law = |f: usize| &model.contact.laws[model.contact.slave_law[f] as usize];
-    // 50 for joints of walls with mortar, where theory C.8 has 500 (docs/decisions.md)
+    // 50 for joints of walls with mortar, where theory/joint.md, eq. 32 has 500 (docs/decisions/penalty-of-mortar-joints.md)
     let expected = |stiffness: f64| [50.0 * stiffness, 50.0 * stiffness / 2.3];
     let mut corners = 0;
     for (f, (r, _)) in s.slave.iter().enumerate() {

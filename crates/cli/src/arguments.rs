@@ -8,20 +8,20 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use wythe_core::model::templates;
+use wythe_core::deck::templates;
 
 use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
 pub use results::{Compare, Export, Format, Frames, Info, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 
-/// Pushes walls of bricks to collapse: the detailed micro-model of masonry.
+/// Computes the collapse of masonry walls by the detailed micro-model.
 ///
-/// Bricks and mortar are solids that crack and crush, joined by interfaces that open and slide. A
-/// model is one TOML file (docs/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
+/// Bricks and mortar are solids that crack and crush, joined by interfaces that open and slide. A model is one TOML
+/// file (docs/reference/deck.md lists every key). Units everywhere: N, mm, MPa, tonne, s.
 #[derive(Debug, Parser)]
 #[command(name = "wythe", version, after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// What to do.
+    /// The sub-command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -181,16 +181,16 @@ pub enum Command {
     /// Run a model through all its steps.
     #[command(after_help = RUN_HELP)]
     Run(Run),
-    /// Go on with a run that stopped, from its last checkpoint.
+    /// Continue a stopped run from its last checkpoint.
     #[command(after_help = RESUME_HELP)]
     Resume(Resume),
     /// Check a model without running it: syntax, units, ranges, physics, sizes.
     #[command(after_help = CHECK_HELP)]
     Check(Check),
-    /// Take one material or interface point along a prescribed path.
+    /// Drive one material or interface point along a prescribed path.
     #[command(after_help = DRIVE_HELP)]
     Drive(Drive),
-    /// Make the run.mcap of an interrupted run whole again.
+    /// Repair the run.mcap of an interrupted run.
     #[command(after_help = SALVAGE_HELP)]
     Salvage(Salvage),
     /// Show a run on one HTML page.
@@ -202,31 +202,31 @@ pub enum Command {
     /// Compare a run with an experiment, in numbers.
     #[command(after_help = COMPARE_HELP)]
     Compare(Compare),
-    /// Tell what is in a folder of results, a file of fields, or a model.
+    /// Describe a folder of results, a file of fields, or a model.
     #[command(after_help = INFO_HELP)]
     Info(Info),
     /// Write a run, or a model, in the format of another program.
     #[command(after_help = EXPORT_HELP)]
     Export(Export),
-    /// Many runs side by side, judged and told on one page.
+    /// Run many models, evaluate them and report them on one page.
     #[command(subcommand, after_help = STUDY_HELP)]
     Study(Study),
-    /// Print the JSON schema of decks, by which editors complete and check them.
+    /// Print the JSON schema of decks, with which editors complete and check them.
     #[command(after_help = SCHEMA_HELP)]
     Schema,
-    /// Print a script that completes this command in a shell.
+    /// Print a completion script of this command for a shell.
     #[command(after_help = COMPLETIONS_HELP)]
     Completions(Completions),
-    /// Print the manual page, or write those of all sub-commands.
+    /// Print the manual page, or write the pages of all sub-commands.
     #[command(after_help = MAN_HELP)]
     Man(Man),
 }
 
-/// A model and what is said anew of it.
+/// Changes of a model on the command line.
 #[derive(Debug, Args)]
 pub struct ModelArguments {
-    /// Say a key of the model anew, e.g. steps.1.increments.max=0.02 (repeatable). The path is
-    /// dotted, arrays count from 0; the value is TOML or a bare string, checked like the file.
+    /// Replace a key of the model, e.g. steps.1.increments.max=0.02 (repeatable). The path is dotted, arrays count
+    /// from 0; the value is TOML or a bare string, checked like the file.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub overrides: Vec<(String, String)>,
 }
@@ -239,27 +239,27 @@ pub struct Run {
     /// Folder for the results [default: MODEL.out beside the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads; results do not depend on them [default: all cores].
+    /// Number of threads; results do not depend on it [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// How progress is told.
+    /// How progress is shown.
     #[arg(long, value_enum, value_name = "HOW", default_value = "auto")]
     pub progress: Progress,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long, short, conflicts_with = "progress")]
     pub quiet: bool,
     #[command(flatten)]
     pub with: ModelArguments,
 }
 
-/// How progress is told.
+/// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Progress {
     /// A bar on a terminal, lines elsewhere.
     Auto,
-    /// A line an increment, on standard error.
+    /// One line per increment, on standard error.
     Plain,
-    /// An object an increment, on standard output.
+    /// One JSON object per increment, on standard output.
     Json,
 }
 
@@ -269,10 +269,10 @@ pub struct New {
     /// Name of the deck: NAME.toml is written.
     #[arg(required_unless_present = "list")]
     pub name: Option<PathBuf>,
-    /// What it describes, see --list.
+    /// Template of the deck, see --list.
     #[arg(long, value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(templates::NAMES), default_value = "couplet")]
     pub template: String,
-    /// A mesh that it imports: an .inp of Abaqus or a .msh of Gmsh.
+    /// Mesh to import: an .inp of Abaqus or a .msh of Gmsh.
     #[arg(long, value_name = "FILE", conflicts_with = "template")]
     pub from: Option<PathBuf>,
     /// Units of force, length and time in that file.
@@ -312,13 +312,13 @@ pub struct Resume {
     /// Folder of the run.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Threads; results do not depend on them [default: all cores].
+    /// Number of threads; results do not depend on it [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// How progress is told.
+    /// How progress is shown.
     #[arg(long, value_enum, value_name = "HOW", default_value = "auto")]
     pub progress: Progress,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long, short, conflicts_with = "progress")]
     pub quiet: bool,
     #[command(flatten)]
@@ -330,10 +330,10 @@ pub struct Resume {
 pub struct Check {
     /// The model, a TOML file.
     pub model: PathBuf,
-    /// Print one JSON object, for machines.
+    /// Print one JSON object.
     #[arg(long)]
     pub json: bool,
-    /// Draw what will be built, as SVG or PNG by the file's extension.
+    /// Draw the model, as SVG or PNG by the file's extension.
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
@@ -345,7 +345,7 @@ pub struct Check {
 pub struct Salvage {
     /// The file, run.mcap in the folder of a run.
     pub file: PathBuf,
-    /// Where the whole file goes [default: in its place].
+    /// File to write [default: replace the file].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -356,10 +356,10 @@ pub struct ReportPage {
     /// Folder of a run.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The page [default: DIR/report.html].
+    /// File of the page [default: DIR/report.html].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// A measured curve to lay over the computed one.
+    /// Measured curve to draw over the computed one.
     #[arg(long, value_name = "FILE.csv")]
     pub experiment: Option<PathBuf>,
 }
@@ -367,12 +367,12 @@ pub struct ReportPage {
 /// `wythe drive`
 #[derive(Debug, Args)]
 pub struct Drive {
-    /// What kind of point.
+    /// Kind of point.
     #[command(subcommand)]
     pub point: Point,
 }
 
-/// The kinds of points.
+/// Kinds of points.
 #[derive(Debug, Subcommand)]
 pub enum Point {
     /// A point of a solid, driven by strains or stresses.
@@ -391,17 +391,17 @@ pub struct DrivePoint {
     /// The model, a TOML file.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: PathBuf,
-    /// The path: a CSV file with a header, a row a step; # begins a comment.
+    /// The path: a CSV file with a header and one row per step; # begins a comment.
     #[arg(long, value_name = "PATH.csv")]
     pub path: PathBuf,
-    /// Where the answer goes [default: standard output].
+    /// File of the response [default: standard output].
     #[arg(long, value_name = "OUT.csv")]
     pub out: Option<PathBuf>,
-    /// Implicit steps a row.
+    /// Implicit steps per row.
     #[arg(long, value_name = "N", default_value = "1")]
     pub substeps: NonZeroUsize,
-    /// Drive this component by its stress column and solve for its strain: xx yy zz xy yz zx of a
-    /// material, normal tau1 tau2 of an interface (repeatable).
+    /// Drive this component by its stress column and solve for its strain: xx yy zz xy yz zx of a material, normal
+    /// tau1 tau2 of an interface (repeatable).
     #[arg(long, value_name = "COMPONENT")]
     pub stress: Vec<String>,
     #[command(flatten)]

@@ -1,10 +1,11 @@
-//! `wythe check`: is this model what its author means?
+//! `wythe check`: checks a model without running it.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use wythe_core::deck::MOST_BYTES;
 use wythe_core::input;
-use wythe_core::model::{MOST_BYTES, Model};
+use wythe_core::model::Model;
 use wythe_core::results::plotting::{png, scene};
 
 use crate::arguments::Check;
@@ -13,7 +14,7 @@ use crate::findings::{self, Sound, Unsound};
 use crate::plot::{undrawn, write_answer};
 use crate::say::print;
 
-/// Reads and builds the model, and prints what is wrong with it, or what follows from it.
+/// Reads and builds the model, and prints its errors, or its warnings and sizes.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
     let path = &arguments.model;
     let found = findings::read(path, &arguments.with);
@@ -22,7 +23,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         _ => Ok(()),
     };
     if arguments.json {
-        // Whatever happens to the picture.
+        // The JSON object is printed even if the picture fails.
         return print_json(path, found).and(drawn);
     }
     drawn?;
@@ -31,8 +32,8 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         model,
         warnings,
     } = found.map_err(|unsound| unsound.tell(path))?;
-    let mut report = wythe_core::model::check(&deck, &model);
-    // These are drawn with their places.
+    let mut report = wythe_core::deck::check(&deck, &model);
+    // Warnings are printed with their places in the deck instead.
     report.warnings.clear();
     let text = input::text(path, MOST_BYTES as u64).unwrap_or_default();
     let lines: Vec<&str> = text.lines().collect();
@@ -43,7 +44,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     print(&format!("{drawn}{report}"))
 }
 
-/// Draws what will be built.
+/// Draws the model.
 fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let svg = scene(model);
     let extension = picture
@@ -64,7 +65,7 @@ fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure
     write_answer(picture, &bytes, inputs)
 }
 
-/// One object, whatever was found.
+/// Prints one JSON object, whether the model is right or wrong.
 fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(), Failure> {
     let file = path.display().to_string();
     let (object, outcome): (Value, _) = match found {
@@ -108,7 +109,7 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
             model,
             warnings,
         }) => {
-            let report = wythe_core::model::check(&deck, &model);
+            let report = wythe_core::deck::check(&deck, &model);
             let warnings: Vec<Value> = warnings.iter().map(findings::warning_json).collect();
             let object = json!({
                 "file": file,

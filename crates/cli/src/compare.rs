@@ -1,6 +1,7 @@
-//! `wythe compare`: a run against an experiment.
+//! `wythe compare`: compares a run with an experiment.
 
-use wythe_core::model::{Deck, Model};
+use wythe_core::deck::Deck;
+use wythe_core::model::Model;
 use wythe_core::results::comparison::{Comparison, Measures, clear_height};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::{self, Experiment, RunFolder};
@@ -9,7 +10,7 @@ use crate::arguments::Compare;
 use crate::failure::Failure;
 use crate::say::print;
 
-/// Compares and prints.
+/// Compares the curves and prints the result.
 pub fn compare(arguments: &Compare) -> Result<(), Failure> {
     let folder = RunFolder::open(&arguments.folder)?;
     let experiment = Experiment::read(&arguments.experiment)?;
@@ -24,7 +25,7 @@ pub fn compare(arguments: &Compare) -> Result<(), Failure> {
     print(&format!("{json}\n"))
 }
 
-/// From the copy of the deck, where there is one that can be built.
+/// Clear height from the copy of the deck; none if there is no deck or it cannot be built.
 fn height_of(folder: &RunFolder) -> Option<f64> {
     let deck = Deck::load(folder.path().join(DECK), &[]).ok()?;
     let deck = folder.place(deck);
@@ -32,7 +33,7 @@ fn height_of(folder: &RunFolder) -> Option<f64> {
     clear_height(&model)
 }
 
-/// A row of the table: what, its decimals, and where it is found.
+/// A row of the table: label, number of decimals, and value.
 type Row = (&'static str, usize, fn(&Measures) -> Option<f64>);
 
 const ROWS: [Row; 7] = [

@@ -1,8 +1,9 @@
-//! `wythe export`: a run, or a model that was not run, for other programs.
+//! `wythe export`: writes a run, or a model that was not run, for other programs.
 
 use std::path::{Path, PathBuf};
 
-use wythe_core::model::{Deck, Model};
+use wythe_core::deck::Deck;
+use wythe_core::model::Model;
 use wythe_core::results::directory::{DECK, spare_inputs};
 use wythe_core::results::export::{frame_name, inp, table, vtu};
 use wythe_core::results::snapshot::Snapshots;
@@ -13,10 +14,10 @@ use crate::failure::Failure;
 use crate::plot::write;
 use crate::say::print;
 
-/// Name of the series of all frames.
+/// Name of the file that lists all frames.
 const SERIES: &str = "series.pvd";
 
-/// Writes the files and says which.
+/// Writes the files and prints their names.
 pub fn export(arguments: &Export) -> Result<(), Failure> {
     if arguments.folder.is_file() {
         return scene(&arguments.folder, arguments);
@@ -68,7 +69,7 @@ fn tell(written: &[PathBuf]) -> Result<(), Failure> {
     print(&lines.collect::<String>())
 }
 
-/// A model at rest, without a run.
+/// Writes a model at rest, without a run.
 fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     if arguments.frame.is_some() || arguments.to == Format::Csv {
         return Err(Failure::Model(miette::miette!(
@@ -99,7 +100,7 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     tell(&written)
 }
 
-/// Files of a frame: what comes after its name, and their text.
+/// Files of a frame: suffix of the name, and text.
 fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     let joined = !snapshot.surface.quads.is_empty();
     let mut files = match format {
@@ -118,7 +119,7 @@ fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     files
 }
 
-/// The model of the folder's deck, for Abaqus, and the files that it is made of.
+/// Abaqus text of the model in the folder's deck, and the input files of the model.
 fn model(folder: &RunFolder, arguments: &Export) -> Result<(String, Vec<PathBuf>), Failure> {
     if arguments.frame.is_some() {
         return Err(Failure::Model(miette::miette!(

@@ -1,46 +1,46 @@
-//! What ends the command early, and with which exit code.
+//! Failures of the command and their exit codes.
 
+use crate::study::StudyError;
 use miette::{Diagnostic, Report};
 use wythe_core::error::{DeckError, IoError, ModelError};
 use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
-use wythe_core::study::StudyError;
 
 use crate::say::tell;
 use crate::unicode;
 
-/// Exit code of our own mistakes.
+/// Exit code of a bug in wythe.
 pub const BUG: u8 = 1;
 /// Exit code of a wrong model or usage.
 pub const MODEL: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 /// Exit code of a file that cannot be read or written.
 pub const INPUT_OUTPUT: u8 = 4;
-/// 128 + SIGINT, as shells have it.
+/// Exit code of an interrupted run: 128 + SIGINT, the convention of shells.
 pub const INTERRUPTED: u8 = 130;
 
-/// Why the command does not end with 0.
+/// Reason why the command does not end with 0.
 #[derive(Debug)]
 pub enum Failure {
     /// The model, the path of a point or the usage is wrong.
     Model(Report),
-    /// The model is wrong, and what is wrong has been told.
+    /// The model is wrong; the errors were printed already.
     ToldModel,
-    /// Equilibrium or a stress-driven point was not found; everything before it is kept.
+    /// Equilibrium, or the response of a stress-driven point, was not found; all results before it are kept.
     NotConverged(Report),
     /// A file could not be read or written.
     InputOutput(Report),
-    /// The user stopped it; everything up to there is kept.
+    /// The user stopped the run; all results before are kept.
     Interrupted,
 }
 
 impl Failure {
-    /// A wrong model or usage.
+    /// Failure by a wrong model or usage.
     pub fn model(error: impl Diagnostic + Send + Sync + 'static) -> Self {
         Self::Model(Report::new(error))
     }
 
-    /// A file that could not be read or written.
+    /// Failure by a file that could not be read or written.
     pub fn input_output(error: impl Diagnostic + Send + Sync + 'static) -> Self {
         Self::InputOutput(Report::new(error))
     }
@@ -55,7 +55,7 @@ impl Failure {
         }
     }
 
-    /// What is wrong and how to mend it, as words without a frame.
+    /// Message and advice as plain text.
     pub fn in_words(&self) -> (String, String) {
         match self {
             Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
@@ -69,7 +69,7 @@ impl Failure {
         }
     }
 
-    /// Says on standard error what there is to say.
+    /// Prints the failure on standard error.
     pub fn report(&self) {
         match self {
             Self::Model(report) | Self::NotConverged(report) | Self::InputOutput(report) => {
@@ -80,9 +80,9 @@ impl Failure {
     }
 }
 
-/// Reports in ASCII where the locale is not UTF-8, without colours where they are not wanted.
+/// Sets reports to ASCII where the locale is not UTF-8, and without colours where NO_COLOR is set.
 pub fn draw_as_the_terminal_can() {
-    // Where the command is called again, the hook of the first call stays.
+    // If the command is called again, the hook of the first call stays.
     let _ = miette::set_hook(Box::new(|_| {
         let options = miette::MietteHandlerOpts::new().unicode(unicode::is_on());
         let options = if unicode::colours() {
@@ -142,7 +142,7 @@ impl From<ExperimentError> for Failure {
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
-            // The recorder's own error comes back wrapped: it names the file.
+            // The recorder's error comes back wrapped; unwrapped, it names the file.
             RunError::Output(error) => match error.downcast::<OutputError>() {
                 Ok(error) => error.into(),
                 Err(error) => Self::InputOutput(Report::msg(format!(

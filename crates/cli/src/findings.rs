@@ -1,37 +1,37 @@
-//! What is wrong with a model and what its author should know: all of it at once, for people and for
-//! machines.
+//! Errors and warnings of a model: all of them at once, as text or as JSON.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use miette::Report;
 use serde_json::{Value, json};
+use wythe_core::deck::{Deck, MOST_BYTES};
 use wythe_core::error::{DeckError, ModelError, Warning};
 use wythe_core::input;
-use wythe_core::model::{Deck, MOST_BYTES, Model};
+use wythe_core::model::Model;
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
 use crate::say::{self, tell};
 
-/// A deck that could be read, and the model that was built of it.
+/// A deck that could be read, with the model built from it.
 pub struct Sound {
     pub deck: Deck,
     pub model: Model,
     pub warnings: Vec<Warning>,
 }
 
-/// The two layers of a check: physics is judged where the form is right.
+/// Layers of a check: physics is checked only if the form is right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layer {
     /// Keys, types, units, ranges, names.
     Form,
-    /// What the model that the deck describes would do.
+    /// Behaviour of the model that the deck describes.
     Physics,
 }
 
 impl Layer {
-    /// As it is called in what the command prints.
+    /// Name of the layer in the output.
     pub fn name(self) -> &'static str {
         match self {
             Self::Form => "form",
@@ -40,7 +40,7 @@ impl Layer {
     }
 }
 
-/// Why there is no model.
+/// Reason why there is no model.
 pub enum Unsound {
     /// The file could not be read.
     Unread(Failure),
@@ -64,7 +64,7 @@ pub fn read(path: &Path, with: &ModelArguments) -> Result<Sound, Unsound> {
 }
 
 impl Unsound {
-    /// Says on standard error what is wrong, each error with its place, and how the command ends.
+    /// Prints the errors on standard error, each with its place. Returns the failure of the command.
     pub fn tell(self, path: &Path) -> Failure {
         let (layer, error) = match self {
             Self::Unread(failure) => return failure,
@@ -88,7 +88,7 @@ impl Unsound {
     }
 }
 
-/// A warning, with the line of the deck and a caret below the place.
+/// Text of a warning, with the line of the deck and a caret below its place.
 pub fn drawn(warning: &Warning, lines: &[&str]) -> String {
     let mut out = format!("warning: {warning}\n");
     let (Some(line), Some(column)) = (warning.line, warning.column) else {
@@ -104,7 +104,7 @@ pub fn drawn(warning: &Warning, lines: &[&str]) -> String {
     out
 }
 
-/// An error as machines read it.
+/// JSON object of an error.
 pub fn error_json(error: &ModelError) -> Value {
     json!({
         "file": error.file(),
@@ -116,7 +116,7 @@ pub fn error_json(error: &ModelError) -> Value {
     })
 }
 
-/// A warning as machines read it.
+/// JSON object of a warning.
 pub fn warning_json(warning: &Warning) -> Value {
     json!({
         "key": warning.key,

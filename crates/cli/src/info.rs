@@ -1,23 +1,25 @@
-//! `wythe info`: what is inside, in a screen of text.
+//! `wythe info`: a description of a run, a file of fields or a model on one screen.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
+use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
-use wythe_core::model::{Deck, Model, check};
+use wythe_core::model::{self, Model};
 use wythe_core::results::checkpoint::CHECKPOINT;
 use wythe_core::results::directory::{
     CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
-use wythe_core::results::{ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use wythe_core::results::{ReadError, ReadHistory, RunFolder, SummaryFile};
+use wythe_core::state::Status;
 
 use crate::arguments::Info;
 use crate::failure::Failure;
 use crate::say::print;
 use crate::terminal::{count, seconds};
 
-/// Tells of a folder, of fields or of a model.
+/// Prints the description of a folder, of fields or of a model.
 pub fn info(arguments: &Info) -> Result<(), Failure> {
     let path = &arguments.path;
     std::fs::metadata(path).map_err(|why| IoError {
@@ -50,12 +52,12 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Text into a string, which does not fail.
+/// Result of writing text to a string, which does not fail.
 type Told = std::fmt::Result;
 
 fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
     let (history, summary) = (folder.history()?, folder.summary()?);
-    // A killed or damaged file of fields must not hide the rest.
+    // A damaged file of fields, as of a killed run, must not hide the rest.
     let fields = folder.fields();
     let about = fields
         .as_ref()
@@ -252,7 +254,7 @@ fn of_frames(text: &mut String, times: &[f64]) -> Told {
     }
 }
 
-/// Files that a run leaves, with their sizes.
+/// Lists the files of a run with their sizes.
 fn files(text: &mut String, path: &Path) -> Told {
     let names = [
         HISTORY,
@@ -276,7 +278,7 @@ fn files(text: &mut String, path: &Path) -> Told {
     Ok(())
 }
 
-/// 812 B, 1.5 kB, 23 MB.
+/// Formats a size: 812 B, 1.5 kB, 23 MB.
 fn bytes(count: u64) -> String {
     let mut value = count as f64;
     for unit in ["B", "kB", "MB", "GB"] {
@@ -346,7 +348,7 @@ fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
 fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
     let deck = Deck::load(path, &[])?;
     let (model, warnings) = Model::from_deck(&deck)?;
-    let sizes = check::sizes(&model);
+    let sizes = model::sizes::sizes(&model);
     let tell = |text: &mut String| -> Told {
         writeln!(text, "{}", model.title)?;
         writeln!(text, "  model       {}", path.display())?;
@@ -361,7 +363,7 @@ fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
         )?;
         let materials: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
         writeln!(text, "  materials   {}", materials.join(", "))?;
-        // A law stands there once for every pair of stiffnesses and every unit that scatters.
+        // The list holds a law once for every pair of stiffnesses and every unit with scattered properties.
         let mut laws: Vec<&str> = Vec::new();
         for name in &model.contact.law_names {
             if !laws.contains(&name.as_str()) {

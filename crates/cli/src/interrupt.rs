@@ -1,4 +1,4 @@
-//! Requests to stop: Ctrl-C (the first one asks, the second one insists), SIGTERM and SIGHUP.
+//! Requests to stop by Ctrl-C, SIGTERM and SIGHUP.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -6,19 +6,19 @@ use std::sync::{Arc, OnceLock};
 use crate::failure;
 use crate::say::tell;
 
-/// Whether the user has asked to stop.
+/// Flag that is set once the user has asked to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
-/// The one that signals set: a process has one handler of each.
+/// The flag that signals set. It is shared, because a process has one handler per signal.
 static OF_SIGNALS: OnceLock<Interrupt> = OnceLock::new();
 
 impl Interrupt {
-    /// Listens from now on. The first Ctrl-C sets the flag, the second one ends the process at once with exit code
-    /// 130. SIGTERM (`kill`, batch systems, `timeout`) and SIGHUP (the terminal was closed) set the flag, too, but
-    /// never end the process: both often come twice, once from the shell or `timeout` and once to its whole group.
-    /// A SIGHUP that is ignored from the start, as below `nohup`, stays ignored. Where no handler can be set, the
-    /// signal ends the process as usual.
+    /// Listens to signals from now on. The first Ctrl-C sets the flag, the second one ends the process at once with
+    /// exit code 130. SIGTERM (`kill`, batch systems, `timeout`) and SIGHUP (closed terminal) set the flag too but
+    /// never end the process: both often come twice, once from the shell or `timeout` and once to its whole process
+    /// group. A SIGHUP that is ignored from the start, as below `nohup`, stays ignored. Where no handler can be set,
+    /// the signal ends the process as usual.
     pub fn listen() -> Self {
         let interrupt = OF_SIGNALS.get_or_init(|| {
             let interrupt = Self::default();
@@ -36,7 +36,7 @@ impl Interrupt {
             interrupt.listen_to_termination();
             interrupt
         });
-        // What stopped an earlier run of this process is not meant for this one.
+        // A request to stop an earlier run of this process does not concern this one.
         interrupt.0.store(false, Ordering::SeqCst);
         interrupt.clone()
     }
@@ -55,20 +55,20 @@ impl Interrupt {
         }
     }
 
-    /// True once the user has asked.
+    /// Whether the user has asked to stop.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }
 
-    /// Asks as the user would.
+    /// Asks to stop, as a user would.
     #[cfg(test)]
     pub fn request(&self) {
         self.0.store(true, Ordering::SeqCst);
     }
 }
 
-/// Whether SIGHUP is not ignored. Where the system does not tell: whether there is a terminal that may be closed
-/// (`nohup` leads standard error elsewhere).
+/// Whether SIGHUP is not ignored. If the system does not say so, whether there is a terminal that may be closed
+/// (`nohup` redirects standard error).
 #[cfg(unix)]
 fn hang_up_counts() -> bool {
     use std::io::IsTerminal as _;

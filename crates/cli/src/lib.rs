@@ -1,5 +1,5 @@
-//! The `wythe` command: a thin door onto `Deck → Model → solve → RunDirectory`. A library, so that whatever
-//! installs the command ([`command`]) installs the same one.
+//! The `wythe` command: a thin interface to `Deck → Model → solve → RunDirectory`. It is a library, so that the wheel
+//! can install the same command ([`command`]).
 #![forbid(unsafe_code)]
 
 mod arguments;
@@ -20,7 +20,7 @@ mod salvage;
 mod say;
 mod schema;
 mod shell;
-mod study;
+pub mod study;
 mod terminal;
 mod unicode;
 
@@ -34,28 +34,28 @@ use arguments::{Arguments, Command};
 use failure::Failure;
 use say::tell;
 
-/// The command as its user typed it, the program's name first; its exit code: 0 completed, 2 bad model or
-/// usage, 3 not converged (results kept), 4 input or output, 130 interrupted, 1 a bug of ours.
+/// Runs the command line `arguments`, with the program's name first, and returns its exit code: 0 completed, 2 bad
+/// model or usage, 3 not converged (results kept), 4 input or output, 130 interrupted, 1 a bug of wythe.
 ///
-/// It speaks on standard output and standard error, `--help` and errors of usage included. It may be called
-/// again, but signals and the number of threads (`--threads`) belong to the process: the first Ctrl-C of a run
-/// asks it to stop, as SIGTERM and SIGHUP do, the second ends the process; and rayon takes a number of threads
-/// once only.
+/// All output, `--help` and usage errors included, goes to standard output and standard error. The function may be
+/// called again, but signals and the number of threads (`--threads`) belong to the process: the first Ctrl-C asks a
+/// run to stop, as SIGTERM and SIGHUP do, and the second ends the process; rayon accepts a number of threads only
+/// once.
 pub fn command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     command_of(&[this_program()], arguments)
 }
 
-/// [`command`] where the process is of another program, as of an interpreter: `program` is that program and those arguments
-/// that make the command of it, so that studies can run decks in processes of their own.
+/// Runs [`command`] in the process of another program, such as an interpreter. `program` is that program with the
+/// arguments that start the command, so that studies can run decks in processes of their own.
 pub fn command_of(program: &[OsString], arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        // What is asked for (`--help`, `--version`) comes as an error with exit code 0.
+        // clap returns the text of `--help` and `--version` as an error with exit code 0.
         Err(told) => {
             let printed = told.print();
             let code = u8::try_from(told.exit_code()).unwrap_or(failure::MODEL);
             return match printed {
-                // What was asked for and does not fit on a full disk; a reader that has had enough is no error.
+                // Requested text that does not fit on a full disk is an error; a reader that has stopped is not.
                 Err(why) if code == 0 && why.kind() != ErrorKind::BrokenPipe => {
                     tell!("standard output cannot be written: {why}");
                     failure::INPUT_OUTPUT
@@ -82,8 +82,8 @@ pub fn command_of(program: &[OsString], arguments: impl IntoIterator<Item = OsSt
     }
 }
 
-/// The program of this process. By the link of the system where there is one: it leads to the same program after a new one
-/// was put in its place.
+/// Path of the program of this process. Where the system has a link to it, the link is used: it leads to the same
+/// program after its file was replaced.
 fn this_program() -> OsString {
     let link = Path::new("/proc/self/exe");
     if link.exists() {
@@ -106,7 +106,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
-        Command::Study(arguments) => study::study(arguments, program),
+        Command::Study(arguments) => study::command::study(arguments, program),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),
     }

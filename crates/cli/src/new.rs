@@ -1,19 +1,20 @@
-//! `wythe new`: a commented deck that runs as it is.
+//! `wythe new`: writes a commented deck that runs as it is.
 
 use std::path::{Path, PathBuf};
 
 use wythe_core::command::argument;
+use wythe_core::deck::import::{ImportedMesh, Units};
+use wythe_core::deck::json_schema;
+use wythe_core::deck::templates;
+use wythe_core::deck::templates::{SCHEMA, TEMPLATES};
 use wythe_core::error::IoError;
 use wythe_core::files::{write_out, write_whole};
-use wythe_core::model::import::{ImportedMesh, Units};
-use wythe_core::model::schema;
-use wythe_core::model::templates::{self, SCHEMA, TEMPLATES};
 
 use crate::arguments::New;
 use crate::failure::Failure;
 use crate::say::print;
 
-/// Lists the templates, or writes one of them.
+/// Lists the templates, or writes a deck from a template or around a mesh.
 pub fn new(arguments: &New) -> Result<(), Failure> {
     let Some(name) = arguments.name.as_ref().filter(|_| !arguments.list) else {
         let lines = TEMPLATES.iter();
@@ -24,7 +25,7 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let text = match &arguments.from {
         Some(mesh) => around(mesh, &path, folder, &arguments.units)?,
-        // clap has seen that it is one of them.
+        // clap has checked the name.
         None => templates::find(&arguments.template)
             .map_or("", |t| t.text)
             .to_owned(),
@@ -33,9 +34,9 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
     }
     write(&path, &text, arguments.force)?;
-    // Another version of wythe may have written the one that is there.
+    // The schema there may be of another version of wythe, so it is always replaced.
     let beside = folder.join(SCHEMA);
-    write_whole(&beside, schema::text().as_bytes()).map_err(unwritable(&beside))?;
+    write_whole(&beside, json_schema::text().as_bytes()).map_err(unwritable(&beside))?;
     let typed = argument(&path);
     print(&format!(
         "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",
@@ -49,7 +50,7 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
     ))
 }
 
-/// A deck around a mesh.
+/// Text of a deck around an imported mesh.
 fn around(mesh: &Path, deck: &Path, folder: &Path, units: &str) -> Result<String, Failure> {
     let wrong =
         |message: String, help: String| Failure::Model(miette::miette!(help = help, "{message}"));
@@ -61,7 +62,7 @@ fn around(mesh: &Path, deck: &Path, folder: &Path, units: &str) -> Result<String
     })?;
     let read = ImportedMesh::load(mesh, &units_of).and_then(|read| read.check().map(|()| read));
     let read = read.map_err(|error| wrong(error.to_string(), error.help.clone()))?;
-    // Decks name files from their own folder.
+    // Paths in a deck are relative to its folder.
     let file = mesh
         .strip_prefix(folder)
         .unwrap_or(mesh)
@@ -72,7 +73,7 @@ fn around(mesh: &Path, deck: &Path, folder: &Path, units: &str) -> Result<String
         .map_err(|why| wrong(format!("{file}: {why}"), "mend the file first".to_owned()))
 }
 
-/// NAME.toml, whether the name has the ending or not.
+/// Adds `.toml` to the name if it is missing.
 fn deck_of(name: &Path) -> PathBuf {
     if name.extension().is_some_and(|e| e == "toml") {
         return name.to_owned();
@@ -89,9 +90,9 @@ fn unwritable(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + '_ {
     }
 }
 
-/// Writes a new file; over an old one only by force.
+/// Writes a new file; replaces an existing one only with `force`.
 fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
-    // A link that leads nowhere is there, too.
+    // A broken link exists too.
     if !force && path.symlink_metadata().is_ok() {
         return Err(Failure::InputOutput(miette::miette!(
             help = "take another name, or say --force to overwrite it",

@@ -1,4 +1,4 @@
-//! `wythe plot`: a run in pictures.
+//! `wythe plot`: draws a run.
 
 use std::path::{Path, PathBuf};
 
@@ -16,10 +16,10 @@ use crate::arguments::Plot;
 use crate::failure::Failure;
 use crate::say::print;
 
-/// Pixels of a PNG to one of the SVG.
+/// Pixels of a PNG per pixel of its SVG.
 const ZOOM: f32 = 2.0;
 
-/// Draws the run and says which pictures there are.
+/// Draws the run and prints the names of the pictures.
 pub fn plot(arguments: &Plot) -> Result<(), Failure> {
     let experiments: Vec<Experiment> = arguments
         .compare
@@ -86,7 +86,7 @@ pub fn plot(arguments: &Plot) -> Result<(), Failure> {
     print(&lines.concat())
 }
 
-/// What is drawn of a run.
+/// Curve and frame of a run.
 struct Run {
     line: Line,
     snapshot: Snapshot,
@@ -111,7 +111,7 @@ impl Run {
     }
 }
 
-/// `wall` for `somewhere/wall.out`.
+/// Name of a run: `wall` for `somewhere/wall.out`.
 fn name_of(path: &Path) -> String {
     let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let name = whole
@@ -121,7 +121,7 @@ fn name_of(path: &Path) -> String {
     name.strip_suffix(".out").unwrap_or(&name).to_owned()
 }
 
-/// Writes to a name that the user has given, a device or a pipe perhaps, but over none of the inputs.
+/// Writes to a path given by the user, which may be a device or a pipe, but never over an input.
 pub fn write_answer(path: &Path, bytes: &[u8], inputs: &[PathBuf]) -> Result<(), Failure> {
     if let (Some(folder), Some(name)) = (path.parent(), path.file_name().and_then(|n| n.to_str())) {
         spare_inputs(folder, [name], inputs)?;
@@ -132,7 +132,7 @@ pub fn write_answer(path: &Path, bytes: &[u8], inputs: &[PathBuf]) -> Result<(),
     })
 }
 
-/// Writes a file into a folder, which is made if need be.
+/// Writes a file into a folder, which is created if necessary.
 pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, IoError> {
     let path = folder.join(name);
     std::fs::create_dir_all(folder).map_err(|why| IoError {
@@ -146,7 +146,7 @@ pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, IoError
     Ok(path)
 }
 
-/// A picture that came to nothing.
+/// Failure of a picture that cannot be drawn.
 pub fn undrawn(why: &str) -> Failure {
     Failure::Model(miette::miette!(
         help = "look at history.csv: are there numbers that are none?",

@@ -1,4 +1,4 @@
-//! `wythe report`: a run's folder on one page.
+//! `wythe report`: shows the folder of a run on one page.
 
 use wythe_core::results::directory::{OF_A_RUN, REPORT};
 use wythe_core::results::{Experiment, Report, RunFolder};
@@ -9,7 +9,7 @@ use crate::plot::write_answer;
 use crate::say::print;
 use crate::say::tell;
 
-/// Writes the page and says how large it is and what it lacks.
+/// Writes the page and prints its size and the missing parts.
 pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
     let folder = RunFolder::open(&arguments.folder)?;
     let experiment = arguments.experiment.as_deref();
@@ -22,7 +22,7 @@ pub fn report(arguments: &ReportPage) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| arguments.folder.join(REPORT));
-    // The page may lie anywhere but in the place of another file of the run.
+    // The page must not replace another file of the run.
     let others = OF_A_RUN.iter().filter(|name| **name != REPORT);
     let mut inputs: Vec<_> = others.map(|name| arguments.folder.join(name)).collect();
     inputs.extend(arguments.experiment.clone());

@@ -1,4 +1,4 @@
-//! `wythe resume`: a run that stopped goes on in its folder.
+//! `wythe resume`: continues a stopped run in its folder.
 
 use wythe_core::model::Model;
 use wythe_core::results::{Resumed, StoppedRun};
@@ -11,7 +11,7 @@ use crate::run::{record, take_threads};
 use crate::say::print;
 use crate::terminal::Terminal;
 
-/// Takes a run up from its last checkpoint.
+/// Continues a run from its last checkpoint.
 pub fn resume(arguments: &Resume) -> Result<(), Failure> {
     let out = &arguments.folder;
     let mut stopped = StoppedRun::open(out)?;
@@ -33,7 +33,7 @@ pub fn resume(arguments: &Resume) -> Result<(), Failure> {
         checkpoint,
         warnings: of_files,
     } = stopped.resume(&model)?;
-    // The deck as it is from here on.
+    // Keep the deck as it is from now on.
     directory.keep_deck(&deck)?;
     let mut all: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     all.extend(of_files);

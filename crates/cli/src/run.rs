@@ -1,4 +1,4 @@
-//! `wythe run`: from a TOML file to its folder of results.
+//! `wythe run`: runs a TOML file and writes its folder of results.
 
 use std::io;
 use std::num::NonZeroUsize;
@@ -7,10 +7,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 use wythe_core::command::argument;
 use wythe_core::model::Model;
-use wythe_core::results::{
-    Frame, HistoryRow, Recorder, RunDirectory, Status, Summary, SummaryFile,
-};
+use wythe_core::results::{RunDirectory, SummaryFile};
+use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
+use wythe_core::state::{Frame, HistoryRow, Status, Summary};
 
 use crate::arguments::Run;
 use crate::failure::Failure;
@@ -43,7 +43,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     })
 }
 
-/// So many threads; all cores if none are named.
+/// Sets the number of threads; all cores if none is given.
 pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
     let Some(threads) = threads else {
         return Ok(());
@@ -53,16 +53,16 @@ pub fn take_threads(threads: Option<NonZeroUsize>) -> Result<(), Failure> {
     if let Some(warning) = warning {
         crate::say::tell!("warning: {warning}");
     }
-    // Only a second call could fail, and this is the only one.
+    // Only a second call can fail, and there is only one.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(taken);
     pool.build_global()
         .map_err(|error| Failure::Model(miette::Report::msg(error)))
 }
 
-/// More threads than so many a core only wait for each other.
+/// Largest number of threads per core; more only wait for each other.
 const MOST_OF_A_CORE: usize = 4;
 
-/// How many of the threads asked for are taken on a machine of so many cores, and what to say of it.
+/// Number of threads to use on a machine with `cores` cores, and a warning if there are too many.
 fn few_threads(threads: usize, cores: usize) -> (usize, Option<String>) {
     let taken = threads.min(MOST_OF_A_CORE * cores);
     let warning = (threads > cores).then(|| {
@@ -74,7 +74,7 @@ fn few_threads(threads: usize, cores: usize) -> (usize, Option<String>) {
     (taken, warning)
 }
 
-/// Runs `solve` into the folder of a run, and says how it ended.
+/// Runs `solve`, writes the folder of the run, and prints how it ended.
 pub fn record(
     model: &Model,
     warnings: &[String],
@@ -91,13 +91,13 @@ pub fn record(
     let ended = solve(&mut watched);
     watched.terminal.finish();
     let summary = watched.directory.finish(model, &ended?, warnings)?;
-    // Those of the model were told at the start.
+    // Warnings of the model were printed at the start.
     let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
     let printed = print(&watched.terminal.conclude(
         || conclusion(&summary, new_warnings, &out),
         || end(&summary, new_warnings, &out),
     ));
-    // How the run ended counts for more than whether standard output could take it.
+    // The end of the run matters more than a failure of standard output.
     match summary.status {
         Status::Completed | Status::Collapsed => printed,
         Status::Interrupted => Err(Failure::Interrupted),
@@ -109,7 +109,7 @@ pub fn record(
     }
 }
 
-/// Writes, shows, and listens to signals.
+/// Recorder that writes the folder, shows progress and stops on signals.
 struct Watched<'a> {
     directory: RunDirectory,
     terminal: Terminal,
@@ -138,7 +138,7 @@ impl Recorder for Watched<'_> {
     }
 }
 
-/// The last object of a run.
+/// Last JSON object of a run.
 fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
     json!({
         "event": "end",
@@ -158,7 +158,7 @@ fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
     })
 }
 
-/// What stands below the progress when all is written.
+/// Final text of a run, below the progress.
 fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> String {
     let mut lines: Vec<String> = new_warnings
         .iter()

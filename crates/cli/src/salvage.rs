@@ -1,4 +1,4 @@
-//! `wythe salvage`: an end and an index for the messages of an interrupted run.
+//! `wythe salvage`: adds the end and the index to the message file of an interrupted run.
 
 use wythe_core::results::mcap::salvage::{SalvageError, salvage as rescue};
 
@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::say::print;
 use crate::terminal::count;
 
-/// Rewrites the file, and says what there is in it.
+/// Rewrites the file and prints a summary of its content.
 pub fn salvage(arguments: &Salvage) -> Result<(), Failure> {
     let found = rescue(&arguments.file, arguments.out.as_deref())?;
     let target = arguments.out.as_ref().unwrap_or(&arguments.file);

@@ -1,15 +1,15 @@
-//! What the command says: on standard error for people, on standard output what was asked for.
+//! Output of the command: messages on standard error, requested results on standard output.
 //!
-//! Nobody may be there to hear it: a reader that has had enough (`2>&1 | head`), a log on a full disk, a terminal
-//! that was closed. What is said on standard error is then lost and the work goes on. What was asked for on
-//! standard output is a result like any other: a full disk is an error there, a reader that has gone is none.
+//! Either may be impossible to write: the reader has stopped (`2>&1 | head`), the disk is full, the terminal was
+//! closed. Messages on standard error are then lost and the work continues. Output on standard output is a result
+//! like any other: a full disk is an error there, a reader that has stopped is not.
 
 use std::fmt::{Arguments, Display};
 use std::io::{self, ErrorKind, Write};
 
 use crate::failure::Failure;
 
-/// A line on standard error, as `eprintln!`, which would end the process if it cannot be written.
+/// Prints a line on standard error. Unlike `eprintln!` it does not end the process if that fails.
 macro_rules! tell {
     ($($words:tt)*) => { $crate::say::line(format_args!($($words)*)) };
 }
@@ -20,13 +20,13 @@ pub fn line(words: Arguments) {
     text(&format_args!("{words}\n"));
 }
 
-/// Writes to standard error as it is, in one call, so that lines of several processes do not mix.
+/// Writes to standard error in one call, so that lines of several processes do not mix.
 pub fn text(words: &dyn Display) {
-    // There is nobody left who could be told that it failed.
+    // There is no channel left to report a failure.
     let _ = io::stderr().lock().write_all(words.to_string().as_bytes());
 }
 
-/// Writes to standard output; a reader that has had enough is no error.
+/// Writes to standard output; a reader that has stopped is not an error.
 ///
 /// # Errors
 /// The disk is full, or the terminal was closed.
@@ -34,10 +34,10 @@ pub fn print(text: &str) -> Result<(), Failure> {
     print_bytes(text.as_bytes())
 }
 
-/// As [`print`], for bytes.
+/// Writes bytes to standard output, as [`print`] does.
 ///
 /// # Errors
-/// As there.
+/// Those of [`print`].
 pub fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(bytes).and_then(|()| out.flush()) {

@@ -1,9 +1,9 @@
-//! `wythe schema`: what editors need to complete and check a deck.
+//! `wythe schema`: prints the schema with which editors complete and check a deck.
 
 use crate::failure::Failure;
 use crate::say::print;
 
 /// Prints the JSON schema of decks.
 pub fn schema() -> Result<(), Failure> {
-    print(&wythe_core::model::schema::text())
+    print(&wythe_core::deck::json_schema::text())
 }

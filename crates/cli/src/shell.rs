@@ -1,4 +1,4 @@
-//! `wythe completions` and `wythe man`: what shells and manuals want to know of the command.
+//! `wythe completions` and `wythe man`: completion scripts of shells and manual pages.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::arguments::{Arguments, Completions, Man};
 use crate::failure::Failure;
 use crate::say::print_bytes;
 
-/// Prints the completions for a shell.
+/// Prints the completion script for a shell.
 pub fn completions(arguments: &Completions) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(
@@ -22,7 +22,7 @@ pub fn completions(arguments: &Completions) -> Result<(), Failure> {
     print_bytes(&script)
 }
 
-/// Prints the manual page of the command, or writes those of all sub-commands into a folder.
+/// Prints the manual page of the command, or writes the pages of all sub-commands into a folder.
 pub fn man(arguments: &Man) -> Result<(), Failure> {
     let command = Arguments::command();
     let Some(folder) = &arguments.out else {
@@ -37,7 +37,7 @@ pub fn man(arguments: &Man) -> Result<(), Failure> {
     pages(&command, folder).map_err(Failure::from)
 }
 
-/// Writes the page of a command and those of its sub-commands.
+/// Writes the pages of a command and of its sub-commands.
 fn pages(command: &clap::Command, folder: &Path) -> Result<(), IoError> {
     for part in command.get_subcommands().filter(|it| !it.is_hide_set()) {
         pages(part, folder)?;

@@ -1,5 +1,5 @@
-//! Progress: a live bar on a terminal, a line an increment elsewhere, both on standard error; or an object
-//! an increment on standard output; or nothing.
+//! Progress of a run: a live bar on a terminal or one line per increment elsewhere, both on standard error; one JSON
+//! object per increment on standard output; or nothing.
 
 mod pace;
 mod sparkline;
@@ -10,8 +10,9 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wythe_core::model::Model;
-use wythe_core::results::HistoryRow;
-use wythe_core::solve::{Checkpoint, Method};
+use wythe_core::solve::Checkpoint;
+use wythe_core::state::HistoryRow;
+use wythe_core::state::Method;
 
 use crate::arguments::Progress;
 use crate::say::tell;
@@ -22,40 +23,40 @@ pub use pace::seconds;
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
 
-/// Characters of the sparkline.
+/// Largest width of the sparkline in characters.
 const SPARKS: usize = 40;
 
-/// Tells how a run goes on.
+/// Shows the progress of a run.
 #[derive(Debug)]
 pub struct Terminal {
     voice: Voice,
     started: Instant,
-    /// Step time of all steps together [s].
+    /// Duration of all steps together [s].
     duration: f64,
     /// Names of the steps.
     steps: Vec<String>,
-    /// What the last increment gave.
+    /// Text of the last increment.
     last: String,
     /// Forces of all increments [kN].
     forces: Vec<f64>,
     /// Number of the last increment.
     increment: usize,
-    /// By what the last increment was found.
+    /// Procedure of the last increment.
     procedure: &'static str,
     pace: Pace,
     unicode: bool,
 }
 
-/// How progress is told.
+/// Form of the progress.
 #[derive(Debug)]
 enum Voice {
     /// A bar on a terminal.
     Bar(ProgressBar),
-    /// A line an increment.
+    /// One line per increment.
     Lines,
-    /// An object an increment.
+    /// One JSON object per increment.
     Json,
-    /// Not at all.
+    /// No output.
     None,
 }
 
@@ -75,7 +76,7 @@ impl Voice {
     }
 }
 
-/// Bar and message, in what the terminal can draw.
+/// Style of the bar, with characters that the terminal can draw.
 fn style(unicode: bool, colours: bool) -> ProgressStyle {
     let bar = if colours {
         "{wide_bar:.cyan/dim}"
@@ -92,7 +93,7 @@ fn style(unicode: bool, colours: bool) -> ProgressStyle {
 }
 
 impl Terminal {
-    /// For a run of this model, from now.
+    /// Progress of a run of this model, which starts now.
     pub fn new(model: &Model, how: Progress, quiet: bool) -> Self {
         let unicode = unicode::is_on();
         Self {
@@ -109,7 +110,7 @@ impl Terminal {
         }
     }
 
-    /// The run begins, into this folder.
+    /// Notes the start of the run into the folder `out`.
     pub fn begin(&self, model: &Model, warnings: &[String], out: &std::path::Path) {
         match &self.voice {
             Voice::Bar(_) | Voice::Lines => {
@@ -129,7 +130,7 @@ impl Terminal {
         }
     }
 
-    /// The run goes on from a checkpoint.
+    /// Notes that the run continues from a checkpoint.
     pub fn go_on(&mut self, from: &Checkpoint) {
         self.increment = from.increments();
         self.pace = Pace::from(from.step(), from.time());
@@ -148,7 +149,7 @@ impl Terminal {
         }
     }
 
-    /// An increment is done.
+    /// Notes a finished increment.
     pub fn increment(&mut self, row: &HistoryRow) {
         self.increment = row.increment;
         self.procedure = row.procedure.name();
@@ -184,7 +185,7 @@ impl Terminal {
         }
     }
 
-    /// So many linear solves were spent on the increment after the last in `step`.
+    /// Notes the number of linear solves spent on the next increment, in `step`.
     pub fn iteration(&mut self, step: usize, iterations: usize) {
         if let Voice::Bar(bar) = &self.voice {
             let (next, name) = (self.increment + 1, self.name(step));
@@ -199,7 +200,7 @@ impl Terminal {
         }
     }
 
-    /// What stands below the bar: the forces so far, the last increment, the one in hand.
+    /// Text below the bar: the forces so far, the last increment, the present one.
     fn message(&self, now: &str) -> String {
         let width = unicode::width().saturating_sub(1);
         let forces = sparkline::draw(&self.forces, SPARKS.min(width / 2), self.unicode);
@@ -213,7 +214,7 @@ impl Terminal {
         lines.join("\n")
     }
 
-    /// A line that stays.
+    /// Prints a line that stays above the bar.
     pub fn note(&self, text: &str) {
         match &self.voice {
             Voice::Bar(bar) => bar.println(text),
@@ -230,7 +231,7 @@ impl Terminal {
         }
     }
 
-    /// Whether what follows the progress is to be told in words, as an object, or not.
+    /// Text after the progress: words or a JSON object, or nothing.
     pub fn conclude(
         &self,
         words: impl FnOnce() -> String,
@@ -268,13 +269,13 @@ impl Terminal {
     }
 }
 
-/// An object on a line of standard output. A reader that has gone is no reason to stop a run.
+/// Prints a JSON object as one line of standard output. A reader that has stopped does not stop the run.
 fn emit(object: &Value) {
     let mut out = std::io::stdout().lock();
     let _ = writeln!(out, "{object}").and_then(|()| out.flush());
 }
 
-/// A line, cut to this many characters.
+/// A line, cut to `width` characters.
 fn fit(line: &str, width: usize, unicode: bool) -> String {
     let dots = if unicode { "…" } else { "..." };
     if line.chars().count() <= width {
@@ -286,7 +287,7 @@ fn fit(line: &str, width: usize, unicode: bool) -> String {
     kept.chain(dots.chars()).take(width).collect()
 }
 
-/// 1 iteration, 2 iterations.
+/// Number with its noun: 1 iteration, 2 iterations.
 pub fn count(n: usize, what: &str) -> String {
     let plural = if n == 1 { "" } else { "s" };
     format!("{n} {what}{plural}")

@@ -1,13 +1,13 @@
-//! What the terminal can draw.
+//! Capabilities of the terminal: characters, colours, width.
 
 use std::ffi::OsString;
 
-/// Whether the locale is one of UTF-8. On Windows consoles are.
+/// Whether UTF-8 may be written: by the locale, or always on Windows.
 pub fn is_on() -> bool {
     cfg!(windows) || says_utf8(|name| std::env::var_os(name))
 }
 
-/// The first of these variables that is set and not empty says it, as POSIX has it.
+/// Decides by the first of these variables that is set and not empty, as POSIX requires.
 fn says_utf8(variable: impl Fn(&str) -> Option<OsString>) -> bool {
     let set = ["LC_ALL", "LC_CTYPE", "LANG"]
         .into_iter()
@@ -18,12 +18,12 @@ fn says_utf8(variable: impl Fn(&str) -> Option<OsString>) -> bool {
     locale.is_some_and(|locale| locale.contains("utf-8") || locale.contains("utf8"))
 }
 
-/// Whether colours are wanted: NO_COLOR takes them away (no-color.org).
+/// Whether colours are wanted: a non-empty NO_COLOR turns them off (no-color.org).
 pub fn colours() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Columns of the terminal on standard error; 80 if it does not tell.
+/// Width of the terminal on standard error in columns; 80 if unknown.
 pub fn width() -> usize {
     let size = terminal_size::terminal_size_of(std::io::stderr());
     size.map_or(80, |(width, _)| usize::from(width.0))

@@ -33,7 +33,7 @@ fn shear_wall() -> String {
         .to_string()
 }
 
-/// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory C.
+/// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory/joint.md, eqs 9 to 18.
 #[test]
 fn an_interface_point_follows_its_stored_curve() {
     let path = repository("tests/data/golden/itf_T1_mode2_sig0.5.csv");
@@ -90,7 +90,7 @@ fn a_component_is_driven_by_its_stress_column() {
     assert!((tau.last().unwrap() - 0.73 * 0.5).abs() < 1e-9, "{tau:?}");
 }
 
-/// Uniaxial tension with free sides gives back the table of the deck (theory A.5, eff1).
+/// Uniaxial tension with free sides gives back the table of the deck (theory/damage-plasticity.md, eq. 9, eff1).
 #[test]
 fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use wythe_core::results::{FieldsFile, Frame};
+use wythe_core::results::FieldsFile;
+use wythe_core::state::Frame;
 
 use common::*;
 

@@ -44,7 +44,7 @@ fn ends(mut child: Child) -> Option<i32> {
 
 fn is_complete(out: &Path) -> bool {
     let summary = RunFolder::open(out).unwrap().summary().unwrap();
-    summary.is_some_and(|summary| summary.status == wythe_core::results::Status::Completed)
+    summary.is_some_and(|summary| summary.status == wythe_core::state::Status::Completed)
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn sigterm_and_sighup_end_a_run_after_its_increment_however_often_they_come() {
         assert_eq!(ends(child), Some(130), "{signal}");
         let folder = RunFolder::open(&out).unwrap();
         let summary = folder.summary().unwrap().unwrap();
-        assert_eq!(summary.status, wythe_core::results::Status::Interrupted);
+        assert_eq!(summary.status, wythe_core::state::Status::Interrupted);
         let file =
             wythe_core::results::checkpoint::CheckpointFile::read(&out.join("checkpoint.bin"));
         // The last increment has a checkpoint of its own.

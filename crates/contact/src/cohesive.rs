@@ -1,4 +1,4 @@
-//! Damage and normal traction of an interface point (theory C.1 steps 1 to 3, C.3).
+//! Damage and normal traction of an interface point (theory/joint.md, eqs 9 to 14).
 
 use crate::law::{CohesiveFrictional, Coupling, InterfaceHistory};
 
@@ -132,7 +132,7 @@ impl CohesiveFrictional {
         }
     }
 
-    /// σ(u, D) with its slopes (theory C.1 step 3, C.6). `grows`: u is the largest opening so far.
+    /// σ(u, D) with its slopes (theory/joint.md, eqs 14 and 24). `grows`: u is the largest opening so far.
     pub(crate) fn normal(&self, u: f64, opening_max: f64, damage: f64, grows: bool) -> Normal {
         let k_n = self.normal_stiffness;
         if u <= 0.0 {

@@ -1,4 +1,4 @@
-//! The cohesive-frictional law (docs/contact.md) as a [`JointLaw`].
+//! The cohesive-frictional law (theory/joint.md) as a [`JointLaw`].
 
 use std::sync::Arc;
 
@@ -7,9 +7,10 @@ use crate::law::{CohesiveFrictional, Coupling, InterfaceHistory, InterfaceRespon
 use crate::shifted::Shift;
 
 impl CohesiveFrictional {
-    /// The law of a joint that lies in a plane of symmetry, of which the half is modelled: between its middle and its
-    /// mirror image lies half the opening. Slip is free: the other side slides along, so that it meets no friction and
-    /// takes nothing from the bond (δ_k = ∞).
+    /// Law of a joint in a plane of symmetry, of which one half is modelled.
+    ///
+    /// Half the opening lies between the middle of the joint and the modelled body. Slip is free, because the other
+    /// side slides equally: there is no friction, and slip does not damage the bond (δ_k = ∞).
     ///
     /// ```text
     /// t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = ∫ t' dw' = G/2
@@ -24,13 +25,13 @@ impl CohesiveFrictional {
             delta_k: f64::INFINITY,
             normal_stiffness: 2.0 * self.normal_stiffness,
             shear_stiffness: 2.0 * self.shear_stiffness,
-            // Without slip in it both couplings are D = Q(w); the sum would look for H⁻¹.
+            // Without damage by slip both couplings give D = Q(w). The additive one would evaluate H⁻¹.
             coupling: Coupling::Max,
             ..*self
         }
     }
 
-    /// Whether it is the law of a joint cut at its middle, see [`half`](Self::half): no deck says an infinite δ_k.
+    /// Whether the law belongs to a joint cut at its middle (see [`half`](Self::half)). No deck gives an infinite δ_k.
     pub fn is_half(&self) -> bool {
         self.delta_k == f64::INFINITY
     }

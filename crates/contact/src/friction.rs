@@ -1,4 +1,4 @@
-//! Shear limit and return of the slip (theory C.1 step 4).
+//! Shear limit and return of the slip (theory/joint.md, eqs 15 to 18).
 
 use nalgebra::Vector2;
 
@@ -17,7 +17,7 @@ pub(crate) struct Limit {
 }
 
 impl CohesiveFrictional {
-    /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory C.1 step 4, C.6).
+    /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory/joint.md, eqs 15 and 25).
     #[inline(always)]
     pub(crate) fn limit(&self, sigma: f64, damage: f64) -> Limit {
         let cohesive = self.c - self.tan_phi * sigma;

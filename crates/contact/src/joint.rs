@@ -13,8 +13,8 @@
 //! ```
 //!
 //! with t₋ the traction of the last iterate. The fixed point t = t₋ is t = T(g). Equation (1) is solved by
-//! Newton's method, and by elastic steps between branches of the law; the stiffness of the iterate, (K⁻¹ + C)⁻¹ with K the tangent of the law, enters the matrix
-//! by its symmetric blocks (normal, shear) with eigenvalues from 0 to k'.
+//! Newton's method, and by elastic steps between branches of the law. The stiffness of the iterate is (K⁻¹ + C)⁻¹ with
+//! K the tangent of the law. Its symmetric blocks (normal, shear), with eigenvalues from 0 to k', enter the matrix.
 
 use std::fmt::Debug;
 use std::sync::Arc;

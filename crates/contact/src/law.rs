@@ -1,4 +1,4 @@
-//! The cohesive-frictional law of one interface point (theory C.1 to C.7).
+//! The cohesive-frictional law of one interface point (theory/joint.md, eqs 9 to 31).
 
 use nalgebra::{Matrix3, Vector2};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::cohesive::Wholes;
 use crate::softening::Softening;
 
-/// How opening and slip damage the same bond (theory C.3).
+/// How opening and slip damage the same bond (theory/joint.md, eqs 12 and 13).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coupling {
@@ -91,7 +91,7 @@ pub struct InterfaceResponse {
     pub history: InterfaceHistory,
     /// What the point does.
     pub status: PointStatus,
-    /// Free energy ψ at the end of the step (theory C.5) [N/mm].
+    /// Free energy ψ at the end of the step (theory/joint.md, eq. 20) [N/mm].
     pub elastic_energy: f64,
     /// Dissipation of the step [N/mm], by the trapezoidal rule: ½ u_n u_{n+1} (k_n − k_{n+1}) of
     /// the secant stiffness and ½ (τ_n + τ_{n+1})·Δδ_p of the slip, so that it closes the balance
@@ -154,7 +154,7 @@ impl InterfaceResponse {
 }
 
 impl CohesiveFrictional {
-    /// A dry joint: friction only, D = 1 from the start (theory C.8).
+    /// A dry joint: friction only, D = 1 from the start (theory/joint.md, eq. 19).
     pub fn dry(mu: f64, normal_stiffness: f64, shear_stiffness: f64) -> Self {
         Self {
             f_t: 0.0,
@@ -206,12 +206,12 @@ impl CohesiveFrictional {
         }
     }
 
-    /// Mode I energy G_I = f_t u_k (1/ζ − 1/(e^ζ−1)) [N/mm] (theory C.7).
+    /// Mode I energy G_I = f_t u_k (1/ζ − 1/(e^ζ−1)) [N/mm] (theory/joint.md, eq. 30).
     pub fn mode_1_energy(&self) -> f64 {
         self.f_t * self.u_k * Softening::shape_integral(self.zeta)
     }
 
-    /// Mode II energy above the residual friction at normal traction σ ≤ 0 [N/mm] (theory C.7).
+    /// Mode II energy above the residual friction at normal traction σ ≤ 0 [N/mm] (theory/joint.md, eq. 30).
     pub fn mode_2_energy(&self, sigma: f64) -> f64 {
         let pressure = (-sigma).max(0.0);
         (self.c + (self.tan_phi - self.mu) * pressure)
@@ -264,7 +264,7 @@ impl CohesiveFrictional {
         normal = normal_at(damage.value);
         history.damage = damage.value;
 
-        // Consistent tangent, theory C.6.
+        // Consistent tangent, theory/joint.md, eqs 24 to 29.
         let limit = self.limit(normal.traction, damage.value);
         let by_damage = limit.by_traction * normal.by_damage + limit.by_damage;
         let d_s = if further { damage.by_slip } else { 0.0 };
@@ -293,7 +293,7 @@ impl CohesiveFrictional {
         self.respond(normal.traction, shear, tangent, history, old, true)
     }
 
-    /// Free energy ψ of a point (theory C.5) [N/mm].
+    /// Free energy ψ of a point (theory/joint.md, eq. 20) [N/mm].
     pub fn free_energy(&self, history: &InterfaceHistory) -> f64 {
         let [sigma, tau_1, tau_2] = history.traction;
         let normal = if sigma <= 0.0 {

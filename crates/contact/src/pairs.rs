@@ -212,7 +212,7 @@ fn within(xi: [f64; 2], beyond: f64) -> bool {
     xi[0].abs() <= 1.0 + beyond && xi[1].abs() <= 1.0 + beyond
 }
 
-/// Components of a tangential vector in another frame (theory D: histories travel with the frame):
+/// Components of a tangential vector in another frame (theory/contact.md, eq. 8: histories travel with the frame):
 /// the vector is turned with the normal, by the smallest rotation that takes one into the other, so
 /// that its length stays and differences of vectors (elastic slip) travel as the vectors do.
 pub fn to_frame(v: [f64; 2], from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> [f64; 2] {

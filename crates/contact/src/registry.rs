@@ -1,8 +1,8 @@
 //! The joint laws that are built in, by name, and those of users.
 //!
 //! To add a law, write its file, then one line in each of the two lists here: a variant of [`InterfaceLaw`], which
-//! [`for_law!`](crate::for_law) dispatches, and an entry of [`KINDS`]. The keys of a deck are in `model::deck::interfaces`
-//! of `wythe-core`.
+//! [`for_law!`](crate::for_law) dispatches, and an entry of [`KINDS`]. The keys of a deck are in
+//! `deck::schema::interfaces` of `wythe-core`.
 
 use std::fmt;
 use std::sync::Arc;

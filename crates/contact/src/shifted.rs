@@ -9,7 +9,7 @@
 //! ```
 //!
 //! with t₋ the traction of the last iterate: an augmented Lagrangian that stops at a chosen
-//! stiffness. Its fixed point t = t₋ is t = k g exactly. Around it stands the law of theory C.1,
+//! stiffness. Its fixed point t = t₋ is t = k g exactly. Around it stands the law of theory/joint.md, eqs 9 to 18,
 //! as a return of this mixed traction T to the law's bounds:
 //!
 //! * normal: T below zero or on the virgin branch is taken; beyond the envelope (1−D) f_t the
@@ -269,7 +269,7 @@ impl CohesiveFrictional {
         [sigma, part * guess[1], part * guess[2]]
     }
 
-    /// Steepest softening, in opening and in slip [N/mm³] (theory C.5): a numerical stiffness below
+    /// Steepest softening, in opening and in slip [N/mm³] (theory/joint.md, eq. 23): a numerical stiffness below
     /// it would snap back.
     pub fn softening_slopes(&self) -> [f64; 2] {
         if self.is_dry() {

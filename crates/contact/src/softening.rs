@@ -1,4 +1,4 @@
-//! Exponential softening, the paper's Q(u) and H(δ) (eqs 6 and 8; theory C.1).
+//! Exponential softening, the paper's Q(u) and H(δ) (theory/joint.md, eqs 6, 8 and 10).
 //!
 //! ```text
 //! S(w) = (1 − e^{−ζ w/w_k}) / (1 − e^{−ζ}),  S = 1 beyond w_k
@@ -64,7 +64,7 @@ impl Softening {
         -(s * (-z).exp_m1()).ln_1p() / z * self.ultimate
     }
 
-    /// ∫₀¹ (1 − S) dx = 1/ζ − 1/(e^ζ − 1) (theory C.7); ½ for ζ → 0.
+    /// ∫₀¹ (1 − S) dx = 1/ζ − 1/(e^ζ − 1) (theory/joint.md, eqs 30 and 31); ½ for ζ → 0.
     pub fn shape_integral(brittleness: f64) -> f64 {
         let z = brittleness;
         if z.abs() < 1e-3 {
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn shape_integrals_of_the_paper() {
-        // Printed with six digits in theory C.7.
+        // Printed with six digits in theory/joint.md, eqs 30 and 31.
         assert!((Softening::shape_integral(4.38) - 0.215626).abs() < 5e-7);
         assert!((Softening::shape_integral(1.1) - 0.410130).abs() < 5e-7);
         // The series meets the closed form where they change over: cancellation costs 1e-13.

@@ -1,22 +1,23 @@
-//! Commands that are shown, to be typed.
+//! Text of commands that are shown to be typed.
 
 use std::borrow::Cow;
 use std::path::Path;
 
-/// A path as an argument of a command: in quotes where a shell would take it apart.
+/// A path as an argument of a command, in quotes where a shell would split or expand it.
 pub fn argument(path: &Path) -> String {
     let text = path.to_string_lossy();
     if cfg!(windows) {
-        // Names have no `"` there, and cmd does not know `'`: both of its shells take `"`, but for what they expand within.
+        // Names on Windows contain no `"`, and cmd does not know `'`. Both of its shells accept `"`, but expand some
+        // characters within it.
         let parts = |c: char| c.is_whitespace() || "&()^%;,='`{}@#".contains(c);
         if text.contains(parts) {
-            // A backslash before the last `"` would make it one of the name.
+            // A backslash before the last `"` would escape it.
             format!("\"{}\"", text.trim_end_matches('\\'))
         } else {
             text.into_owned()
         }
     } else {
-        // No path has a NUL, which is all that cannot be quoted.
+        // Only NUL cannot be quoted, and no path contains it.
         shlex::try_quote(&text)
             .unwrap_or(Cow::Borrowed(&text))
             .into_owned()

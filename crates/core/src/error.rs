@@ -1,4 +1,4 @@
-//! What is wrong with a model, said so that it can be mended: where, why, and how.
+//! Errors and warnings of models, with the place, the reason and the remedy.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 use std::collections::HashSet;
@@ -7,10 +7,10 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Wrong input: a deck that cannot be read, or says something impossible.
+/// Wrong input: a deck that cannot be read or is not consistent.
 ///
-/// It names the key by its dotted path (`materials.brick.E`, `steps.1.displacement`), the place in
-/// the text, and the fix. Further errors of the same deck hang below it.
+/// It contains the dotted path of the key (`materials.brick.E`, `steps.1.displacement`), the position in the text,
+/// and the remedy. Further errors of the same deck are attached to it.
 #[derive(Clone, Debug)]
 pub struct ModelError(Box<Details>);
 
@@ -19,7 +19,7 @@ struct Details {
     message: String,
     key: String,
     help: String,
-    /// One text for all errors of a deck.
+    /// One text shared by all errors of a deck.
     source: NamedSource<Arc<str>>,
     span: Option<Range<usize>>,
     place: Place,
@@ -27,14 +27,14 @@ struct Details {
     warnings: Vec<Warning>,
 }
 
-/// Whether a character would do something else on a terminal than be seen: control characters but line breaks and
-/// tabulators, and those that turn the direction of writing.
+/// Whether a character acts on a terminal instead of being visible: control characters other than line breaks and
+/// tabs, and those that change the direction of writing.
 pub(crate) fn is_hidden(c: char) -> bool {
     (c.is_control() && !matches!(c, '\n' | '\t'))
         || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A text that can be printed on a terminal: hidden characters are written as escapes, such as `\u{1b}`.
+/// Makes a text printable on a terminal: hidden characters are written as escapes such as `\u{1b}`.
 pub(crate) fn printable(text: String) -> String {
     if !text.contains(is_hidden) {
         return text;
@@ -50,7 +50,7 @@ pub(crate) fn printable(text: String) -> String {
     shown
 }
 
-/// The same with as many bytes, so that places in it stay: hidden characters become question marks.
+/// The same with an equal number of bytes, so that positions remain valid: hidden characters become question marks.
 pub(crate) fn printable_in_place(text: &str) -> String {
     let shown = |c: char| (c, if is_hidden(c) { c.len_utf8() } else { 0 });
     let mut out = String::with_capacity(text.len());
@@ -63,7 +63,7 @@ pub(crate) fn printable_in_place(text: &str) -> String {
     out
 }
 
-/// Most errors of one deck that are told one by one.
+/// Largest number of errors of one deck that are shown one by one.
 pub const MOST_ERRORS: usize = 200;
 
 impl ModelError {
@@ -90,15 +90,15 @@ impl ModelError {
         }))
     }
 
-    /// This error, told at this place among others.
+    /// Sets the position of this error in the order of all errors.
     #[must_use]
     pub(crate) fn at(mut self, place: Place) -> Self {
         self.0.place = place;
         self
     }
 
-    /// Several errors as one: the first leads, the others follow, each once. Of more than [`MOST_ERRORS`] the rest
-    /// is counted in a last one. `None` if there is none.
+    /// Joins several errors. The first leads and the others follow, each once. Errors beyond [`MOST_ERRORS`] are
+    /// counted in a last one. `None` if there is no error.
     pub fn gather(errors: Vec<Self>) -> Option<Self> {
         let mut seen = HashSet::new();
         let mut warnings = Vec::new();
@@ -131,24 +131,24 @@ impl ModelError {
         Some(first)
     }
 
-    /// What the author of the deck should know besides.
+    /// Adds warnings for the author of the deck.
     #[must_use]
     pub fn with_warnings(mut self, warnings: Vec<Warning>) -> Self {
         self.0.warnings.extend(warnings);
         self
     }
 
-    /// What is wrong, without the place.
+    /// Description of the error, without its position.
     pub fn message(&self) -> &str {
         &self.0.message
     }
 
-    /// Dotted path of the key, arrays counted from zero; empty for the file as a whole.
+    /// Dotted path of the key, with array indices from zero. Empty for the file as a whole.
     pub fn key(&self) -> &str {
         &self.0.key
     }
 
-    /// How to mend it.
+    /// Remedy.
     pub fn advice(&self) -> &str {
         &self.0.help
     }
@@ -158,7 +158,7 @@ impl ModelError {
         self.0.source.name()
     }
 
-    /// Line from 1, if the error has a place.
+    /// Line from 1, if the error has a position.
     pub fn line(&self) -> Option<usize> {
         self.position().map(|p| p.0)
     }
@@ -168,7 +168,7 @@ impl ModelError {
         self.position().map(|p| p.1)
     }
 
-    /// The other errors of the same deck.
+    /// Other errors of the same deck.
     pub fn others(&self) -> &[Self] {
         &self.0.others
     }
@@ -236,19 +236,19 @@ impl Diagnostic for ModelError {
     }
 }
 
-/// Where an error is told among others of its deck: section by section, in each what is written before
-/// what is not there.
+/// Position of an error in the order of all errors of its deck: section by section, and in each section existing keys
+/// before missing ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
-    /// Byte at which the section begins.
+    /// First byte of the section.
     pub(crate) section: usize,
-    /// The key is not written.
+    /// Whether the key is missing.
     pub(crate) absent: bool,
     /// Byte of the error.
     pub(crate) start: usize,
 }
 
-/// Errors of a pass that goes on after each of them.
+/// Errors of a pass that continues after each of them.
 #[derive(Debug, Default)]
 pub(crate) struct Errors(Vec<ModelError>);
 
@@ -257,17 +257,17 @@ impl Errors {
         self.0.push(error);
     }
 
-    /// The value, or its error for later.
+    /// The value. An error is stored for later.
     pub(crate) fn keep<T>(&mut self, result: Result<T, ModelError>) -> Option<T> {
         result.map_err(|error| self.push(error)).ok()
     }
 
-    /// The value if there was no error, else all of them as one, in the order in which they are written.
+    /// The value if there was no error, else all errors as one, in the order of the text.
     pub(crate) fn end<T>(self, value: T) -> Result<T, ModelError> {
         self.gather().map_or(Ok(value), Err)
     }
 
-    /// All errors and this one.
+    /// All errors with this one.
     pub(crate) fn and(mut self, error: ModelError) -> ModelError {
         self.push(error.clone());
         self.gather().unwrap_or(error)
@@ -292,7 +292,7 @@ impl Errors {
 pub struct IoError {
     /// The file.
     pub path: PathBuf,
-    /// What the system says.
+    /// Error of the system.
     pub why: std::io::Error,
 }
 
@@ -307,7 +307,7 @@ fn io_advice(error: &std::io::Error) -> &'static str {
     }
 }
 
-/// Reading a deck from disk: either the file or what it says is wrong.
+/// Error of reading a deck from disk: in the file or in its content.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum DeckError {
     /// The file could not be read.
@@ -320,24 +320,24 @@ pub enum DeckError {
     Model(#[from] ModelError),
 }
 
-/// Something that a model may do but its author should know.
+/// A valid property of a model of which its author should know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// Dotted path of the key it concerns.
+    /// Dotted path of the key concerned.
     pub key: String,
-    /// Line of the deck, from 1, if the key is written there.
+    /// Line of the deck, from 1, if the key is there.
     pub line: Option<usize>,
-    /// Its column there, from 1, in characters.
+    /// Its column, from 1, in characters.
     pub column: Option<usize>,
-    /// What, and what it means.
+    /// Description and its consequences.
     pub message: String,
-    /// How many more of this kind there are, in other places.
+    /// Number of further warnings of this kind in other places.
     pub others: usize,
 }
 
 impl Warning {
-    /// Of several warnings of one kind the first, with the number of the others. Those of one kind are told of keys that
-    /// differ in their numbers and names only, in words that do.
+    /// Keeps the first of several warnings of one kind, with the number of the others. Warnings are of one kind if
+    /// their keys and messages differ in numbers and names only.
     pub(crate) fn counted(all: Vec<Self>) -> Vec<Self> {
         let mut kinds: Vec<(String, Self)> = Vec::new();
         for warning in all {
@@ -352,7 +352,7 @@ impl Warning {
     }
 }
 
-/// A text without the words that hold numbers or are quoted.
+/// Text with a placeholder for words that contain digits or are quoted.
 fn kind_of(text: &str) -> String {
     let mut quoted = false;
     let mut words = Vec::new();

@@ -16,10 +16,10 @@ use crate::input;
 /// A point of a curve: displacement [mm], force [kN].
 pub type Point = (f64, f64);
 
-/// A file that is no measured curve.
+/// Error of a file with a measured curve.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum ExperimentError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{}: cannot be read: {why}", path.display())]
     #[diagnostic(help(
         "check the path, relative to the current folder; the file is text in UTF-8"
@@ -27,20 +27,20 @@ pub enum ExperimentError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         why: io::Error,
     },
-    /// It says something else than a curve.
+    /// The content of the file is not a curve.
     #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
     #[diagnostic(help("{help}"))]
     Content {
         /// The file.
         path: PathBuf,
-        /// Line, from 1, where one is to blame.
+        /// Line, from 1, if the error is in one line.
         line: Option<u64>,
-        /// What is wrong.
+        /// Reason.
         why: String,
-        /// How to mend it.
+        /// Remedy.
         help: String,
     },
 }
@@ -48,17 +48,17 @@ pub enum ExperimentError {
 /// A measured curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Experiment {
-    /// Name of the file, without its ending.
+    /// Name of the file, without its extension.
     pub name: String,
     /// Points in the order of the test.
     pub points: Vec<Point>,
 }
 
-/// What a column of displacements or forces looks like.
+/// Names and units of a column of displacements or forces.
 struct Wanted {
     what: &'static str,
     words: [&'static str; 2],
-    /// Ours, which comes before any other.
+    /// Column name of wythe's own history, which takes precedence.
     own: &'static str,
     units: [(&'static str, f64); 3],
 }
@@ -81,11 +81,11 @@ const HEADER: &str =
     "begin with a line of names such as displacement_mm,force_kN; # begins a comment";
 
 impl Experiment {
-    /// Reads a CSV file, separated by commas, semicolons (with decimal commas, too) or tabs.
+    /// Reads a CSV file, separated by commas, semicolons (also with decimal commas) or tabs.
     ///
-    /// The header tells which column is which: the one whose name holds `displacement` (or
-    /// `deflection`), and the one whose name holds `force` (or `load`); a history of wythe has both.
-    /// A unit ends the name (`_kN`, `[kN]`): mm, cm, m and kN, N, MN, else mm and kN are meant.
+    /// The header names the columns. The name of the displacement column contains `displacement` or `deflection`,
+    /// that of the force column `force` or `load`. A history of wythe has both. The ending of a name gives the unit
+    /// (`_kN`, `[kN]`): mm, cm, m and kN, N, MN. Without an ending the units are mm and kN.
     ///
     /// # Errors
     /// [`ExperimentError`], with file and line.
@@ -98,7 +98,7 @@ impl Experiment {
         Self::of_text(path, &text)
     }
 
-    /// The same from a text that `path` holds.
+    /// The same from the text of the file `path`.
     ///
     /// # Errors
     /// [`ExperimentError::Content`].
@@ -117,7 +117,7 @@ impl Experiment {
     }
 }
 
-/// Line, what is wrong, how to mend it.
+/// Line, reason, remedy.
 type Wrong = (Option<u64>, String, String);
 
 fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
@@ -146,14 +146,14 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
     let mut points = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| of_csv(&e))?;
-        // A position is that before the blank lines and comments that were passed over.
+        // The position of csv precedes skipped blank lines and comments.
         let from = record.position().map_or(1, csv::Position::line) - 1;
         let skipped = text.lines().skip(from as usize).position(|l| first(&l));
         let line = Some(from + skipped.unwrap_or(0) as u64 + 1);
         let mut point = [0.0; 2];
         for (value, (column, unit)) in point.iter_mut().zip(columns) {
             let field = record.get(column).unwrap_or_default();
-            // Where semicolons separate, commas are decimal.
+            // With semicolons as separators, commas are decimal.
             let number = field
                 .replace(',', ".")
                 .parse()
@@ -179,7 +179,7 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
     Ok(points)
 }
 
-/// Place of a column and what 1 in it means, in mm or kN.
+/// Index of a column, and its unit in mm or kN.
 fn column(names: &csv::StringRecord, wanted: &Wanted) -> Result<(usize, f64), (String, String)> {
     let lower: Vec<String> = names.iter().map(str::to_lowercase).collect();
     let holds = |name: &String| wanted.words.iter().any(|word| name.contains(word));
@@ -214,7 +214,7 @@ fn column(names: &csv::StringRecord, wanted: &Wanted) -> Result<(usize, f64), (S
     }
 }
 
-/// What ends a name: `force_kN`, `force [kN]`, `force (kN)`.
+/// Unit at the end of a name: `force_kN`, `force [kN]`, `force (kN)`.
 fn unit(name: &str, wanted: &Wanted) -> Result<f64, (String, String)> {
     let bracketed = name.ends_with([']', ')']);
     let word = |c: char| c == '_' || c.is_whitespace() || "[]()".contains(c);

@@ -1,14 +1,14 @@
-//! Files that are written and read.
+//! Reading and writing of files.
 //!
-//! A file is always a new one, written beside its name and moved there when it is whole:
+//! A file is always written as a new one beside its name, and renamed when it is complete:
 //!
 //! ```text
-//! NAME.tmp   created anew: one that is there is removed first, be it a link
+//! NAME.tmp   a new file; an existing file or link is removed first
 //!    │ rename
 //! NAME       the old file or the new one; a link of this name is replaced, never written through
 //! ```
 //!
-//! So whoever has a symbolic or a hard link to a result, such as a copy of the folder made by `cp -al`, keeps what it had.
+//! So a symbolic or hard link to a result, such as a copy of the folder made by `cp -al`, keeps its content.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -17,17 +17,17 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-/// The file beside `path` whose name goes on with `ending`.
+/// Path of the file beside `path` whose name is extended by `ending`.
 pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(ending);
     name.into()
 }
 
-/// Removes a file or a link; none there is as well.
+/// Removes a file or a link, if there is one.
 ///
 /// # Errors
-/// The system's.
+/// Error of the system.
 pub fn remove(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(why) if why.kind() != io::ErrorKind::NotFound => Err(why),
@@ -35,13 +35,13 @@ pub fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Creates a file, in place of a file or link that is there, which is removed and not written through.
+/// Creates a file. An existing file or link is removed and not written through.
 ///
 /// # Errors
-/// The system's; there is a folder of that name.
+/// Error of the system, for instance if a folder has that name.
 pub fn create(path: &Path) -> io::Result<File> {
     remove(path)?;
-    // Whatever came in between is not opened either.
+    // `create_new` also refuses a file created in between.
     File::options()
         .read(true)
         .write(true)
@@ -49,7 +49,7 @@ pub fn create(path: &Path) -> io::Result<File> {
         .open(path)
 }
 
-/// A file that takes its name when it is kept, and is removed when it is dropped before.
+/// A file that gets its name when it is kept, and is removed when it is dropped before.
 #[derive(Debug)]
 pub struct NewFile {
     path: PathBuf,
@@ -58,15 +58,15 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins a file that is to be called `path`.
+    /// Begins a file with the final name `path`.
     ///
     /// # Errors
-    /// The system's; a device, a pipe or a folder has that name.
+    /// Error of the system, or a device, a pipe or a folder has that name.
     pub fn create(path: &Path) -> io::Result<Self> {
         let there = fs::symlink_metadata(path).ok();
         if there.as_ref().is_some_and(fs::Metadata::is_dir) {
-            // Refused by the system, whose error number callers in Python expect; a folder that it would open is
-            // refused by the rename.
+            // The system reports the error, because callers in Python expect its number. If it opens the folder, the
+            // rename fails.
             File::options().write(true).open(path)?;
         }
         if there.is_some_and(|it| !it.is_file() && !it.is_symlink()) {
@@ -81,24 +81,24 @@ impl NewFile {
         })
     }
 
-    /// Where it is written meanwhile.
+    /// Its temporary path.
     pub fn temporary(&self) -> &Path {
         &self.temporary
     }
 
-    /// The file, to be written.
+    /// Handle to write to.
     ///
     /// # Errors
-    /// It could not be duplicated.
+    /// The handle could not be duplicated.
     pub fn file(&self) -> io::Result<File> {
         let gone = || io::Error::other("it is kept already");
         self.file.as_ref().ok_or_else(gone)?.try_clone()
     }
 
-    /// Gives the file its name; what is written to it from then on is seen under it.
+    /// Gives the file its name. Later writes to the handle go to the same file.
     ///
     /// # Errors
-    /// It cannot be moved; it is removed then.
+    /// It cannot be renamed. It is removed then.
     pub fn keep(mut self) -> io::Result<File> {
         fs::rename(&self.temporary, &self.path)?;
         let gone = || io::Error::other("it is kept already");
@@ -109,16 +109,16 @@ impl NewFile {
 impl Drop for NewFile {
     fn drop(&mut self) {
         if self.file.take().is_some() {
-            // Best effort: whoever drops it has an error already.
+            // Best effort, because the caller already has an error.
             let _ = fs::remove_file(&self.temporary);
         }
     }
 }
 
-/// Writes a file, which is on the disk on return: under its name it is either whole or not there.
+/// Writes a file and syncs it to disk. Under its name there is either the complete file or the old state.
 ///
 /// # Errors
-/// It cannot be written; a device, a pipe or a folder has that name.
+/// It cannot be written, or a device, a pipe or a folder has that name.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let new = NewFile::create(path)?;
     let mut file = new.file()?;
@@ -127,15 +127,15 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     new.keep().map(drop)
 }
 
-/// Writes what the user has given a name, as [`write_whole`], but that devices and pipes (`/dev/stdout`, `/dev/fd/63`)
-/// are written to as they are.
+/// Writes a file named by the user like [`write_whole`]. Devices and pipes (`/dev/stdout`, `/dev/fd/63`) are written
+/// to directly.
 ///
 /// # Errors
 /// It cannot be written.
 pub fn write_out(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let stream = |it: &fs::Metadata| !it.is_file() && !it.is_symlink() && !it.is_dir();
     let is_stream = fs::symlink_metadata(path).is_ok_and(|it| stream(&it));
-    // Links of the system to what this process has open, a file perhaps.
+    // Links of the system to open files of this process.
     let of_system = ["/dev", "/proc"].iter().any(|root| path.starts_with(root));
     if is_stream || (of_system && path.exists()) {
         return File::options().write(true).open(path)?.write_all(bytes);
@@ -143,10 +143,10 @@ pub fn write_out(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole(path, bytes)
 }
 
-/// Opens a file to be read. What is none, such as a pipe that never ends, is refused; links are followed.
+/// Opens a regular file for reading. Links are followed; pipes and devices are rejected.
 ///
 /// # Errors
-/// The system's; it is no file.
+/// Error of the system, or it is not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
     let about = fs::metadata(path)?;
     if about.is_dir() {
@@ -162,7 +162,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`open`]; it is longer.
+/// As [`open`], or the file is longer.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let read = open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -173,10 +173,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// As [`read`], of text.
+/// Reads a text file of at most `most` bytes.
 ///
 /// # Errors
-/// As there; it is not UTF-8.
+/// As [`read`], or it is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
@@ -185,17 +185,17 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     })
 }
 
-/// The first bytes of a file: how many, and their CRC-32.
+/// Number of bytes at the start of a file, and their CRC-32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Extent {
     /// Number of bytes.
     pub bytes: u64,
-    /// Check sum of them.
+    /// Checksum.
     pub sum: u32,
 }
 
 impl Extent {
-    /// Of bytes.
+    /// Length and checksum of `bytes`.
     pub fn of(bytes: &[u8]) -> Self {
         Self {
             bytes: bytes.len() as u64,
@@ -203,10 +203,10 @@ impl Extent {
         }
     }
 
-    /// The bytes of a file that these are.
+    /// Reads these bytes of a file.
     ///
     /// # Errors
-    /// As [`open`]; the file is shorter, or other bytes stand there.
+    /// As [`open`], or the file is shorter, or its bytes differ.
     pub fn read(self, path: &Path) -> io::Result<Vec<u8>> {
         let wrong = |why: &str| io::Error::new(io::ErrorKind::InvalidData, why.to_owned());
         let mut bytes = Vec::new();
@@ -221,10 +221,10 @@ impl Extent {
     }
 }
 
-/// Copies all bytes and returns their number and check sum.
+/// Copies all bytes. Returns their number and checksum.
 ///
 /// # Errors
-/// One of the two cannot be read or written.
+/// Reading or writing fails.
 pub fn copy(from: &mut impl Read, to: &mut impl Write) -> io::Result<Extent> {
     let mut sum = crc32fast::Hasher::new();
     let (mut piece, mut bytes) = (vec![0; 1 << 16], 0);
@@ -246,11 +246,10 @@ pub fn copy(from: &mut impl Read, to: &mut impl Write) -> io::Result<Extent> {
     })
 }
 
-/// Which of `inputs` a new file of the name `target` would replace: the same file, however it is named, or a link to
-/// one.
+/// The one of `inputs` that a new file named `target` would replace: the same file under any name, or a link to it.
 pub fn replaced<'a>(target: &Path, inputs: &'a [PathBuf]) -> Option<&'a Path> {
     let target = name_of(target)?;
-    // A name that is not there, or is no file, takes nothing away.
+    // A new name replaces nothing.
     fs::symlink_metadata(&target).ok()?;
     let same = |input: &&PathBuf| {
         name_of(input).as_ref() == Some(&target)
@@ -259,7 +258,7 @@ pub fn replaced<'a>(target: &Path, inputs: &'a [PathBuf]) -> Option<&'a Path> {
     inputs.iter().find(same).map(PathBuf::as_path)
 }
 
-/// The name of a file in its folder without links; a link that is the file itself stays one.
+/// Path of a file with the links of its folder resolved. A link that is the file itself stays one.
 fn name_of(path: &Path) -> Option<PathBuf> {
     let Some(Component::Normal(name)) = path.components().next_back() else {
         return None;
@@ -284,11 +283,11 @@ mod tests {
         let path = folder.path().join("summary.json");
         write_whole(&path, b"whole").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"whole");
-        // A folder in the way of the temporary file: the old content must stay.
+        // A folder blocks the temporary file. The old content must remain.
         fs::create_dir(folder.path().join("summary.json.tmp")).unwrap();
         assert!(write_whole(&path, b"half").is_err());
         assert_eq!(fs::read(&path).unwrap(), b"whole");
-        // Nothing takes the place of a folder.
+        // A folder is never replaced.
         let error = write_whole(folder.path(), b"half").unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::IsADirectory, "{error}");
     }
@@ -317,7 +316,7 @@ mod tests {
             ["mine", "one", "three and more"]
         );
         assert!(!at("nowhere").exists() && !at("result.tmp").exists());
-        // One that is not kept leaves nothing.
+        // A file that is not kept leaves no trace.
         drop(NewFile::create(&at("result")).unwrap());
         assert_eq!(text("result"), "three and more");
         assert!(!at("result.tmp").exists());
@@ -358,7 +357,7 @@ mod tests {
             // The link is the input, or leads to it.
             assert!(replaced(&at("link.toml"), &[at("link.toml")]).is_some());
             assert!(replaced(&at("model.toml"), &[at("link.toml")]).is_some());
-            // A link that is replaced takes nothing from what it leads to.
+            // Replacing a link does not change its target.
             assert!(replaced(&at("link.toml"), &[at("model.toml")]).is_none());
         }
     }

@@ -1,21 +1,22 @@
-//! Files that a user names are read in bounded memory: regular files up to a size, nothing that never ends.
+//! Files named by a user are read with a limit on their size. Only regular files are read.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Most bytes of a table: a curve, a record, an amplitude, the path of a point.
+/// Size limit of a table: a curve, a record, an amplitude, the path of a point [bytes].
 pub const MOST_OF_TABLE: u64 = 1 << 26;
 
-/// Most bytes of a mesh, of the files that it includes together, and of a grid of nodes.
+/// Size limit of a mesh, of all files that it includes, and of a grid of nodes [bytes].
 pub const MOST_OF_MESH: u64 = 1 << 30;
 
-/// The bytes of a file of at most `most` bytes.
+/// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// The file cannot be read, is larger, or is none (a folder, a device, a pipe, or a link to one of them).
+/// The file cannot be read, is too large, or is not a regular file (a folder, a device, a pipe, or a link to one of
+/// them).
 pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Before it is opened: to open a pipe waits for somebody who writes.
+    // Checked before opening, because opening a pipe waits for a writer.
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
@@ -36,10 +37,10 @@ pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a file of at most `most` bytes.
+/// Reads a text file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`bytes`], and what is no UTF-8.
+/// As [`bytes`], or the file is not UTF-8.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(bytes(path, most)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))

@@ -1,19 +1,21 @@
-//! Everything between a TOML text and converged frames.
+//! Solver for the detailed micro-model of masonry: from a deck (TOML text) to converged results.
 //!
-//! Units are N, mm, MPa, tonne, s throughout. Tension is positive; a gap is positive when open.
+//! Units are N, mm, MPa, tonne and s throughout. Tension is positive; a gap is positive when open.
 #![forbid(unsafe_code)]
 
+pub mod assembly;
 pub mod command;
+pub mod deck;
 pub mod element;
 pub mod error;
 pub mod experiment;
 pub mod files;
 pub mod input;
+pub mod linear;
 pub mod material;
 pub mod model;
 pub mod point;
 pub mod results;
 pub mod solve;
-pub mod study;
-pub mod sym6;
-pub mod system;
+pub mod state;
+pub mod tensor;

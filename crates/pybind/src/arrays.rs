@@ -1,9 +1,9 @@
-//! Arrays that NumPy takes over without a copy, read-only.
+//! Read-only arrays that NumPy takes over without a copy.
 
 use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// One-dimensional.
+/// One-dimensional array.
 pub fn flat<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyAny>> {
     sealed(PyArray1::from_vec(py, values).into_any())
 }
@@ -16,7 +16,7 @@ pub fn rows<T: Element, const N: usize>(
     shaped(py, values.into_flattened(), vec![None, Some(N)])
 }
 
-/// Of any shape; one length may be left to follow from the others.
+/// Array of any shape; one `None` is replaced by the length that follows from the others.
 pub fn shaped<T: Element>(
     py: Python<'_>,
     values: Vec<T>,

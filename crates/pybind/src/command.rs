@@ -1,11 +1,11 @@
-//! The command itself, and what it knows by heart.
+//! The command line program, its templates and its schema.
 
 use std::ffi::OsString;
 
 use pyo3::prelude::*;
-use wythe_core::model::templates::TEMPLATES;
+use wythe_core::deck::templates::TEMPLATES;
 
-/// Runs the command with these arguments, the first of them the program's name, and returns its exit code.
+/// Runs the command with these arguments, of which the first is the name of the program; returns its exit code.
 #[pyfunction]
 pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let interpreter = || {
@@ -14,7 +14,7 @@ pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
             .extract::<OsString>()
     };
     match interpreter() {
-        // Studies that run decks in processes of their own call the package, as `python -m wythe`.
+        // Studies that run decks in separate processes call the package as `python -m wythe`.
         Ok(python) if !python.is_empty() => {
             let program = [python, "-m".into(), "wythe".into()];
             py.detach(|| wythe_cli::command_of(&program, arguments))
@@ -23,7 +23,7 @@ pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     }
 }
 
-/// Name, one line and text of every template.
+/// Name, one-line description and text of every template.
 #[pyfunction]
 pub fn templates() -> Vec<(&'static str, &'static str, &'static str)> {
     TEMPLATES
@@ -35,5 +35,5 @@ pub fn templates() -> Vec<(&'static str, &'static str, &'static str)> {
 /// The JSON schema of decks.
 #[pyfunction]
 pub fn schema() -> String {
-    wythe_core::model::schema::text()
+    wythe_core::deck::json_schema::text()
 }

@@ -1,4 +1,4 @@
-//! The errors of the core as those of Python: `WytheError > ModelError, ConvergenceError, OutputError`.
+//! Converts errors of the core to Python exceptions: `WytheError > ModelError, ConvergenceError, OutputError`.
 
 use std::io;
 use std::path::Path;
@@ -12,7 +12,7 @@ use wythe_core::results::mcap::salvage::SalvageError;
 use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
 
-/// An exception of `wythe._errors`.
+/// Creates an exception of `wythe._errors`.
 fn raise<'py, A>(py: Python<'py>, name: &str, arguments: A) -> PyErr
 where
     A: pyo3::call::PyCallArgs<'py>,
@@ -24,7 +24,7 @@ where
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// One error of a model for the constructor of `ModelError`: file, line, column, key, message, fix.
+/// One error of a model as arguments of `ModelError`: file, line, column, key, message, fix.
 type Told = (
     Option<String>,
     Option<usize>,
@@ -36,7 +36,7 @@ type Told = (
 
 fn told(error: &ModelError, text: Text) -> Told {
     let (line, column) = place(error, text);
-    // Of an override the key says all.
+    // An error in an override is located by its key alone.
     let file = (text == Text::File && !is_override(error)).then(|| error.file().to_owned());
     (
         file,
@@ -48,7 +48,7 @@ fn told(error: &ModelError, text: Text) -> Told {
     )
 }
 
-/// Line and column in the text, where someone has written one.
+/// Line and column of the error, if the text was written by the user.
 pub fn place(error: &ModelError, text: Text) -> (Option<usize>, Option<usize>) {
     if text == Text::Made || is_override(error) {
         (None, None)
@@ -57,12 +57,12 @@ pub fn place(error: &ModelError, text: Text) -> (Option<usize>, Option<usize>) {
     }
 }
 
-/// Whether the error lies in a value of an override, whose lines are not those of the deck.
+/// Whether the error is in the value of an override, which has no line in the deck.
 fn is_override(error: &ModelError) -> bool {
     error.file().starts_with("--set ")
 }
 
-/// Advice for the command in the words of Python.
+/// Rewrites advice for the command line as advice for Python.
 pub fn in_python(advice: &str) -> String {
     advice
         .replace("--set ", "")
@@ -71,14 +71,14 @@ pub fn in_python(advice: &str) -> String {
         .replace("`wythe run`", "Model.run")
 }
 
-/// Where a deck comes from.
+/// Origin of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Text {
     /// A file.
     File,
-    /// A text with lines that someone has written.
+    /// A text written by the user, with meaningful lines.
     Written,
-    /// A text that was made of something else: its lines say nothing.
+    /// A generated text, whose lines mean nothing to the user.
     Made,
 }
 
@@ -88,20 +88,20 @@ pub fn of_model(py: Python<'_>, error: &ModelError, text: Text) -> PyErr {
     raise(py, "_model_error", (all,))
 }
 
-/// `ModelError` without a place in a deck.
+/// `ModelError` without a position in a deck.
 fn nowhere(py: Python<'_>, message: String, fix: String) -> PyErr {
     let told: Told = (None, None, None, String::new(), message, fix);
     raise(py, "_model_error", (vec![told],))
 }
 
-/// Advice of a diagnostic, or nothing.
+/// Advice of a diagnostic, or an empty text.
 fn advice(error: &dyn Diagnostic) -> String {
     error
         .help()
         .map_or_else(String::new, |help| in_python(&help.to_string()))
 }
 
-/// The same of a diagnostic.
+/// `ModelError` from a diagnostic without a position.
 fn wrong(py: Python<'_>, error: &dyn Diagnostic) -> PyErr {
     nowhere(py, error.to_string(), advice(error))
 }
@@ -116,7 +116,7 @@ fn output(py: Python<'_>, error: &dyn Diagnostic, why: Option<&io::Error>) -> Py
     )
 }
 
-/// Of reading a deck from disk.
+/// Exception for an error of reading a deck from disk.
 pub fn of_deck(py: Python<'_>, error: &DeckError) -> PyErr {
     match error {
         DeckError::Io(error) => of_io(py, error),
@@ -124,18 +124,18 @@ pub fn of_deck(py: Python<'_>, error: &DeckError) -> PyErr {
     }
 }
 
-/// Of a file.
+/// Exception for an error of a file.
 pub fn of_io(py: Python<'_>, error: &IoError) -> PyErr {
     output(py, error, Some(&error.why))
 }
 
-/// Of a file that could not be written or read.
+/// Exception for a file that cannot be written or read.
 pub fn of_path(py: Python<'_>, path: &Path, why: io::Error) -> PyErr {
     let path = path.to_owned();
     of_io(py, &IoError { path, why })
 }
 
-/// Of results.
+/// Exception for an error of reading results.
 pub fn of_reading(py: Python<'_>, error: &ReadError) -> PyErr {
     match error {
         ReadError::NoFrame { .. } => raise(py, "_no_frame", (error.to_string(), advice(error))),
@@ -144,7 +144,7 @@ pub fn of_reading(py: Python<'_>, error: &ReadError) -> PyErr {
     }
 }
 
-/// Of a measured curve.
+/// Exception for an error of reading an experiment.
 pub fn of_experiment(py: Python<'_>, error: &ExperimentError) -> PyErr {
     match error {
         ExperimentError::Read { why, .. } => output(py, error, Some(why)),
@@ -152,7 +152,7 @@ pub fn of_experiment(py: Python<'_>, error: &ExperimentError) -> PyErr {
     }
 }
 
-/// Of writing results.
+/// Exception for an error of writing results.
 pub fn of_output(py: Python<'_>, error: &OutputError) -> PyErr {
     match error {
         OutputError::Create { why, .. } | OutputError::Write { why, .. } => {
@@ -162,7 +162,7 @@ pub fn of_output(py: Python<'_>, error: &OutputError) -> PyErr {
     }
 }
 
-/// Of messages that cannot be rescued.
+/// Exception for an error of repairing a message file.
 pub fn of_salvage(py: Python<'_>, error: &SalvageError) -> PyErr {
     match error {
         SalvageError::Io(error) => of_io(py, error),
@@ -171,7 +171,7 @@ pub fn of_salvage(py: Python<'_>, error: &SalvageError) -> PyErr {
     }
 }
 
-/// Of a run.
+/// Exception for an error of a run.
 pub fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     let fix = match &error {
         RunError::Bulk(_) => "see the sizes in wall, its mesh, and the tables of the material",
@@ -182,7 +182,7 @@ pub fn of_run(py: Python<'_>, error: RunError) -> PyErr {
         _ => "give every material a density, e.g. \"1900 kg/m^3\"",
     };
     match error {
-        // The recorder's own error comes back wrapped: it names the file.
+        // An error of the recorder is wrapped; the inner one names the file.
         RunError::Output(error) => match error.downcast::<OutputError>() {
             Ok(error) => of_output(py, &error),
             Err(error) => {
@@ -194,7 +194,7 @@ pub fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     }
 }
 
-/// Of going on with a run.
+/// Exception for an error of resuming a run.
 pub fn of_resuming(py: Python<'_>, error: &ResumeError) -> PyErr {
     match error {
         ResumeError::Output(error) => of_output(py, error),
@@ -205,14 +205,14 @@ pub fn of_resuming(py: Python<'_>, error: &ResumeError) -> PyErr {
     }
 }
 
-/// Ours, not the user's.
+/// Exception for an internal error.
 pub fn bug(what: &str) -> PyErr {
     PyRuntimeError::new_err(format!(
         "this is a bug in wythe, not in your model; please report it with the model: {what}"
     ))
 }
 
-/// `json.loads`, looked up once.
+/// Calls `json.loads`, which is looked up only once.
 pub fn from_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     static LOADS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let loads = LOADS.get_or_try_init(py, || -> PyResult<_> {

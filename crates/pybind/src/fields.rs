@@ -1,4 +1,4 @@
-//! `results.vtkhdf`, read field by field and frame by frame when asked for.
+//! `results.vtkhdf`, read by field and frame on request.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use wythe_core::results::vtkhdf::field::Values;
 use crate::arrays::{flat, rows, shaped};
 use crate::errors;
 
-/// An open file of fields.
+/// An open field file.
 #[pyclass(frozen, module = "wythe._wythe")]
 pub struct Fields {
     file: FieldsFile,
@@ -91,13 +91,13 @@ impl Fields {
         Ok([rows(py, surface.points)?, rows(py, surface.quads)?])
     }
 
-    /// Names of the fields that the file has.
+    /// Names of the fields in the file.
     fn names(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         py.detach(|| self.file.field_names())
             .map_err(|why| self.unread(py, why))
     }
 
-    /// One field of one frame: (rows, width), or (rows,) of a scalar.
+    /// One field of one frame: (rows, width), or (rows,) for a scalar.
     fn field<'py>(&self, py: Python<'py>, name: &str, frame: usize) -> PyResult<Bound<'py, PyAny>> {
         let values = py
             .detach(|| self.file.field(name, frame))

@@ -1,4 +1,4 @@
-//! The folder of a run: history, summary, comparison, pictures, report, exports.
+//! The folder of a run: history, summary, comparison, pictures, report and exports.
 
 use std::path::{Path, PathBuf};
 
@@ -6,8 +6,10 @@ use numpy::Element;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use wythe_core::deck::Deck;
 use wythe_core::files::write_whole;
-use wythe_core::model::{Deck, Model};
+use wythe_core::model::Model;
+use wythe_core::results;
 use wythe_core::results::comparison::{clear_height, points_of};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::elevation::crack_pattern_of;
@@ -16,16 +18,15 @@ use wythe_core::results::mcap::salvage::salvage as rescue;
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{self, Line, load_displacements};
 use wythe_core::results::snapshot::Snapshots;
-use wythe_core::results::{
-    self, Experiment, FrameChoice, HistoryRow, ReadError, Report, RunFolder, Snapshot,
-};
+use wythe_core::results::{Experiment, FrameChoice, ReadError, Report, RunFolder, Snapshot};
+use wythe_core::state::HistoryRow;
 
 use crate::arrays::{flat, rows};
 use crate::errors;
 
 type Columns<'py> = Bound<'py, PyDict>;
 
-/// The history by columns, and the names of its probes.
+/// Columns of the history, and the names of its probes.
 #[pyfunction]
 pub fn history(py: Python<'_>, folder: PathBuf) -> PyResult<(Columns<'_>, Vec<String>)> {
     let read = py.detach(|| RunFolder::open(&folder)?.history());
@@ -63,15 +64,15 @@ fn column<'py, T: Element>(
     flat(py, rows.iter().map(of).collect())
 }
 
-/// Step time of the largest force [s], or nothing where nothing was driven.
+/// Step time of the largest force [s], or None if nothing was driven.
 #[pyfunction]
 pub fn time_of_peak(py: Python<'_>, folder: PathBuf) -> PyResult<Option<f64>> {
     let read = py.detach(|| Ok(RunFolder::open(&folder)?.history()?.time_of_peak()));
     read.map_err(|error| errors::of_reading(py, &error))
 }
 
-/// What the history alone tells: the largest force [kN] and its displacement, the displacement at 0.8 of it [mm],
-/// the initial stiffness [kN/mm], under the names of `summary.json`.
+/// Key figures from the history alone, with the names of `summary.json`: largest force [kN] and its displacement
+/// [mm], displacement at 0.8 of it [mm], initial stiffness [kN/mm].
 #[pyfunction]
 pub fn figures(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let read = py.detach(|| Ok(RunFolder::open(&folder)?.history()?.curve()));
@@ -91,7 +92,7 @@ pub fn figures(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     Ok(figures)
 }
 
-/// `summary.json`, or nothing of a run that goes on or was killed.
+/// Text of `summary.json`, or None if the run has not ended or was killed.
 #[pyfunction]
 pub fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Option<String>> {
     let read = py.detach(|| RunFolder::open(&folder)?.summary());
@@ -114,7 +115,7 @@ pub fn experiment(py: Python<'_>, path: PathBuf) -> PyResult<(String, Bound<'_, 
     Ok((name, rows(py, points)?))
 }
 
-/// What `wythe compare --json` prints.
+/// Output of `wythe compare --json`.
 #[pyfunction]
 #[pyo3(signature = (folder, experiment, height))]
 pub fn compare(
@@ -133,14 +134,14 @@ pub fn compare(
     serde_json::to_string(&found).map_err(|error| errors::bug(&format!("as JSON: {error}")))
 }
 
-/// From the copy of the deck, where there is one that can be built.
+/// Clear height [mm] from the copy of the deck, if there is one that can be built.
 fn height_of(folder: &Path) -> Option<f64> {
     let deck = Deck::load(folder.join(DECK), &[]).ok()?;
     let (model, _) = Model::from_deck(&deck).ok()?;
     clear_height(&model)
 }
 
-/// Writes the page; its notes.
+/// Writes the report and returns its notes.
 #[pyfunction]
 #[pyo3(signature = (folder, out, experiment))]
 pub fn report(
@@ -157,14 +158,15 @@ pub fn report(
     Ok(page.notes)
 }
 
-/// A frame by its number or as `peak`, `last`.
+/// A frame by its number, or `peak` or `last`.
 fn choice(frame: &str) -> PyResult<FrameChoice> {
     frame
         .parse()
         .map_err(|why: String| PyValueError::new_err(format!("frame = {frame}: {why}")))
 }
 
-/// `curves`, `cracks`, `deflection_height` or `deflection_length` of runs (the first leads) as SVG.
+/// Draws `curves`, `cracks`, `deflection_height` or `deflection_length` of runs as SVG; the first run decides the
+/// view.
 #[pyfunction]
 pub fn picture(
     py: Python<'_>,
@@ -234,14 +236,15 @@ fn draw(
     Ok(deflections(&leading.title, along, axis, &bent))
 }
 
-/// An SVG as PNG.
+/// Converts an SVG to PNG.
 #[pyfunction]
 pub fn png(py: Python<'_>, svg: &str, zoom: f32) -> PyResult<Vec<u8>> {
     py.detach(|| plotting::png(svg, zoom))
         .map_err(PyValueError::new_err)
 }
 
-/// Writes a frame as `vtu` or `csv` into a folder; the files, the solids' first, and the frame's time [s].
+/// Writes a frame as `vtu` or `csv` into a folder. Returns the files, the solids first, and the time of the frame
+/// [s].
 #[pyfunction]
 pub fn export_frame(
     py: Python<'_>,
@@ -280,13 +283,14 @@ pub fn export_frame(
     Ok((written, snapshot.frame.time))
 }
 
-/// Text of the collection of exported frames: time [s] and file of each.
+/// Text of a collection of exported frames, given time [s] and file of each.
 #[pyfunction]
 pub fn collection(files: Vec<(f64, String)>) -> String {
     vtu::collection(&files)
 }
 
-/// An end and an index for the messages of an interrupted run: messages, attachments, lost bytes, was whole.
+/// Repairs the message file of an interrupted run. Returns messages, attachments, lost bytes and whether it was
+/// complete.
 #[pyfunction]
 #[pyo3(signature = (file, out))]
 pub fn salvage(

@@ -1,7 +1,8 @@
-//! `wythe._wythe`: the private half of the Python package, a thin door onto `Deck → Model → solve → RunDirectory`.
+//! `wythe._wythe`: the private Rust half of the Python package, a thin layer over `Deck → Model → solve →
+//! RunDirectory`.
 //!
-//! Names, defaults and documents for users are those of the Python half (`python/wythe`); here arguments are
-//! already checked, and what comes back is arrays, JSON texts and errors.
+//! The Python half (`python/wythe`) has the public names, defaults and documentation and checks the arguments. The
+//! functions here return arrays, JSON texts and errors.
 #![forbid(unsafe_code)]
 #![expect(
     clippy::needless_pass_by_value,
@@ -17,7 +18,7 @@ mod model;
 mod point;
 mod run;
 
-/// See the crate.
+/// The Python module; see the crate.
 #[pyo3::pymodule]
 mod _wythe {
     #[pymodule_export]

@@ -1,12 +1,13 @@
-//! A deck and, once it is asked for, the model that is built of it.
+//! A deck and the model built from it on request.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
+use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{ModelError, Warning};
-use wythe_core::model::{self, Deck as CoreDeck, Model};
+use wythe_core::model::Model;
 use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
 use wythe_core::results::directory::DECK;
 use wythe_core::results::export::inp;
@@ -14,13 +15,13 @@ use wythe_core::results::plotting::scene;
 
 use crate::errors::{self, Text};
 
-/// Title of a model that has none.
+/// Title of a model without one.
 const UNTITLED: &str = "model";
 
-/// What is built once, or why it cannot be.
+/// The model with its warnings, or the error that prevents it.
 type Built = Result<(Model, Vec<Warning>), ModelError>;
 
-/// A deck that was read. Immutable.
+/// A deck that was read; immutable.
 #[pyclass(frozen, module = "wythe._wythe")]
 pub struct Deck {
     said: CoreDeck,
@@ -41,13 +42,13 @@ impl Deck {
         &self.said
     }
 
-    /// The model and its warnings, built the first time.
+    /// The model and its warnings, built at the first call.
     pub fn built(&self, py: Python<'_>) -> Arc<Built> {
         let build = || Arc::new(Model::from_deck(&self.said));
         py.detach(|| Arc::clone(self.built.get_or_init(build)))
     }
 
-    /// The model, or the exception that says why there is none.
+    /// The model, or the exception that explains why there is none.
     pub fn sound(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
         let built = self.built(py);
         match &*built {
@@ -59,7 +60,7 @@ impl Deck {
 
 #[pymethods]
 impl Deck {
-    /// Reads a text, which someone has `written` or which was made. Files that it names are in `folder`.
+    /// Reads a text that was `written` by the user or generated. Files named in it are in `folder`.
     #[staticmethod]
     #[pyo3(signature = (text, written, folder, overrides))]
     fn read(
@@ -85,13 +86,13 @@ impl Deck {
         Ok(Self::new(deck, Text::File))
     }
 
-    /// Reads the copy in the folder of a run. Files that it names are where they were when it ran.
+    /// Reads the copy in the folder of a run. Files named in it are in their folder at the time of the run.
     #[staticmethod]
     fn of_run(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let deck = py
             .detach(|| CoreDeck::load(folder.join(DECK), &[]))
             .map_err(|error| errors::of_deck(py, &error))?;
-        // Without a checkpoint nothing says where that was.
+        // Only the checkpoint knows this folder.
         let checkpoint = py.detach(|| CheckpointFile::read(&folder.join(CHECKPOINT)));
         let files = checkpoint.ok().and_then(|read| read.deck_folder);
         let deck = match files {
@@ -101,28 +102,28 @@ impl Deck {
         Ok(Self::new(deck, Text::File))
     }
 
-    /// TOML text of JSON.
+    /// Converts JSON to TOML.
     #[staticmethod]
     fn toml_of_json(text: &str) -> PyResult<String> {
-        // Without nulls, which TOML has not; the Python half has taken them out.
+        // The Python half has removed nulls, which TOML does not have.
         let value: toml::Value = serde_json::from_str(text)
             .map_err(|error| errors::bug(&format!("a deck as JSON: {error}")))?;
         toml::to_string(&value).map_err(|error| errors::bug(&format!("a deck as TOML: {error}")))
     }
 
-    /// The deck with every default said, in base units.
+    /// The deck with all defaults in base units.
     fn to_toml(&self) -> PyResult<String> {
         let text = self.said.to_toml();
         text.map_err(|error| errors::bug(&format!("the deck as TOML: {error}")))
     }
 
-    /// The same as JSON.
+    /// The deck with all defaults as JSON.
     fn to_json(&self) -> PyResult<String> {
         let text = serde_json::to_string(&self.said);
         text.map_err(|error| errors::bug(&format!("the deck as JSON: {error}")))
     }
 
-    /// Whether lines and columns are those of a text that someone has written.
+    /// Whether lines and columns refer to a text written by the user.
     #[getter]
     fn is_written(&self) -> bool {
         self.text != Text::Made
@@ -133,13 +134,13 @@ impl Deck {
         &self.said.title
     }
 
-    /// Folder of the files that the deck names.
+    /// Folder of the files named in the deck.
     #[getter]
     fn folder(&self) -> PathBuf {
         self.said.folder().to_owned()
     }
 
-    /// Columns of the probes in the history; none of a model that cannot be built.
+    /// Columns of the probes in the history; empty if the model cannot be built.
     fn probe_columns(&self, py: Python<'_>) -> Vec<String> {
         match &*self.built(py) {
             Ok((model, _)) => model.probes.iter().map(|p| p.column.clone()).collect(),
@@ -147,7 +148,7 @@ impl Deck {
         }
     }
 
-    /// The steps, as the deck has them.
+    /// The steps as in the deck.
     fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = serde_json::to_string(&self.said.steps);
         let text = text.map_err(|error| errors::bug(&format!("steps as JSON: {error}")))?;
@@ -158,7 +159,7 @@ impl Deck {
         self.said == other.said
     }
 
-    /// What `wythe check --json` prints, as JSON.
+    /// Output of `wythe check --json`.
     fn check(&self, py: Python<'_>) -> String {
         let built = self.built(py);
         let found = py.detach(|| match &*built {
@@ -172,7 +173,7 @@ impl Deck {
                 "memory_MB": null,
             }),
             Ok((model, warnings)) => {
-                let report = model::check(&self.said, model);
+                let report = deck::check(&self.said, model);
                 json!({
                     "ok": true,
                     "title": report.title,
@@ -187,7 +188,7 @@ impl Deck {
         found.to_string()
     }
 
-    /// What will be built, as SVG.
+    /// Picture of the model as SVG.
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         let built = self.sound(py)?;
         py.detach(|| match &*built {
@@ -196,7 +197,7 @@ impl Deck {
         })
     }
 
-    /// The model for Abaqus.
+    /// The model in the format of Abaqus.
     fn inp(&self, py: Python<'_>) -> PyResult<String> {
         let built = self.sound(py)?;
         py.detach(|| match &*built {

@@ -1,4 +1,4 @@
-//! Single points along many paths at once: for calibration, and to look at a law.
+//! Drives single points along many paths, for calibration and for the study of a law.
 
 use std::num::NonZeroUsize;
 
@@ -6,8 +6,8 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use wythe_contact::JointLaw;
+use wythe_core::deck::Deck;
 use wythe_core::material::MaterialHistory;
-use wythe_core::model::Deck;
 use wythe_core::point::{
     INTERFACE, Layout, MATERIAL, Record, Row, RowFailure, State, Target, follow_interface,
     follow_material, interface_state, material_state,
@@ -16,20 +16,20 @@ use wythe_core::point::{
 use crate::arrays::shaped;
 use crate::errors::{self, Text};
 
-/// Rows from which threads are worth their start.
+/// Number of rows above which starting threads pays off.
 const MANY: usize = 5_000;
 
-/// Strains, stresses, state, tangents of all paths, and the first failure: path, row, what.
+/// Strains, stresses, states and tangents of all paths, and the first failure: path, row, reason.
 type Driven<'py> = ([Bound<'py, PyAny>; 4], Option<(usize, usize, String)>);
 
-/// The paths as they come: flat numbers of shape (paths, rows, N), times (rows,), which components are stresses.
+/// Input of the paths: flat numbers of shape (paths, rows, N), times (rows,), and the stress-controlled components.
 struct Paths<'a, const N: usize> {
     values: &'a [f64],
     times: &'a [f64],
     by_stress: [bool; N],
 }
 
-/// Answers of one path, NaN where there are none. `[row]`
+/// Results of one path; rows without a result are NaN. `[row]`
 struct Answers<'a, const N: usize, const M: usize> {
     strains: &'a mut [[f64; N]],
     stresses: &'a mut [[f64; N]],
@@ -51,7 +51,7 @@ impl<const N: usize, const M: usize> Answers<'_, N, M> {
     }
 }
 
-/// Drives the material `materials.N` of the deck along path N, or the only one along all.
+/// Drives the material `materials.N` of the deck along path N; a single material is used for all paths.
 #[pyfunction]
 #[pyo3(signature = (deck, names, length, values, times, by_stress, substeps))]
 pub fn drive_material<'py>(
@@ -85,7 +85,7 @@ pub fn drive_material<'py>(
     })
 }
 
-/// The same for interfaces.
+/// Drives interfaces in the same way.
 #[pyfunction]
 #[pyo3(signature = (deck, names, values, times, by_stress, substeps))]
 pub fn drive_interface<'py>(
@@ -123,7 +123,7 @@ fn read(py: Python<'_>, deck: &str) -> PyResult<Deck> {
         .map_err(|error| errors::of_model(py, &error, Text::Made))
 }
 
-/// Takes every path by `follow(path, rows, answers)`, in parallel where there are many rows.
+/// Computes every path by `follow(path, rows, answers)`, in parallel if there are many rows.
 fn drive<'py, const N: usize, const M: usize>(
     py: Python<'py>,
     layout: &Layout<N>,
@@ -184,11 +184,11 @@ fn drive<'py, const N: usize, const M: usize>(
         };
         py.detach(|| -> Result<_, rayon::ThreadPoolBuildError> {
             if count == 1 || all < MANY {
-                // All of them, whatever becomes of the first.
+                // All paths are computed, even after a failure.
                 let failures: Vec<_> = pieces.into_iter().enumerate().filter_map(take).collect();
                 return Ok(failures.into_iter().next());
             }
-            // Of its own, as for runs.
+            // A separate pool, as for runs.
             let pool = rayon::ThreadPoolBuilder::new().build()?;
             let failed = pool.install(|| {
                 let failures = pieces.into_par_iter().enumerate().filter_map(take);

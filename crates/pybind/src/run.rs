@@ -1,8 +1,8 @@
-//! Runs on threads of their own, while the calling thread listens: to Ctrl-C, and to increments for the callback.
+//! Runs on a separate thread. Meanwhile the calling thread watches for Ctrl-C and serves callbacks.
 //!
 //! ```text
 //! calling thread (Python)                    solving thread and its pool (no Python)
-//!   every 50 ms: signals? ──────stop──────▶  take(row): write, tell, go on?
+//!   every 50 ms: signals? ──────stop──────▶  take(row): write, send, continue?
 //!   callback(row) ◀────────────rows────────
 //!                 ─────────────answers────▶
 //! ```
@@ -15,18 +15,18 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use wythe_core::model::Model;
-use wythe_core::results::{
-    Frame, HistoryRow, Recorder, Resumed, RunDirectory, StoppedRun, Summary,
-};
+use wythe_core::results::{Resumed, RunDirectory, StoppedRun};
+use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
+use wythe_core::state::{Frame, HistoryRow, Summary};
 
 use crate::errors::{self, from_json};
 use crate::model::Deck;
 
-/// How long Ctrl-C may wait before it is seen.
+/// Longest time until Ctrl-C is noticed.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// What a run tells.
+/// Event of a run.
 enum Event {
     /// An increment, which waits for an answer.
     Row(Box<HistoryRow>),
@@ -34,11 +34,11 @@ enum Event {
     Note(String),
 }
 
-/// Writes the folder, tells, and asks whether to go on.
+/// Recorder that writes the folder, sends events, and asks whether to continue.
 struct Told<'a> {
     directory: RunDirectory,
     events: Sender<Event>,
-    /// Answers to rows; none if nobody wants to see them.
+    /// Answers to rows; `None` without a callback.
     answers: Option<Receiver<bool>>,
     stop: &'a AtomicBool,
 }
@@ -53,7 +53,7 @@ impl Recorder for Told<'_> {
         let go_on = self.directory.take(model, row, frame)?;
         let mut wanted = true;
         if let Some(answers) = &self.answers {
-            // Nobody listens any more only if the calling thread is gone: stop then.
+            // The receiver is closed only if the calling thread has ended; the run stops then.
             let sent = self.events.send(Event::Row(Box::new(row.clone())));
             wanted = sent.is_ok() && answers.recv().unwrap_or(false);
         }
@@ -66,7 +66,7 @@ impl Recorder for Told<'_> {
 
     fn note(&mut self, text: &str) {
         self.directory.note(text);
-        // As above.
+        // The same holds here; nothing is left to report to.
         let _ = self.events.send(Event::Note(text.to_owned()));
     }
 
@@ -75,13 +75,13 @@ impl Recorder for Told<'_> {
     }
 }
 
-/// The Python side of a run: `on_row(json) -> go on?`, `on_note(text)`.
+/// Python callbacks of a run: `on_row(json)` returns whether to continue, `on_note(text)`.
 struct Listener<'py> {
     on_row: Option<Bound<'py, PyAny>>,
     on_note: Option<Bound<'py, PyAny>>,
 }
 
-/// Runs the deck into the folder `out`. Ctrl-C and errors of the callbacks are raised when the folder is whole.
+/// Runs the deck into the folder `out`. Ctrl-C and errors of callbacks are raised after the folder is complete.
 #[pyfunction]
 #[pyo3(signature = (deck, out, threads, on_row, on_note))]
 pub fn run<'py>(
@@ -111,7 +111,7 @@ pub fn run<'py>(
     )
 }
 
-/// Goes on with the run in `folder`. Returns false if there was nothing to do.
+/// Resumes the run in `folder`. Returns false if it is complete.
 #[pyfunction]
 #[pyo3(signature = (folder, overrides, threads, on_row, on_note))]
 pub fn resume<'py>(
@@ -130,7 +130,7 @@ pub fn resume<'py>(
             return Ok(None);
         }
         let mut resumed = stopped.resume(&model)?;
-        // The deck as it is from here on.
+        // Stores the deck that is valid from here on.
         resumed.directory.keep_deck(&deck)?;
         Ok(Some((model, warnings, resumed)))
     });
@@ -162,7 +162,7 @@ pub fn resume<'py>(
     Ok(true)
 }
 
-/// Solves into the folder while the calling thread listens.
+/// Solves on another thread while the calling thread listens.
 fn record<'py>(
     py: Python<'py>,
     model: &Model,
@@ -172,7 +172,7 @@ fn record<'py>(
     listener: &Listener<'py>,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
 ) -> PyResult<()> {
-    // A pool for each run: that of the process would not survive a fork, nor take another number of threads.
+    // A pool per run: the global pool would not survive a fork and has a fixed number of threads.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.map_or(0, NonZeroUsize::get))
         .thread_name(|i| format!("wythe-{i}"))
@@ -190,7 +190,7 @@ fn record<'py>(
     let (ended, directory, raised) = std::thread::scope(|scope| {
         let solving = scope.spawn(|| {
             let ended = pool.install(|| solve(&mut sink));
-            // What is left of the sink hangs up, so that the listener ends.
+            // The sink is dropped here, which ends the listener.
             (ended, sink.directory)
         });
         let raised = listen(py, listener, told, &answer, &stop);
@@ -205,7 +205,7 @@ fn record<'py>(
     raised.map_or(Ok(()), Err)
 }
 
-/// Serves callbacks and looks out for signals until the solver hangs up; what was raised meanwhile.
+/// Serves callbacks and checks signals until the solver closes the channel; returns the first exception.
 fn listen(
     py: Python<'_>,
     listener: &Listener<'_>,
@@ -216,7 +216,7 @@ fn listen(
     let mut raised: Option<PyErr> = None;
     let mut looked = Instant::now();
     loop {
-        // Exclusive, since a receiver belongs to one thread.
+        // Exclusive access, because a receiver belongs to one thread.
         let told = &mut told;
         let event = py.detach(move || told.recv_timeout(PATIENCE));
         let mut outcome = Ok(true);
@@ -226,7 +226,7 @@ fn listen(
                     Some(on_row) if raised.is_none() => show(py, on_row, &row),
                     _ => Ok(raised.is_none()),
                 };
-                // The solver waits for it, or is gone.
+                // The solver waits for the answer or has ended.
                 let _ = answer.send(*outcome.as_ref().unwrap_or(&false));
             }
             Ok(Event::Note(text)) => {
@@ -243,13 +243,13 @@ fn listen(
         }
         if let Err(error) = outcome {
             stop.store(true, Ordering::SeqCst);
-            // The first is the cause of the others.
+            // The first error is the cause of the others.
             raised.get_or_insert(error);
         }
     }
 }
 
-/// Calls the callback with an increment; whether to go on.
+/// Calls the callback with an increment; returns whether to continue.
 fn show(py: Python<'_>, on_row: &Bound<'_, PyAny>, row: &HistoryRow) -> PyResult<bool> {
     let text = serde_json::to_string(row)
         .map_err(|error| errors::bug(&format!("an increment as JSON: {error}")))?;

@@ -55,3 +55,17 @@ def test_the_five_lines_of_the_readmes_speak_of_what_is_there() -> None:
                     thing = getattr(thing, part)
             for name in re.findall(r"run\.(\w+)", block):
                 assert hasattr(wythe.Results, name), name
+
+
+def test_the_five_lines_of_the_readme_run_without_other_packages(tmp_path: Path) -> None:
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.S)
+    assert len(block.splitlines()) == 5
+    # An environment into which only the wheel and NumPy were installed.
+    missing = "import sys; sys.modules.update(dict.fromkeys(['matplotlib', 'pyvista', 'pandas', 'dask']))\n"
+    shown = "import webbrowser; webbrowser.open = print\n"
+    (tmp_path / "five.py").write_text(missing + shown + block, encoding="utf-8")
+    done = python("five.py", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    page = tmp_path / "wall.html"
+    assert done.stdout.strip() == page.resolve().as_uri()
+    assert "<canvas" in page.read_text(encoding="utf-8")

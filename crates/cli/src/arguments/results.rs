@@ -1,4 +1,4 @@
-//! The command line of what reads results.
+//! Command-line arguments of the commands that read results.
 
 use std::path::PathBuf;
 
@@ -62,7 +62,7 @@ Examples:
 pub struct Plot {
     /// Folder of the run.
     pub folder: PathBuf,
-    /// A measured curve to draw beside it (repeatable).
+    /// Measured curve to draw beside it (repeatable).
     #[arg(long, value_name = "CSV", num_args = 1..)]
     pub compare: Vec<PathBuf>,
     /// Another run to draw beside it (repeatable).
@@ -74,7 +74,7 @@ pub struct Plot {
     /// Folder for the pictures [default: DIR/plots].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write PNG beside SVG, twice as large.
+    /// Also write PNG, twice as large.
     #[arg(long)]
     pub png: bool,
 }
@@ -86,10 +86,10 @@ pub struct Compare {
     pub folder: PathBuf,
     /// The measured curve, a CSV file.
     pub experiment: PathBuf,
-    /// Say it as JSON.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
-    /// Clear height for the drift [mm] [default: between supports and what is driven].
+    /// Clear height for the drift [mm] [default: between supports and driven faces].
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     pub height: Option<f64>,
 }
@@ -107,7 +107,7 @@ pub struct Export {
     /// Folder of the run, or a model, a TOML file.
     #[arg(value_name = "DIR|MODEL.toml")]
     pub folder: PathBuf,
-    /// What to write.
+    /// Format to write.
     #[arg(long, value_name = "FORMAT")]
     pub to: Format,
     /// Frame: its number from 0, peak, last, or all [default: last].
@@ -123,11 +123,11 @@ pub struct Export {
 /// Formats of other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// VTK's XML.
+    /// XML files of VTK.
     Vtu,
-    /// Tables.
+    /// CSV tables.
     Csv,
-    /// Abaqus.
+    /// Input file of Abaqus.
     Inp,
 }
 
@@ -136,7 +136,7 @@ pub enum Format {
 pub enum Frames {
     /// Every frame of the file.
     All,
-    /// This one.
+    /// One frame.
     One(FrameChoice),
 }
 

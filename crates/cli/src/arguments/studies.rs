@@ -1,11 +1,11 @@
-//! The command line of studies.
+//! Command-line arguments of studies.
 
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use crate::study::accuracy::SCENES;
 use clap::{Args, Subcommand};
-use wythe_core::study::accuracy::SCENES;
 
 use super::key_value;
 
@@ -24,16 +24,16 @@ Examples:
 /// `wythe study`
 #[derive(Debug, Subcommand)]
 pub enum Study {
-    /// Where each method fails: cases with known answers through all methods.
+    /// Stability: cases with known answers, run by all methods.
     #[command(after_help = STABILITY_HELP)]
     Stability(Stability),
-    /// What comes out beside what is known: tests, exact solutions, other models.
+    /// Validation: results beside tests, exact solutions and other models.
     #[command(after_help = VALIDATION_HELP)]
     Validation(Validation),
-    /// Error against time over the choices that a user has: mesh, penalty, procedure, step …
+    /// Error against time over the choices of a user: mesh, penalty, procedure, step …
     #[command(after_help = ACCURACY_HELP)]
     AccuracySpeed(AccuracySpeed),
-    /// Random walls, run as a newcomer would: how many come to an answer, and at which cost.
+    /// Random walls, run with defaults only: how many are solved, and at which cost.
     #[command(after_help = ZOO_HELP)]
     Zoo(Zoo),
 }
@@ -78,16 +78,16 @@ pub struct Stability {
     /// These methods only, e.g. auto,secant.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub methods: Vec<String>,
-    /// Wall seconds that a cell may take, looked at after each increment.
+    /// Largest wall time of a cell [s], checked after each increment.
     #[arg(long, value_name = "SECONDS", default_value = "600", value_parser = seconds)]
     pub limit: f64,
-    /// Cells at a time, each on one thread [default: one a core].
+    /// Number of cells run at once, each on one thread [default: one per core].
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// The short forms, as the tests run them.
+    /// Run the short forms, as the tests do.
     #[arg(long)]
     pub short: bool,
-    /// Tell what was measured, too.
+    /// Print the measured values too.
     #[arg(long)]
     pub verbose: bool,
     /// Folder for the page and its picture.
@@ -104,19 +104,19 @@ pub struct Validation {
     /// Cases of these numbers only, e.g. 1,4.
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
     pub only: Vec<u32>,
-    /// Wall seconds that a run may take, looked at after each increment.
+    /// Largest wall time of a run [s], checked after each increment.
     #[arg(long, value_name = "SECONDS", default_value = "3600", value_parser = seconds)]
     pub limit: f64,
-    /// Runs at a time, each on one thread [default: one a core].
+    /// Number of runs at once, each on one thread [default: one per core].
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// The short forms, as the tests run them.
+    /// Run the short forms, as the tests do.
     #[arg(long)]
     pub short: bool,
     /// Folder for the folders of the runs.
     #[arg(long, value_name = "DIR", default_value = "target/validation")]
     pub runs: PathBuf,
-    /// Folder for the pages [default: beside the cases; of short forms: none, only the lines].
+    /// Folder for the pages [default: beside the cases; for short forms none, only the lines are printed].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -124,10 +124,11 @@ pub struct Validation {
 /// `wythe study accuracy-speed`
 #[derive(Debug, Args)]
 pub struct AccuracySpeed {
-    /// A model of your own: a scene of it is drafted, over all that may be chosen of it, its reference made, and the choices run.
+    /// A model of your own: the study drafts a scene with all its choices, computes its reference, and runs the
+    /// choices.
     #[arg(value_name = "MODEL", conflicts_with_all = ["scenes", "only", "short", "references", "redraw"])]
     pub model: Option<PathBuf>,
-    /// Say a key of MODEL anew, for all of its runs (repeatable).
+    /// Replace a key of MODEL, for all of its runs (repeatable).
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value, requires = "model")]
     pub overrides: Vec<(String, String)>,
     /// Folder of the scenes, each in a folder with a scene.toml.
@@ -136,26 +137,27 @@ pub struct AccuracySpeed {
     /// Scenes of these numbers only, e.g. 1,3.
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
     pub only: Vec<u32>,
-    /// How often each choice is run, by turns; times are medians.
+    /// How often each choice is run, in alternation; times are medians.
     #[arg(long, value_name = "N", default_value = "1")]
     pub repeats: NonZeroUsize,
-    /// Wall seconds that a run may take, looked at after each increment.
+    /// Largest wall time of a run [s], checked after each increment.
     #[arg(long, value_name = "SECONDS", default_value = "3600", value_parser = seconds)]
     pub limit: f64,
-    /// Runs at a time; more than one disturb each other's times.
+    /// Number of runs at once; more than one disturb each other's times.
     #[arg(long, value_name = "N", default_value = "1")]
     pub jobs: NonZeroUsize,
-    /// The short forms, as the tests run them.
+    /// Run the short forms, as the tests do.
     #[arg(long)]
     pub short: bool,
-    /// Make the references anew that come from runs, and nothing else.
+    /// Only recompute the references that come from runs.
     #[arg(long, conflicts_with_all = ["short", "out"])]
     pub references: bool,
-    /// Run nothing: page and charts anew from the tables that stand there, after a change of texts.
+    /// Run nothing: write page and charts from the existing tables, after a change of texts.
     #[arg(long, conflicts_with_all = ["short", "references"])]
     pub redraw: bool,
-    /// Folder for charts and tables; the page stands beside it [default: that of the scenes; of short forms: none, only
-    /// the lines]. Of a model: folder for the page, and in it `scenes` [default: MODEL.accuracy beside the model].
+    /// Folder for charts and tables, with the page beside it [default: that of the scenes; for short forms none, only
+    /// the lines are printed]. For a model: folder for the page, and in it `scenes` [default: MODEL.accuracy beside
+    /// the model].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -166,35 +168,36 @@ pub struct Zoo {
     /// Seeds, e.g. 1,4,25 or 1..200 (both ends included).
     #[arg(long, value_name = "SEEDS", value_delimiter = ',', default_value = "1..200", value_parser = seeds)]
     pub seeds: Vec<RangeInclusive<u64>>,
-    /// Folder for all of it.
+    /// Folder for decks, runs and the page.
     #[arg(long, value_name = "DIR", default_value = Zoo::OUT)]
     pub out: PathBuf,
-    /// CPU seconds that a wall may take; its reference may take ten times as many.
+    /// Largest CPU time of a wall [s]; its reference may take ten times as long.
     #[arg(long, value_name = "SECONDS", default_value = "300", value_parser = seconds)]
     pub limit: f64,
-    /// Walls at a time [default: as many as there are cores for their threads].
+    /// Number of walls run at once [default: as many as there are cores for their threads].
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// Threads of a wall.
+    /// Number of threads per wall.
     #[arg(long, value_name = "N", default_value = "1")]
     pub threads: NonZeroUsize,
-    /// Compare each wall with a careful run: increments a tenth, consistent tangents, a tenth of their tolerance.
+    /// Compare each wall with a careful run: a tenth of the increments, consistent tangents, a tenth of their
+    /// tolerance.
     #[arg(long)]
     pub reference: bool,
-    /// Run walls again that were run before.
+    /// Repeat the runs of walls that were run before.
     #[arg(long)]
     pub fresh: bool,
-    /// Write decks and run nothing.
+    /// Write decks only, without runs.
     #[arg(long, conflicts_with_all = ["limit", "jobs", "threads", "reference", "fresh"])]
     pub decks_only: bool,
 }
 
 impl Zoo {
-    /// Where it goes unless it is said.
+    /// Default folder.
     pub const OUT: &str = "zoo";
 }
 
-/// A seed, or the first and the last of several.
+/// Parses a seed, or the first and the last of a range.
 fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
     let number = |text: &str| text.trim().parse::<u64>();
     let range = match text.split_once("..") {
@@ -207,7 +210,7 @@ fn seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
     }
 }
 
-/// A time that a clock can hold: a year is longer than any run.
+/// Parses a time limit [s]; the bound of a year keeps it within the range of clocks.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if seconds > 0.0 && seconds <= 3.2e7 => Ok(seconds),

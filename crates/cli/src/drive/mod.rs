@@ -1,4 +1,4 @@
-//! `wythe drive`: one material or interface point along a prescribed path.
+//! `wythe drive`: drives one material or interface point along a prescribed path.
 
 mod path;
 mod table;
@@ -6,9 +6,9 @@ mod table;
 use std::path::PathBuf;
 
 use miette::Diagnostic;
+use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::input;
-use wythe_core::model::Deck;
 use wythe_core::point::{self, Layout, MATERIAL, PointFailure, Row, Walk};
 
 use crate::arguments::{Drive, DrivePoint, Point};
@@ -18,7 +18,7 @@ use crate::say::print;
 use crate::say::tell;
 use path::Path;
 
-/// Drives the point and writes what it answers.
+/// Drives the point and writes its response.
 pub fn drive(arguments: &Drive) -> Result<(), Failure> {
     match &arguments.point {
         Point::Material(point) => material(point),
@@ -28,7 +28,7 @@ pub fn drive(arguments: &Drive) -> Result<(), Failure> {
 
 fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
-    // A point has no size: tables as given.
+    // A point has no size, so tables are taken as given.
     let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
         tell!("warning: {warning}");
@@ -56,7 +56,7 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
     )
 }
 
-/// A point that found no answer, and where.
+/// Failure of a point, with its place in the path.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{file}:{line} (row {row}): {why}")]
 struct NoAnswer {
@@ -68,18 +68,18 @@ struct NoAnswer {
     help: &'static str,
 }
 
-/// What to do about it.
+/// Advice for a failure.
 fn help<const N: usize>(failure: &PointFailure<N>) -> &'static str {
     match failure {
         PointFailure::Beyond(_) => {
             "the rows before are written; ask for less, or drive by strain where the point softens"
         }
-        // Numbers and times were looked at when the path was read.
+        // Numbers and times were checked when the path was read.
         _ => "the rows before are written; take smaller steps (--substeps)",
     }
 }
 
-/// Takes the point along its path, and writes path and answers.
+/// Drives the point along its path, and writes the path and the response.
 fn walk<const N: usize, H, S: AsRef<[f64]>>(
     arguments: &DrivePoint,
     layout: &Layout<N>,

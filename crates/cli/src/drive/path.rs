@@ -1,4 +1,4 @@
-//! The prescribed path: a CSV file with `#` comments and a header, columns in any order.
+//! Prescribed path of a point: a CSV file with `#` comments and a header, with columns in any order.
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use wythe_core::point::{Layout, Row, Target};
@@ -6,22 +6,22 @@ use wythe_core::point::{Layout, Row, Target};
 /// Column of the time [s].
 const TIME: &str = "time";
 
-/// A path, read and checked.
+/// A path that was read and checked.
 #[derive(Clone, Debug)]
 pub struct Path<const N: usize> {
     /// Names of all columns, in the file's order.
     pub header: Vec<String>,
     /// All cells as written. `[row][column]`
     pub cells: Vec<Vec<String>>,
-    /// What they say.
+    /// Times and targets of the rows.
     pub rows: Vec<Row<N>>,
-    /// The lines of the file in which they are said, from 1. `[row]`
+    /// Line of each row in the file, counted from 1. `[row]`
     pub lines: Vec<u64>,
-    /// Which components are driven by stress.
+    /// Whether a component is driven by stress. `[component]`
     pub by_stress: [bool; N],
 }
 
-/// What is wrong with a path, and where.
+/// An error in a path, with its place.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{}:{line}{}: {what}", source_code.name(), in_column(column.as_deref()))]
 pub struct PathError {
@@ -40,14 +40,14 @@ fn in_column(column: Option<&str>) -> String {
     column.map_or_else(String::new, |name| format!(", column {name}"))
 }
 
-/// The text of a path with its name: where errors are made.
+/// Text of a path and name of its file, for error messages.
 struct Source<'a> {
     file: &'a str,
     text: &'a str,
 }
 
 impl Source<'_> {
-    /// An error about cell `cell` of `line`, or about the line as a whole.
+    /// Creates an error about cell `cell` of `line`, or about the whole line.
     fn error(
         &self,
         line: u64,
@@ -65,8 +65,7 @@ impl Source<'_> {
         })
     }
 
-    /// Line of the record at `position`, which the reader counts from the comments and empty lines
-    /// before it.
+    /// Line of the record at `position`. The reader counts from the comments and empty lines before the record.
     fn line(&self, position: &csv::Position) -> u64 {
         let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
         let rest = self.text.get(start..).unwrap_or_default().lines();
@@ -76,7 +75,7 @@ impl Source<'_> {
                 .count() as u64
     }
 
-    /// Bytes of a cell, or of the line. Commas inside quotes are none that a number has.
+    /// Bytes of a cell, or of the line. Cells in quotes with commas are ignored, because numbers have none.
     fn span(&self, line: u64, cell: Option<usize>) -> Option<SourceSpan> {
         let index = usize::try_from(line).ok()?.checked_sub(1)?;
         let start: usize = self
@@ -95,26 +94,26 @@ impl Source<'_> {
     }
 }
 
-/// Where each component and the time are found.
+/// Column indices of the components and of the time.
 struct Columns<const N: usize> {
     targets: [usize; N],
     time: Option<usize>,
 }
 
 impl<const N: usize> Path<N> {
-    /// Reads a path from the text of `file`. `stress` names the components that are driven by their
-    /// stress column; the others need their strain column. Other columns are carried along.
+    /// Reads a path from the text of `file`. `stress` names the components that are driven by their stress column;
+    /// the others need their strain column. Further columns are kept.
     ///
     /// # Errors
-    /// [`PathError`]: an unknown component, a missing column, a row of another length, something
-    /// that is not a finite number, time that runs backwards, no rows.
+    /// [`PathError`]: an unknown component, a missing column, a row of another length, a value that is not a finite
+    /// number, a time that decreases, no rows.
     pub fn read(
         file: &str,
         text: &str,
         layout: &Layout<N>,
         stress: &[String],
     ) -> Result<Self, Box<PathError>> {
-        // What spreadsheets put before the first name is no part of it.
+        // Spreadsheets write a byte order mark before the first name.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = Source { file, text };
         let by_stress = chosen(&source, layout, stress)?;
@@ -174,7 +173,7 @@ impl<const N: usize> Path<N> {
     }
 }
 
-/// Which components `--stress` names.
+/// Components that `--stress` names.
 fn chosen<const N: usize>(
     source: &Source<'_>,
     layout: &Layout<N>,
@@ -330,7 +329,7 @@ mod tests {
         assert_eq!(path.rows[0].targets[0], Target::Stress(-0.5));
         assert_eq!(path.rows[0].targets[1], Target::Strain(2.0));
         assert_eq!(path.rows[0].time, 0.5);
-        // Asked for, the strain column may be absent.
+        // With --stress, the strain column may be missing.
         assert!(read("d1_mm,d2_mm,sig_MPa\n2,3,-0.5\n", &["normal"]).is_ok());
     }
 

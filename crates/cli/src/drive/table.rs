@@ -1,4 +1,4 @@
-//! What `drive` writes: the path again, and what the point answered.
+//! Output of `drive`: the path and the response of the point.
 
 use std::fmt::Write as _;
 
@@ -6,21 +6,21 @@ use wythe_core::point::{Layout, State};
 
 use super::path::Path;
 
-/// A CSV text that grows by a row a step.
+/// A CSV text that grows by one row per step.
 ///
-/// The columns of the path come first as they were written, save for those that the answer says
-/// anew: stresses, the state, and the strains that were solved for.
+/// The columns of the path come first, as they were written, without those that the response contains: stresses,
+/// state, and strains that were solved for.
 #[derive(Debug)]
 pub struct Table {
     text: String,
-    /// Columns of the path that are repeated.
+    /// Columns of the path that are kept.
     kept: Vec<usize>,
-    /// Components whose strain was solved for.
+    /// Components whose strains are solved for.
     solved: Vec<usize>,
 }
 
 impl Table {
-    /// The header for this path.
+    /// Writes the header for this path.
     pub fn new<const N: usize>(path: &Path<N>, layout: &Layout<N>) -> Self {
         let solved: Vec<usize> = (0..N).filter(|&i| path.by_stress[i]).collect();
         let said_anew = |name: &str| {
@@ -52,7 +52,7 @@ impl Table {
         table
     }
 
-    /// The answer to row `index` of the path.
+    /// Appends the response to row `index` of the path.
     pub fn push<const N: usize, H>(
         &mut self,
         path: &Path<N>,
@@ -68,14 +68,14 @@ impl Table {
             .kept
             .iter()
             .map(|&i| quoted(&path.cells[index][i]))
-            // Debug writes the shortest digits that read back to the same bits, with an exponent
-            // where that is shorter.
+            // Debug writes the shortest digits that read back to the same bits, with an exponent where that is
+            // shorter.
             .chain(numbers.map(|value| format!("{value:?}")))
             .collect();
         self.line(cells.into_iter());
     }
 
-    /// The whole text.
+    /// Returns the whole text.
     pub fn finish(self) -> String {
         self.text
     }
@@ -90,7 +90,7 @@ impl Table {
     }
 }
 
-/// A cell of another column, quoted where CSV asks for it.
+/// A cell of the path, quoted where CSV requires it.
 fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) || cell.starts_with('#') {
         format!("\"{}\"", cell.replace('"', "\"\""))

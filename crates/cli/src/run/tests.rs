@@ -1,10 +1,11 @@
-//! A solver that is told what to do drives the recorder.
+//! Tests of the recorder, driven by a scripted solver.
 
 use super::*;
 use crate::arguments::Progress;
 use std::path::PathBuf;
-use wythe_core::model::Deck;
-use wythe_core::results::{InterfaceFrame, InterfaceState, Sizes};
+use wythe_core::deck::Deck;
+use wythe_core::model::sizes::Sizes;
+use wythe_core::state::{InterfaceFrame, InterfaceState};
 
 const COUPLET: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -41,7 +42,7 @@ fn frame(model: &Model, time: f64) -> Frame {
     }
 }
 
-/// Converges `increments` times unless it is asked to stop, then ends with `status`.
+/// Converges `increments` times unless the recorder stops it, then ends with `status`.
 fn solve(
     model: &Model,
     recorder: &mut dyn Recorder,
@@ -81,7 +82,7 @@ fn status_in(out: &Path) -> (String, u64) {
     )
 }
 
-/// Rows of the history below its header.
+/// Number of history rows below the header.
 fn rows_in(out: &Path) -> usize {
     let text = std::fs::read_to_string(out.join("history.csv")).unwrap();
     let mut lines = text.lines();
@@ -95,7 +96,7 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     (folder, out)
 }
 
-/// Records what nothing interrupts.
+/// Records without interrupts.
 fn recorded(
     model: &Model,
     out: &Path,
@@ -172,7 +173,7 @@ fn a_folder_that_cannot_be_made_is_input_output_and_nothing_is_solved() {
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
 }
 
-/// Whatever the recorder cannot write ends the run; here fields of another mesh.
+/// A failure to write ends the run; here the fields belong to another mesh.
 #[test]
 fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
     let (model, (_folder, out)) = (couplet(), folder());
@@ -180,7 +181,7 @@ fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
         let mut wrong = frame(&model, 1.0);
         wrong.stress.pop();
         recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
-        // It is written beside the run: the next row hears of it.
+        // Fields are written concurrently: the next row gets the error.
         recorder.take(&model, &HistoryRow::default(), None)?;
         panic!("the recorder must refuse")
     });

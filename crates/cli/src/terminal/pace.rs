@@ -1,17 +1,17 @@
-//! How long a run will take yet.
+//! Estimated remaining time of a run.
 
-/// How fast a run goes: one step says nothing of the next.
+/// Pace of a run, measured in the present step only: one step does not predict the next.
 #[derive(Debug, Default)]
 pub struct Pace {
     step: usize,
-    /// Seconds since the run began and step time, when this step began.
+    /// Seconds since the start of the run and step time, both at the start of this step.
     start: [f64; 2],
-    /// The same now.
+    /// The same at the last increment.
     now: [f64; 2],
 }
 
 impl Pace {
-    /// Of a run that goes on within `step` at step time `time` [s].
+    /// Pace of a run resumed within `step` at step time `time` [s].
     pub fn from(step: usize, time: f64) -> Self {
         let at = [0.0, time];
         Self {
@@ -21,7 +21,7 @@ impl Pace {
         }
     }
 
-    /// An increment of `step` ends at `time` [s], `elapsed` seconds after the run began.
+    /// Notes that an increment of `step` ended at `time` [s], `elapsed` seconds after the start of the run.
     pub fn mark(&mut self, step: usize, elapsed: f64, time: f64) {
         if step != self.step {
             (self.step, self.start) = (step, self.now);
@@ -29,7 +29,7 @@ impl Pace {
         self.now = [elapsed, time];
     }
 
-    /// Seconds to the step time `end`, at the pace of this step; none if it has not moved.
+    /// Seconds until the step time `end`, at the pace of this step; none if it has no pace yet.
     pub fn left(&self, end: f64) -> Option<f64> {
         let [spent, done] = [0, 1].map(|i| self.now[i] - self.start[i]);
         let left = (end - self.now[1]).max(0.0) * spent / done;
@@ -37,7 +37,7 @@ impl Pace {
     }
 }
 
-/// 7.3 s, 2 min 05 s, 1 h 02 min.
+/// Formats a duration: 7.3 s, 2 min 05 s, 1 h 02 min.
 pub fn seconds(value: f64) -> String {
     let whole = value.round() as u64;
     match whole {
@@ -73,11 +73,11 @@ mod tests {
         assert_eq!(pace.left(2.0), None);
         pace.mark(0, 4.0, 1.0);
         assert_eq!(pace.left(2.0), Some(4.0));
-        // The second step takes 3 s for a tenth: 27 s for the rest of it.
+        // The second step takes 3 s for a tenth, so 27 s for the rest.
         pace.mark(1, 7.0, 1.1);
         let left = pace.left(2.0).unwrap();
         assert!((left - 27.0).abs() < 1e-9, "{left}"); // rounding of 1.1 − 1
-        // What was done before the run went on took none of its time.
+        // Increments before the resumption took none of its time.
         let mut resumed = Pace::from(1, 1.5);
         assert_eq!(resumed.left(2.0), None);
         resumed.mark(1, 2.0, 1.75);

@@ -1,9 +1,9 @@
-//! A curve in one line of text.
+//! A curve as one line of text.
 
 const BLOCKS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 const ASCII: [char; 8] = ['_', '.', ',', '-', '=', '+', '*', '#'];
 
-/// Smallest and largest of the values that are numbers.
+/// Smallest and largest of the finite values.
 pub fn range(values: &[f64]) -> Option<[f64; 2]> {
     let numbers = values.iter().copied().filter(|v| v.is_finite());
     let spread = |[low, high]: [f64; 2], v: f64| [low.min(v), high.max(v)];
@@ -11,8 +11,8 @@ pub fn range(values: &[f64]) -> Option<[f64; 2]> {
     (all[0] <= all[1]).then_some(all)
 }
 
-/// All values in at most `width` characters, from the smallest to the largest: of those that share one the
-/// last.
+/// Draws all values in at most `width` characters, scaled from the smallest to the largest. Where several values
+/// share a character, it shows the last of them.
 pub fn draw(values: &[f64], width: usize, unicode: bool) -> String {
     let Some([low, high]) = range(values) else {
         return String::new();
@@ -26,7 +26,7 @@ pub fn draw(values: &[f64], width: usize, unicode: bool) -> String {
         } else {
             0.0
         };
-        // A value that is no number is drawn as the lowest.
+        // A value that is not a number is drawn as the lowest.
         levels[(height * levels.len() as f64).min(levels.len() as f64 - 1.0) as usize]
     };
     (0..count).map(level).collect()

@@ -1,4 +1,4 @@
-//! Strength of the cap over its plastic displacement (docs/theory/joint-cap.md, equations 8 to 11).
+//! Strength of the cap over its plastic displacement (theory/joint-cap.md, eqs 9 to 12).
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -1,9 +1,9 @@
-//! How far a hex8 reaches across a direction, for the band in which its material softens (theory A.8).
+//! How far a hex8 reaches across a direction, for the band in which its material softens (theory/crack-band.md, eq. 2).
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::element::hex8::CORNERS;
 use crate::material::Extent;
-use crate::model::mesh::CORNERS;
 
 /// Extent of the element with these corners and this volume [mm, mm³]; none if it is inverted at its centroid.
 pub fn extent(corners: &[[f64; 3]; 8], volume: f64) -> Option<Extent> {

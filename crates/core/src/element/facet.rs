@@ -16,7 +16,7 @@
 //! unsymmetric facet by facet; over a closed surface, or one whose rim is held, the sum is symmetric:
 //! the pressure has a potential then.
 
-use crate::model::hexahedron::{cross, norm};
+use crate::element::hexahedron::{cross, norm};
 
 /// Corners in the order of a facet's nodes. `[node][ξη]`
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -120,7 +120,7 @@ mod tests {
         let sum = area_vectors(&WARPED)
             .into_iter()
             .fold([0.0; 3], |s, a| [0, 1, 2].map(|i| s[i] + a[i]));
-        let exact = crate::model::hexahedron::area_vector(&WARPED);
+        let exact = crate::element::hexahedron::area_vector(&WARPED);
         for i in 0..3 {
             assert!((sum[i] - exact[i]).abs() < 1e-13, "{sum:?} {exact:?}"); // rounding
         }

@@ -1,4 +1,4 @@
-//! The eight-node brick in its reference configuration (theory E).
+//! The eight-node brick in its reference configuration (theory/hex8.md, eqs 1 to 5).
 //!
 //! Everything that depends on the geometry and the elastic constants alone: strain operators B̃ at
 //! the 2 × 2 × 2 Gauss points, weights, centroid gradients, elastic stiffness. Equal elements share
@@ -6,10 +6,21 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
+use super::Formulation;
 use crate::material::{ElasticParameters, elastic_stiffness, hooke};
-pub use crate::model::mesh::CORNERS;
-use crate::model::scene::Formulation;
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
+
+/// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
+pub const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
 
 /// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
 pub type Nodal = [[f64; 8]; 3];

@@ -1,4 +1,4 @@
-//! Element corotational kinematics (theory D).
+//! Element corotational kinematics (theory/hex8.md, eqs 6 to 10).
 //!
 //! R is the rotation of the centroid's deformation gradient F = Σ x_a ⊗ b_a = R U. In the rotated
 //! frame the element sees local displacements ū_a = Rᵀ(x_a − x_c) − (X_a − X_c), small strains and

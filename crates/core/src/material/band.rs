@@ -1,4 +1,4 @@
-//! The width of the band in which softening localises (theory A.8): one length for an element, or a length of
+//! The width of the band in which softening localises (theory/crack-band.md, eqs 1 and 2): one length for an element, or a length of
 //! its own for each direction a crack may face.
 //!
 //! ```text
@@ -55,7 +55,7 @@ impl Extent {
 
 /// Curves of one branch, from the narrowest band to the widest.
 #[derive(Clone, Debug)]
-pub(super) struct Ladder {
+pub(super) struct BandWidths {
     curves: Vec<Curve>,
     /// Logarithm of the least width, and rungs to each unit of the logarithm.
     lowest: f64,
@@ -66,10 +66,10 @@ pub(super) struct Ladder {
 
 /// Ratio of widths from a rung to the next: energies within a four-hundredth.
 const RATIO: f64 = 1.005;
-/// A band wider than the limit of snap-back over this counts as wide as that (theory A.8).
+/// A band wider than the limit of snap-back over this counts as wide as that (theory/crack-band.md, eqs 1 and 2).
 const WITHIN: f64 = 1.01;
 
-impl Ladder {
+impl BandWidths {
     fn single(curve: Curve) -> Self {
         Self {
             onset: curve.peak(),
@@ -102,8 +102,8 @@ impl Ladder {
 /// The curves of a material, which its laws share.
 #[derive(Clone, Debug)]
 pub struct Curves {
-    pub(super) tension: Ladder,
-    pub(super) compression: Ladder,
+    pub(super) tension: BandWidths,
+    pub(super) compression: BandWidths,
 }
 
 impl Curves {
@@ -122,8 +122,8 @@ impl Curves {
         let (compression, more) = curve(Branch::Compression, &p.compression)?;
         warnings.extend(more);
         let curves = Self {
-            tension: Ladder::single(tension),
-            compression: Ladder::single(compression),
+            tension: BandWidths::single(tension),
+            compression: BandWidths::single(compression),
         };
         Ok((Arc::new(curves), warnings))
     }
@@ -173,7 +173,7 @@ impl Curves {
                 }
             }
             let onset = curves[0].peak();
-            Ok(Ladder {
+            Ok(BandWidths {
                 curves,
                 lowest: low.ln(),
                 rungs,

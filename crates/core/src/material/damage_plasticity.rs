@@ -1,4 +1,4 @@
-//! Concrete damaged plasticity (theory A, B): Lubliner's yield function in effective stress, a
+//! Concrete damaged plasticity (theory/damage-plasticity.md and theory/return-map.md): Lubliner's yield function in effective stress, a
 //! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-use super::band::{Curves, Extent, Ladder};
+use super::band::{BandWidths, Curves, Extent};
 use super::law::{LocalFailure, MaterialHistory, PointEnergy, Response};
 use super::parameters::{DamagePlasticityParameters, ElasticParameters};
 use super::return_map::{Point, TrialStress, weight};
 use super::screen::FirstYield;
 use super::uniaxial::{Curve, TableError, TableWarning};
 use super::{Wanted, hooke};
-use crate::sym6;
+use crate::tensor;
 
 /// The law in elements of one size.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ pub struct DamagePlasticity {
     own_viscosity: f64,
 }
 
-/// Yield function above which a step is plastic, over σ̄_c (theory B.1).
+/// Yield function above which a step is plastic, over σ̄_c (theory/return-map.md, Algorithm, step 1).
 const YIELD: f64 = 1e-10;
 /// Largest extrapolated damage: what is left keeps the tangent positive definite.
 const MOST_DAMAGE: f64 = 0.999;
@@ -120,7 +120,7 @@ impl DamagePlasticity {
         self.curves.compression.curve(0)
     }
 
-    /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory A.2) [MPa].
+    /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory/damage-plasticity.md, eq. 2) [MPa].
     pub fn yield_function(&self, effective: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> f64 {
         self.point(&invariants(effective, kappa_t, kappa_c), 0.0).f
     }
@@ -275,9 +275,9 @@ impl DamagePlasticity {
         old: &MaterialHistory,
         wanted: Wanted,
     ) -> Result<Inviscid, LocalFailure> {
-        let mean = sym6::mean(trial_stress);
-        let deviator = trial_stress - sym6::UNIT * mean;
-        let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
+        let mean = tensor::mean(trial_stress);
+        let deviator = trial_stress - tensor::UNIT * mean;
+        let q = (1.5 * tensor::norm_squared(&deviator)).sqrt();
         let (kappa_t, kappa_c) = (old.kappa_t, old.kappa_c);
         let mut trial = TrialStress {
             mean,
@@ -309,7 +309,7 @@ impl DamagePlasticity {
                 bands,
             });
         }
-        let principal = sym6::Principal::of(&deviator);
+        let principal = tensor::Principal::of(&deviator);
         trial.s = principal.values();
         let mut point = self.point(&trial, 0.0);
         // Not finite, it has no root either.
@@ -359,10 +359,10 @@ impl DamagePlasticity {
     }
 
     /// Widths of the bands in which a point that yields will crack and be crushed [mm]: across the principal
-    /// directions of the step (which are those of its trial stress), held once it softens (theory A.8). The
+    /// directions of the step (which are those of its trial stress), held once it softens (theory/crack-band.md, Decisions, "Direction"). The
     /// tangent of the step in which it begins to takes them as given.
     fn bands(&self, directions: &[Vector3<f64>; 3], old: &MaterialHistory) -> [f64; 2] {
-        let band = |of: &Ladder, kappa: f64, held: f64, n: &Vector3<f64>| {
+        let band = |of: &BandWidths, kappa: f64, held: f64, n: &Vector3<f64>| {
             if kappa > of.onset {
                 held
             } else {
@@ -418,7 +418,7 @@ impl DamagePlasticity {
         }
     }
 
-    /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory A.6).
+    /// Factors of the intact part 1 − d = (1 − s_t d_c)(1 − s_c d_t), and d (theory/damage-plasticity.md, eq. 12).
     #[inline(always)]
     pub(super) fn intact(&self, p: &Point) -> ([f64; 2], f64) {
         let s_t = 1.0 - self.tension_recovery * p.r;
@@ -452,8 +452,8 @@ impl DamagePlasticity {
             let relaxed_effective = inviscid.effective();
             let relaxed = relaxed_effective * (1.0 - new.damage);
             let release = |s: &Vector6<f64>| {
-                let mean = sym6::mean(s);
-                let deviatoric = sym6::norm_squared(&(s - sym6::UNIT * mean));
+                let mean = tensor::mean(s);
+                let deviatoric = tensor::norm_squared(&(s - tensor::UNIT * mean));
                 deviatoric / (4.0 * self.shear) + mean * mean / (2.0 * self.bulk)
             };
             viscous = (new.stress - relaxed).dot(&d_strain)
@@ -524,26 +524,26 @@ impl Inviscid {
     /// Effective stress at the end [MPa].
     #[inline(always)]
     fn effective(&self) -> Vector6<f64> {
-        self.deviator * self.point.eta + sym6::UNIT * self.point.mean
+        self.deviator * self.point.eta + tensor::UNIT * self.point.mean
     }
 }
 
 /// Invariants of a stress taken as trial state.
 fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress {
-    let mean = sym6::mean(stress);
-    let deviator = stress - sym6::UNIT * mean;
-    let q = (1.5 * sym6::norm_squared(&deviator)).sqrt();
+    let mean = tensor::mean(stress);
+    let deviator = stress - tensor::UNIT * mean;
+    let q = (1.5 * tensor::norm_squared(&deviator)).sqrt();
     TrialStress {
         mean,
         q,
-        s: sym6::principal(&deviator).0,
+        s: tensor::principal(&deviator).0,
         kappa_t,
         kappa_c,
         rungs: [0; 2],
     }
 }
 
-/// r(σ̄) of a stress (theory A.4), for tests and reports.
+/// r(σ̄) of a stress (theory/damage-plasticity.md, eq. 7), for tests and reports.
 pub fn tension_weight(effective: &Vector6<f64>) -> f64 {
-    weight(&sym6::principal(effective).0)
+    weight(&tensor::principal(effective).0)
 }

@@ -9,25 +9,25 @@ use serde::{Deserialize, Serialize};
 pub struct MaterialHistory {
     /// Inviscid plastic strain ε_p [-], engineering shear.
     pub plastic_strain: Vector6<f64>,
-    /// Hardening variable in tension κ_t [-] (theory A.4).
+    /// Hardening variable in tension κ_t [-] (theory/damage-plasticity.md, eq. 8).
     pub kappa_t: f64,
-    /// Hardening variable in compression κ_c [-] (theory A.4).
+    /// Hardening variable in compression κ_c [-] (theory/damage-plasticity.md, eq. 8).
     pub kappa_c: f64,
-    /// Inviscid scalar damage d [-] (theory A.6).
+    /// Inviscid scalar damage d [-] (theory/damage-plasticity.md, eq. 12).
     pub damage: f64,
-    /// Viscoplastic strain ε_v [-] (theory A.7); equals `plastic_strain` where viscosity is zero.
+    /// Viscoplastic strain ε_v [-] (theory/damage-plasticity.md, eq. 13); equals `plastic_strain` where viscosity is zero.
     pub viscous_strain: Vector6<f64>,
-    /// Viscous damage d_v [-] (theory A.7); equals `damage` where viscosity is zero.
+    /// Viscous damage d_v [-] (theory/damage-plasticity.md, eq. 13); equals `damage` where viscosity is zero.
     pub viscous_damage: f64,
     /// Tensile damage d_t [-], never decreasing.
     pub tensile_damage: f64,
     /// Compressive damage d_c [-], never decreasing.
     pub compressive_damage: f64,
-    /// Change of `viscous_strain` in the last committed step: what IMPL-EX extrapolates (theory B.3).
+    /// Change of `viscous_strain` in the last committed step: what IMPL-EX extrapolates (theory/return-map.md, eq. 19).
     pub viscous_strain_step: Vector6<f64>,
     /// Change of `viscous_damage` in the last committed step.
     pub viscous_damage_step: f64,
-    /// Width of the band in which it cracks [mm] (theory A.8); 0 before, or where no width is asked for.
+    /// Width of the band in which it cracks [mm] (theory/crack-band.md, eq. 2); 0 before, or where no width is asked for.
     pub crack_band: f64,
     /// Width of the band in which it is crushed [mm].
     pub crush_band: f64,
@@ -58,14 +58,14 @@ impl MaterialHistory {
     }
 }
 
-/// Energy densities of one point [N/mm² = MJ/m³], each integrated where it arises (theory F).
+/// Energy densities of one point [N/mm² = MJ/m³], each integrated where it arises (theory/damage-plasticity.md, eq. 16).
 /// Dissipations are those of this step (trapezoidal rule between its ends).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointEnergy {
     /// ½ (1−d_v) (ε−ε_v):C₀:(ε−ε_v) at the end of the step.
     pub elastic: f64,
     /// Plastic work and damage of the inviscid law in this step. The stiffness recovery is part of it
-    /// and may make it negative (theory F).
+    /// and may make it negative (theory/damage-plasticity.md, eq. 16).
     pub plastic_damage: f64,
     /// Part of `plastic_damage` which the stiffness recovery (a falling d) returned; ≤ 0.
     pub recovery: f64,

@@ -47,7 +47,7 @@ pub enum Material {
 }
 
 impl Material {
-    /// Law of a material in elements of equivalent length `l_eq` [mm] (theory A.8); none for a
+    /// Law of a material in elements of equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1); none for a
     /// point without size: tables as given.
     ///
     /// # Errors
@@ -89,8 +89,8 @@ impl Material {
             Self::DamagePlasticity(law) => law.elastic(),
         };
         let (shear, bulk) = (elastic.shear_modulus(), elastic.bulk_modulus());
-        let mean = crate::sym6::mean(effective);
-        let mut strain = (effective - crate::sym6::UNIT * mean) / (2.0 * shear);
+        let mean = crate::tensor::mean(effective);
+        let mut strain = (effective - crate::tensor::UNIT * mean) / (2.0 * shear);
         for i in 0..3 {
             strain[i] += mean / (3.0 * bulk);
             // Engineering shear.
@@ -100,7 +100,7 @@ impl Material {
     }
 
     /// Intact part 1 − d̃ and stress [MPa] with viscous strain and damage extrapolated by `ratio`
-    /// = Δt/Δt_n times their last change (theory B.3, for the solids alone).
+    /// = Δt/Δt_n times their last change (theory/return-map.md, eqs 19 and 20, for the solids alone).
     pub fn extrapolated(
         &self,
         strain: &Vector6<f64>,

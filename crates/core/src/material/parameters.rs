@@ -35,7 +35,7 @@ pub struct TableRow {
     pub damage: f64,
 }
 
-/// How a table is interpolated between its rows (theory A.5).
+/// How a table is interpolated between its rows (theory/damage-plasticity.md, eq. 9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
@@ -46,7 +46,7 @@ pub enum Interpolation {
     Lit,
 }
 
-/// Width of the band in which softening localises, l of l_ref/l (theory A.8).
+/// Width of the band in which softening localises, l of l_ref/l (theory/crack-band.md, eqs 1 and 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CrackBand {
@@ -58,7 +58,7 @@ pub enum CrackBand {
     Projected,
 }
 
-/// Concrete damaged plasticity (theory A).
+/// Concrete damaged plasticity (theory/damage-plasticity.md).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DamagePlasticityParameters {
     /// Elastic constants and density.
@@ -79,7 +79,7 @@ pub struct DamagePlasticityParameters {
     pub tension_recovery: f64,
     /// Stiffness recovery on going into compression w_c [-].
     pub compression_recovery: f64,
-    /// Viscosity μ of theory A.7, in step time [s]; 0 = none.
+    /// Viscosity μ of theory/damage-plasticity.md, eq. 13, in step time [s]; 0 = none.
     pub viscosity: f64,
     /// Length for which the tables hold, l_ref [mm]; none = tables are taken as given in any element.
     pub reference_length: Option<f64>,

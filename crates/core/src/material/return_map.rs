@@ -1,4 +1,4 @@
-//! The scalar return map (theory B.1) and its derivatives (B.2).
+//! The scalar return map (theory/return-map.md, eqs 1 to 8) and its derivatives (eqs 9 to 14).
 //!
 //! The plastic flow keeps the principal directions of the trial stress, so every quantity of the
 //! end of the step is an explicit function of the multiplier λ:
@@ -93,7 +93,7 @@ pub(super) struct Slope<const N: usize> {
     pub f: SVector<f64, N>,
 }
 
-/// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory A.4).
+/// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory/damage-plasticity.md, eq. 7).
 #[inline(always)]
 pub(super) fn weight(stress: &[f64; 3]) -> f64 {
     let sum = stress[0].abs() + stress[1].abs() + stress[2].abs();
@@ -222,7 +222,7 @@ impl DamagePlasticity {
         }
     }
 
-    /// (1−α) F (theory A.2) [MPa].
+    /// (1−α) F (theory/damage-plasticity.md, eq. 2) [MPa].
     #[inline(always)]
     pub(super) fn yield_value(
         &self,
@@ -240,13 +240,13 @@ impl DamagePlasticity {
         q + 3.0 * self.alpha * mean + slope * largest - (1.0 - self.alpha) * compression.effective
     }
 
-    /// β (theory A.2).
+    /// β (theory/damage-plasticity.md, eq. 2).
     #[inline(always)]
     pub(super) fn beta(&self, tension: &CurvePoint, compression: &CurvePoint) -> f64 {
         (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha)
     }
 
-    /// Derivatives at a point along a change of trial state and λ (theory B.2).
+    /// Derivatives at a point along a change of trial state and λ (theory/return-map.md, eqs 10 to 14).
     #[inline(always)]
     pub(super) fn slope<const N: usize>(
         &self,

@@ -14,7 +14,7 @@
 use super::Material;
 use super::damage_plasticity::DamagePlasticity;
 use super::parameters::ElasticParameters;
-use crate::sym6::ByPoint;
+use crate::tensor::ByPoint;
 
 /// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
 const MARGIN: f64 = 1e-6;
@@ -61,7 +61,8 @@ impl DamagePlasticity {
         let mut mean = [0.0; 8];
         let mut q = [0.0; 8];
         let mut elastic = [false; 8];
-        // Loops without closures: those would be compiled for the narrow unit (docs/performance.md).
+        // Loops without closures: closures are compiled without vector instructions
+        // (docs/decisions/vector-instructions.md).
         for g in 0..8 {
             mean[g] = (stress[0][g] + stress[1][g] + stress[2][g]) / 3.0;
             let (x, y, z) = (
@@ -117,7 +118,7 @@ fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
     // A stress of zero has a w of zero.
     let w = 0.5 * j3.abs() / if cube > 0.0 { cube } else { 1.0 };
     let w = if w < 1.0 { w } else { 1.0 };
-    // As in `sym6`: 4e-5 off, and each step of Newton doubles its digits.
+    // As in `tensor`: 4e-5 off, and each step of Newton doubles its digits.
     let mut c = 0.866_066_33 + w * (0.165_330_35 + w * (-0.040_691_2 + w * 0.009_319_68));
     for _ in 0..2 {
         c -= ((4.0 * c * c - 3.0) * c - w) / (12.0 * c * c - 3.0);

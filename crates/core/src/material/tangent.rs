@@ -1,4 +1,4 @@
-//! The tangents of damage plasticity: consistent (theory A.7, B.2), secant, and bounded where a point yields.
+//! The tangents of damage plasticity: consistent (theory/return-map.md, eqs 15 to 17), secant, and bounded where a point yields.
 
 use std::f64::consts::SQRT_2;
 
@@ -6,10 +6,10 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::damage_plasticity::{DamagePlasticity, Inviscid};
 use super::return_map::{Slope, Variation};
-use crate::sym6;
+use crate::tensor;
 
 /// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
-/// (docs/decisions.md).
+/// (docs/decisions/secant-tangents.md).
 const LEAST_STIFFNESS: f64 = 0.3;
 
 impl DamagePlasticity {
@@ -40,7 +40,7 @@ impl DamagePlasticity {
     }
 
     /// D = (1−d_v)[(1−θ) C₀ + θ D̄] − θ (C₀:(ε−ε_v)) ⊗ ∇d with the effective algorithmic tangent
-    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory A.7, B.2).
+    /// D̄ = K 1⊗1 + 2Gη dev + s_tr ⊗ ∇η − K T 1 ⊗ ∇λ (theory/return-map.md, eqs 15 to 17).
     #[inline(always)]
     pub(super) fn tangent(
         &self,
@@ -60,7 +60,7 @@ impl DamagePlasticity {
         let (r, kappa_t, kappa_c) = if inviscid.is_plastic() {
             let eta = gradient(slope.eta, by_lambda.eta[0]);
             d += inviscid.deviator * (theta * intact) * eta.transpose();
-            d -= sym6::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
+            d -= tensor::UNIT * (theta * intact * self.bulk * self.dilation) * lambda.transpose();
             (
                 gradient(slope.r, by_lambda.r[0]),
                 gradient(slope.kappa_t, by_lambda.kappa_t[0]),
@@ -69,7 +69,7 @@ impl DamagePlasticity {
         } else {
             (slope.r, Vector6::zeros(), Vector6::zeros())
         };
-        // ∇d (theory A.6): of either factor of the intact part.
+        // ∇d (theory/return-map.md, eq. 16): of either factor of the intact part.
         let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
         let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
         let (factors, _) = self.intact(p);
@@ -100,9 +100,10 @@ impl DamagePlasticity {
         } else {
             0.0
         };
-        let mut s = directions.map(|n| (sym6::dyad(&n) - sym6::UNIT / 3.0) * (2.0 * self.shear));
+        let mut s =
+            directions.map(|n| (tensor::dyad(&n) - tensor::UNIT / 3.0) * (2.0 * self.shear));
         average_repeated(&trial.s, &mut s);
-        let (mean, q) = (sym6::UNIT * self.bulk, deviator * by_q);
+        let (mean, q) = (tensor::UNIT * self.bulk, deviator * by_q);
         let by_strain = Variation {
             mean,
             q,
@@ -136,7 +137,7 @@ fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
 
 /// An isotropic matrix by its eigenvalues, in Kelvin components.
 fn kelvin_isotropic(volume: f64, shape: f64) -> Matrix6<f64> {
-    Matrix6::identity() * shape + sym6::UNIT * ((volume - shape) / 3.0) * sym6::UNIT.transpose()
+    Matrix6::identity() * shape + tensor::UNIT * ((volume - shape) / 3.0) * tensor::UNIT.transpose()
 }
 
 /// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no

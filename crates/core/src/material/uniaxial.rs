@@ -1,4 +1,4 @@
-//! Uniaxial tables and the curves made of them (theory A.5, A.8).
+//! Uniaxial tables and the curves made of them (theory/damage-plasticity.md, eqs 9 to 11, and theory/crack-band.md, eqs 4 and 6).
 
 use std::fmt;
 
@@ -76,7 +76,7 @@ pub enum TableError {
 /// What was changed in a table, or switched off.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TableWarning {
-    /// The damage of a row was capped so that the plastic strain does not fall (theory A.5).
+    /// The damage of a row was capped so that the plastic strain does not fall (theory/damage-plasticity.md, eq. 11).
     DamageCapped {
         /// Which table.
         branch: Branch,
@@ -89,7 +89,7 @@ pub enum TableWarning {
         /// Length of the element where it is [mm], none for tables as given.
         l_eq: Option<f64>,
     },
-    /// Bands wider than the limit of snap-back are taken to be narrower (theory A.8).
+    /// Bands wider than the limit of snap-back are taken to be narrower (theory/crack-band.md, eq. 7).
     BandNarrowed {
         /// Which table.
         branch: Branch,
@@ -137,7 +137,7 @@ impl fmt::Display for TableWarning {
     }
 }
 
-/// Least slope of the plastic over the inelastic strain: b = 0 would be a jump of σ̄ (theory A.5).
+/// Least slope of the plastic over the inelastic strain: b = 0 would be a jump of σ̄ (theory/damage-plasticity.md, eq. 11).
 const LEAST_PLASTIC: f64 = 0.1;
 /// Pieces of each interval for [`Interpolation::Lit`].
 const PIECES: usize = 20;
@@ -398,7 +398,7 @@ pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Stretches the inelastic strain after the peak by l_ref/l_eq and refuses a snap-back (theory A.8).
+/// Stretches the inelastic strain after the peak by l_ref/l_eq and refuses a snap-back (theory/crack-band.md, eq. 7).
 fn scale(
     branch: Branch,
     rows: &[TableRow],
@@ -464,7 +464,7 @@ fn peak_row(rows: &[TableRow]) -> usize {
     (0..rows.len()).fold(0, higher)
 }
 
-/// Least E Δε_in/Δσ of the falls beyond the peak, the largest l/l_ref that does not snap back (theory A.8), and the
+/// Least E Δε_in/Δσ of the falls beyond the peak, the largest l/l_ref that does not snap back (theory/crack-band.md, eq. 7), and the
 /// row (from 1) at the end of that fall; none without softening.
 pub fn snap_back(e: f64, rows: &[TableRow]) -> Option<(usize, f64)> {
     (peak_row(rows) + 1..rows.len())

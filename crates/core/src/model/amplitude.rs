@@ -1,35 +1,34 @@
-//! Amplitudes: which part of a step's drive and loads acts at which part of its time.
+//! Amplitudes: the part of a step's drives and loads that acts, over the time of the step.
 
-/// Rows of (part of the step's time, factor), linear between them; the first is (0, 0), the last at 1.
+/// Rows of (part of the step's time, factor), linear between them. The first is (0, 0); the last is at time 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplitude {
-    /// Times ascend. `[row][time, factor]`
+    /// Rows with ascending times. `[row][time, factor]`
     rows: Vec<[f64; 2]>,
 }
 
-/// What lies between two rows of an amplitude.
+/// Part of an amplitude between two rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
-    /// Part of the step's time, and factor, where it begins.
+    /// Time, as part of that of the step, and factor at its start.
     pub from: [f64; 2],
-    /// The same where it ends.
+    /// The same at its end.
     pub to: [f64; 2],
 }
 
 impl Branch {
-    /// The whole of a step without an amplitude: factors are times.
+    /// The whole of a step without an amplitude: factors equal times.
     pub const WHOLE: Self = Self {
         from: [0.0; 2],
         to: [1.0; 2],
     };
 
-    /// How fast the factor grows with the part of the time [-].
+    /// Slope of the factor over the part of the time [-].
     pub fn slope(&self) -> f64 {
         (self.to[1] - self.from[1]) / (self.to[0] - self.from[0])
     }
 
-    /// Factor at a part of the time; at both ends exactly that of the row, whatever rounding has made of
-    /// the time.
+    /// Factor at a part of the time. At both ends it is exactly that of the row, whatever the rounding of the time.
     pub fn factor(&self, time: f64) -> f64 {
         if *self == Self::WHOLE {
             return time;
@@ -40,8 +39,8 @@ impl Branch {
         self.from[1] + (time - self.from[0]) * self.slope()
     }
 
-    /// Part of the time at which a factor is reached, or would be beyond the ends; the beginning where it
-    /// does not change.
+    /// Part of the time at which a factor is reached, extrapolated beyond the ends. The start, if the factor is
+    /// constant.
     pub fn time(&self, factor: f64) -> f64 {
         if *self == Self::WHOLE {
             return factor;
@@ -56,24 +55,24 @@ impl Branch {
     }
 }
 
-/// Part of a step below which times are the same.
+/// Difference of times, as parts of a step, below which they are equal.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// What is wrong with rows that are no amplitude.
+/// Error in the rows of an amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoAmplitude {
-    /// The row to blame.
+    /// Faulty row.
     pub row: usize,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
 impl Amplitude {
-    /// Takes rows of (part of the time, factor).
+    /// Makes an amplitude of rows (part of the time, factor).
     ///
     /// # Errors
-    /// [`NoAmplitude`]: fewer than two rows, times that do not ascend from 0 to 1, a factor other than 0
-    /// at the beginning, or none other than 0 at all.
+    /// [`NoAmplitude`]: fewer than two rows, times that do not ascend from 0 to 1, a first factor other than 0, or
+    /// only zero factors.
     pub fn new(rows: Vec<[f64; 2]>) -> Result<Self, NoAmplitude> {
         let wrong = |row: usize, why: String| Err(NoAmplitude { row, why });
         if rows.len() < 2 {
@@ -100,13 +99,13 @@ impl Amplitude {
         Ok(Self { rows })
     }
 
-    /// The rows.
+    /// Rows.
     pub fn rows(&self) -> &[[f64; 2]] {
         &self.rows
     }
 
-    /// Each of `amplitudes`, as parts of the largest, driven forth, back beyond rest as far, and to rest,
-    /// `repeat` times, all at one rate.
+    /// Cycles at a constant rate. Each of `amplitudes`, relative to the largest, is driven forth, back to its
+    /// negative, and to zero, `repeat` times.
     ///
     /// # Errors
     /// [`NoAmplitude`] if there are none, or none above 0.
@@ -129,17 +128,17 @@ impl Amplitude {
             }
         }
         if let Some(last) = rows.last_mut() {
-            last[0] = 1.0; // but for rounding
+            last[0] = 1.0; // exact, without rounding
         }
         Self::new(rows)
     }
 
-    /// How many branches there are.
+    /// Number of branches.
     pub fn branches(&self) -> usize {
         self.rows.len() - 1
     }
 
-    /// What lies between row `i` and the next.
+    /// Branch between row `i` and the next one.
     pub fn branch(&self, i: usize) -> Branch {
         Branch {
             from: self.rows[i],
@@ -147,7 +146,7 @@ impl Amplitude {
         }
     }
 
-    /// Fastest change of the factor with the part of the time [-].
+    /// Largest absolute slope of the factor over the part of the time [-].
     pub fn steepest(&self) -> f64 {
         let slopes = (0..self.branches()).map(|i| self.branch(i).slope().abs());
         slopes.fold(0.0, f64::max)
@@ -196,7 +195,7 @@ mod tests {
     #[test]
     fn cycles_go_forth_and_back_at_one_rate() {
         let cycles = Amplitude::cycles(&[1.0, 2.0], 2).unwrap();
-        // 8 mm and 16 mm of way, 24 in all.
+        // Paths of 8 mm and 16 mm, 24 mm in all.
         let factors: Vec<f64> = cycles.rows().iter().map(|row| row[1]).collect();
         let half = [0.5, -0.5, 0.0];
         let whole = [1.0, -1.0, 0.0];

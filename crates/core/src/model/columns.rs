@@ -1,6 +1,6 @@
 //! Columns of the history.
 
-/// Names of the columns that every history has, in order. Those of probes and loads come after them
+/// Names of the columns that every history has, in order. Those of probes and loads follow
 /// ([`Model::columns`](super::Model::columns)).
 pub const FIXED: [&str; 26] = [
     "increment",

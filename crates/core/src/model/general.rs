@@ -1,33 +1,32 @@
-//! General contact: every face of every body may meet any other body's.
+//! General contact of all faces with other bodies.
 
 use wythe_contact::{CohesiveFrictional, frame_at};
 
-use super::deck::Deck;
-use super::scene::{Model, NamedMaterial};
-use super::skin::Skin;
-use super::{Mesh, hexahedron};
-use crate::error::ModelError;
+use crate::element::hexahedron;
 use crate::material::ElasticParameters;
+use crate::model::Mesh;
+use crate::model::boundary_facets::BoundaryFacets;
+use crate::model::scene::NamedMaterial;
 
-/// What bodies need to meet anywhere: their skins and a dry law.
+/// Data for general contact: boundary facets and a dry law.
 #[derive(Clone, Debug)]
 pub struct GeneralContact {
     /// Name of the interface in the deck.
     pub interface: String,
-    /// Faces and sharp edges.
-    pub skin: Skin,
+    /// Boundary facets and sharp edges.
+    pub skin: BoundaryFacets,
     /// Friction μ [-].
     pub mu: f64,
-    /// Normal and shear stiffness of the law behind each facet; of two that meet the softer one counts
-    /// [N/mm³]. `[facet]`
+    /// Normal and shear stiffness of the law for the element behind each facet [N/mm³]. Of two facets in contact the
+    /// softer one counts. `[facet]`
     pub stiffness: Vec<[f64; 2]>,
     /// E/h and G/h of the element behind each facet [N/mm³]. `[facet]`
     pub elastic: Vec<[f64; 2]>,
 }
 
 impl GeneralContact {
-    /// Of the bodies of a mesh. The law is dry; its stiffness is `penalty` times E/h (theory C.8), or
-    /// as `given`, normal and shear [N/mm³].
+    /// Makes the data for the bodies of a mesh. The law is dry. Its stiffness is `penalty` times E/h
+    /// (theory/joint.md, eqs 32 and 33), or `given`, normal and shear [N/mm³].
     pub fn new(
         interface: &str,
         mesh: &Mesh,
@@ -36,7 +35,7 @@ impl GeneralContact {
         penalty: f64,
         given: Option<[f64; 2]>,
     ) -> Self {
-        let skin = Skin::of(mesh);
+        let skin = BoundaryFacets::of(mesh);
         let elastic: Vec<[f64; 2]> = skin
             .facets
             .iter()
@@ -60,7 +59,7 @@ impl GeneralContact {
         }
     }
 
-    /// The law between two facets.
+    /// Law between two facets.
     pub fn law(&self, a: u32, b: u32) -> CohesiveFrictional {
         let [k, l] = [a, b].map(|f| self.stiffness[f as usize]);
         let [normal, shear] = if l[0] < k[0] { l } else { k };
@@ -80,39 +79,14 @@ fn over_height(
     [material.E / height, material.shear_modulus() / height]
 }
 
-/// The general contact of a model, if its deck wants it.
-///
-/// # Errors
-/// An interface that is not there, or that is bonded.
-pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContact>, ModelError> {
-    let Some(name) = &deck.contact.general else {
-        return Ok(None);
-    };
-    let Some(interface) = deck.interfaces.get(name) else {
-        return Err(deck.error("contact.general", "there is no such interface", "name one"));
-    };
-    let given = match (interface.normal_stiffness, interface.shear_stiffness) {
-        (Some(normal), Some(shear)) => Some([normal.get(), shear.get()]),
-        _ => None,
-    };
-    Ok(Some(GeneralContact::new(
-        name,
-        &model.mesh,
-        &model.materials,
-        interface.mu.get(),
-        interface.penalty(),
-        given,
-    )))
-}
-
-/// Sizes of a facet: its shortest side [mm].
+/// Shortest side of a facet [mm].
 pub(crate) fn shortest_side(corners: &[[f64; 3]; 4]) -> f64 {
     (0..4)
         .map(|i| hexahedron::norm(hexahedron::difference(corners[(i + 1) % 4], corners[i])))
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Outward unit normal of a facet in its middle.
+/// Outward unit normal at the centre of a facet.
 pub(crate) fn normal(corners: &[[f64; 3]; 4]) -> nalgebra::Vector3<f64> {
     frame_at(corners, [0.0; 2])[0]
 }

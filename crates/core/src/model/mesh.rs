@@ -1,25 +1,15 @@
 //! Nodes and hex8 elements.
 
-use super::hexahedron::{norm, range};
+use crate::element::hex8::CORNERS;
+use crate::element::hexahedron::{norm, range};
 
-/// Weights that tell a point from the plane of symmetry; corners are 5e-7 beside it.
+/// Weight by which a point must lie beside a plane of symmetry to count as outside it. Corner points lie 5e-7 beside
+/// it.
 const IN_THE_PLANE: f64 = 1e-9;
-
-/// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
 
 /// A mesh of hex8 elements. x runs along the wall's length, y through its thickness, z upwards.
 ///
-/// Node order of an element: [`CORNERS`].
+/// Nodes of an element have the order of [`CORNERS`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Reference coordinates [mm]. `[node][xyz]`
@@ -28,22 +18,22 @@ pub struct Mesh {
     pub elements: Vec<[u32; 8]>,
     /// Index into [`Model::materials`](super::Model::materials). `[element]`
     pub material: Vec<u16>,
-    /// Which body (representative element, or unit) an element belongs to. `[element]`
+    /// Body (representative element, or unit) of each element. `[element]`
     pub unit: Vec<u32>,
     /// Course of the unit, from 0 at the bottom. `[element]`
     pub course: Vec<u16>,
     /// Names of the bodies in the deck. `[unit]`
     pub names: Vec<String>,
-    /// Nodes beyond planes of symmetry of elements that lie across one, by number.
+    /// Image nodes beyond planes of symmetry, of elements that lie across a plane. Ascending by node.
     pub reflected: Vec<Reflected>,
 }
 
-/// A node that moves as another one is seen in planes of symmetry: u = sign ∘ u_of.
+/// An image node in planes of symmetry: u = sign ∘ u_of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflected {
-    /// The node.
+    /// Image node.
     pub node: u32,
-    /// The node whose image it is, itself no image.
+    /// Original node, itself no image.
     pub of: u32,
     /// −1 along the normals of the planes between both, else 1. `[xyz]`
     pub sign: [f64; 3],
@@ -55,25 +45,25 @@ impl Mesh {
         self.elements[e].map(|n| self.nodes[n as usize])
     }
 
-    /// Name of a body; its number where the mesh has no names.
+    /// Name of a body, or its number if the mesh has no names.
     pub fn called(&self, unit: u32) -> String {
         let name = self.names.get(unit as usize);
         name.filter(|name| !name.is_empty())
             .map_or_else(|| format!("unit {unit}"), Clone::clone)
     }
 
-    /// Name of the body that an element belongs to.
+    /// Name of the body of an element.
     pub fn body_of(&self, element: usize) -> String {
         self.called(self.unit[element])
     }
 
-    /// Whose image a node is, if it is one.
+    /// Image data of a node, if it is an image.
     pub fn reflected(&self, node: u32) -> Option<&Reflected> {
         let at = self.reflected.binary_search_by_key(&node, |r| r.node);
         at.ok().map(|at| &self.reflected[at])
     }
 
-    /// Part of an element or a facet with these nodes that counts: one half for each plane of symmetry that it lies
+    /// Part of an element or facet with these nodes that counts: one half for each plane of symmetry that it lies
     /// across.
     pub fn share(&self, nodes: &[u32]) -> f64 {
         if self.reflected.is_empty() {
@@ -90,8 +80,8 @@ impl Mesh {
         part.iter().product()
     }
 
-    /// How much a point of a facet counts, from the weights of the facet's nodes at it: not at all beyond a plane of
-    /// symmetry that the facet lies across, for its image is there, and a half in the plane.
+    /// Part of a contact point that counts, from the weights of the facet's nodes at it. On a facet across a plane of
+    /// symmetry it is 0 beyond the plane, because the image of the point is there, ½ in the plane, and 1 before it.
     pub fn point_share(&self, facet: &[u32; 4], weights: &[f64; 4]) -> f64 {
         if self.reflected.is_empty() {
             return 1.0;
@@ -102,8 +92,8 @@ impl Mesh {
         };
         let places = facet.map(place);
         let part = |d: usize| {
-            // Each node beyond has its image in the facet, as far from the plane: what the nodes beyond weigh
-            // more than these tells the side.
+            // Each node beyond the plane has its original in the facet, at the same distance. The difference of their
+            // weights gives the side of the point.
             let beyond = |(of, sign): (u32, [f64; 3])| {
                 let mut image = sign;
                 image[d] = -sign[d];
@@ -127,7 +117,7 @@ impl Mesh {
         (0..3).map(part).product()
     }
 
-    /// Lowest and highest coordinate of the solids along an axis [mm]; infinite without any.
+    /// Lowest and highest coordinate of the solids along an axis [mm]. Infinite without solids.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let nodes = self.elements.as_flattened().iter();
         range(nodes.map(|n| self.nodes[*n as usize][axis]))
@@ -141,8 +131,8 @@ impl Mesh {
         }))
     }
 
-    /// Nodes of the solids, ascending: all but those of mirrors, which are of no element.
-    pub(super) fn nodes_of_solids(&self) -> Vec<u32> {
+    /// Nodes of the solids, ascending: all nodes but those of mirrors, which belong to no element.
+    pub(crate) fn nodes_of_solids(&self) -> Vec<u32> {
         let mut is_solid = vec![false; self.nodes.len()];
         for n in self.elements.as_flattened() {
             is_solid[*n as usize] = true;
@@ -152,7 +142,7 @@ impl Mesh {
             .collect()
     }
 
-    /// Volume of element `e` [mm³]: ∫ det J, which 2×2×2 Gauss points integrate exactly.
+    /// Volume ∫ det J of element `e` [mm³], which 2×2×2 Gauss points integrate exactly.
     pub fn volume(&self, e: usize) -> f64 {
         let x = self.corners(e);
         let g = 1.0 / 3.0_f64.sqrt();
@@ -160,7 +150,7 @@ impl Mesh {
         for p in 0..8_usize {
             let [r, s, t] =
                 [p & 1, (p >> 1) & 1, p >> 2].map(|high| if high == 1 { g } else { -g });
-            // ∂x/∂ξ along each local axis, [axis][xyz]
+            // ∂x/∂ξ along each local axis, [axis][xyz].
             let mut jacobian = [[0.0; 3]; 3];
             for (n, [a, b, c]) in CORNERS.iter().enumerate() {
                 let slopes = [

@@ -1,136 +1,44 @@
-//! Probes: places whose motion is a column of the history.
+//! Probes: displacements and velocities with a column in the history.
 
-use super::Mesh;
-use super::bodies::Bodies;
-use super::deck::{Deck, DeckPlace, DeckProbe, DeckStep, Names, ProbeQuantity};
-use super::hexahedron::{difference, norm};
-use super::keys;
-use super::quantity::Quantity;
-use super::scene::Control;
-use crate::error::{Errors, ModelError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Motion of some nodes along an axis, less that of others: a column of the history.
+/// Mean motion of some nodes along an axis, less that of others: a column of the history.
 ///
-/// A place moves as its nodes do on the mean, each counted once. Relative to the ground where that
-/// moves.
+/// Each node counts once in a mean. Motion is relative to the ground where that moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Name of the column.
     pub column: String,
     /// Nodes.
     pub nodes: Vec<u32>,
-    /// Nodes whose motion is taken off; empty = the ground.
+    /// Nodes whose mean motion is subtracted. Empty: the ground.
     pub minus: Vec<u32>,
     /// Axis, 0 to 2.
     pub axis: usize,
-    /// 1, or −1 if the other way counts as positive.
+    /// 1, or −1 if motion against the axis counts as positive.
     pub sign: f64,
-    /// What is followed.
+    /// Measured quantity.
     pub quantity: ProbeQuantity,
 }
 
-/// The displacement that steers a step, if one does.
-///
-/// # Errors
-/// No such probe, or one of a velocity.
-pub(super) fn control(
-    deck: &Deck,
-    index: usize,
-    step: &DeckStep,
-) -> Result<Option<Control>, ModelError> {
-    let Some(control) = &step.control else {
-        return Ok(None);
-    };
-    let path = format!("steps.{index}.control.probe");
-    let name = &control.probe;
-    let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
-        let help = keys::example("probes");
-        return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
-    };
-    if deck.probes[probe].quantity != ProbeQuantity::Displacement {
-        return Err(deck.error(
-            &path,
-            format!("the probe `{name}` measures a velocity"),
-            "a displacement steers the load: name a probe of one",
-        ));
-    }
-    Ok(Some(Control {
-        probe,
-        displacement: control.displacement.get(),
-    }))
+/// Quantity that a probe measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ProbeQuantity {
+    /// Displacement [mm].
+    #[default]
+    Displacement,
+    /// Velocity [mm/s], 0 in steps without inertia.
+    Velocity,
 }
 
-/// Nodes of the names at a path.
-type Named<'a> = dyn Fn(&str, &Names) -> Result<Vec<u32>, ModelError> + 'a;
-
-/// Probes of a deck.
-///
-/// # Errors
-/// Names of nothing, points far from everything.
-pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, ModelError> {
-    let named = |path: &str, names: &Names| {
-        let places = bodies.places(path, names, false)?;
-        Ok(bodies.nodes(&places))
-    };
-    let (mesh, named): (&Mesh, &Named<'_>) = (&bodies.mesh, &named);
-    let probe = |(i, probe): (usize, &DeckProbe)| {
-        let path = format!("probes.{i}");
-        let DeckProbe { on, near, .. } = probe.clone();
-        let (axis, sign) = probe.direction.axis();
-        let minus = probe.minus.as_ref().map_or(Ok(Vec::new()), |place| {
-            nodes(deck, mesh, named, &format!("{path}.minus"), place)
-        })?;
-        Ok(Probe {
-            column: probe.column(),
-            nodes: nodes(deck, mesh, named, &path, &DeckPlace { on, near })?,
-            minus,
-            axis,
-            sign,
-            quantity: probe.quantity,
-        })
-    };
-    let mut errors = Errors::default();
-    let all = deck.probes.iter().enumerate();
-    let all = all.filter_map(|one| errors.keep(probe(one))).collect();
-    errors.end(all)
-}
-
-/// Nodes of a place, ascending: those of its names, or of these (or all) the nearest to its point. Of
-/// several as near the first.
-fn nodes(
-    deck: &Deck,
-    mesh: &Mesh,
-    named: &Named<'_>,
-    path: &str,
-    place: &DeckPlace,
-) -> Result<Vec<u32>, ModelError> {
-    let nodes = match &place.on {
-        // `minus = "base"` has no key of its own below it; an error finds the table above.
-        Some(names) => named(&format!("{path}.on"), names)?,
-        None => mesh.nodes_of_solids(),
-    };
-    let Some(near) = place.near else {
-        return Ok(nodes);
-    };
-    let near = near.map(Quantity::get);
-    let away = |n: &u32| norm(difference(mesh.nodes[*n as usize], near));
-    let nearest = nodes
-        .iter()
-        .map(|n| (away(n), *n))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let size = mesh.diagonal();
-    match nearest {
-        Some((distance, node)) if distance <= size => Ok(vec![node]),
-        _ => {
-            let distance = nearest.map_or(f64::INFINITY, |n| n.0);
-            Err(deck.error(
-                &format!("{path}.near"),
-                format!(
-                    "the nearest node is {distance:.4} mm away, farther than the model is large \
-                     ({size:.4} mm)"
-                ),
-                "see that the unit of length is right: bare numbers are in mm",
-            ))
+impl ProbeQuantity {
+    /// Ending of the names of its columns.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Displacement => "mm",
+            Self::Velocity => "mm_per_s",
         }
     }
 }

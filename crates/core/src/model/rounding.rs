@@ -1,25 +1,17 @@
-//! Forces that rounding leaves, and loads that drown in them.
+//! Nodal forces caused by rounding.
 
 use nalgebra::Vector3;
 
 use super::Model;
-use super::deck::Deck;
-use super::scene::{BeamMotion, Step};
-use crate::error::ModelError;
 
-/// Forces of so many roundings must be below the tolerance of the residual for a load to be found.
-const CLEAR: f64 = 4.0;
-/// That of the default: a run that asks for less is still right to as much.
-const TOLERANCE: f64 = 5e-2;
-
-/// ε E h L with the largest E h of the elements (h their mean edge) and the scene's diagonal L: what a
-/// position X + u, known to ε L, leaves of a force [N].
+/// Nodal force caused by rounding of positions [N]: ε E h L with the largest E h of the elements (h their mean edge)
+/// and the diagonal L of the scene. A position X + u is known to ε L.
 pub(crate) fn force(model: &Model) -> f64 {
     largest(model).0
 }
 
-/// That force [N], and the element that has it.
-fn largest(model: &Model) -> (f64, usize) {
+/// That force [N], and the element with the largest E h.
+pub(crate) fn largest(model: &Model) -> (f64, usize) {
     let mesh = &model.mesh;
     let stiffness = |e: usize| {
         let parameters = &model.materials[mesh.material[e] as usize].parameters;
@@ -36,66 +28,4 @@ fn largest(model: &Model) -> (f64, usize) {
     let low = nodes().fold(Vector3::repeat(f64::INFINITY), |a, x| a.inf(&x));
     let high = nodes().fold(Vector3::repeat(f64::NEG_INFINITY), |a, x| a.sup(&x));
     (f64::EPSILON * stiffest.0 * (high - low).norm(), stiffest.1)
-}
-
-/// Refuses solids so stiff that what rounding leaves of their forces hides the loads of a step: the run would take rest for
-/// equilibrium. A step that drives has forces of its own.
-///
-/// # Errors
-/// The first such step, with the material and its E.
-pub(super) fn judge(deck: &Deck, model: &Model) -> Option<ModelError> {
-    let drives = |step: &Step| {
-        let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
-        step.motion.iter().flatten().any(driven)
-            || step.springs.iter().flatten().any(|by| *by != 0.0)
-    };
-    if model.mesh.elements.is_empty() {
-        return None;
-    }
-    let (rounding, element) = largest(model);
-    let drowns = |step: &&Step| {
-        let load = load(model, step);
-        load > 0.0 && !drives(step) && CLEAR * rounding > TOLERANCE * load
-    };
-    let index = model.steps.iter().position(|step| drowns(&step))?;
-    let step = &model.steps[index];
-    let material = &model.materials[model.mesh.material[element] as usize];
-    let name = &material.name;
-    Some(deck.error(
-        &format!("materials.{name}.E"),
-        format!(
-            "E = {:e} MPa of {name} is too stiff for step {index} ({}): rounding leaves forces of {rounding:.1e} N in its \
-             elements, and the loads of the step are {:.1e} N a node",
-            material.parameters.elastic().E,
-            step.name,
-            load(model, step),
-        ),
-        "a stiffness as of a real material (steel has 210 GPa), or rigid = true for what is as good as rigid",
-    ))
-}
-
-/// Mean of the weight and the forces on faces at the end of a step over the nodes [N].
-fn load(model: &Model, step: &Step) -> f64 {
-    let mesh = &model.mesh;
-    let gravity = step
-        .gravity
-        .at(1.0)
-        .iter()
-        .map(|g| g * g)
-        .sum::<f64>()
-        .sqrt();
-    let mass = |e: usize| {
-        let parameters = &model.materials[mesh.material[e] as usize].parameters;
-        parameters.elastic().density * mesh.volume(e)
-    };
-    let weight = if gravity > 0.0 {
-        gravity * (0..mesh.elements.len()).map(mass).sum::<f64>()
-    } else {
-        0.0
-    };
-    let forces = step.motion.iter().flatten().map(|motion| match motion {
-        BeamMotion::Force(force) => force.abs(),
-        _ => 0.0,
-    });
-    (weight + forces.sum::<f64>()) / mesh.nodes.len() as f64
 }

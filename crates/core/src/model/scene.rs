@@ -5,15 +5,16 @@ use super::amplitude::{Amplitude, Branch};
 use super::loads::Load;
 use super::probes::Probe;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
+use crate::element::Formulation;
 use crate::error::Warning;
 use crate::experiment::Experiment;
 
-/// Everything that a run reads and nothing that it changes.
+/// All data that a run reads and does not change.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Title of the deck.
     pub title: String,
-    /// The solids.
+    /// Solids.
     pub mesh: Mesh,
     /// Materials by index.
     pub materials: Vec<NamedMaterial>,
@@ -25,33 +26,33 @@ pub struct Model {
     pub beams: Vec<Beam>,
     /// Fixed nodes.
     pub supports: Vec<Support>,
-    /// Velocity of each node when the first step with inertia begins [mm/s]; empty = rest. `[node]`
+    /// Velocity of each node when the first step with inertia begins [mm/s]. Empty: rest. `[node]`
     pub initial_velocity: Vec<[f64; 3]>,
     /// Springs to the ground.
     pub springs: Vec<Spring>,
-    /// Places that the history follows, a column each.
+    /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
-    /// Loads from outside with a name.
+    /// Named external loads.
     pub loads: Vec<Load>,
     /// Steps, in order.
     pub steps: Vec<Step>,
-    /// What is written, and how often.
+    /// Output settings.
     pub output: Output,
-    /// What its author should know.
+    /// Warnings for the author of the model.
     pub warnings: Vec<Warning>,
-    /// How much of the scene is computed.
+    /// Part of the scene that is computed.
     pub fidelity: Fidelity,
 }
 
 impl Model {
-    /// Columns of the history beside those that every history has: the probes, then the loads.
+    /// Columns of the history after those that every history has: the probes, then the loads.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
         probes.chain(loads).collect()
     }
 
-    /// Whether inertia may act in any step: everything has mass, and a procedure may use it.
+    /// Whether inertia may act in any step: all materials have mass, and a procedure may use inertia.
     pub fn may_move(&self) -> bool {
         let density = |m: &NamedMaterial| m.parameters.elastic().density;
         let used = |m: usize| self.mesh.material.iter().any(|&of| usize::from(of) == m);
@@ -75,10 +76,10 @@ impl Model {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
-    /// What the rest does not tell: one half of what is its own mirror image, and no stiffness anew of what hardly turns.
+    /// Less work at the same tolerance: mirror halves and regions are solved, stiffness and factors are reused.
     #[default]
     Auto,
-    /// All of it.
+    /// The whole scene, without these savings.
     Full,
     /// As `Auto`, with solids that stay linear elastic: only joints open and slide.
     Elastic,
@@ -89,60 +90,37 @@ pub enum Fidelity {
 pub struct NamedMaterial {
     /// Name in the deck.
     pub name: String,
-    /// Its parameters, tables as given (not yet scaled to an element's size).
+    /// Its parameters, with tables as given, not yet scaled to the size of an element.
     pub parameters: crate::material::MaterialParameters,
 }
 
-/// How the hex8 interpolates strain.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Formulation {
-    /// 2×2×2 points, displacement strains.
-    Full,
-    /// Constant dilatation.
-    BBar,
-    /// Wilson–Taylor incompatible modes, condensed elastically once.
-    #[default]
-    Incompatible,
-}
-
-/// Nodes that move as one, without rotation: the level loading beam of a test.
+/// Nodes that move as one without rotation: the level loading beam of a test.
 #[derive(Clone, Debug)]
 pub struct Beam {
     /// Name in the deck.
     pub name: String,
     /// Nodes tied to the beam.
     pub nodes: Vec<u32>,
-    /// Area over which pressure acts [mm²].
+    /// Area under pressure [mm²].
     pub area: f64,
-    /// Outward normal of the face that carries the pressure.
+    /// Outward normal of the face under pressure.
     pub normal: [f64; 3],
 }
 
-/// Nodes held in some directions.
+/// Nodes fixed in some directions.
 #[derive(Clone, Debug)]
 pub struct Support {
     /// Name in the deck.
     pub name: String,
-    /// Held nodes.
+    /// Fixed nodes.
     pub nodes: Vec<u32>,
-    /// Held directions x, y, z.
+    /// Fixed directions x, y, z.
     pub fixed: [bool; 3],
-    /// What holds them.
+    /// Origin of the support.
     pub by: HeldBy,
 }
 
-/// What holds the nodes of a [`Support`].
+/// Origin of a [`Support`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum HeldBy {
     /// The ground.
@@ -152,35 +130,35 @@ pub enum HeldBy {
     Plane {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
-        /// Where it stands on the axis [mm].
+        /// Its coordinate on the axis [mm].
         at: f64,
     },
-    /// That they are a mirror, which stands for the other half of a joint and belongs to no body.
+    /// The nodes are a mirror: they represent the other half of a joint and belong to no body.
     Mirror,
 }
 
-/// A spring from a group of nodes to a point of the ground, which steps may drive.
+/// A spring from a group of nodes to a point of the ground that steps may drive.
 ///
-/// With ū the mean displacement of the nodes and e that of the driven end, direction by direction:
-/// force k (e − ū), shared equally by the nodes, and energy ½ k (e − ū)². Stress-free at rest.
+/// ū is the mean displacement of the nodes and e that of the driven end. In each direction the force is k (e − ū),
+/// shared equally by the nodes, and the energy is ½ k (e − ū)². The spring is free of stress at rest.
 #[derive(Clone, Debug)]
 pub struct Spring {
     /// Name in the deck.
     pub name: String,
-    /// Nodes that it holds.
+    /// Nodes of the group.
     pub nodes: Vec<u32>,
-    /// Stiffness k along x, y, z; 0 = none in this direction [N/mm].
+    /// Stiffness k along x, y, z [N/mm]. 0: no spring in this direction.
     pub stiffness: [f64; 3],
 }
 
-/// What happens to one direction of a beam during a step.
+/// Motion of a beam in one direction during a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BeamMotion {
-    /// Held where the step found it.
+    /// Fixed where it was at the start of the step.
     Locked,
-    /// Free, under a force that goes linearly from the last step's value to this one [N].
+    /// Free under a force that changes linearly from its value in the last step to this one [N].
     Force(f64),
-    /// Driven by this much during the step, linearly [mm].
+    /// Driven linearly by this displacement during the step [mm].
     Driven(f64),
 }
 
@@ -189,58 +167,57 @@ pub enum BeamMotion {
 pub struct Step {
     /// Name in the deck.
     pub name: String,
-    /// Duration in step time [s]; the viscosity of the materials is measured in it.
+    /// Duration in step time [s]. The viscosity of materials refers to it.
     pub duration: f64,
-    /// What each beam does in x, y, z. `[beam][direction]`
+    /// Motion of each beam in x, y, z. `[beam][direction]`
     pub motion: Vec<[BeamMotion; 3]>,
-    /// The driven beam and its direction, for the history (force and displacement).
+    /// Driven beam and direction of the force and displacement in the history.
     pub driven: Option<(usize, usize)>,
     /// Sizes of the increments.
     pub increments: Increments,
-    /// Viscosity of all damage-plastic solids in this step, where it is above their own [s].
+    /// Viscosity of all damage-plastic solids in this step, if it exceeds their own [s].
     pub viscosity: f64,
     /// Procedure of this step.
     pub procedure: Procedure,
     /// Tangents of this step.
     pub tangent: Tangent,
-    /// What steers the load, in [`Procedure::DisplacementControl`].
+    /// Displacement that controls the load in [`Procedure::DisplacementControl`].
     pub control: Option<Control>,
-    /// What ends the step before its loads are whole, if anything does.
+    /// Conditions that end the step early, if any.
     pub stop: Option<Stop>,
-    /// When an increment counts as converged.
+    /// Convergence criteria of an increment.
     pub tolerance: Tolerance,
     /// Acceleration of gravity during the step.
     pub gravity: Gravity,
-    /// Acceleration of the ground, in which all displacements are measured.
+    /// Acceleration of the ground. All displacements are relative to the ground.
     pub ground: GroundMotion,
-    /// How far the far end of each spring moves during the step, linearly; empty = nowhere [mm].
-    /// `[spring][xyz]`
+    /// Movement of the driven end of each spring during the step, linear in time [mm]. Empty: none. `[spring][xyz]`
     pub springs: Vec<[f64; 3]>,
-    /// Value of each load at the end of the step, none where it stays as it is; empty = all stay.
+    /// Value of each load at the end of the step, or none for loads that stay constant. Empty: all stay constant.
     /// `[load]`
     pub loads: Vec<Option<[f64; 3]>>,
-    /// Which part of all this acts when; evenly if none.
+    /// Amplitude of drives and loads. None: linear in time.
     pub amplitude: Option<Amplitude>,
 }
 
 impl Step {
-    /// How many branches the amplitude has.
+    /// Number of branches of the amplitude.
     pub fn branches(&self) -> usize {
         self.amplitude.as_ref().map_or(1, Amplitude::branches)
     }
 
-    /// One of them.
+    /// Branch `i` of the amplitude.
     pub fn branch(&self, i: usize) -> Branch {
         let branch = |amplitude: &Amplitude| amplitude.branch(i);
         self.amplitude.as_ref().map_or(Branch::WHOLE, branch)
     }
 
-    /// Fastest change of what is driven and loaded, over that of a step without an amplitude.
+    /// Fastest change of drives and loads, over that of a step without an amplitude.
     pub fn steepest(&self) -> f64 {
         self.amplitude.as_ref().map_or(1.0, Amplitude::steepest)
     }
 
-    /// Whether the drive or a load turns back.
+    /// Whether the drive or a load reverses.
     pub fn turns(&self) -> bool {
         self.amplitude.as_ref().is_some_and(|a| !a.rises())
     }
@@ -252,15 +229,15 @@ pub enum Gravity {
     /// None.
     #[default]
     None,
-    /// The same throughout.
+    /// Constant during the step.
     Constant([f64; 3]),
-    /// Linearly from nothing to this.
+    /// Linear from zero to this value.
     Growing([f64; 3]),
-    /// Turning evenly about an axis, as on a tilting table (seen from the table).
+    /// Rotating evenly about an axis, as seen from a tilting table.
     Turning {
         /// Acceleration when the step begins [mm/s²].
         from: [f64; 3],
-        /// Unit vector about which it turns, right-handed.
+        /// Unit vector of the right-handed rotation.
         axis: [f64; 3],
         /// Angle over the whole step [rad].
         angle: f64,
@@ -268,7 +245,7 @@ pub enum Gravity {
 }
 
 impl Gravity {
-    /// Acceleration at a fraction of the step, 0 to 1 [mm/s²].
+    /// Acceleration at a fraction 0 to 1 of the step [mm/s²].
     pub fn at(&self, fraction: f64) -> [f64; 3] {
         match self {
             Self::None => [0.0; 3],
@@ -279,8 +256,8 @@ impl Gravity {
     }
 }
 
-/// Rayleigh damping C = a M + b K₀ (Rayleigh 1877, §102), of the ratio a/(2ω) + bω/2 at ω. K₀ is the
-/// elastic stiffness of the solids, turning with them; the interfaces have none.
+/// Rayleigh damping C = a M + b K₀ (Rayleigh 1877, §102), with the damping ratio a/(2ω) + bω/2 at ω. K₀ is the
+/// elastic stiffness of the solids in their rotating frames. Joints have no damping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rayleigh {
     /// a [1/s].
@@ -289,18 +266,18 @@ pub struct Rayleigh {
     pub stiffness: f64,
 }
 
-/// Acceleration of the ground over the time since the step began, linear between its rows and zero
-/// outside them.
+/// Acceleration of the ground over the time since the step began. It is linear between its rows and zero outside
+/// them.
 ///
-/// Displacements and velocities are relative to the ground: on every mass acts −m a beside gravity.
+/// Displacements and velocities are relative to the ground, so the force −m a acts on every mass beside gravity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundMotion {
-    /// Rows of time [s], ascending, and acceleration [mm/s²]; empty = none. `[xyz][row]`
+    /// Rows of time [s], ascending, and acceleration [mm/s²]. Empty: none. `[xyz][row]`
     pub acceleration: [Vec<[f64; 2]>; 3],
 }
 
 impl GroundMotion {
-    /// Smallest mean distance of the rows of a record [s]; infinite without any.
+    /// Smallest mean interval of the rows of a record [s]. Infinite without records.
     pub fn spacing(&self) -> f64 {
         let records = self.acceleration.iter().filter(|rows| rows.len() > 1);
         let spacing =
@@ -314,7 +291,7 @@ impl GroundMotion {
     }
 }
 
-/// Linear between the rows, zero outside.
+/// Linear interpolation between the rows, zero outside them.
 fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
     let after = rows.partition_point(|row| row[0] < time);
     match rows.get(after) {
@@ -327,8 +304,7 @@ fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
     }
 }
 
-/// The vector v turned about a unit vector a by φ [rad] (Rodrigues):
-/// v cos φ + a × v sin φ + a (a·v)(1 − cos φ).
+/// Vector v rotated about a unit vector a by φ [rad] (Rodrigues): v cos φ + a × v sin φ + a (a·v)(1 − cos φ).
 pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
     let (sin, cos) = angle.sin_cos();
     let along = (0..3).map(|i| a[i] * v[i]).sum::<f64>() * (1.0 - cos);
@@ -339,58 +315,55 @@ pub(crate) fn turned(v: [f64; 3], a: [f64; 3], angle: f64) -> [f64; 3] {
     })
 }
 
-/// Sizes of increments, as fractions of the step's duration.
+/// Sizes of increments, as parts of the duration of the step.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Increments {
     /// First.
     pub initial: f64,
     /// Largest.
     pub max: f64,
-    /// Smallest: a cut below it ends the run.
+    /// Smallest. A smaller size ends the run.
     pub min: f64,
-    /// Part of the largest force that may lie unseen between two increments at a peak, where a displacement is
-    /// driven or steers the load.
+    /// Part of the largest force that may remain undetected between two increments at a peak, where a displacement is
+    /// driven or controls the load.
     pub peak: f64,
 }
 
-/// How a step is solved.
+/// Procedure of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Procedure {
-    /// [`Self::Static`] as long as that finds equilibrium; where it does not, the next of a ladder
-    /// of procedures, until the trouble has passed.
+    /// [`Self::Static`] while it finds equilibrium, otherwise the next procedure of the fallback until statics works
+    /// again.
     #[default]
     Auto,
-    /// Newton's method on equilibrium, the load prescribed.
+    /// Newton's method for equilibrium at prescribed loads.
     Static,
-    /// As static, plastic strain and damage of the solids extrapolated within the increment and
-    /// updated at its end.
+    /// Static, with viscous strain and damage of the solids extrapolated within the increment and updated at its end.
     Implex,
-    /// Inertia carries the system over instabilities and backward Euler takes its motion out. The
-    /// duration is real time.
+    /// Inertia carries the system over instabilities, and backward Euler damps its motion. The duration is real time.
     QuasiStatic,
     /// HHT-α (Hilber, Hughes, Taylor 1977) with Rayleigh damping. The duration is real time.
     Dynamic {
-        /// α in [−1/3, 0]: 0 keeps all energy, −1/3 takes most out of what the increments do not
-        /// resolve.
+        /// α in [−1/3, 0]: 0 conserves the energy, −1/3 damps most of the motion that increments do not resolve.
         alpha: f64,
-        /// Damping.
+        /// Rayleigh damping.
         damping: Rayleigh,
     },
-    /// Equilibrium at given distances along the path (Crisfield 1981): the load is an unknown.
+    /// Equilibrium at prescribed distances along the path (Crisfield 1981). The load is an unknown.
     ArcLength,
-    /// Equilibrium at given amounts of dissipated energy (Gutiérrez 2004): the load is an unknown.
+    /// Equilibrium at prescribed amounts of dissipated energy (Gutiérrez 2004). The load is an unknown.
     Dissipation,
-    /// Equilibrium at given displacements of [`Step::control`]: the load is an unknown.
+    /// Equilibrium at prescribed displacements of [`Step::control`]. The load is an unknown.
     DisplacementControl,
 }
 
 impl Procedure {
-    /// Whether inertia acts throughout.
+    /// Whether inertia acts in all increments.
     pub fn has_inertia(self) -> bool {
         matches!(self, Self::QuasiStatic | Self::Dynamic { .. })
     }
 
-    /// Whether inertia may act: throughout, or where the ladder comes to it.
+    /// Whether inertia may act: in all increments, or where the fallback uses it.
     pub fn may_move(self) -> bool {
         self.has_inertia() || self == Self::Auto
     }
@@ -420,21 +393,21 @@ pub enum Tangent {
     Direct,
 }
 
-/// A displacement that steers the load.
+/// A displacement that controls the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
-    /// Which of the model's probes measures it.
+    /// Index of the probe that measures it.
     pub probe: usize,
-    /// How far it goes during the step [mm].
+    /// Its change during the step [mm].
     pub displacement: f64,
 }
 
-/// What ends a driven step early; the increment that reaches it is its last.
+/// Conditions that end a driven step early. The increment that meets one is the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Stop {
-    /// Part of the largest force of this step, both along the drive, to which it falls [-].
+    /// Part of the largest force of this step to which the force falls, both along the drive [-].
     pub below_peak: Option<f64>,
-    /// How far the step drives [mm].
+    /// Displacement of the drive [mm].
     pub displacement: Option<f64>,
 }
 
@@ -447,16 +420,16 @@ pub struct Tolerance {
     pub max_iterations: usize,
 }
 
-/// What is written, and how often.
+/// Output settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// A frame of fields every so many increments (the last is always written).
+    /// Increments between frames of fields. The last increment is always written.
     pub every: usize,
     /// Whether `run.mcap` is written.
     pub mcap: bool,
-    /// A scene in `run.mcap` every so many frames of fields.
+    /// Frames of fields between scenes in `run.mcap`.
     pub scene_every: usize,
-    /// What the run is compared with.
+    /// Measured curve for comparison.
     pub experiment: Option<MeasuredCurve>,
 }
 
@@ -471,13 +444,13 @@ impl Default for Output {
     }
 }
 
-/// A measured load-displacement curve and the file that holds it.
+/// A measured load-displacement curve and its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredCurve {
     /// Name of the file, without its folder.
     pub file: String,
-    /// The file as it is.
+    /// Text of the file.
     pub text: String,
-    /// What it says.
+    /// Curve in the file.
     pub curve: Experiment,
 }

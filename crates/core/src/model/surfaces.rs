@@ -1,7 +1,7 @@
-//! Contact surfaces: facets, what of them is sampled, and the laws between them.
+//! Contact surfaces: facets, their sampled parts and their laws.
 
 use super::general::GeneralContact;
-use super::hexahedron::norm;
+use crate::element::hexahedron::norm;
 use wythe_contact::{InterfaceLaw, JointLaw, Output, Part, Surface};
 
 /// Where an interface is sampled on a slave facet.
@@ -27,7 +27,7 @@ pub enum ContactPoints {
 
 /// One-pass contact: points on slave facets against master facets of other bodies.
 ///
-/// A facet's nodes run counter-clockwise seen from outside its body, so that its normal points out.
+/// Nodes of a facet run counter-clockwise seen from outside its body, so its normal points outwards.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurfaces {
     /// Slave facets. `[facet][node]`
@@ -36,29 +36,29 @@ pub struct ContactSurfaces {
     pub slave_body: Vec<u32>,
     /// Index into `laws`. `[facet]`
     pub slave_law: Vec<u16>,
-    /// What of its facet each entry samples; empty if all facets are sampled whole. A facet that is cut into parts stands
-    /// here once for each of them, one after the other. `[facet]`
+    /// Sampled part of each entry's facet. Empty if all facets are sampled as a whole. A facet divided into parts has
+    /// consecutive entries, one for each part. `[facet]`
     pub slave_part: Vec<Part>,
     /// Master facets. `[facet][node]`
     pub master_facets: Vec<[u32; 4]>,
     /// Body of each master facet. `[facet]`
     pub master_body: Vec<u32>,
-    /// Interface laws with their stiffnesses resolved (penalty × representative stiffness), and each unit's
-    /// own where their bond scatters.
+    /// Joint laws with their stiffnesses resolved (penalty × representative stiffness). Units have laws of their own
+    /// where their bond is random.
     pub laws: Vec<InterfaceLaw>,
-    /// Names of the laws in the deck; several laws have one. `[law]`
+    /// Names of the laws in the deck. Several laws may share a name. `[law]`
     pub law_names: Vec<String>,
     /// Sampling of the slave facets.
     pub points: ContactPoints,
-    /// Gap up to which a point faces a master facet, and beyond which it has lost it with its bond
-    /// [mm]; none = the solver chooses.
+    /// Gap up to which a point has a master facet, and beyond which it loses the facet and its bond [mm]. None:
+    /// chosen by the solver.
     pub search_radius: Option<f64>,
-    /// Whether every face may meet any other body's, and by which law.
+    /// General contact of all faces with other bodies, if any.
     pub general: Option<GeneralContact>,
 }
 
 impl ContactSurfaces {
-    /// Slave facets with their bodies, as the search takes them.
+    /// Slave facets with their bodies, as input of the contact search.
     pub fn slave(&self) -> Surface {
         Surface {
             facets: self.slave_facets.clone(),
@@ -66,7 +66,7 @@ impl ContactSurfaces {
         }
     }
 
-    /// What the laws tell of their histories, each name once, in the order of the laws.
+    /// Outputs of the laws, each name once, in the order of the laws.
     pub fn outputs(&self) -> Vec<Output> {
         let mut outputs: Vec<Output> = Vec::new();
         for output in self.laws.iter().flat_map(JointLaw::outputs) {
@@ -77,18 +77,18 @@ impl ContactSurfaces {
         outputs
     }
 
-    /// What an entry of the slave facets samples.
+    /// Sampled part of an entry of the slave facets.
     pub fn part(&self, facet: usize) -> Part {
         self.slave_part.get(facet).copied().unwrap_or(Part::WHOLE)
     }
 
-    /// Corners of what an entry of the slave facets samples, nodes being at `x` [mm].
+    /// Corners of the sampled part of an entry of the slave facets, for nodes at `x` [mm].
     pub fn outline(&self, facet: usize, x: &[[f64; 3]]) -> [[f64; 3]; 4] {
         let corners = self.slave_facets[facet].map(|n| x[n as usize]);
         self.part(facet).of(&corners)
     }
 
-    /// Slave facets, each once with the number of its first part.
+    /// Slave facets, each once, with the index of its first part.
     pub fn whole_slaves(&self) -> impl Iterator<Item = (usize, &[u32; 4])> {
         let all = self.slave_facets.iter().enumerate();
         all.filter(|(f, _)| self.is_first(*f))
@@ -100,9 +100,9 @@ impl ContactSurfaces {
             .is_none_or(|part| part.reaches(0))
     }
 
-    /// Cuts every slave facet into so many parts along x, y and z, nodes being at `x` [mm]: each of its two directions
-    /// into those of the axis that it goes along.
-    pub(super) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
+    /// Divides every slave facet into parts, for nodes at `x` [mm]. `counts` are the numbers of parts along x, y and
+    /// z; each of the two directions of a facet takes the number of the axis that it follows.
+    pub(crate) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
         if counts == [1; 3] {
             return;
         }
@@ -129,7 +129,7 @@ impl ContactSurfaces {
     }
 }
 
-/// The axes that the directions ξ and η of a facet go along: the two that they are turned from least.
+/// Axes that the directions ξ and η of a facet follow: the two with the smallest angles to them.
 fn directions(corners: &[[f64; 3]; 4]) -> [usize; 2] {
     let along = |ends: [[usize; 2]; 2]| {
         let way = [0, 1, 2].map(|d| {
@@ -143,7 +143,7 @@ fn directions(corners: &[[f64; 3]; 4]) -> [usize; 2] {
     let (xi, eta) = (along([[0, 1], [3, 2]]), along([[0, 3], [1, 2]]));
     let pairs = [[0, 1], [0, 2], [1, 0], [1, 2], [2, 0], [2, 1]];
     let fit = |[a, b]: [usize; 2]| xi[a] + eta[b];
-    // Of equals the first.
+    // The first of equal pairs is taken.
     let best = pairs.into_iter().rev();
     best.max_by(|p, q| fit(*p).total_cmp(&fit(*q)))
         .unwrap_or([0, 1])

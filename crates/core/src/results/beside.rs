@@ -1,22 +1,24 @@
-//! Fields that are written beside the run: packing a frame takes as long as an iterate, and nobody waits for it.
+//! Writes fields in a parallel thread: compressing a frame takes about as long as an iterate, and the solver need not
+//! wait.
 
 use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use super::{Frame, VtkHdfWriter};
+use super::VtkHdfWriter;
+use crate::state::Frame;
 
-/// A writer of fields, of which one frame at a time may be under way. On one thread it writes at once.
+/// Writer of fields with at most one frame in progress. With one thread it writes at once.
 #[derive(Debug)]
 pub(super) struct FieldsBeside {
-    /// None while a frame is under way, and after [`FieldsBeside::finish`].
+    /// `None` while a frame is in progress and after [`FieldsBeside::finish`].
     writer: Option<VtkHdfWriter>,
-    /// The frame that is under way.
+    /// The frame in progress.
     under_way: Option<JoinHandle<(VtkHdfWriter, io::Result<()>)>>,
 }
 
 impl FieldsBeside {
-    /// Of a writer that has begun its file.
+    /// Takes a writer that has created its file.
     pub fn new(writer: VtkHdfWriter) -> Self {
         Self {
             writer: Some(writer),
@@ -24,10 +26,10 @@ impl FieldsBeside {
         }
     }
 
-    /// The writer, once the frame that was under way is written.
+    /// The writer, after the frame in progress is written.
     ///
     /// # Errors
-    /// That frame, or one before, could not be written.
+    /// This frame or an earlier one could not be written.
     pub fn settled(&mut self) -> io::Result<&mut VtkHdfWriter> {
         if let Some(under_way) = self.under_way.take() {
             let (writer, written) = under_way
@@ -40,11 +42,11 @@ impl FieldsBeside {
         self.writer.as_mut().ok_or_else(gone)
     }
 
-    /// Appends a frame as [`VtkHdfWriter::append`], and returns before that is done if there is more than one thread:
-    /// whoever asks for the writer next hears how it went.
+    /// Appends a frame by [`VtkHdfWriter::append`]. With more than one thread it returns before the frame is written;
+    /// an error is reported by the next call that needs the writer.
     ///
     /// # Errors
-    /// As [`FieldsBeside::settled`], and on one thread as [`VtkHdfWriter::append`].
+    /// As for [`FieldsBeside::settled`], and with one thread as for [`VtkHdfWriter::append`].
     pub fn append(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
         let writer = self.settled()?;
         if rayon::current_num_threads() == 1 {
@@ -61,10 +63,10 @@ impl FieldsBeside {
         Ok(())
     }
 
-    /// Closes the file with everything in it.
+    /// Writes all data and closes the file.
     ///
     /// # Errors
-    /// As [`FieldsBeside::settled`] and [`VtkHdfWriter::finish`].
+    /// As for [`FieldsBeside::settled`] and [`VtkHdfWriter::finish`].
     pub fn finish(mut self) -> io::Result<()> {
         self.settled()?;
         self.writer.take().map_or(Ok(()), VtkHdfWriter::finish)
@@ -72,10 +74,10 @@ impl FieldsBeside {
 }
 
 impl Drop for FieldsBeside {
-    /// Nothing is written to a folder that another run may have locked.
+    /// Waits, so that no thread writes into a folder that another run may have locked.
     fn drop(&mut self) {
         if let Some(under_way) = self.under_way.take() {
-            // Best effort: whoever drops it has an error already, or wants no results.
+            // Best effort: the caller has another error already or does not need the results.
             let _ = under_way.join();
         }
     }
@@ -129,7 +131,7 @@ mod tests {
             fields.append(&Arc::new(wrong)).unwrap();
             let why = fields.settled().unwrap_err();
             assert!(why.to_string().contains("displacement"), "{why}");
-            // The file is as it was.
+            // The file is unchanged.
             fields.append(&Arc::new(fake::frame(&model, 0.5))).unwrap();
             assert_eq!(fields.settled().unwrap().steps(), 1);
         });

@@ -1,27 +1,27 @@
-//! One side of a load-displacement curve as a function: what can be compared.
+//! One side of a load-displacement curve as a single-valued function, for comparison.
 //!
 //! ```text
-//! force ▲        ╭──────╮ ← envelope        A curve that comes back, as that of a cyclic test, has
-//!       │    ╭───╯╱╱ ╱╱ ╰───╮               several forces at one displacement: the branch takes
-//!       │ ╭──╯ ╱ ╱ ╱ ╱   ╱  │               the largest.
+//! force ▲        ╭──────╮ ← envelope        A curve with returns, as that of a cyclic test, has several
+//!       │    ╭───╯╱╱ ╱╱ ╰───╮               forces at one displacement. The branch takes the largest.
+//!       │ ╭──╯ ╱ ╱ ╱ ╱   ╱  │
 //!       └─╯──╱─╱───╱──╱────╱──▶ displacement
 //! ```
 
 use crate::experiment::Point;
 
-/// A curve as a function of the displacement: displacements never fall. Both are counted along the
-/// side that was asked for, so that pulling and pushing read the same.
+/// A curve as a function of the displacement, which never decreases. Both quantities are positive along the chosen
+/// side, so that push and pull are treated alike.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Branch {
     points: Vec<Point>,
 }
 
-/// Part of its range by which a curve may go back and still counts as going on: what digitising does.
+/// Fraction of its range by which a monotonic curve may step back: digitised curves do so.
 const BACK: f64 = 0.02;
-/// Intervals of an envelope.
+/// Number of intervals of an envelope.
 const INTERVALS: usize = 400;
 
-/// Whether a curve comes back, as that of a cyclic test does.
+/// Whether a curve returns, as that of a cyclic test does.
 pub fn returns(points: &[Point]) -> bool {
     let (low, high) = range(points);
     let allowed = BACK * (high - low);
@@ -42,7 +42,7 @@ fn range(points: &[Point]) -> (f64, f64) {
     points.iter().fold(start, wider)
 }
 
-/// The side to which a curve goes farther: 1 or −1.
+/// The side on which a curve extends farther: 1 or −1.
 pub fn side(points: &[Point]) -> f64 {
     let (low, high) = range(points);
     if high.abs() >= low.abs() { 1.0 } else { -1.0 }
@@ -57,7 +57,7 @@ impl Branch {
                 points: envelope(&turned),
             };
         }
-        // What happens before it moves is a preload, as in a history.
+        // Points before the first motion are preload, as in a history.
         let resting = turned.iter().take_while(|p| p.0 == turned[0].0).count();
         let mut furthest = f64::NEG_INFINITY;
         let moving = turned.into_iter().skip(resting.saturating_sub(1));
@@ -70,8 +70,8 @@ impl Branch {
         }
     }
 
-    /// As [`Branch::new`], on the side given, or mirrored if the curve lies on the other side alone.
-    /// Says whether it was.
+    /// The branch on the given side, as by [`Branch::new`], or the mirrored one if the curve lies on the other side
+    /// only. The flag is true if it is mirrored.
     pub fn towards(points: &[Point], side: f64) -> (Self, bool) {
         let (low, high) = range(points);
         let (here, there) = if side > 0.0 {
@@ -86,23 +86,23 @@ impl Branch {
         )
     }
 
-    /// Points, displacements ascending [mm, kN].
+    /// Points with ascending displacements [mm, kN].
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// First and last displacement [mm]; none of an empty branch.
+    /// First and last displacement [mm]; `None` for an empty branch.
     pub fn range(&self) -> Option<(f64, f64)> {
         Some((self.points.first()?.0, self.points.last()?.0))
     }
 
-    /// Force just after a displacement (`after`) or just before it [kN]; none beyond the ends.
+    /// Force just after a displacement (`after`) or just before it [kN]; `None` outside the range.
     pub fn force(&self, at: f64, after: bool) -> Option<f64> {
         let points = &self.points;
         let i = points.partition_point(|p| if after { p.0 <= at } else { p.0 < at });
         match (i.checked_sub(1).map(|k| points[k]), points.get(i)) {
             (Some(a), Some(&b)) => Some(a.1 + (b.1 - a.1) * (at - a.0) / (b.0 - a.0)),
-            // At the very ends there is one side only.
+            // The ends have one side only.
             (Some(last), None) if last.0 == at => Some(last.1),
             (None, Some(first)) if first.0 == at => Some(first.1),
             _ => None,
@@ -110,7 +110,7 @@ impl Branch {
     }
 }
 
-/// The largest force of any passage, at even distances.
+/// Largest force of all passages at equidistant displacements.
 fn envelope(points: &[Point]) -> Vec<Point> {
     let end = points.iter().map(|p| p.0).fold(0.0, f64::max);
     let start = points.first().map_or(0.0, |p| p.0).max(0.0).min(end);
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_cyclic_curve_has_an_envelope_on_each_side() {
-        // To 1 and back, to −1 and back, to 2 with less force on the way, beyond at 12.
+        // To 1 and back, to −1 and back, to 2 with a lower force on the way, then up to 12.
         let curve = [
             (0.0, 0.0),
             (1.0, 10.0),

@@ -1,11 +1,11 @@
-//! `checkpoint.bin`: what [`crate::solve::resume`] needs, and how far the other files of the folder go.
+//! `checkpoint.bin`: the input of [`crate::solve::resume`] and the lengths of the other files in the folder.
 //!
 //! ```text
 //! "wythe\0cp"  version u32  CRC-32 of the content u32  length of the content u64  content (postcard)
 //! ```
 //!
-//! Numbers are little-endian. The file is written beside its name, synced and renamed: under its name there is
-//! always a whole one, the last or the one before.
+//! Numbers are little-endian. The file is written under a temporary name, synced and renamed. So there is always a
+//! complete checkpoint under its own name, either the new one or the one before.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ use miette::Diagnostic;
 use serde::{Deserialize, Serialize};
 
 use super::mcap::Mark;
+use crate::deck::Deck;
 use crate::files::{self, Extent, write_whole};
-use crate::model::Deck;
 use crate::solve::Checkpoint;
 
 /// Name of the file in the folder.
@@ -23,9 +23,9 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";
-/// Version of the content: another number for every change of what is in it.
+/// Version of the content; increased by every change of the data.
 const VERSION: u32 = 14;
-/// Bytes before the content.
+/// Size of the header [byte].
 const HEAD: usize = 8 + 4 + 4 + 8;
 
 /// The content of the file.
@@ -33,30 +33,30 @@ const HEAD: usize = 8 + 4 + 4 + 8;
 pub struct CheckpointFile {
     /// Version of the program that wrote it.
     pub version: String,
-    /// The deck as it was run; none of a model that had none.
+    /// The deck of the run; `None` for a model without one.
     pub deck: Option<String>,
-    /// The folder that files named by the deck are relative to; none if no text can name it.
+    /// Folder of the files named in the deck; `None` if its path is not valid Unicode.
     pub deck_folder: Option<String>,
-    /// The way there from the folder of the run, for a project that is moved as a whole.
+    /// Relative path from the run folder to that folder, for a project that is moved as a whole.
     pub way_to_deck_folder: Option<String>,
-    /// How far the history goes.
+    /// Extent of the history.
     pub history: Extent,
-    /// Frames in the file of fields.
+    /// Number of frames in the field file.
     pub frames: usize,
-    /// How far the messages go; none where none are wanted.
+    /// Extent of the messages; `None` if none are written.
     pub messages: Option<Mark>,
     /// Wall-clock time of the run so far [s].
     pub wall_s: f64,
-    /// CPU time of the run so far [s], where the system tells.
+    /// CPU time of the run so far [s]; `None` if the system does not report it.
     pub cpu_s: Option<f64>,
-    /// Where the solver was.
+    /// State of the solver.
     pub solver: Checkpoint,
 }
 
-/// A checkpoint that cannot be taken up.
+/// Errors of reading a checkpoint.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum CheckpointFileError {
-    /// There is none.
+    /// There is no checkpoint.
     #[error("{}: there is no {CHECKPOINT} to go on from", .0.display())]
     #[diagnostic(help(
         "it is written after the first increment of a run; begin anew with `wythe run`"
@@ -68,10 +68,10 @@ pub enum CheckpointFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         why: io::Error,
     },
-    /// The file is not what a run has written.
+    /// The file is damaged.
     #[error("{}: is damaged: {why}", path.display())]
     #[diagnostic(help(
         "a run always leaves a whole file, so something else changed it: restore it from a copy of \
@@ -80,10 +80,10 @@ pub enum CheckpointFileError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the damage.
         why: &'static str,
     },
-    /// The file has another version of the content.
+    /// The content has another version.
     #[error("{}: was written by another version of wythe (content {found}, this one reads {VERSION})", path.display())]
     #[diagnostic(help(
         "resume with the version that began the run, or begin anew with `wythe run`"
@@ -91,24 +91,24 @@ pub enum CheckpointFileError {
     Version {
         /// The file.
         path: PathBuf,
-        /// Its version.
+        /// Version of the content.
         found: u32,
     },
 }
 
 impl CheckpointFile {
-    /// Writes the file whole or not at all.
+    /// Writes the whole file or nothing.
     ///
     /// # Errors
-    /// The file, or its temporary neighbour, cannot be written.
+    /// The file or its temporary version cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         write_whole(path, &self.encode()?)
     }
 
-    /// Reads the file. What is damaged is refused, whatever its bytes are.
+    /// Reads the file and rejects every damaged one.
     ///
     /// # Errors
-    /// [`CheckpointFileError`].
+    /// [`CheckpointFileError`]: the file is missing, unreadable, damaged or of another version.
     pub fn read(path: &Path) -> Result<Self, CheckpointFileError> {
         let bytes = files::read(path, u64::MAX - 1).map_err(|why| match why.kind() {
             io::ErrorKind::NotFound => {
@@ -131,8 +131,9 @@ impl CheckpointFile {
         })
     }
 
-    /// Where the files that the deck names lie, seen from the folder of the run: where all of them are, the way from
-    /// it first, then the place where the run began, then the folder itself; else where the run began.
+    /// Sets the folder in which the files named in the deck are looked up. The first of these folders that has all of
+    /// them is taken: the stored relative path from `run`, the folder stored at the start of the run, and `run`
+    /// itself. If none has them, it is the folder stored at the start.
     pub fn place(&self, run: &Path, deck: Deck) -> Deck {
         let run_itself = run.canonicalize().unwrap_or_else(|_| run.to_owned());
         let way = self.way_to_deck_folder.as_ref();
@@ -154,7 +155,7 @@ impl CheckpointFile {
     }
 }
 
-/// Fills the head before the content.
+/// Fills in the header before the content.
 fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
     let content = &bytes[HEAD..];
     let (sum, length) = (crc32fast::hash(content), content.len() as u64);
@@ -165,7 +166,7 @@ fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// Why bytes are no checkpoint.
+/// Reason why bytes are not a valid checkpoint.
 #[derive(Debug, PartialEq, Eq)]
 enum Fault {
     Damaged(&'static str),
@@ -196,8 +197,8 @@ fn decode<T: for<'de> Deserialize<'de>>(bytes: &[u8]) -> Result<T, Fault> {
     if u32::from_le_bytes(*sum) != crc32fast::hash(content) {
         return Err(Fault::Damaged("its check sum does not fit its content"));
     }
-    // Lengths within are believed only as far as bytes follow: serde sets aside no more than a mebibyte
-    // ahead of them.
+    // A length within the content cannot exhaust the memory: serde reserves at most 1 MiB before it reads the
+    // elements.
     match postcard::take_from_bytes(content) {
         Ok((file, [])) => Ok(file),
         _ => Err(Fault::Damaged("its content is none of a checkpoint")),
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_length_beyond_the_bytes_is_refused_without_room_for_it() {
-        // A vector of 2⁶³ numbers, as a varint, in a file whose sum is right.
+        // A vector of 2⁶³ numbers, as a varint, in a file with a valid check sum.
         let mut bytes = vec![0; HEAD];
         bytes.push(0);
         bytes.extend([0x80; 9]);

@@ -1,4 +1,4 @@
-//! A run against an experiment, in the numbers that engineers ask for.
+//! Comparison of a run with an experiment by engineering quantities.
 
 use serde::Serialize;
 
@@ -8,51 +8,51 @@ use crate::experiment::{Experiment, Point};
 use crate::model::Model;
 use crate::model::scene::BeamMotion;
 
-/// What is read off a curve, displacements and forces counted along the drive.
+/// Quantities read from a curve; displacements and forces are positive along the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct Measures {
     /// Largest force [kN].
     pub peak_force_kN: Option<f64>,
-    /// Displacement there [mm].
+    /// Displacement at the peak [mm].
     pub displacement_at_peak_mm: Option<f64>,
-    /// Secant up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
+    /// Secant stiffness up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
     pub initial_stiffness_kN_per_mm: Option<f64>,
-    /// Secant up to 0.7 of the peak [kN/mm]: what digitised beginnings do not disturb.
+    /// Secant stiffness up to 0.7 of the peak [kN/mm], which errors in the digitised start of a curve hardly affect.
     pub secant_stiffness_kN_per_mm: Option<f64>,
-    /// Area below the curve over the common range of displacement [J].
+    /// Area below the curve over the common displacement range [J].
     pub energy_J: Option<f64>,
-    /// Displacement after the peak at which the force is down to 0.8 of it [mm].
+    /// Displacement after the peak at which the force has fallen to 0.8 of the peak [mm].
     pub displacement_at_80_percent_mm: Option<f64>,
-    /// The same over the clear height [%]; none where that is not known.
+    /// Drift at that displacement, relative to the clear height [%]; `None` if the height is unknown.
     pub drift_at_80_percent: Option<f64>,
 }
 
-/// Both curves, and how far they are apart.
+/// Both curves and their difference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct Comparison {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub experiment_name: String,
-    /// Whether the experiment went the other way and was mirrored.
+    /// Whether the experiment was driven the other way and is mirrored.
     pub mirrored: bool,
     /// Clear height for the drift [mm].
     pub height_mm: Option<f64>,
-    /// Displacements that both curves cover [mm]; none if there are none.
+    /// Displacement range covered by both curves [mm]; `None` if they have none in common.
     pub common_range_mm: Option<[f64; 2]>,
-    /// The run.
+    /// Quantities of the run.
     pub run: Measures,
-    /// The experiment, its envelope if it is cyclic.
+    /// Quantities of the experiment; those of the envelope if it is cyclic.
     pub experiment: Measures,
-    /// Run over experiment [-].
+    /// Ratio of the run to the experiment [-].
     pub ratio: Measures,
     /// Root mean square of the difference over the common range [kN].
     pub rms_difference_kN: Option<f64>,
-    /// The same over the experiment's largest force [-].
+    /// The same divided by the peak force of the experiment [-].
     pub rms_over_peak: Option<f64>,
 }
 
-/// Compares the curve of a run with an experiment; `height`: clear height of what moves [mm].
+/// Compares the curve of a run with an experiment; `height` is the clear height of the wall [mm].
 pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> Comparison {
     let points = points_of(curve);
     let travel = |p: super::curve::Peak| (p.displacement - curve.start().0).signum();
@@ -60,7 +60,7 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     let run = Branch::new(&points, side);
     let (test, mirrored) = Branch::towards(&experiment.points, side);
     let common = common_range(&run, &test);
-    // The run as the run itself and every other command read it; of a test its envelope.
+    // The curve of the run is read as by all other commands, that of a cyclic test by its envelope.
     let of_run = measures(&curve.along(side), &run, common, height);
     let of_test = measures(&Curve::of_points(test.points()), &test, common, height);
     let rms = common.and_then(|range| root_mean_square(&run, &test, range));
@@ -77,8 +77,8 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     }
 }
 
-/// Height between what supports hold below and what is driven above [mm]; none where nothing is driven
-/// sideways, or not above a support.
+/// Height between the supports below and the driven beam above [mm]; `None` if nothing is driven sideways or the beam
+/// does not lie above the supports.
 pub fn clear_height(model: &Model) -> Option<f64> {
     let driven = model.steps.iter().find_map(|step| {
         let (beam, axis) = step.driven?;
@@ -92,7 +92,7 @@ pub fn clear_height(model: &Model) -> Option<f64> {
     (clear > 0.0 && clear.is_finite()).then_some(clear)
 }
 
-/// A run's curve with the point where driving began.
+/// Points of a curve, from the point where the drive begins.
 pub fn points_of(curve: &Curve) -> Vec<Point> {
     std::iter::once(curve.start())
         .chain(curve.points().iter().copied())
@@ -124,7 +124,7 @@ fn measures(
     }
 }
 
-/// Part of the peak up to which the second stiffness is measured.
+/// Fraction of the peak up to which the second stiffness is measured.
 const SECANT: f64 = 0.7;
 
 fn ratio(a: &Measures, b: &Measures) -> Measures {
@@ -152,7 +152,7 @@ fn ratio(a: &Measures, b: &Measures) -> Measures {
     }
 }
 
-/// Places where either of the branches has a corner, with both ends of the range.
+/// Displacements of the corners of all branches within the range, and its two ends.
 fn corners(branches: &[&Branch], (from, to): (f64, f64)) -> Vec<f64> {
     let all = branches.iter().flat_map(|b| b.points()).map(|p| p.0);
     let mut places: Vec<f64> = all.filter(|&d| from < d && d < to).collect();
@@ -162,7 +162,7 @@ fn corners(branches: &[&Branch], (from, to): (f64, f64)) -> Vec<f64> {
     places
 }
 
-/// ∫ F du [J], exact: the branch is linear between its corners.
+/// Area ∫ F du [J]; exact because the branch is linear between its corners.
 fn area(branch: &Branch, range: (f64, f64)) -> f64 {
     corners(&[branch], range)
         .windows(2)
@@ -173,7 +173,7 @@ fn area(branch: &Branch, range: (f64, f64)) -> f64 {
         .sum()
 }
 
-/// (∫ ΔF² du / ∫ du)^½ [kN], exact for branches that are linear between their corners.
+/// Root mean square (∫ ΔF² du / ∫ du)^½ [kN]; exact because the branches are linear between their corners.
 fn root_mean_square(a: &Branch, b: &Branch, range: (f64, f64)) -> Option<f64> {
     let mut squares = 0.0;
     for w in corners(&[a, b], range).windows(2) {
@@ -245,7 +245,7 @@ mod tests {
         );
         assert_eq!(found.experiment.displacement_at_80_percent_mm, None);
         assert_eq!(found.ratio.displacement_at_80_percent_mm, None);
-        // A ramp of 0 to 3 kN against nothing: 3/√3.
+        // A ramp from 0 to 3 kN against zero: 3/√3.
         let ramp = Curve::of_points(&[(0.0, 0.0), (1.0, 3.0)]);
         let flat = experiment(&[(0.0, 0.0), (2.0, 0.0)]);
         let rms = compare(&ramp, &flat, None).rms_difference_kN;

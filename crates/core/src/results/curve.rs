@@ -1,49 +1,34 @@
-//! The load-displacement curve and the numbers an engineer reads off it.
+//! The load-displacement curve and the quantities read from it.
 
-use super::HistoryRow;
-use crate::solve::Method;
+use crate::state::Method;
+use crate::state::{HistoryRow, is_moving};
 
-/// Displacement and force of the driven steps, in order, from the point where driving began.
+/// Displacement and force of the driven steps, in order, from the point where the drive begins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// Where driving began: (displacement [mm], force [kN]) of the last increment before it, or the
-    /// origin.
+    /// Point where the drive begins: (displacement [mm], force [kN]) of the last increment before it, or the origin.
     start: (f64, f64),
     /// Increments of driven steps: (displacement [mm], force [kN]). `[increment]`
     points: Vec<(f64, f64)>,
-    /// Whether inertia had a part in the force, so that it is no peak. `[increment]`
+    /// Whether the force includes inertia, so that it cannot be a peak. `[increment]`
     moving: Vec<bool>,
     /// Kinetic energy of the last increment [J].
     kinetic: f64,
 }
 
-/// The part of a step in the curve.
+/// Use of a step in the curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepOfCurve {
     /// Its increments are points of the curve.
     pub driven: bool,
-    /// It asks for equilibria (procedure `auto`): inertia only leads from one to the next.
+    /// It seeks equilibria (procedure `auto`): inertia only leads from one equilibrium to the next.
     pub seeks_equilibrium: bool,
-}
-
-/// Kinetic energy below which all bodies are at rest, over the energy that solids and interfaces have taken [-].
-pub const QUIET: f64 = 1e-3;
-/// Growth of the kinetic energy within an increment by which a motion begins [-].
-const GROWS: f64 = 1.2;
-/// Part of [`QUIET`] below which a growth is noise of the tolerance.
-const BEGINS: f64 = 0.01;
-
-/// Whether bodies move, or begin to, at the end of an increment: `kinetic` and `before` are the kinetic energies at its end
-/// and at its start, `taken` the energy that solids and interfaces have taken (all in one unit).
-pub fn is_moving(kinetic: f64, before: f64, taken: f64) -> bool {
-    kinetic >= QUIET * taken && kinetic > 0.0
-        || kinetic > GROWS * before && kinetic > BEGINS * QUIET * taken
 }
 
 /// A point of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// Its place among the curve's points.
+    /// Index among the points of the curve.
     pub index: usize,
     /// Displacement [mm].
     pub displacement: f64,
@@ -51,15 +36,15 @@ pub struct Peak {
     pub force: f64,
 }
 
-/// Part of the peak's force up to which the initial stiffness is measured.
+/// Fraction of the peak force up to which the initial stiffness is measured.
 const INITIAL: f64 = 0.1;
 
-/// Part of the peak below which a force as far out again is a loss.
+/// Fraction of the peak force below which a lower force at the same displacement counts as a loss.
 const LOST: f64 = 0.995;
 
 impl Curve {
-    /// Adds an increment. Those that come before any driven one move the curve's start; those of
-    /// undriven steps later on (a pause of the driving) are no part of it.
+    /// Adds an increment. An increment before the first driven one moves the start of the curve. A later increment of
+    /// a step without a drive (a pause) is ignored.
     pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
         let carried = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
@@ -73,7 +58,7 @@ impl Curve {
         }
     }
 
-    /// A curve that begins with the first of these points [mm, kN].
+    /// A curve that starts at the first of these points [mm, kN].
     pub fn of_points(points: &[(f64, f64)]) -> Self {
         let (start, points) = points.split_first().unwrap_or((&(0.0, 0.0), &[]));
         Self {
@@ -84,7 +69,7 @@ impl Curve {
         }
     }
 
-    /// The same counted along a side: 1, or −1, which turns the signs of both.
+    /// The curve with both quantities multiplied by `side`, 1 or −1.
     #[must_use]
     pub fn along(&self, side: f64) -> Self {
         let turned = |p: (f64, f64)| (side * p.0, side * p.1);
@@ -100,26 +85,26 @@ impl Curve {
         &self.points
     }
 
-    /// Where driving began: (displacement [mm], force [kN]).
+    /// Point where the drive begins: (displacement [mm], force [kN]).
     pub fn start(&self) -> (f64, f64) {
         self.start
     }
 
-    /// Last displacement [mm]; none if nothing was driven.
+    /// Last displacement [mm]; `None` if nothing was driven.
     pub fn final_displacement(&self) -> Option<f64> {
         self.points.last().map(|p| p.0)
     }
 
-    /// Increments whose force may be a peak: those in equilibrium, or all if there are none.
+    /// Increments whose force may be a peak: those in equilibrium, or all if there is none.
     fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
         let all = self.moving.iter().all(|moving| *moving);
         let points = self.points.iter().enumerate();
         points.filter(move |(index, _)| all || !self.moving[*index])
     }
 
-    /// The largest force along the motion: of s F with s = sign(d − d₀), so that a wall driven
-    /// towards −x has a peak as well. The earliest if several are equal; none if nothing moved. Increments
-    /// that `auto` carries by inertia from an equilibrium to the next do not count.
+    /// The peak: the largest s F with s = sign(d − d₀), so that a wall driven towards −x has a peak as well. It is
+    /// the earliest of equal ones, and `None` if nothing moved. Increments in which `auto` follows the inertial
+    /// motion between two equilibria do not count.
     pub fn peak(&self) -> Option<Peak> {
         let mut best: Option<(f64, Peak)> = None;
         for (index, &(displacement, force)) in self.candidates() {
@@ -139,7 +124,7 @@ impl Curve {
         best.map(|(_, peak)| peak)
     }
 
-    /// Whether the drive goes to and fro: back by more than half of the whole range.
+    /// Whether the drive is cyclic: it moves both ways by more than half of its range.
     pub fn turns_back(&self) -> bool {
         let ways = || {
             std::iter::once(&self.start)
@@ -154,12 +139,12 @@ impl Curve {
                 sign * d < farthest - 0.5 * range
             })
         };
-        // The first way out is back for one of the signs.
+        // A drive that only moves outwards returns for one of the signs.
         returns(1.0) && returns(-1.0)
     }
 
-    /// The largest force along the motion on the other side of where driving began than the peak; none if
-    /// nothing went there.
+    /// The largest force along the motion on the side of the start opposite to the peak; `None` if the drive never
+    /// went there.
     pub fn opposite_peak(&self) -> Option<Peak> {
         let peak = self.peak()?;
         let side = (peak.displacement - self.start.0).signum();
@@ -174,7 +159,7 @@ impl Curve {
         })
     }
 
-    /// By how much the force along the motion has risen over the last `part` of the travel, linear between increments [kN].
+    /// Rise of the force along the motion over the last `part` of the travel, linear between increments [kN].
     pub fn rises_over(&self, part: f64) -> f64 {
         let Some(&(end, force)) = self.points.last() else {
             return 0.0;
@@ -193,7 +178,7 @@ impl Curve {
         sign * (force - before)
     }
 
-    /// Whether the force has fallen from its largest: only then is that a peak.
+    /// Whether the force has fallen below its largest value, which makes that value a peak.
     pub fn passes_peak(&self) -> bool {
         let (Some(peak), Some(last)) = (self.peak(), self.points.last()) else {
             return false;
@@ -205,7 +190,7 @@ impl Curve {
         side * last.1 < LOST * side * peak.force
     }
 
-    /// How texts call the largest force.
+    /// Word for the largest force in texts.
     pub fn word_of_largest(&self) -> &'static str {
         if self.passes_peak() {
             "peak"
@@ -214,19 +199,19 @@ impl Curve {
         }
     }
 
-    /// Whether a drive to and fro came as far out again as at its peak, or farther, with a lower force.
+    /// Whether a cyclic drive later reaches the displacement of the peak, or a larger one, with a lower force.
     pub fn loses(&self, peak: Peak) -> bool {
         let side = (peak.displacement - self.start.0).signum();
         let out = |d: f64| side * (d - self.start.0);
-        let far = out(peak.displacement) * (1.0 - 1e-9); // sums of increments are rounded
+        let far = out(peak.displacement) * (1.0 - 1e-9); // tolerance for the rounding of summed increments
         let after = self.points.iter().skip(peak.index + 1);
         let mut outer = after.filter(|p| out(p.0) >= far);
         outer.any(|p| side * p.1 < LOST * side * peak.force)
     }
 
-    /// Displacement after the peak at which the force has first fallen to 0.8 of it, linear between
-    /// increments [mm]; none if it never falls that far. Where the drive goes to and fro that is a displacement as
-    /// far out as any before on the side of the peak: what falls on the way back is no loss.
+    /// Displacement after the peak at which the force first falls to 0.8 of the peak, linear between increments [mm];
+    /// `None` if it never does. In a cyclic drive only increments count that reach at least the largest earlier
+    /// displacement on the side of the peak, because unloading is not a loss of strength.
     pub fn displacement_at_80_percent(&self) -> Option<f64> {
         let peak = self.peak()?;
         let target = 0.8 * peak.force;
@@ -240,7 +225,7 @@ impl Curve {
                 .map(out)
                 .fold(0.0, f64::max);
             let down = after.iter().find(|p| {
-                let outermost = out(p) >= farthest * (1.0 - 1e-9); // sums of increments are rounded
+                let outermost = out(p) >= farthest * (1.0 - 1e-9); // see `loses`
                 farthest = farthest.max(out(p));
                 outermost && sign * p.1 <= sign * target
             });
@@ -250,19 +235,19 @@ impl Curve {
         Some(crossing(after[i.checked_sub(1)?], after[i], target))
     }
 
-    /// Initial stiffness [kN/mm]: the secant from where driving began to where the force has first
-    /// risen by a tenth of what it rises to its peak, linear between increments. With a first
-    /// increment beyond that it is the secant of the first increment.
+    /// Initial stiffness [kN/mm]: secant from the start of the drive to the point where the force has first risen by
+    /// a tenth of its rise to the peak, linear between increments. If the first increment exceeds that force, it is
+    /// the secant of this increment.
     pub fn initial_stiffness(&self) -> Option<f64> {
         self.secant_stiffness(INITIAL)
     }
 
-    /// The same up to where the force has risen by another part of what it rises [kN/mm].
+    /// The same for another fraction `part` of the rise to the peak [kN/mm].
     pub fn secant_stiffness(&self, part: f64) -> Option<f64> {
         let (d0, f0) = self.start;
         let mut rise = part * (self.peak()?.force - f0);
         if self.turns_back() {
-            // Whichever way it begins.
+            // The first half cycle decides the sign.
             let first = self
                 .points
                 .iter()
@@ -280,7 +265,7 @@ impl Curve {
     }
 }
 
-/// Force of the line from a to b at this displacement.
+/// Force at this displacement on the line from a to b.
 fn at(a: (f64, f64), b: (f64, f64), displacement: f64) -> f64 {
     if b.0 == a.0 {
         b.1
@@ -289,7 +274,7 @@ fn at(a: (f64, f64), b: (f64, f64), displacement: f64) -> f64 {
     }
 }
 
-/// Displacement at which the line from a to b has this force.
+/// Displacement at this force on the line from a to b.
 fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
     if b.1 == a.1 {
         b.0
@@ -352,7 +337,7 @@ mod tests {
         assert_eq!(wall.final_displacement(), Some(4.0));
     }
 
-    /// Out to 2 mm, back to −2 mm, out to 3 mm: what falls on the way back is no loss of strength.
+    /// Out to 2 mm, back to −2 mm, out to 3 mm: unloading is not a loss of strength.
     #[test]
     fn loops_are_read_along_their_envelope() {
         let loops = [
@@ -374,7 +359,7 @@ mod tests {
         let other = wall.opposite_peak().unwrap();
         assert_eq!((other.displacement, other.force), (-2.0, -45.0));
         assert_eq!(wall.displacement_at_80_percent(), Some(3.0));
-        // 5 kN at 0.125 mm, as it began.
+        // 5 kN at 0.125 mm in the first half cycle.
         assert_relative_eq!(
             wall.initial_stiffness().unwrap(),
             40.0,
@@ -418,12 +403,12 @@ mod tests {
         assert_eq!(still_rising.peak().unwrap().force, 50.0);
     }
 
-    /// Rises to 10 kN, snaps: inertia swings to 15 kN; then 12 kN in equilibrium.
+    /// Rises to 10 kN and snaps: inertia raises the force to 15 kN; then 12 kN in equilibrium.
     fn snaps(seeks_equilibrium: bool) -> Curve {
         let rows = [
             (1.0, 10.0, Method::Static, 0.0),
             (1.01, 15.0, Method::QuasiStatic, 0.5),
-            // Nothing swings any more: it moves evenly.
+            // No more oscillation: steady motion.
             (2.0, 11.0, Method::QuasiStatic, 1e-4),
             (3.0, 12.0, Method::QuasiStatic, 1e-4),
             (4.0, 9.0, Method::Static, 0.0),
@@ -450,17 +435,7 @@ mod tests {
     #[test]
     fn a_force_that_inertia_carries_to_the_next_equilibrium_is_no_peak() {
         assert_eq!(snaps(true).peak().unwrap().force, 12.0);
-        // Where the deck asks for inertia its forces are wanted.
+        // If the deck asks for inertia, its forces count.
         assert_eq!(snaps(false).peak().unwrap().force, 15.0);
-    }
-
-    #[test]
-    fn what_begins_to_move_moves() {
-        // Kinetic energies at the end and at the start, over 1 that was taken.
-        assert!(is_moving(QUIET, QUIET, 1.0));
-        assert!(is_moving(1e-4, 0.0, 1.0) && is_moving(1e-4, 8e-5, 1.0));
-        // Evenly, slower and slower, or by rounding.
-        assert!(!is_moving(1e-4, 1e-4, 1.0) && !is_moving(1e-4, 1e-3, 1.0));
-        assert!(!is_moving(1e-6, 0.0, 1.0) && !is_moving(0.0, 0.0, 0.0));
     }
 }

@@ -10,16 +10,20 @@ use miette::Diagnostic;
 
 use super::beside::FieldsBeside;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
-use super::summary::{EnergyBalance, Measured, ProbeRange};
+use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
-    Curve, Frame, HistoryRow, HistoryWriter, McapWriter, Recorder, StepOfCurve, Summary,
-    SummaryFile, VtkHdfWriter, elevation, plot, usage,
+    Curve, HistoryWriter, McapWriter, StepOfCurve, SummaryFile, VtkHdfWriter, elevation, plot,
+    usage,
 };
+use crate::deck::Deck;
 use crate::files::{self, write_whole};
+use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
-use crate::model::{Deck, Model};
 use crate::solve::Checkpoint;
+use crate::solve::Recorder;
+use crate::state::EnergyBalance;
+use crate::state::{Frame, HistoryRow, Summary};
 
 /// Name of the history in the folder.
 pub const HISTORY: &str = "history.csv";
@@ -27,7 +31,7 @@ pub const HISTORY: &str = "history.csv";
 pub const DECK: &str = "model.toml";
 /// Name of the fields in the folder.
 pub const FIELDS: &str = "results.vtkhdf";
-/// Name of what shows the interfaces of the fields in the folder.
+/// Name of the file in the folder that shows the interfaces.
 pub const INTERFACES: &str = "results.interfaces.vtkhdf";
 /// Name of the messages in the folder.
 pub const MESSAGES: &str = "run.mcap";
@@ -39,7 +43,7 @@ pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
 pub const CRACK_PATTERN: &str = "crack_pattern.svg";
 /// Name of the report in the folder, unless it is written elsewhere.
 pub const REPORT: &str = "report.html";
-/// Name of the empty file that a run in progress has locked. It stays: whoever comes next locks it.
+/// Name of the empty lock file. A run in progress holds a lock on it; it stays in the folder for later runs.
 pub const LOCK: &str = ".lock";
 
 /// Every file that a run writes into its folder, or removes from it.
@@ -57,11 +61,11 @@ pub const OF_A_RUN: [&str; 11] = [
     LOCK,
 ];
 
-/// Refuses to write files over what a deck is made of; each of `names` in `folder` also with what stands after it while
-/// it is written.
+/// Checks that no result replaces an input of a deck. Each of `names` in `folder` is checked together with the
+/// temporary names that it has while it is written.
 ///
 /// # Errors
-/// [`OutputError::OverInput`], which names the file.
+/// [`OutputError::OverInput`] with the path of the file.
 pub fn spare_inputs<'a>(
     folder: &Path,
     names: impl IntoIterator<Item = &'a str>,
@@ -78,37 +82,37 @@ pub fn spare_inputs<'a>(
     Ok(())
 }
 
-/// A checkpoint waits until the run has gone on for this many times what the last one took: writing them
-/// takes no more than a fiftieth of it.
+/// Minimum time between checkpoints, as a multiple of the time that the last one took: checkpoints take at most 2 %
+/// of the run.
 const PATIENCE: u32 = 50;
-/// A checkpoint waits for the next frame, but no longer than this.
+/// Longest time that a due checkpoint waits for the next frame.
 const LONGEST: Duration = Duration::from_secs(3);
 
-/// Results that could not be written.
+/// Errors of writing results.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum OutputError {
-    /// Where the folder should be there is a file.
+    /// The path of the folder is a file.
     #[error("{}: this is a file, but the results need a folder", .0.display())]
     #[diagnostic(help("name another folder for the results, or move the file away"))]
     NotADirectory(PathBuf),
-    /// The folder could not be made.
+    /// The folder cannot be created.
     #[error("{}: the folder for the results cannot be created: {why}", path.display())]
     #[diagnostic(help("check the permissions of the folder above it, or name another one"))]
     Create {
         /// The folder.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         why: io::Error,
     },
-    /// Another run writes here.
+    /// Another run is writing into the folder.
     #[error("{}: another run is writing its results into this folder", .0.display())]
     #[diagnostic(help("wait until it has ended, or name another folder with --out"))]
     Busy(PathBuf),
-    /// The deck, or a file that it names, would be replaced by a result.
+    /// A result would replace the deck or a file that it names.
     #[error("{}: a result of this name would replace an input: the deck, a file that it names, or data that were read", .0.display())]
     #[diagnostic(help("name another place for the results, with --out; the file is as it was"))]
     OverInput(PathBuf),
-    /// A file could not be written.
+    /// A file cannot be written.
     #[error("{}: cannot be written: {why}", path.display())]
     #[diagnostic(help(
         "check the free space of the disk and the permissions of the folder; a folder without \
@@ -117,7 +121,7 @@ pub enum OutputError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         why: io::Error,
     },
 }
@@ -131,13 +135,13 @@ impl From<OutputError> for io::Error {
     }
 }
 
-/// Writes everything that a run leaves behind: [`HISTORY`], [`FIELDS`] and [`MESSAGES`] as the increments come,
-/// the pictures and last of all [`SUMMARY`] at the end. A folder without a summary is that of a run
-/// which goes on, was killed, or could not write.
+/// Writes all results of a run: [`HISTORY`], [`FIELDS`] and [`MESSAGES`] during the run, the pictures and finally
+/// [`SUMMARY`] at its end. A folder without a summary belongs to a run that is in progress, was killed or could not
+/// write.
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
-    /// Held until the run ends, however it does.
+    /// Holds the lock until the run ends.
     _lock: File,
     history: HistoryWriter,
     fields: FieldsBeside,
@@ -147,19 +151,19 @@ pub struct RunDirectory {
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
     motion: Motion,
-    /// The deck as TOML and the folder of its files, for the checkpoints.
+    /// Deck as TOML and the folder of its files, for checkpoints.
     deck: Option<String>,
     deck_folder: Option<String>,
     way_to_deck_folder: Option<String>,
     started: Instant,
     cpu_at_start: Option<f64>,
-    /// Wall and CPU time before this start [s].
+    /// Wall-clock and CPU time of the run before it was resumed [s].
     wall_before: f64,
     cpu_before: Option<f64>,
     kept: Kept,
 }
 
-/// The files that grow.
+/// The files that grow during a run.
 #[derive(Debug)]
 pub(super) struct Files {
     pub history: HistoryWriter,
@@ -167,13 +171,13 @@ pub(super) struct Files {
     pub messages: Option<McapWriter>,
 }
 
-/// When the last checkpoint was written.
+/// State of the checkpoints.
 #[derive(Debug)]
 struct Kept {
     at: Option<Instant>,
-    /// How long that took.
+    /// Time that the last one took.
     took: Duration,
-    /// A frame was written since.
+    /// Whether a frame was written since.
     frame: bool,
 }
 
@@ -195,11 +199,11 @@ impl Kept {
 }
 
 impl RunDirectory {
-    /// Makes the folder if need be, removes the results of an earlier run from it, and begins the
-    /// files that grow. Other files in it are left alone.
+    /// Creates the folder if necessary, removes the results of an earlier run from it and starts the files that grow.
+    /// Other files in it are not touched.
     ///
     /// # Errors
-    /// [`OutputError`]: there is a file of that name, or it cannot be made or written in.
+    /// [`OutputError`]: the path is a file, or the folder cannot be created or written to.
     pub fn create(path: &Path, model: &Model) -> Result<Self, OutputError> {
         if path.exists() && !path.is_dir() {
             return Err(OutputError::NotADirectory(path.to_owned()));
@@ -212,9 +216,9 @@ impl RunDirectory {
         Self::begin(path, lock, model)
     }
 
-    /// [`RunDirectory::create`] in a folder that is locked.
+    /// [`RunDirectory::create`] in a locked folder.
     pub(super) fn begin(path: &Path, lock: File, model: &Model) -> Result<Self, OutputError> {
-        // The summary goes first: it says that the rest is whole.
+        // The summary is removed first because it marks a complete folder.
         let unwanted = (!model.output.mcap).then_some(MESSAGES);
         let half = format!("{MESSAGES}.tmp");
         let names = [
@@ -238,10 +242,10 @@ impl RunDirectory {
         Ok(Self::begun(path, lock, model, files))
     }
 
-    /// [`RunDirectory::create`] for the model of a deck, which is kept.
+    /// [`RunDirectory::create`] for the model of a deck; stores a copy of the deck.
     ///
     /// # Errors
-    /// As there, and [`OutputError::OverInput`]: nothing has changed then.
+    /// The same, and [`OutputError::OverInput`]; the folder is unchanged then.
     pub fn of_deck(path: &Path, model: &Model, deck: &Deck) -> Result<Self, OutputError> {
         spare_inputs(path, OF_A_RUN, &deck.inputs())?;
         let mut run = Self::create(path, model)?;
@@ -249,7 +253,7 @@ impl RunDirectory {
         Ok(run)
     }
 
-    /// Of files that are open.
+    /// Directory with open files.
     fn begun(path: &Path, lock: File, model: &Model, files: Files) -> Self {
         let Files {
             history,
@@ -278,8 +282,8 @@ impl RunDirectory {
         }
     }
 
-    /// Goes on in a locked folder whose files go as far as the checkpoint at least: with these rows, and
-    /// with the last of its frames.
+    /// Continues in a locked folder whose files reach at least the checkpoint, with these rows and the last frame
+    /// before it.
     pub(super) fn resumed(
         path: &Path,
         lock: File,
@@ -300,7 +304,7 @@ impl RunDirectory {
         run
     }
 
-    /// Keeps a copy of the deck, overrides taken in, beside the results and in [`FIELDS`] and [`MESSAGES`].
+    /// Stores a copy of the deck with its overrides in the folder, in [`FIELDS`] and in [`MESSAGES`].
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -315,7 +319,7 @@ impl RunDirectory {
         let text_of =
             |path: Option<PathBuf>| path.and_then(|path| path.to_str().map(str::to_owned));
         let folder = Path::new(".").join(deck.folder());
-        // Links would lead elsewhere when both are moved.
+        // Resolved without links: a relative link may point elsewhere after the project is moved.
         let ends = folder
             .canonicalize()
             .ok()
@@ -323,7 +327,7 @@ impl RunDirectory {
         let way = ends.and_then(|(folder, run)| pathdiff::diff_paths(folder, run));
         self.way_to_deck_folder = text_of(way);
         self.deck_folder = text_of(std::path::absolute(folder).ok());
-        // A run that goes on with the same deck has attached it.
+        // A resumed run with the same deck has it attached already.
         let new = self.deck.as_ref() != Some(&text);
         if let (Some(messages), true) = (&mut self.messages, new) {
             writing(&self.path, MESSAGES, |_| {
@@ -334,7 +338,7 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// The folder.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -344,7 +348,7 @@ impl RunDirectory {
         &self.curve
     }
 
-    /// Takes a row into what the summary tells.
+    /// Adds a row to the quantities of the summary.
     fn count(&mut self, model: &Model, row: &HistoryRow) {
         let step = model.steps.get(row.step);
         let of = step.map_or_else(StepOfCurve::default, |step| StepOfCurve {
@@ -359,7 +363,7 @@ impl RunDirectory {
         }
     }
 
-    /// Wall and CPU time of the run [s], those before this start among them.
+    /// Wall-clock and CPU time of the run [s], with the time before it was resumed.
     fn times(&self) -> (f64, Option<f64>) {
         let wall = self.wall_before + self.started.elapsed().as_secs_f64();
         let cpu = usage::cpu_seconds().zip(self.cpu_at_start);
@@ -367,10 +371,10 @@ impl RunDirectory {
         (wall, cpu.map(|((now, then), before)| before + now - then))
     }
 
-    /// Writes the pictures and then the summary, whichever way the run ended.
+    /// Writes the pictures and then the summary, for every status of the run.
     ///
     /// # Errors
-    /// [`OutputError::Write`]; there is no summary then.
+    /// [`OutputError::Write`]; no summary is written then.
     pub fn finish(
         self,
         model: &Model,
@@ -387,7 +391,7 @@ impl RunDirectory {
             probes,
             last_frame,
             motion,
-            // Until all is written.
+            // Held until all files are written.
             _lock,
             ..
         } = self;
@@ -429,7 +433,7 @@ impl RunDirectory {
     }
 }
 
-/// Begins [`MESSAGES`], with the experiment that the deck names; none if it wants none.
+/// Starts [`MESSAGES`] and attaches the experiment named in the deck; `None` if the model asks for no messages.
 pub(super) fn begin_messages(
     folder: &Path,
     model: &Model,
@@ -449,25 +453,25 @@ pub(super) fn begin_messages(
 /// Locks a folder for one run.
 ///
 /// # Errors
-/// [`OutputError::Busy`], or the file cannot be made.
+/// [`OutputError::Busy`], or the lock file cannot be created.
 pub(super) fn lock(folder: &Path) -> Result<File, OutputError> {
     let file = writing(folder, LOCK, open_lock)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(OutputError::Busy(folder.to_owned())),
-        // A file system that knows no locks keeps nobody out.
+        // A file system without locks cannot exclude a second run.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }
 
-/// Opens the file that is locked, or creates it. Nothing is written to it.
+/// Opens the lock file or creates it. Nothing is written to it.
 fn open_lock(path: &Path) -> io::Result<File> {
     match std::fs::symlink_metadata(path) {
         Ok(there) if there.is_file() => File::options().write(true).open(path),
-        // A link would be followed; nobody who runs holds it.
+        // Opening a link would open its target; a run never locks a link, so it can be replaced.
         Ok(there) if there.is_symlink() => files::create(path),
         Ok(_) => Err(io::Error::other("there is something else of this name")),
         Err(_) => match File::options().write(true).create_new(true).open(path) {
-            // Somebody was quicker.
+            // Another process has created it in the meantime.
             Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {
                 File::options().write(true).open(path)
             }
@@ -476,7 +480,7 @@ fn open_lock(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Removes files of the folder, and what a kill has left of them half-written.
+/// Removes files from the folder together with their temporary versions, which a killed run leaves behind.
 pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
     for name in names {
         for old in [folder.join(name), folder.join(format!("{name}.tmp"))] {
@@ -486,7 +490,7 @@ pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Does something to a file of the folder and names the file if it fails.
+/// Runs an operation on a file of the folder; an error names the file.
 pub(super) fn writing<T>(
     folder: &Path,
     name: &str,
@@ -496,8 +500,8 @@ pub(super) fn writing<T>(
     write(&path).map_err(|why| OutputError::Write { path, why })
 }
 
-/// Whether a step is part of the load-displacement curve: it drives, or it loads in a model that drives
-/// nothing.
+/// Whether a step belongs to the load-displacement curve: it drives, or it has loads in a model in which no step
+/// drives.
 fn is_driven(model: &Model, step: &Step) -> bool {
     let springs = |step: &Step| step.springs.iter().flatten().any(|by| *by != 0.0);
     let loads = step.loads.iter().any(Option::is_some);
@@ -506,7 +510,7 @@ fn is_driven(model: &Model, step: &Step) -> bool {
         || (loads && !model.steps.iter().any(|step| drives(step) || springs(step)))
 }
 
-/// A step drives if its beam moves. A preload merely names the direction in which it is told.
+/// Whether a step moves its driven beam. A preload only names the direction of the reported force.
 fn drives(step: &Step) -> bool {
     step.driven.is_some_and(|(beam, direction)| {
         matches!(step.motion[beam][direction], BeamMotion::Driven(_))
@@ -552,7 +556,7 @@ impl Recorder for RunDirectory {
         }
         let start = Instant::now();
         let (wall_s, cpu_s) = self.times();
-        // Rows, frames and messages are on the disk before the checkpoint that counts on them.
+        // Rows, frames and messages must be on the disk before the checkpoint that refers to them.
         writing(&self.path, HISTORY, |_| self.history.sync())?;
         let frames = writing(&self.path, FIELDS, |_| {
             let fields = self.fields.settled()?;

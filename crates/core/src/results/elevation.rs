@@ -1,4 +1,4 @@
-//! `crack_pattern.svg`: an elevation of the deformed wall, cracked and crushed elements marked.
+//! `crack_pattern.svg`: elevation of the deformed wall with cracked and crushed elements.
 //!
 //! ```text
 //!   z ▲   each element of the face y = min is its quad      1 ┌────┐ 5    nodes 0 1 5 4
@@ -6,19 +6,19 @@
 //!     └──▶ x                                                0 └────┘ 1
 //! ```
 //!
-//! The fill goes from the material's colour to black with the tensile damage. A blue cross marks
-//! compressive damage above [`CRUSHED`]. Open joints show as gaps, being gaps.
+//! The colour changes from that of the material to black with the tensile damage. A blue cross marks compressive
+//! damage above [`CRUSHED`]. Open joints appear as gaps.
 
 use std::fmt::Write as _;
 
-use super::{Frame, InterfaceState, Snapshot};
+use super::Snapshot;
 use crate::model::{Mesh, Model};
+use crate::state::{Frame, InterfaceState};
 
-/// Compressive damage above which an element is drawn as crushed [-]: a quarter of the stress is
-/// gone.
+/// Compressive damage above which an element is drawn as crushed [-]: a quarter of the stress is lost.
 pub const CRUSHED: f64 = 0.25;
 
-/// Local nodes of the face at −y, counter-clockwise seen from there.
+/// Local nodes of the face at −y, counter-clockwise seen from outside.
 pub const FRONT: [usize; 4] = [0, 1, 5, 4];
 
 /// Width of the drawing [px].
@@ -26,10 +26,10 @@ const WIDTH: f64 = 900.0;
 const MARGIN: f64 = 24.0;
 const HEADER: f64 = 44.0;
 const FOOTER: f64 = 46.0;
-/// A line more of the footer.
+/// Height of a further line in the footer.
 const LINE: f64 = 22.0;
 
-/// Colours of sound materials by index, again from the start if there are more.
+/// Colours of sound materials by index, repeated if there are more materials.
 const SOUND: [[f64; 3]; 4] = [
     [214., 160., 130.],
     [226., 222., 212.],
@@ -38,13 +38,13 @@ const SOUND: [[f64; 3]; 4] = [
 ];
 const CRACKED: [f64; 3] = [20., 10., 15.];
 
-/// The elevation as SVG text, with displacements magnified by [`magnification`].
+/// Elevation of a frame as SVG text, with displacements magnified by [`magnification`].
 pub fn crack_pattern(model: &Model, frame: &Frame) -> String {
     elevation(&model.title, &model.mesh, frame, &[], "")
 }
 
-/// The elevation of a run at a frame, with the joints that have failed: open ones red, those that slide
-/// orange. Joints across the drawing are seen as lines, the others not.
+/// Elevation of a run at a frame with its failed joints: open ones in red, sliding ones in orange. Only joints that
+/// meet the front face are drawn, as lines.
 pub fn crack_pattern_of(snapshot: &Snapshot) -> String {
     let (mesh, frame) = (&snapshot.mesh, &snapshot.frame);
     let joints = failed_joints(snapshot);
@@ -56,7 +56,7 @@ fn elevation(title: &str, mesh: &Mesh, frame: &Frame, joints: &[Joint], caption:
     let quads = quads(mesh, frame, scale);
     let [x0, z0, x1, z1] = bounds(&quads);
     let (length, tall) = (x1 - x0, z1 - z0);
-    // A slender scene must not become a picture of many metres.
+    // Limits the height of the picture of a slender scene.
     let zoom = (WIDTH - 2.0 * MARGIN) / length.max(tall / TALLEST).max(f64::MIN_POSITIVE);
     let drawing = Drawing {
         title,
@@ -76,10 +76,10 @@ fn elevation(title: &str, mesh: &Mesh, frame: &Frame, joints: &[Joint], caption:
     svg
 }
 
-/// Height of the drawing over its width, at most.
+/// Largest ratio of the height of the drawing to its width.
 const TALLEST: f64 = 1.6;
 
-/// All that is drawn.
+/// Content of the drawing.
 struct Drawing<'a> {
     title: &'a str,
     quads: &'a [Quad],
@@ -88,20 +88,20 @@ struct Drawing<'a> {
     scale: f64,
     /// [s]
     time: f64,
-    /// At the upper right.
+    /// Text at the upper right.
     caption: &'a str,
 }
 
-/// A piece of a joint that has failed, as it is seen from the front.
+/// Line of a failed joint on the front face.
 struct Joint {
-    /// At rest. `[end][x, z]`
+    /// Position at rest [mm]. `[end][x, z]`
     rest: [[f64; 2]; 2],
     /// Displacement of the slave side [mm]. `[end][x, z]`
     moved: [[f64; 2]; 2],
     open: bool,
 }
 
-/// Edges on the front of the quads whose points have failed.
+/// Edges on the front face of quads whose contact point has failed.
 fn failed_joints(snapshot: &Snapshot) -> Vec<Joint> {
     let (surface, moved) = (&snapshot.surface, &snapshot.surface_displacement);
     let (front, size) = depth(&snapshot.mesh);
@@ -129,7 +129,7 @@ fn failed_joints(snapshot: &Snapshot) -> Vec<Joint> {
     joints
 }
 
-/// The least y, and how deep everything is [mm].
+/// Smallest y and extent in y [mm].
 fn depth(mesh: &Mesh) -> (f64, f64) {
     let [front, back] = mesh.extent(1);
     (front, (back - front).max(0.0))
@@ -138,7 +138,7 @@ fn depth(mesh: &Mesh) -> (f64, f64) {
 /// Elements with a face on y = min.
 pub fn front(mesh: &Mesh) -> impl Iterator<Item = usize> + '_ {
     let (front, size) = depth(mesh);
-    // Coordinates of the same face may differ by rounding.
+    // Coordinates on the same face may differ by rounding.
     let on_front = move |e: &usize| {
         FRONT
             .iter()
@@ -183,7 +183,7 @@ fn draw(
             escape(drawing.caption)
         )?;
     }
-    // Hairlines, so that the mesh is seen but the damage dominates.
+    // Thin lines show the mesh without hiding the damage.
     writeln!(svg, r##"<g stroke="#00000033" stroke-width="0.4">"##)?;
     for quad in quads {
         let points: Vec<String> = quad
@@ -222,7 +222,7 @@ fn draw(
 const OPEN: &str = "#d01c1c";
 const SLIDING: &str = "#e88a00";
 
-/// Failed joints, over the elements.
+/// Draws failed joints over the elements.
 fn joints(
     svg: &mut String,
     drawing: &Drawing<'_>,
@@ -267,7 +267,7 @@ fn joints(
     writeln!(svg, "</g>")
 }
 
-/// A bar of damage from 0 to 1, the crushing mark, and the magnification.
+/// Draws the scale of damage from 0 to 1, the mark of crushing and the magnification.
 fn legend(svg: &mut String, drawing: &Drawing<'_>) -> std::fmt::Result {
     let (scale, time, cells) = (drawing.scale, drawing.time, 20);
     let below = if drawing.joints.is_empty() { 0.0 } else { LINE };
@@ -327,8 +327,8 @@ fn quads(mesh: &Mesh, frame: &Frame, scale: f64) -> Vec<Quad> {
         .collect()
 }
 
-/// Factor by which displacements are drawn: the largest of 1, 2, 5, 10, … which moves no node by
-/// more than 4 % of the model's largest extent in the drawing, and at least 1.
+/// Magnification of displacements: the largest of 1, 2, 5, 10, … that moves no node by more than 4 % of the largest
+/// extent of the model, and at least 1.
 pub fn magnification(mesh: &Mesh, frame: &Frame) -> f64 {
     let extent = (0..3)
         .map(|i| {
@@ -344,16 +344,16 @@ pub fn magnification(mesh: &Mesh, frame: &Frame) -> f64 {
     suitable(extent, largest(&frame.displacement))
 }
 
-/// Largest displacement in the drawing, x and z [mm].
+/// Largest displacement in the drawing plane, x and z [mm].
 pub(super) fn largest(displacement: &[[f64; 3]]) -> f64 {
     let size = displacement.iter().map(|u| u[0].hypot(u[2]));
     size.fold(0.0, f64::max)
 }
 
-/// Factor by which displacements as large as `largest` are drawn on a model of this extent [mm].
+/// Magnification for displacements up to `largest` on a model of this extent [mm].
 pub(super) fn suitable(extent: f64, largest: f64) -> f64 {
     let most = 0.04 * extent / largest;
-    // Not finite: nothing has moved, or nothing is there.
+    // It is not finite if nothing has moved or the model is empty.
     if !(most.is_finite() && most > 1.0) {
         return 1.0;
     }
@@ -365,7 +365,7 @@ pub(super) fn suitable(extent: f64, largest: f64) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// x₀, z₀, x₁, z₁ of all corners; a unit square if there are none.
+/// x₀, z₀, x₁, z₁ of all corners; a unit square without corners.
 fn bounds(quads: &[Quad]) -> [f64; 4] {
     let corners = quads.iter().flat_map(|q| q.corners);
     let start = [
@@ -391,7 +391,7 @@ fn colour(material: usize, damage: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Text as XML takes it.
+/// Escapes text for XML.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
@@ -409,8 +409,7 @@ mod tests {
         let frame = fake::frame(&model, 1.0);
         let svg = crack_pattern(&model, &frame);
         assert_eq!(svg.matches("<polygon").count(), 2);
-        // Of the two cubes one has compressive damage 0, the other 0.4: two lines of one cross, and
-        // two in the legend.
+        // One of the two cubes has compressive damage 0, the other 0.4: the cross has two lines, the legend two more.
         assert_eq!(svg.matches("<line").count(), 4);
         assert!(svg.contains("Two cubes &amp; a &lt;gap&gt;"));
     }
@@ -419,7 +418,7 @@ mod tests {
     fn corners_lie_at_their_magnified_places() {
         let model = fake::model();
         let mut frame = fake::frame(&model, 0.0);
-        // The right cube moves by +1 mm in x and +0.5 mm in z; y does not show.
+        // The right cube moves by 1 mm in x and 0.5 mm in z; the displacement in y is not visible.
         for u in &mut frame.displacement[8..] {
             *u = [1.0, 7.0, 0.5];
         }

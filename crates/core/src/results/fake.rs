@@ -1,14 +1,16 @@
-//! A small model with invented fields, for the tests of this room.
+//! A small model with invented fields for the tests of this module.
 
-use super::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Sizes, Status, Summary};
+use crate::element::Formulation;
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Formulation, Gravity, GroundMotion, Increments,
-    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
+    Output, Procedure, Step, Tangent, Tolerance,
 };
+use crate::model::sizes::Sizes;
 use crate::model::{Mesh, Model};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, Status, Summary};
 
-/// Two cubes of 100 mm side by side, a gap of 2 mm between them, a preload and a driven step.
+/// Two cubes of 100 mm side by side with a gap of 2 mm; a preload and a driven step.
 pub fn model() -> Model {
     let mut mesh = Mesh::default();
     for cube in 0..2_u32 {
@@ -84,7 +86,7 @@ pub fn model() -> Model {
     }
 }
 
-/// Fields that differ from node to node, element to element and time to time.
+/// Fields that vary with node, element and time.
 pub fn frame(model: &Model, time: f64) -> Frame {
     let elements = 0..model.mesh.elements.len();
     let points = 4 * model.contact.slave_facets.len();
@@ -119,7 +121,7 @@ pub fn frame(model: &Model, time: f64) -> Frame {
     }
 }
 
-/// A row of the driven step at this displacement and force.
+/// A row with this displacement and force.
 pub fn row(increment: usize, step: usize, displacement: f64, force: f64) -> HistoryRow {
     HistoryRow {
         increment,
@@ -130,7 +132,7 @@ pub fn row(increment: usize, step: usize, displacement: f64, force: f64) -> Hist
     }
 }
 
-/// What a solver says of a small run.
+/// Summary of a small run.
 pub fn summary(status: Status) -> Summary {
     let sizes = Sizes {
         units: 2,

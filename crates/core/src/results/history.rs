@@ -1,33 +1,32 @@
-//! `history.csv`: a row an increment, on disk before the next increment starts.
+//! Writer of `history.csv`: each row is in the file before the next increment starts.
 
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::HistoryRow;
 use crate::files::{Extent, NewFile};
 use crate::model::Model;
 use crate::model::columns::FIXED;
+use crate::state::HistoryRow;
 
-/// Writes `history.csv`. The columns are the fields of [`HistoryRow`], in order, then the model's
-/// probes and loads.
+/// Writes `history.csv`. The columns are the fields of [`HistoryRow`] in order, then the model's probes and loads.
 ///
-/// Each row goes to the file in one call. Whoever reads while it is under way, or after a run was
-/// killed in it, may still find the last row without its end, since systems write page by page:
-/// what has no line break after it is no row, and [`RunFolder::history`](super::RunFolder::history)
-/// leaves it out. Numbers are the shortest decimals which read back to the same bits.
+/// Each row is written by one call. Systems write page by page, however, so a reader may find an incomplete last row
+/// during the run or after it was killed. Text without a final line break is not a row;
+/// [`RunFolder::history`](super::RunFolder::history) ignores it. Numbers are the shortest decimals that read back to
+/// the same bits.
 #[derive(Debug)]
 pub struct HistoryWriter {
     file: File,
-    /// Bytes of whole rows, the header included, and their check sum.
+    /// Size of the complete rows and the header [byte], and their check sum.
     whole: u64,
     sum: crc32fast::Hasher,
-    /// Number of the model's own columns, see [`Model::columns`].
+    /// Number of columns specific to the model, see [`Model::columns`].
     probes: usize,
 }
 
 impl HistoryWriter {
-    /// Creates the file at `path`, in place of one that is there, with the header.
+    /// Creates the file with its header at `path` and replaces an existing one.
     ///
     /// # Errors
     /// The file cannot be created or written.
@@ -35,7 +34,7 @@ impl HistoryWriter {
         Self::begin(path, model, header(model).as_bytes())
     }
 
-    /// A new file that begins with these whole lines.
+    /// Creates a file that begins with these complete lines.
     fn begin(path: &Path, model: &Model, lines: &[u8]) -> io::Result<Self> {
         let new = NewFile::create(path)?;
         let mut history = Self {
@@ -50,11 +49,11 @@ impl HistoryWriter {
         Ok(history)
     }
 
-    /// Goes on after these whole lines, the header and rows of a run of this model. They are written to a new file, so
-    /// that a link to the old one keeps what it had.
+    /// Continues a history after the given complete lines: the header and rows of a run of this model. They are
+    /// written to a new file, so that a hard link to the old file keeps its content.
     ///
     /// # Errors
-    /// They have other columns than the model, or cannot be written.
+    /// The columns are not those of the model, or the file cannot be written.
     pub fn resume(path: &Path, model: &Model, lines: &[u8]) -> io::Result<Self> {
         if !lines.starts_with(header(model).as_bytes()) {
             let why = "its columns are not those of the model";
@@ -63,7 +62,7 @@ impl HistoryWriter {
         Self::begin(path, model, lines)
     }
 
-    /// How far the file goes: whole rows.
+    /// Size and check sum of the complete rows.
     pub fn extent(&self) -> Extent {
         Extent {
             bytes: self.whole,
@@ -74,7 +73,7 @@ impl HistoryWriter {
     /// Waits until the rows are on the disk.
     ///
     /// # Errors
-    /// The system's.
+    /// Errors of the system.
     pub fn sync(&self) -> io::Result<()> {
         self.file.sync_data()
     }
@@ -82,8 +81,7 @@ impl HistoryWriter {
     /// Appends one row.
     ///
     /// # Errors
-    /// The row has not as many probes as the model, or could not be written; what had got to the disk
-    /// of it is cut off again.
+    /// The row has a wrong number of probes, or it cannot be written. A partly written row is removed.
     pub fn append(&mut self, row: &HistoryRow) -> io::Result<()> {
         if row.probes.len() != self.probes {
             let (found, wanted) = (row.probes.len(), self.probes);
@@ -93,10 +91,10 @@ impl HistoryWriter {
         self.write(&line(row)?)
     }
 
-    /// Writes whole lines or nothing.
+    /// Writes complete lines or nothing.
     fn write(&mut self, lines: &[u8]) -> io::Result<()> {
         if let Err(error) = self.file.write_all(lines).and_then(|()| self.file.flush()) {
-            // Best effort: the error that matters is the one which brought us here.
+            // Best effort: the first error is the one to report.
             let _ = self.file.set_len(self.whole);
             return Err(error);
         }
@@ -106,7 +104,7 @@ impl HistoryWriter {
     }
 }
 
-/// The line of a row.
+/// Text of a row.
 fn line(row: &HistoryRow) -> io::Result<Vec<u8>> {
     let mut writer = csv::WriterBuilder::new()
         .has_headers(false)
@@ -119,10 +117,10 @@ fn line(row: &HistoryRow) -> io::Result<Vec<u8>> {
         .map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// The file of a model with these rows.
+/// Text of the history of a model with these rows.
 ///
 /// # Errors
-/// None that rows which were read can cause.
+/// None for rows that were read from a history.
 pub fn written(model: &Model, rows: &[HistoryRow]) -> io::Result<Vec<u8>> {
     let mut bytes = header(model).into_bytes();
     for row in rows {
@@ -131,7 +129,7 @@ pub fn written(model: &Model, rows: &[HistoryRow]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The first line of the history of a model.
+/// Header of the history of a model.
 fn header(model: &Model) -> String {
     let fixed = FIXED.map(str::to_owned).into_iter();
     let columns: Vec<String> = fixed.chain(model.columns()).collect();
@@ -141,8 +139,8 @@ fn header(model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::deck::ProbeQuantity;
     use crate::model::probes::Probe;
+    use crate::model::probes::ProbeQuantity;
     use crate::results::fake;
 
     const HEADER: &str = "increment,step,time,displacement_mm,force_kN,reaction_kN,iterations,\
@@ -156,7 +154,7 @@ mod tests {
         writer.serialize(HistoryRow::default()).unwrap();
         let text = String::from_utf8(writer.into_inner().unwrap()).unwrap();
         let header = text.lines().next().unwrap();
-        // Fields of a row, in the order in which the model names them.
+        // The fields of a row, in the order of the model's column names.
         assert_eq!(header, FIXED.join(","));
         assert!(header.starts_with(HEADER), "{header}");
         assert_eq!(
@@ -215,7 +213,7 @@ mod tests {
         let error = HistoryWriter::resume(&path, &model, b"increment,step\n1,0\n").unwrap_err();
         assert!(error.to_string().contains("columns"), "{error}");
         assert_eq!(std::fs::read(&path).unwrap(), whole);
-        // Whatever changes in the rows is seen, and what comes after them is not.
+        // A change within the rows is detected; a change after them is not.
         let extent = Extent::of(&whole[..second]);
         for at in 0..whole.len() {
             let mut changed = whole.clone();

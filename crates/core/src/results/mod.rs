@@ -1,16 +1,16 @@
-//! What a run leaves behind.
+//! Result files of a run: their writers and their readers.
 //!
 //! ```text
-//! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          a row an increment
-//!                                               ├─▶ results.vtkhdf       a step an output increment; beside it
-//!                                               │                        results.interfaces.vtkhdf, a link
-//!                                               ├─▶ run.mcap             messages an increment
-//!                                               ├─▶ model.toml           the deck, overrides taken in
-//!                                               ├─▶ checkpoint.bin       to go on from, replaced as the run goes
+//! solve ──row, frame──▶ Recorder = RunDirectory ──▶ history.csv          one row per increment
+//!                                               ├─▶ results.vtkhdf       one step per output increment; beside it
+//!                                               │                        results.interfaces.vtkhdf, which links to it
+//!                                               ├─▶ run.mcap             messages per increment
+//!                                               ├─▶ model.toml           the deck with its overrides
+//!                                               ├─▶ checkpoint.bin       state to resume from, replaced during the run
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
-//!                                               └─▶ summary.json         last: its presence says "whole"
-//! RunFolder reads them back: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
-//! CSV, INP). StoppedRun goes on with them.
+//!                                               └─▶ summary.json         written last: marks a complete folder
+//! RunFolder reads them: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
+//! CSV, INP). StoppedRun resumes from them.
 //! ```
 
 mod beside;
@@ -21,7 +21,6 @@ pub mod curve;
 pub mod directory;
 pub mod elevation;
 pub mod export;
-pub mod frame;
 pub mod history;
 pub mod mcap;
 pub mod plot;
@@ -39,21 +38,16 @@ pub mod vtkhdf;
 pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
-pub use crate::model::sizes::Sizes;
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 pub use directory::{OutputError, RunDirectory};
-pub use frame::{
-    Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, InterfaceState, Lost, Recorder, Status,
-    Summary,
-};
 pub use history::HistoryWriter;
 pub use mcap::McapWriter;
 pub use reading::{ReadError, ReadHistory, RunFolder};
 pub use report::Report;
 pub use resuming::{ResumeError, Resumed, StoppedRun};
 pub use snapshot::{FrameChoice, Snapshot};
-pub use summary::{EnergyBalance, SummaryFile};
+pub use summary::SummaryFile;
 pub use verdict::{Verdict, VerdictKind};
 pub use vtkhdf::VtkHdfWriter;
 pub use vtkhdf::read::FieldsFile;

@@ -1,4 +1,4 @@
-//! `load_displacement.svg`: force against displacement, the peak marked.
+//! `load_displacement.svg`: force against displacement with the peak marked.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -10,10 +10,10 @@ const SIZE: (u32, u32) = (800, 560);
 const CURVE: RGBColor = RGBColor(31, 78, 121);
 const MARK: RGBColor = RGBColor(178, 34, 34);
 
-/// The load-displacement curve as SVG text. An undriven run gives empty axes.
+/// The load-displacement curve as SVG text. A run without a drive has empty axes.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// Message of plotters if it cannot draw.
 pub fn load_displacement(title: &str, curve: &Curve) -> Result<String, String> {
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -63,7 +63,7 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
             brief(peak.force),
             brief(peak.displacement)
         );
-        // Beside the curve's descent there is room; left of a peak at the right end, too.
+        // The label lies to the right, above the descending curve, or to the left for a peak near the right end.
         let left =
             at.0 > chart.x_range().start + 0.7 * (chart.x_range().end - chart.x_range().start);
         let offset = (if left { -170 } else { 8 }, -20);
@@ -73,7 +73,7 @@ fn draw<'a>(root: &DrawingArea<SVGBackend<'a>, Shift>, title: &str, curve: &Curv
     Ok(())
 }
 
-/// Four significant digits, never an exponent: couplets peak at micrometres, walls at millimetres.
+/// Four significant digits without an exponent: peaks lie between micrometres (couplets) and millimetres (walls).
 pub(super) fn brief(value: f64) -> String {
     let digits = if value == 0.0 {
         0
@@ -83,7 +83,7 @@ pub(super) fn brief(value: f64) -> String {
     format!("{value:.*}", digits.clamp(0, 9) as usize)
 }
 
-/// A range around the values and zero, with a little air on the side of the values.
+/// A range that contains the values and zero, with a margin of 8 %.
 fn span(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite())

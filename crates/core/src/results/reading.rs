@@ -1,4 +1,4 @@
-//! Reads the folder of a run back: history, summary, deck, fields.
+//! Readers of the files in a run folder: history, summary, deck, fields.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,57 +8,58 @@ use miette::Diagnostic;
 use super::checkpoint::{CHECKPOINT, CheckpointFile};
 use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
 use super::vtkhdf::read::FieldsFile;
-use super::{Curve, HistoryRow, StepOfCurve, SummaryFile};
+use super::{Curve, StepOfCurve, SummaryFile};
+use crate::deck::Deck;
 use crate::files;
-use crate::model::Deck;
 use crate::model::columns::FIXED;
+use crate::state::HistoryRow;
 
-/// Longest text that is read: ten million rows of a history have less.
+/// Largest size of a text file that is read [byte]. Ten million rows of a history take less.
 const MOST_TEXT: u64 = 1 << 32;
 
-/// Results that cannot be read.
+/// Errors of reading results.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum ReadError {
-    /// No folder of a run.
+    /// The path is not a run folder.
     #[error("{}: no results of a run: there is no {HISTORY}", .0.display())]
     #[diagnostic(help(
         "name the folder that a run wrote, MODEL.out beside the model unless --out said otherwise"
     ))]
     NoRun(PathBuf),
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[error("{}: cannot be read: {why}", path.display())]
     #[diagnostic(help("check that the file is there and whole, and that you may read it"))]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system or HDF5 says.
+        /// Message of the system or of HDF5.
         why: io::Error,
     },
-    /// A frame that is not there.
+    /// A requested frame does not exist.
     #[error("{}: there is no frame {asked}: {}", path.display(), frames(*count))]
     #[diagnostic(help("frames count from 0, as in ParaView; or say `peak` or `last`"))]
     NoFrame {
         /// The file.
         path: PathBuf,
-        /// What was asked for.
+        /// The requested frame.
         asked: String,
-        /// How many there are.
+        /// Number of frames in the file.
         count: usize,
     },
-    /// A file with other content than it should have.
+    /// A file has unexpected content.
     #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
     #[diagnostic(help("the file was changed, or written by another version of wythe"))]
     Content {
         /// The file.
         path: PathBuf,
-        /// Line, from 1, where one is to blame.
+        /// Line from 1, if one is at fault.
         line: Option<u64>,
-        /// What is wrong.
+        /// Description of the fault.
         why: String,
     },
 }
 
-/// Which frames there are, in words.
+/// Message on the available frames.
 fn frames(count: usize) -> String {
     match count.checked_sub(1) {
         None => "the run has written none yet".to_owned(),
@@ -66,21 +67,20 @@ fn frames(count: usize) -> String {
     }
 }
 
-/// `history.csv` as it was written.
+/// Content of `history.csv`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadHistory {
-    /// Rows, an increment each.
+    /// Rows, one per increment.
     pub rows: Vec<HistoryRow>,
-    /// Columns of the probes.
+    /// Names of the probe columns.
     pub probes: Vec<String>,
-    /// The part of each step in the load-displacement curve, as the run counts them; none where the folder has no deck.
-    /// `[step]`
+    /// Use of each step in the load-displacement curve; `None` if the folder has no deck. `[step]`
     pub steps: Option<Vec<StepOfCurve>>,
 }
 
 impl ReadHistory {
-    /// Which rows are of driven steps. Where no deck tells which these are, a step is taken as driven if the displacement
-    /// changes in it. `[row]`
+    /// Whether each row belongs to a driven step. Without a deck, a step counts as driven if its displacement
+    /// changes. `[row]`
     pub fn driven(&self) -> Vec<bool> {
         if let Some(steps) = &self.steps {
             let of = |row: &HistoryRow| steps.get(row.step).is_some_and(|of| of.driven);
@@ -96,7 +96,7 @@ impl ReadHistory {
         driven
     }
 
-    /// The load-displacement curve of the driven steps.
+    /// Load-displacement curve of the driven steps.
     pub fn curve(&self) -> Curve {
         let mut curve = Curve::default();
         let steps = self.steps.as_deref().unwrap_or_default();
@@ -107,7 +107,7 @@ impl ReadHistory {
         curve
     }
 
-    /// Step time of the largest force of the curve [s]; none where nothing was driven.
+    /// Step time of the largest force of the curve [s]; `None` if nothing was driven.
     pub fn time_of_peak(&self) -> Option<f64> {
         let peak = self.curve().peak()?;
         let here =
@@ -116,17 +116,17 @@ impl ReadHistory {
     }
 }
 
-/// The folder of a run, finished, going on or killed.
+/// Folder of a run that has ended, is still running or was killed.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
 }
 
 impl RunFolder {
-    /// Takes a folder that has a history.
+    /// Opens a folder that has a history.
     ///
     /// # Errors
-    /// [`ReadError::NoRun`].
+    /// [`ReadError::NoRun`] if it has none.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         if path.join(HISTORY).is_file() {
             Ok(Self {
@@ -142,10 +142,10 @@ impl RunFolder {
         &self.path
     }
 
-    /// Every whole row of the history.
+    /// All complete rows of the history.
     ///
     /// # Errors
-    /// The file cannot be read or holds something else.
+    /// The file cannot be read or has unexpected content.
     pub fn history(&self) -> Result<ReadHistory, ReadError> {
         let path = self.path.join(HISTORY);
         let text = files::read(&path, MOST_TEXT).map_err(|why| ReadError::Read {
@@ -158,10 +158,10 @@ impl RunFolder {
         })
     }
 
-    /// The summary; none if the run goes on, was killed or could not write.
+    /// The summary; `None` if the run has not ended, was killed or could not write.
     ///
     /// # Errors
-    /// The file cannot be read or holds something else.
+    /// The file cannot be read or has unexpected content.
     pub fn summary(&self) -> Result<Option<SummaryFile>, ReadError> {
         let path = self.path.join(SUMMARY);
         let Some(text) = read_if_there(&path)? else {
@@ -176,7 +176,7 @@ impl RunFolder {
             })
     }
 
-    /// The deck that was run, overrides taken in; none of folders that hold no copy.
+    /// The deck of the run with its overrides; `None` if the folder has no copy.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -184,8 +184,8 @@ impl RunFolder {
         read_if_there(&self.path.join(DECK))
     }
 
-    /// A deck of this folder with the place of the files that it names: where the run found them, or where they are now
-    /// if the project was moved, as its checkpoint tells; or this folder.
+    /// Sets the folder in which the files named by a deck are looked up. The checkpoint knows it, and also finds the
+    /// files if the whole project was moved. Without a checkpoint it is the run folder.
     pub fn place(&self, deck: Deck) -> Deck {
         match CheckpointFile::read(&self.path.join(CHECKPOINT)) {
             Ok(file) => file.place(&self.path, deck),
@@ -193,7 +193,7 @@ impl RunFolder {
         }
     }
 
-    /// The fields, read when they are asked for.
+    /// The field file; data sets are read on request.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -203,17 +203,17 @@ impl RunFolder {
     }
 }
 
-/// Every whole row of the text of a history; `path` is that of its file.
+/// Parses all complete rows of a history; `path` is used in errors only.
 ///
 /// # Errors
-/// It holds something else.
+/// The text has unexpected content.
 pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, ReadError> {
     let content = |line: Option<u64>, why: String| ReadError::Content {
         path: path.to_owned(),
         line,
         why,
     };
-    // A row that a full disk or a kill cut short has no end.
+    // The last row lacks its line break if the disk was full or the run was killed while writing.
     let whole = text
         .iter()
         .rposition(|b| *b == b'\n')
@@ -257,9 +257,8 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     Ok(history)
 }
 
-/// The part of each step of a deck in the load-displacement curve: it has the steps that drive, or those that load if none
-/// drives.
-/// `[step]`
+/// Use of each step of a deck in the load-displacement curve: the steps that drive count, or those with loads if none
+/// drives. `[step]`
 fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     let deck: toml::Table = deck.parse().ok()?;
     let steps = deck.get("steps")?.as_array()?;
@@ -293,7 +292,9 @@ fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Recorder, RunDirectory, Status, fake};
+    use crate::results::{RunDirectory, fake};
+    use crate::solve::Recorder;
+    use crate::state::Status;
 
     #[test]
     fn a_folder_reads_back_what_was_recorded() {

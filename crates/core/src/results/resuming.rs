@@ -1,4 +1,4 @@
-//! A run that stopped, or was stopped, and goes on in its folder.
+//! Resumes a run that has stopped, in its own folder.
 
 use std::fs::File;
 use std::io;
@@ -16,31 +16,32 @@ use super::mcap::Mark;
 use super::reading::read_history;
 use super::vtkhdf::read::FieldsFile;
 use super::{
-    Frame, HistoryRow, HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder,
-    Status, VtkHdfWriter,
+    HistoryWriter, McapWriter, OutputError, ReadError, RunDirectory, RunFolder, VtkHdfWriter,
 };
+use crate::deck::Deck;
+use crate::deck::schema::DeckChange;
 use crate::error::{DeckError, ModelError};
 use crate::files::{Extent, NewFile};
-use crate::model::deck::DeckChange;
-use crate::model::{Deck, Model};
+use crate::model::Model;
 use crate::solve::{Checkpoint, CheckpointError};
+use crate::state::{Frame, HistoryRow, Status};
 
-/// A run that cannot go on.
+/// Reasons why a run cannot be resumed.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum ResumeError {
-    /// The folder is not one of a run, or its files cannot be read.
+    /// The folder is not that of a run, or its files cannot be read.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Read(#[from] ReadError),
-    /// There is no checkpoint that could be taken up.
+    /// There is no usable checkpoint.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Checkpoint(#[from] CheckpointFileError),
-    /// Another run writes into the folder, or it cannot be written into.
+    /// Another run is writing into the folder, or it is not writable.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Output(#[from] OutputError),
-    /// The deck is wrong.
+    /// The deck is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deck(#[from] DeckError),
@@ -50,16 +51,16 @@ pub enum ResumeError {
     Changed {
         /// The deck in the folder.
         path: PathBuf,
-        /// What has changed.
+        /// Description of the change.
         change: DeckChange,
     },
-    /// The run had no deck that the folder would hold.
+    /// The folder or the checkpoint has no deck.
     #[error("{}: there is no {DECK}, or the checkpoint knows none", .0.display())]
     #[diagnostic(help(
         "a run from a deck keeps it there: put it back, or begin anew with `wythe run`"
     ))]
     NoDeck(PathBuf),
-    /// The model is not that of the checkpoint though the deck is.
+    /// The model differs from that of the checkpoint although the deck is the same.
     #[error("{}: {why}", path.display())]
     #[diagnostic(help(
         "the deck is the same: a file that it names has changed, or this is another version of wythe"
@@ -67,7 +68,7 @@ pub enum ResumeError {
     OtherModel {
         /// The checkpoint.
         path: PathBuf,
-        /// What differs.
+        /// Description of the difference.
         why: CheckpointError,
     },
 }
@@ -84,24 +85,25 @@ impl From<ModelError> for ResumeError {
     }
 }
 
-/// The folder of a run that has stopped, locked for whoever goes on with it.
+/// Locked folder of a run that has stopped.
 #[derive(Debug)]
 pub struct StoppedRun {
     path: PathBuf,
     lock: File,
     file: CheckpointFile,
-    /// The last step then over the one now, and whether it is longer.
+    /// Old length of the last step over its present length; 1 unless the step was lengthened.
     part: f64,
 }
 
-/// A run that can go on: `solve::resume(model, checkpoint, &mut directory)`, or `solve::run` without a checkpoint.
+/// A run that is ready to continue: by `solve::resume(model, checkpoint, &mut directory)`, or by `solve::run` if
+/// there is no checkpoint.
 #[derive(Debug)]
 pub struct Resumed {
-    /// The folder, its files cut back to the checkpoint.
+    /// The folder; its files end at the checkpoint.
     pub directory: RunDirectory,
-    /// Where the solver was; none where the run must begin anew, by `solve::run`.
+    /// State of the solver; `None` if the run must start again by `solve::run`.
     pub checkpoint: Option<Checkpoint>,
-    /// What is not as it should be, and no reason to stop.
+    /// Faults that do not prevent the continuation.
     pub warnings: Vec<String>,
 }
 
@@ -109,7 +111,7 @@ impl StoppedRun {
     /// Locks the folder and reads its checkpoint. Nothing is changed yet.
     ///
     /// # Errors
-    /// No folder of a run, another run in it, no checkpoint or a damaged one.
+    /// The folder is not that of a run, another run is using it, or the checkpoint is missing or damaged.
     pub fn open(path: &Path) -> Result<Self, ResumeError> {
         let _is_a_run = RunFolder::open(path)?;
         let lock = lock(path)?;
@@ -122,17 +124,17 @@ impl StoppedRun {
         })
     }
 
-    /// Where the solver was.
+    /// State of the solver.
     pub fn checkpoint(&self) -> &Checkpoint {
         &self.file.solver
     }
 
-    /// The deck in the folder, keys of `overrides` (dotted path, value) said anew, if the run can go on
-    /// with it: beside the title and `output` only the last step may differ, by being longer. That keeps
-    /// its speed and its increments.
+    /// The deck in the folder with `overrides` (dotted path, value), checked against the deck of the run. Only the
+    /// title, `output` and the length of the last step may differ; a longer last step keeps its speed and its
+    /// increment sizes.
     ///
     /// # Errors
-    /// There is no deck, it is wrong, or it has changed in what decides the results.
+    /// The deck is missing or invalid, or a change affects the results.
     pub fn deck(&mut self, overrides: &[(String, String)]) -> Result<Deck, ResumeError> {
         let path = self.path.join(DECK);
         let (Some(text), true) = (&self.file.deck, path.is_file()) else {
@@ -151,26 +153,27 @@ impl StoppedRun {
         Ok(deck)
     }
 
-    /// Whether everything of `model` is done and written.
+    /// Whether all steps of `model` are computed and their results written.
     ///
     /// # Errors
-    /// There is no run any more.
+    /// The folder is no longer that of a run.
     pub fn is_complete(&self, model: &Model) -> Result<bool, ResumeError> {
         let done = self.part == 1.0 && self.file.solver.is_the_end_of(model);
-        // One that cannot be read says nothing, and is written again.
+        // An unreadable summary counts as missing and is written again.
         let summary = RunFolder::open(&self.path)?.summary().unwrap_or(None);
         let status = summary.map(|summary| summary.status);
-        // Of what has collapsed nothing is left to do.
+        // A collapsed run has no further increments.
         let collapsed = self.part == 1.0 && status == Some(Status::Collapsed);
         Ok(collapsed || (done && status == Some(Status::Completed)))
     }
 
-    /// Goes on with the files of the folder up to the checkpoint. All of them are judged by its check sums before any is
-    /// changed. A history that is damaged is made anew from the fields; fields and messages that are damaged begin
-    /// anew; where the history is lost, the run does. What is damaged is kept under another name.
+    /// Prepares the files of the folder for continuation from the checkpoint. All files are checked by their check
+    /// sums before any of them is changed. A damaged history is rebuilt from the fields; damaged fields or messages
+    /// start again; without a history the run starts again. Damaged files are kept under another name.
     ///
     /// # Errors
-    /// The model is not that of the checkpoint, or a file cannot be written. Nothing is changed if the model is to blame.
+    /// The model is not that of the checkpoint, or a file cannot be written. The folder is unchanged if the model is
+    /// at fault.
     pub fn resume(mut self, model: &Model) -> Result<Resumed, ResumeError> {
         if self.part < 1.0 {
             self.file.solver.lengthen(model, self.part);
@@ -198,7 +201,7 @@ impl StoppedRun {
         };
         let fields = self.fields(model, &rows);
         let messages = self.messages(model);
-        // All is judged. What says "whole" goes before anything else changes.
+        // All files are checked. The summary, which marks a complete folder, is removed before anything else changes.
         remove(&path, &[SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, REPORT])?;
         let lines = match lines {
             Ok(lines) => lines,
@@ -207,7 +210,7 @@ impl StoppedRun {
                 warnings.push(format!(
                     "{HISTORY} cannot be read ({why}), nor made anew from {FIELDS}: {kept}the run begins anew"
                 ));
-                // What is half-written goes, too.
+                // Removes the temporary files of the fields and messages.
                 drop((fields, messages));
                 return Ok(Resumed {
                     directory: RunDirectory::begin(&path, self.lock, model)?,
@@ -265,7 +268,8 @@ impl StoppedRun {
         })
     }
 
-    /// The lines of the history up to the checkpoint, from the fields where they are not what they were; else why not.
+    /// Complete lines of the history up to the checkpoint, rebuilt from the fields if the file is damaged; or the
+    /// reason why there are none.
     fn history(&self, model: &Model) -> Result<Lines, String> {
         let extent = self.file.history;
         let why = match extent.read(&self.path.join(HISTORY)) {
@@ -290,7 +294,8 @@ impl StoppedRun {
         }
     }
 
-    /// The fields and the last frame that counts; else why they cannot go on. Readers see no change.
+    /// Fields and their last frame before the checkpoint, or the reason why they cannot continue. Readers see no
+    /// change.
     fn fields(
         &self,
         model: &Model,
@@ -317,8 +322,8 @@ impl StoppedRun {
         read().map_err(|why| first_line(&why))
     }
 
-    /// The messages up to the checkpoint and the file that is to take the place of the old one, or why there are none;
-    /// nothing if none are wanted.
+    /// Messages up to the checkpoint and the file that will replace the old one, or the reason why there are none;
+    /// `None` if the model asks for no messages.
     fn messages(&self, model: &Model) -> Option<Result<(McapWriter, NewFile), String>> {
         if !model.output.mcap {
             return None;
@@ -330,7 +335,7 @@ impl StoppedRun {
         })
     }
 
-    /// Messages that begin at the checkpoint.
+    /// Messages that start at the checkpoint.
     fn new_messages(
         &self,
         model: &Model,
@@ -359,22 +364,23 @@ impl StoppedRun {
 /// The history up to the checkpoint.
 struct Lines {
     bytes: Vec<u8>,
-    /// Why the file was not what it should be, if they come from elsewhere.
+    /// Fault of the file if the lines were rebuilt from the fields.
     made_anew: Option<String>,
 }
 
-/// Gives a damaged file another name, `history.damaged.csv`, and says so; nothing of what is not there.
+/// Renames a damaged file to the form `history.damaged.csv` and returns a message; the message is empty if there is
+/// no such file.
 fn set_aside(folder: &Path, name: &str) -> String {
     let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
     let aside = format!("{stem}.damaged.{ending}");
     match std::fs::rename(folder.join(name), folder.join(&aside)) {
         Ok(()) => format!("it is kept as {aside}, and "),
-        // Somebody may have taken it away; it is replaced then, or never was.
+        // The file may have been removed or never have existed.
         Err(_) => String::new(),
     }
 }
 
-/// HDF5 says more than anybody wants to read.
+/// Messages of HDF5 contain a whole stack of errors; the first line suffices.
 fn first_line(why: &io::Error) -> String {
     let why = why.to_string();
     why.lines().next().unwrap_or_default().to_owned()

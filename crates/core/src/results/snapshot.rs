@@ -1,19 +1,20 @@
-//! A run at one frame, checked so that whoever draws or exports it need not ask.
+//! Results of a run at one frame, checked for consistency before drawing or export.
 
 use std::str::FromStr;
 
 use super::vtkhdf::read::{FieldsFile, RestMesh, RestSurface};
-use super::{Frame, HistoryRow, ReadError, ReadHistory, RunFolder};
+use super::{ReadError, ReadHistory, RunFolder};
 use crate::model::Mesh;
+use crate::state::{Frame, HistoryRow};
 
-/// Which frame of a run.
+/// Choice of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameChoice {
-    /// This one, from 0.
+    /// Frame of this number, from 0.
     Number(usize),
-    /// The one nearest to the largest force.
+    /// Frame nearest to the largest force.
     Peak,
-    /// The last.
+    /// Last frame.
     #[default]
     Last,
 }
@@ -33,8 +34,7 @@ impl FromStr for FrameChoice {
     }
 }
 
-/// The mesh at rest and the fields of one frame; every index is in range and every field as long as
-/// its mesh.
+/// Mesh at rest and fields of one frame. Every index is in range and every field has the length of its mesh.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// Title of the model.
@@ -43,15 +43,15 @@ pub struct Snapshot {
     pub materials: Vec<String>,
     /// The solids at rest.
     pub mesh: Mesh,
-    /// Fields; without reactions and probes.
+    /// Fields without reactions and probes.
     pub frame: Frame,
     /// Number of the frame, from 0.
     pub number: usize,
     /// The interfaces at rest.
     pub surface: RestSurface,
-    /// Displacement of the corners of their quads [mm]. `[corner][xyz]`
+    /// Displacement of the corners of the interface quads [mm]. `[corner][xyz]`
     pub surface_displacement: Vec<[f64; 3]>,
-    /// The row of the history at this time, if there is one.
+    /// Row of the history at this time, if there is one.
     pub row: Option<HistoryRow>,
 }
 
@@ -69,7 +69,7 @@ impl From<RestMesh> for Mesh {
     }
 }
 
-/// A run's fields, open for several frames.
+/// The fields of a run, opened to read several frames.
 #[derive(Debug)]
 pub struct Snapshots {
     file: FieldsFile,
@@ -81,7 +81,7 @@ impl Snapshots {
     /// Opens the fields of a run.
     ///
     /// # Errors
-    /// They or the history cannot be read, or do not fit together.
+    /// The fields or the history cannot be read, or they do not fit together.
     pub fn open(folder: &RunFolder) -> Result<Self, ReadError> {
         let file = folder.fields()?;
         let read = |why| ReadError::Read {
@@ -103,20 +103,20 @@ impl Snapshots {
         })
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     pub fn count(&self) -> usize {
         self.file.times().len()
     }
 
-    /// The history beside the fields.
+    /// History of the run.
     pub fn history(&self) -> &ReadHistory {
         &self.history
     }
 
-    /// Number of the frame that is meant.
+    /// Number of the chosen frame.
     ///
     /// # Errors
-    /// [`ReadError::NoFrame`].
+    /// [`ReadError::NoFrame`] if there is no such frame.
     pub fn number(&self, choice: FrameChoice) -> Result<usize, ReadError> {
         let count = self.count();
         let none = |asked: String| ReadError::NoFrame {
@@ -134,7 +134,7 @@ impl Snapshots {
         }
     }
 
-    /// The frame whose time is nearest to that of the peak; the last where nothing was driven.
+    /// The frame nearest in time to the peak; the last one if nothing was driven.
     fn peak(&self) -> Option<usize> {
         let times = self.file.times();
         let Some(time) = self.history.time_of_peak() else {
@@ -147,7 +147,7 @@ impl Snapshots {
     /// Reads a frame.
     ///
     /// # Errors
-    /// There is no such frame, it cannot be read, or does not fit the mesh.
+    /// The frame does not exist, cannot be read or does not fit the mesh.
     pub fn at(&self, choice: FrameChoice) -> Result<Snapshot, ReadError> {
         let number = self.number(choice)?;
         let read = |why| ReadError::Read {
@@ -179,7 +179,7 @@ fn content(file: &FieldsFile, why: String) -> ReadError {
 }
 
 impl Snapshot {
-    /// Whether indices are in range and labels are there.
+    /// Checks that indices are in range and labels complete.
     fn check_rest(&self) -> Result<(), String> {
         let (mesh, surface) = (&self.mesh, &self.surface);
         let within = |nodes: &[u32], count: usize| nodes.iter().all(|&n| (n as usize) < count);
@@ -203,7 +203,7 @@ impl Snapshot {
         Ok(())
     }
 
-    /// Whether every field has its length.
+    /// Checks the length of every field.
     fn check_fields(&self) -> Result<(), String> {
         let (frame, mesh, of) = (&self.frame, &self.mesh, &self.frame.interfaces);
         let (nodes, elements, points) = (
@@ -242,7 +242,7 @@ impl Snapshot {
         Ok(())
     }
 
-    /// What the frame shows, in a few words.
+    /// Short caption of the frame.
     pub fn caption(&self) -> String {
         let (number, time) = (self.number, self.frame.time);
         match &self.row {
@@ -266,7 +266,8 @@ fn expect(name: &str, length: usize, wanted: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Recorder, RunDirectory, fake};
+    use crate::results::{RunDirectory, fake};
+    use crate::solve::Recorder;
 
     /// A run of the two cubes with its peak at the second of three frames.
     fn folder() -> (tempfile::TempDir, RunFolder) {

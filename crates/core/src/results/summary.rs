@@ -1,4 +1,4 @@
-//! `summary.json`: one run in one page.
+//! `summary.json`: the key figures of a run.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -7,31 +7,32 @@ use std::path::Path;
 use crate::files::write_whole;
 use crate::model::mirrored::part;
 
-use super::{Curve, Fall, HistoryRow, Status, Summary, Verdict, VerdictKind};
+use super::{Curve, Verdict, VerdictKind};
+use crate::state::{EnergyBalance, Fall, Status, Summary};
 
-/// The content of `summary.json`. Field names are its keys.
+/// Content of `summary.json`; the names of the fields are its keys.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
 pub struct SummaryFile {
-    /// How the run ended.
+    /// Status at the end of the run.
     pub status: Status,
-    /// What happened, in one sentence; empty in summaries of earlier versions.
+    /// Verdict in one sentence; empty in summaries of earlier versions.
     #[serde(default)]
     pub verdict: String,
-    /// The same in one word.
+    /// Verdict in one word.
     #[serde(default)]
     pub verdict_kind: Option<VerdictKind>,
-    /// Where, why and what to try, if it did not complete.
+    /// Place, reason and remedy, if the run did not complete.
     pub message: String,
     /// Largest force along the motion [kN], see [`Curve::peak`].
     pub peak_force_kN: Option<f64>,
-    /// Displacement there [mm].
+    /// Displacement at the peak [mm].
     pub displacement_at_peak_mm: Option<f64>,
-    /// Displacement after the peak at which the force is down to 0.8 of it [mm].
+    /// Displacement after the peak at which the force has fallen to 0.8 of the peak [mm].
     pub displacement_at_80_percent_mm: Option<f64>,
     /// Last displacement [mm].
     pub final_displacement_mm: Option<f64>,
-    /// Secant up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
+    /// Secant stiffness up to a tenth of the peak [kN/mm], see [`Curve::initial_stiffness`].
     pub initial_stiffness_kN_per_mm: Option<f64>,
     /// Units (bodies).
     pub units: usize,
@@ -39,68 +40,68 @@ pub struct SummaryFile {
     pub elements: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Unknowns that were solved.
+    /// Number of unknowns in the solution.
     pub dofs: usize,
     /// Contact points.
     pub contact_points: usize,
-    /// Planes that the scene is mirrored by, if one half of it was solved; two of a quarter.
+    /// Mirror planes used: one if half of the scene was solved, two for a quarter.
     #[serde(default)]
     pub mirror_planes: Vec<String>,
-    /// Converged increments.
+    /// Number of converged increments.
     pub increments: usize,
-    /// Linear solves.
+    /// Number of linear solves.
     pub iterations: usize,
-    /// Cut-backs.
+    /// Number of rejected increments.
     pub cutbacks: usize,
-    /// Factorisations.
+    /// Number of factorisations.
     pub factorisations: usize,
-    /// How many of them were saved because parts of the matrix had not changed, by their operations.
+    /// Factorisations saved by reusing unchanged parts of the matrix, weighted by their operations.
     #[serde(default)]
     pub reused: f64,
-    /// Solves of regions by themselves, where what is out of balance is found in few places.
+    /// Number of solves of regions, used if few nodes are out of balance.
     #[serde(default)]
     pub local_solves: usize,
-    /// Evaluations of all forces, those of the line search among them.
+    /// Number of evaluations of all forces, those of the line search included.
     pub force_evaluations: usize,
-    /// Wall-clock time from the creation of the folder to its end [s].
+    /// Wall-clock time from the creation of the folder to the end [s].
     pub wall_s: f64,
-    /// CPU time of the process meanwhile [s], where the system tells.
+    /// CPU time of the process in this time [s]; `None` if the system does not report it.
     pub cpu_s: Option<f64>,
-    /// Where the time went.
+    /// Wall-clock time by phase.
     pub seconds_by_phase: SecondsByPhase,
-    /// Largest resident memory [MB], where the system tells.
+    /// Peak resident memory [MB]; `None` if the system does not report it.
     pub peak_rss_MB: Option<f64>,
-    /// See [`EnergyBalance`] [-].
+    /// Error of the energy balance [-], see [`EnergyBalance`].
     pub energy_balance_error: f64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
     /// Version of wythe.
     pub version: String,
-    /// Warnings of the model, then of the run.
+    /// Warnings of the model, followed by those of the run.
     pub warnings: Vec<String>,
-    /// Where the procedure changed, and why.
+    /// Changes of procedure with their reasons.
     pub log: Vec<String>,
-    /// All that was dissipated [J].
+    /// Total dissipated energy [J].
     #[serde(default)]
     pub dissipated_energy_J: f64,
-    /// Largest force along the motion on the other side, of a drive to and fro [kN].
+    /// Largest force along the motion on the opposite side of a cyclic drive [kN].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opposite_peak_force_kN: Option<f64>,
-    /// Displacement there [mm].
+    /// Displacement at the opposite peak [mm].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement_at_opposite_peak_mm: Option<f64>,
-    /// What moved under inertia when the run ended, where that took over from statics.
+    /// Bodies in motion under inertia at the end of the run, if inertia took over from statics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fall: Option<Fall>,
-    /// Probes and loads by their columns in the history; absent without any.
+    /// Ranges of probes and loads by their history columns; absent without any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
 }
 
-/// What a probe has been through [mm, mm/s].
+/// Range of a probe over the run, in its unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ProbeRange {
-    /// Lowest value; none before any increment.
+    /// Lowest value; `None` before the first increment.
     pub lowest: Option<f64>,
     /// Highest value.
     pub highest: Option<f64>,
@@ -117,20 +118,20 @@ impl ProbeRange {
     }
 }
 
-/// Wall-clock seconds of the phases of a run.
+/// Wall-clock times of the phases of a run [s].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SecondsByPhase {
     /// Strains, stresses, tangents and forces of the elements.
     pub elements: f64,
-    /// Search and law of the contact.
+    /// Contact search and joint laws.
     pub contact: f64,
-    /// Gathering of matrix and residual.
+    /// Assembly of matrix and residual.
     pub assembly: f64,
-    /// Numeric and symbolic factorisation.
+    /// Symbolic and numeric factorisation.
     pub factorise: f64,
-    /// Substitution and refinement.
+    /// Substitution and iterative refinement.
     pub solve: f64,
-    /// Writing.
+    /// Writing of results.
     pub output: f64,
 }
 
@@ -147,95 +148,29 @@ impl From<[f64; 6]> for SecondsByPhase {
     }
 }
 
-/// How well the energies close (theory F): every term is integrated where it arises and none is
-/// found by difference, so that
-///
-/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i,
-///
-/// with W the work of reactions and loads, E the elastic and T the kinetic energy, and D the plastic
-/// and damage, interface, viscous, damping and numerical dissipations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct EnergyBalance {
-    /// maxᵢ |W − (E + T + ΣD)|ᵢ [J].
-    gap: f64,
-    /// maxᵢ |W|ᵢ [J].
-    work: f64,
-    /// ΣD of the last increment [J].
-    dissipated: f64,
-}
-
-impl EnergyBalance {
-    /// Adds an increment.
-    pub fn push(&mut self, row: &HistoryRow) {
-        self.dissipated = inside(row) - row.elastic_energy_J - row.kinetic_energy_J;
-        self.gap = larger(self.gap, Self::open(row).abs());
-        self.work = larger(self.work, row.external_work_J.abs());
-    }
-
-    /// W − (E + T + ΣD) after an increment [J].
-    pub fn open(row: &HistoryRow) -> f64 {
-        row.external_work_J - inside(row)
-    }
-
-    /// maxᵢ |W|ᵢ [J].
-    pub fn work(&self) -> f64 {
-        self.work
-    }
-
-    /// All that was dissipated [J].
-    pub fn dissipated(&self) -> f64 {
-        self.dissipated
-    }
-
-    /// The error [-]; zero before any work is done.
-    pub fn error(&self) -> f64 {
-        if self.work == 0.0 {
-            0.0
-        } else {
-            self.gap / self.work
-        }
-    }
-}
-
-/// E + T + ΣD after an increment [J].
-fn inside(row: &HistoryRow) -> f64 {
-    row.elastic_energy_J
-        + row.plastic_damage_dissipation_J
-        + row.interface_dissipation_J
-        + row.viscous_dissipation_J
-        + row.kinetic_energy_J
-        + row.damping_dissipation_J
-        + row.numerical_dissipation_J
-}
-
-/// The larger of two; a NaN wins, since a balance that cannot be computed does not close.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
-}
-
-/// What the summary needs beside the solver's own [`Summary`].
+/// Data of the summary beside the solver's [`Summary`].
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// The load-displacement curve.
     pub curve: &'a Curve,
-    /// What happened.
+    /// The verdict.
     pub verdict: &'a Verdict,
-    /// The energies.
+    /// The energy balance.
     pub energy: &'a EnergyBalance,
-    /// Probes by their columns.
+    /// Ranges of the probes by column.
     pub probes: &'a BTreeMap<String, ProbeRange>,
-    /// Wall-clock seconds of the run.
+    /// Wall-clock time of the run [s].
     pub wall_s: f64,
-    /// CPU seconds of the run.
+    /// CPU time of the run [s].
     pub cpu_s: Option<f64>,
-    /// Largest resident memory [MB].
+    /// Peak resident memory [MB].
     pub peak_rss_megabytes: Option<f64>,
     /// Warnings of the model.
     pub model_warnings: &'a [String],
 }
 
 impl SummaryFile {
-    /// Puts together what the solver knows and what was measured beside it.
+    /// Combines the data of the solver with the measured data.
     pub fn new(run: &Summary, measured: &Measured<'_>) -> Self {
         let peak = measured.curve.peak();
         let turns = measured.curve.turns_back();
@@ -286,17 +221,17 @@ impl SummaryFile {
         }
     }
 
-    /// What part of the scene was solved, in words; none if all of it.
+    /// Description of the solved part of the scene; `None` if all of it was solved.
     pub fn part_solved(&self) -> Option<String> {
         let part = part(self.mirror_planes.len())?;
         let planes = self.mirror_planes.join(" and ");
         Some(format!("{part} of it, mirrored by {planes}"))
     }
 
-    /// Writes the file whole or not at all.
+    /// Writes the whole file or nothing.
     ///
     /// # Errors
-    /// The file, or its temporary neighbour, cannot be written.
+    /// The file or its temporary version cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
@@ -308,31 +243,6 @@ impl SummaryFile {
 mod tests {
     use super::*;
     use crate::results::fake;
-    use approx::assert_relative_eq;
-
-    fn row(work: f64, elastic: f64, dissipations: [f64; 3]) -> HistoryRow {
-        HistoryRow {
-            external_work_J: work,
-            elastic_energy_J: elastic,
-            plastic_damage_dissipation_J: dissipations[0],
-            interface_dissipation_J: dissipations[1],
-            viscous_dissipation_J: dissipations[2],
-            ..HistoryRow::default()
-        }
-    }
-
-    #[test]
-    fn the_energy_error_is_the_largest_gap_over_the_largest_work() {
-        let mut balance = EnergyBalance::default();
-        assert_eq!(balance.error(), 0.0);
-        balance.push(&row(10.0, 6.0, [1.0, 2.0, 0.5])); // gap 0.5
-        balance.push(&row(-50.0, -50.0, [0.0; 3])); // the largest work, no gap
-        balance.push(&row(20.0, 5.0, [5.0, 5.0, 5.25])); // gap 0.25
-        assert_relative_eq!(balance.error(), 0.01, max_relative = 1e-14); // one division
-        balance.push(&row(f64::NAN, 0.0, [0.0; 3]));
-        balance.push(&row(10.0, 10.0, [0.0; 3]));
-        assert!(balance.error().is_nan());
-    }
 
     #[test]
     fn the_keys_are_those_promised_in_their_order() {

@@ -1,38 +1,38 @@
-//! What the process has used, as the system tells it.
+//! Use of time and memory by a process, from `/proc`.
 
-/// Clock ticks a second in `/proc` files: a constant of the Linux interface on every architecture
-/// that Rust targets.
+/// Clock ticks per second in `/proc` files: constant on every Linux architecture that Rust targets.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// CPU seconds of this process, all threads, user and system; none where `/proc` does not say.
+/// CPU time of this process, all threads, user and system [s]; `None` without `/proc`.
 pub fn cpu_seconds() -> Option<f64> {
     parse_cpu(&std::fs::read_to_string("/proc/self/stat").ok()?)
 }
 
-/// CPU seconds of another process, all threads, user and system; none where `/proc` does not say, or it is gone.
+/// CPU time of another process, all threads, user and system [s]; `None` without `/proc` or if the process has ended.
 pub fn cpu_seconds_of(process: u32) -> Option<f64> {
     parse_cpu(&std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?)
 }
 
-/// CPU seconds of the calling thread; none where `/proc` does not say.
+/// CPU time of the calling thread [s]; `None` without `/proc`.
 pub fn thread_cpu_seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     parse_schedule(&text)
 }
 
-/// Nanoseconds on the CPU, nanoseconds waiting, time slices (Documentation/scheduler/sched-stats.rst).
+/// The fields are nanoseconds on the CPU, nanoseconds waiting and time slices
+/// (Documentation/scheduler/sched-stats.rst).
 fn parse_schedule(schedstat: &str) -> Option<f64> {
     let nanoseconds: f64 = schedstat.split_ascii_whitespace().next()?.parse().ok()?;
     Some(nanoseconds * 1e-9)
 }
 
-/// Largest resident memory of this process so far [MB = 10⁶ byte]; none where `/proc` does not say.
+/// Peak resident memory of this process [MB = 10⁶ byte]; `None` without `/proc`.
 pub fn peak_memory_megabytes() -> Option<f64> {
     parse_peak(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-/// `pid (name) state …`: utime and stime are fields 14 and 15 of proc(5). The name may hold spaces
-/// and brackets, so fields are counted from the last bracket.
+/// `pid (name) state …`: utime and stime are fields 14 and 15 of proc(5). The name may contain spaces and brackets,
+/// so fields are counted from the last bracket.
 fn parse_cpu(stat: &str) -> Option<f64> {
     let mut fields = stat.rsplit_once(')')?.1.split_ascii_whitespace().skip(11);
     let user: u64 = fields.next()?.parse().ok()?;

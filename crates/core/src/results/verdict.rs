@@ -1,44 +1,44 @@
-//! The verdict on a run: what happened, in one plain sentence and one word.
+//! The verdict on a run: its result in one word and one sentence.
 
 use serde::{Deserialize, Serialize};
 
+use super::Curve;
 use super::curve::Peak;
-use super::{Curve, Fall, Frame, Status, Summary};
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::state::{Frame, Status, Summary};
 
-/// Part of the travel, up to the end, over which a force that still rises has risen by more than [`RISES`] of the largest.
+/// The force still rises if it has risen over this last part of the travel by more than [`RISES`] of the largest
+/// force.
 const LAST: f64 = 0.1;
 const RISES: f64 = 0.005;
-/// Kinetic energy over the energy that solids and joints have taken, above which something moves.
+/// Ratio of kinetic energy to the energy taken by solids and joints above which a body is moving.
 const MOVING: f64 = 1e-3;
-/// Bodies that a sentence names; the others are counted.
-const NAMES: usize = 4;
 
-/// What happened in a run.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Verdict {
     /// In one word.
     pub kind: VerdictKind,
-    /// In one sentence, without a full stop.
+    /// In one sentence without a full stop.
     pub text: String,
 }
 
-/// What happened, in one word.
+/// Result of a run in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VerdictKind {
-    /// The force along the drive has fallen from its largest value, or its largest values of a drive to and fro.
+    /// The force along the drive has fallen below its largest value; in a cyclic drive, at the same displacement.
     PeakPassed,
-    /// The force along the drive still rises at the end: it has no peak yet.
+    /// The force along the drive still rises at the end and has no peak yet.
     StillRising,
     /// The force along the drive neither rises nor falls at the end.
     Plateau,
-    /// Loads that nothing drives are in equilibrium.
+    /// Prescribed loads are in equilibrium.
     Stands,
-    /// Something moves under inertia when the run ends.
+    /// A body is moving under inertia at the end of the run.
     Moves,
-    /// No equilibrium is left, and bodies fall.
+    /// There is no equilibrium, and bodies fall.
     Collapsed,
     /// Convergence was lost.
     NotConverged,
@@ -46,7 +46,7 @@ pub enum VerdictKind {
     Interrupted,
 }
 
-/// The largest displacement at the end of a run.
+/// Largest displacement at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Farthest {
     /// Displacement of a node [mm].
@@ -56,7 +56,7 @@ pub struct Farthest {
 }
 
 impl Farthest {
-    /// Of a frame; none without nodes.
+    /// The largest nodal displacement of a frame; `None` without nodes.
     pub fn of(model: &Model, frame: &Frame) -> Option<Self> {
         let sizes = frame
             .displacement
@@ -72,17 +72,17 @@ impl Farthest {
     }
 }
 
-/// Kinetic energy at the end of a run [J], and that over the energy that solids and joints have taken [-].
+/// Motion at the end of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// [J]
+    /// Kinetic energy [J].
     pub kinetic: f64,
-    /// [-]
+    /// Ratio of the kinetic energy to the energy taken by solids and joints [-].
     pub part: f64,
 }
 
 impl Verdict {
-    /// On a run of a model that ended, its curve, the largest displacement at its end and its motion there.
+    /// Judges a run by its status, its curve, and the largest displacement and the motion at its end.
     pub fn on(
         model: &Model,
         run: &Summary,
@@ -119,10 +119,10 @@ impl Verdict {
         }
     }
 
-    /// On a curve; none if nothing is driven and loads only grow.
+    /// Verdict from the curve; `None` if nothing is driven and no path is followed.
     fn on_curve(model: &Model, curve: &Curve) -> Option<Self> {
         let is = |kind, text| Some(Self { kind, text });
-        // A load that is prescribed rises and falls for no other reason.
+        // A prescribed load follows its amplitude, so that its curve has no peak of its own.
         let finds = |step: &Step| {
             let follows = matches!(
                 step.procedure,
@@ -170,7 +170,7 @@ impl Verdict {
     }
 }
 
-/// On a run whose loads are all there.
+/// Verdict on a run at the end of prescribed loads.
 fn at_end(farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
     let far = farthest.map_or_else(String::new, |far| {
         format!("moved by at most {:.4} mm ({})", far.moved, far.body)
@@ -196,7 +196,7 @@ fn at_end(farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
     }
 }
 
-/// A sentence with the largest force of what was driven.
+/// Appends the largest force of the curve to a sentence.
 fn so_far(text: String, curve: &Curve) -> String {
     match curve.peak() {
         Some(peak) => format!(
@@ -212,61 +212,9 @@ fn step_drives(step: &Step) -> bool {
     step.motion.iter().flatten().any(driven) || step.springs.iter().flatten().any(|by| *by != 0.0)
 }
 
-impl Fall {
-    /// A collapse in one sentence.
-    pub fn collapsed(&self) -> String {
-        format!(
-            "collapsed at load factor {:.4} of step {} ({}): {}; kinetic energy {:.3} J",
-            self.load_factor,
-            self.step,
-            self.step_name,
-            self.moved(),
-            self.kinetic_energy_J
-        )
-    }
-
-    /// Which bodies moved, and how far.
-    pub fn moved(&self) -> String {
-        let Some(first) = self.bodies.first() else {
-            return "nothing moved".to_owned();
-        };
-        let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let names = match names[..] {
-            [only] => only.to_owned(),
-            [ref some @ .., last] if names.len() <= NAMES => {
-                format!("{} and {last}", some.join(", "))
-            }
-            _ => format!(
-                "{} and {} others",
-                names[..NAMES - 1].join(", "),
-                names.len() - (NAMES - 1)
-            ),
-        };
-        // Down rather than aside.
-        let falls = first.fall_mm > std::f64::consts::FRAC_1_SQRT_2 * first.moved_mm;
-        let (verb, by) = if falls {
-            ("fell", first.fall_mm)
-        } else {
-            ("moved", first.moved_mm)
-        };
-        let most = if self.bodies.len() == 1 { "" } else { "up to " };
-        format!("{names} {verb} by {most}{by:.1} mm")
-    }
-}
-
-impl Summary {
-    /// The summary of a whole scene that ended, with its collapse in words.
-    pub(crate) fn in_words(mut self) -> Self {
-        if let (Status::Collapsed, Some(fall)) = (self.status, &self.fall) {
-            self.message = fall.collapsed();
-        }
-        self
-    }
-}
-
 impl Motion {
-    /// Of the last increment.
-    pub fn of(row: &super::HistoryRow) -> Self {
+    /// Motion at the end of an increment.
+    pub fn of(row: &crate::state::HistoryRow) -> Self {
         let kinetic = row.kinetic_energy_J;
         let part = if kinetic > 0.0 {
             kinetic / row.taken_J()
@@ -280,7 +228,8 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{FallenBody, fake};
+    use crate::results::fake;
+    use crate::state::{Fall, FallenBody};
 
     fn verdict(run: &Summary, points: &[(f64, f64)]) -> Verdict {
         let curve = Curve::of_points(points);
@@ -303,10 +252,10 @@ mod tests {
         let (kind, text) = completed(&[(0.0, 0.0), (1.0, 10.0), (2.0, 20.0)]);
         assert_eq!(kind, VerdictKind::StillRising);
         assert!(!text.contains("peak of"), "{text}");
-        // A joint that slides: 0.4 % below its largest force.
+        // A sliding joint: 0.4 % below its largest force.
         let slides = [(0.0, 0.0), (0.1, 50.0), (10.0, 49.9), (20.0, 49.8)];
         assert_eq!(completed(&slides).0, VerdictKind::Plateau);
-        // From 49.5 to 50 kN over the last tenth of the way, 1 % of the largest.
+        // From 49.5 to 50 kN over the last tenth of the travel, 1 % of the largest force.
         let hardens = [(0.0, 0.0), (1.0, 40.0), (18.0, 49.5), (20.0, 50.0)];
         assert_eq!(completed(&hardens).0, VerdictKind::StillRising);
     }
@@ -335,7 +284,7 @@ mod tests {
     #[test]
     fn what_is_lost_or_interrupted_has_a_largest_force_until_then() {
         let mut lost = fake::summary(Status::NotConverged);
-        lost.lost = Some(crate::results::Lost {
+        lost.lost = Some(crate::state::Lost {
             place: "load factor 0.3652 of step 1 (push)".to_owned(),
             why: "the matrix is singular".to_owned(),
         });

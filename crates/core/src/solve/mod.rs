@@ -1,46 +1,22 @@
-//! From a frozen model to its converged frames.
+//! The solver: takes a frozen model to its converged increments.
+//!
+//! | Room | Holds |
+//! |---|---|
+//! | `increment` | one increment: predictor, Newton iterations, line search, convergence |
+//! | `stepping` | the steps of a run: increment sizes, procedures, acceptance, peaks, history rows |
+//! | `dynamics` | inertia: time integration, onset of motion, collapse |
+//! | `restart` | checkpoints and resumed runs |
+//! | `fidelity` | solution of a mirror half, or of an elastic substitute, instead of the whole model |
 
-mod account;
-mod balance;
-pub mod checkpoint;
-mod closure;
-mod collapse;
-mod commit;
-mod course;
-mod direction;
-pub mod drive;
 mod dynamics;
-mod elimination;
-mod energy_watch;
-mod explain;
 mod fidelity;
-mod fields;
-mod fingerprint;
-mod follow;
-mod hidden;
-mod inertia;
-mod judge;
-mod kept;
-mod ladder;
-mod line_search;
-mod loads;
-mod method;
-mod newton;
-mod outcome;
-mod path;
-mod peak;
-mod predict;
-mod probes;
-mod refuse;
-mod relaxation;
-mod schedule;
-pub mod state;
-mod stop;
-mod tally;
-mod told;
+mod increment;
 
-pub use checkpoint::{Checkpoint, CheckpointError, resume};
-pub use drive::{RunError, run};
-pub use method::Method;
-pub use outcome::Clock;
-pub use state::State;
+mod recorder;
+mod restart;
+mod stepping;
+
+pub use recorder::Recorder;
+pub use restart::checkpoint::{Checkpoint, CheckpointError, resume};
+
+pub use stepping::run::{RunError, run};

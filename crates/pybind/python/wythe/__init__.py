@@ -1,4 +1,4 @@
-"""wythe pushes walls of bricks to collapse: the detailed micro-model of masonry.
+"""wythe computes masonry to collapse with the detailed micro-model.
 
 >>> import wythe
 >>> wall = wythe.templates.couplet()
@@ -6,8 +6,8 @@
 >>> run.status
 'completed'
 
-Units are N, mm, MPa, tonne, s throughout; forces of histories are in kN. Tension is positive; a gap is
-positive when open.
+Units are N, mm, MPa, tonne and s; forces of histories are in kN. Tension is positive, and so is the gap of an
+open joint.
 """
 
 from __future__ import annotations
@@ -102,9 +102,10 @@ __all__ = [
 
 
 def command(arguments: Sequence[str]) -> int:
-    """Runs the ``wythe`` command with these arguments, and returns its exit code.
+    """Runs the ``wythe`` command with these arguments and returns its exit code.
 
-    It prints where the process prints. For what has no name of its own here, ``study stability`` among others.
+    It prints to the output of the process. It serves commands without a function of their own, such as
+    ``study stability``.
     """
     if isinstance(arguments, str) or not all(isinstance(item, str) for item in arguments):
         raise expected("arguments", "a sequence of str, e.g. ['check', 'wall.toml']", arguments)
@@ -117,7 +118,7 @@ def schema() -> str:
 
 
 class Salvaged(TypedDict):
-    """What :func:`salvage` has found."""
+    """Result of :func:`salvage`."""
 
     messages: int
     attachments: int
@@ -126,12 +127,15 @@ class Salvaged(TypedDict):
 
 
 def salvage(path: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Salvaged:
-    """Gives the messages (``run.mcap``) of an interrupted run an end and an index, in place or as ``out``.
+    """Repairs the messages (``run.mcap``) of an interrupted run, in place or as ``out``.
+
+    The file gets its end and its index.
 
     Returns
     -------
     Salvaged
-        A dictionary of ``messages``, ``attachments``, ``lost_bytes`` after the last whole record, and whether it ``was_whole``.
+        A dictionary of ``messages``, ``attachments``, ``lost_bytes`` after the last complete record, and whether
+        the file ``was_whole``.
     """
     target = None if out is None else as_path("out", out)
     messages, attachments, lost, whole = _wythe.salvage(as_path("path", path), target)

@@ -1,4 +1,4 @@
-"""The ``wythe`` command, as the wheel installs it."""
+"""The ``wythe`` command installed by the wheel."""
 
 from __future__ import annotations
 

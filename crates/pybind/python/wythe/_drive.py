@@ -1,4 +1,4 @@
-"""Single points: a material or an interface along prescribed paths, many at once."""
+"""Single points of a material or an interface along many prescribed paths."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ __all__ = [
 ]
 
 Floats = npt.NDArray[np.float64]
-#: A table of a deck, or one for each path.
+#: A table of a deck, or one table per path.
 Tables = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 
 
 class MaterialState(NamedTuple):
-    """What a material point has been through. Shapes as the strains', without their last axis."""
+    """State of material points. Leading axes are those of the strains."""
 
     strains: Floats
-    """Strains, those solved for among them [-]. Shape (..., rows, 6)."""
+    """Strains, including those that were solved for [-]. Shape (..., rows, 6)."""
     hardening_tension: Floats
     """Equivalent plastic strain in tension [-]. Shape (..., rows)."""
     hardening_compression: Floats
@@ -41,38 +41,38 @@ class MaterialState(NamedTuple):
     compressive_damage: Floats
     """Compressive damage [-]. Shape (..., rows)."""
     damage: Floats
-    """Damage of the stiffness now [-]. Shape (..., rows)."""
+    """Present damage of the stiffness [-]. Shape (..., rows)."""
 
 
 class MaterialResponse(NamedTuple):
-    """Answers of material points."""
+    """Response of material points."""
 
     stresses: Floats
     """Stresses xx, yy, zz, xy, yz, zx [MPa]. Shape (..., rows, 6)."""
     state: MaterialState
     """State after each row."""
     tangents: Floats
-    """Consistent tangents [MPa], stress by strain. Shape (..., rows, 6, 6)."""
+    """Consistent tangents, derivatives of stress with respect to strain [MPa]. Shape (..., rows, 6, 6)."""
 
 
 class InterfaceState(NamedTuple):
-    """What an interface point has been through."""
+    """State of interface points."""
 
     gaps: Floats
-    """Opening and two slips, those solved for among them [mm]. Shape (..., rows, 3)."""
+    """Opening and two slips, including those that were solved for [mm]. Shape (..., rows, 3)."""
     damage: Floats
     """Damage D [-]. Shape (..., rows)."""
 
 
 class InterfaceResponse(NamedTuple):
-    """Answers of interface points."""
+    """Response of interface points."""
 
     tractions: Floats
     """Tractions: normal, two shears, tension positive [MPa]. Shape (..., rows, 3)."""
     state: InterfaceState
     """State after each row."""
     tangents: Floats
-    """Consistent tangents [N/mm^3], traction by gap. Shape (..., rows, 3, 3)."""
+    """Consistent tangents, derivatives of traction with respect to gap [N/mm^3]. Shape (..., rows, 3, 3)."""
 
 
 def drive_material(
@@ -85,27 +85,27 @@ def drive_material(
     substeps: int = 1,
     errors: Literal["raise", "nan"] = "raise",
 ) -> MaterialResponse:
-    """Takes virgin material points along prescribed strains, each row one implicit step.
+    """Drives undamaged material points along prescribed strains with one implicit step per row.
 
     Parameters
     ----------
     material
-        A material as :func:`wythe.build.damage_plasticity` or :meth:`wythe.Model.material` gives it; or a
-        sequence of them, one for each path.
+        A material from :func:`wythe.build.damage_plasticity` or :meth:`wythe.Model.material`, or a sequence with
+        one material per path.
     strains
-        Strains xx, yy, zz, xy, yz, zx, engineering shear [-]. Shape (rows, 6) for one path, (paths, rows, 6)
-        (or more leading axes) for many, which are shared among the cores.
+        Strains xx, yy, zz, xy, yz, zx with engineering shear [-]. Shape (rows, 6) for one path, (paths, rows, 6)
+        or more leading axes for many paths, which are computed in parallel.
     stress
-        Components (``"yy"``, ...) whose columns of ``strains`` hold stresses [MPa] to be met instead.
+        Components (``"yy"``, ...) for which ``strains`` has prescribed stresses [MPa] instead.
     times
         Time at the end of each row [s], for viscosity. Shape (rows,); 1, 2, ... if not given.
     length
-        Size l_eq of the element whose softening is meant [mm]; without it tables are taken as given.
+        Element length l_eq for the scaling of softening [mm]; without it the tables are not scaled.
     substeps
-        Implicit steps to a row.
+        Number of implicit steps per row.
     errors
-        What happens where a law has no answer or a stress cannot be met: ``"raise"`` a PointError, or leave
-        ``"nan"`` from that row on.
+        Treatment of a row without a solution: ``"raise"`` raises a PointError, ``"nan"`` fills the path with nan
+        from that row on.
 
     Returns
     -------
@@ -115,9 +115,9 @@ def drive_material(
     Raises
     ------
     ModelError
-        The material cannot be.
+        The material is invalid.
     PointError
-        No answer, with the path and the row.
+        A row has no solution; the exception has its path and row.
     """
     if length is not None:
         length = _positive("length", length)
@@ -144,20 +144,20 @@ def drive_interface(
     substeps: int = 1,
     errors: Literal["raise", "nan"] = "raise",
 ) -> InterfaceResponse:
-    """Takes virgin interface points along prescribed gaps, each row one step.
+    """Drives undamaged interface points along prescribed gaps with one step per row.
 
     Parameters
     ----------
     interface
-        An interface as :func:`wythe.build.joint` or :meth:`wythe.Model.interface` gives it, with
-        ``normal_stiffness`` and ``shear_stiffness``: a point has no elements from which they would follow. Or
-        a sequence of them, one for each path.
+        An interface from :func:`wythe.build.joint` or :meth:`wythe.Model.interface`, or a sequence with one
+        interface per path. It needs ``normal_stiffness`` and ``shear_stiffness``, because a point has no adjacent
+        elements from which they could follow.
     gaps
         Opening and two slips [mm]. Shape (rows, 3) for one path, (paths, rows, 3) for many.
     stress
-        Components (``"normal"``, ``"tau1"``, ``"tau2"``) whose columns hold tractions [MPa] to be met instead.
+        Components (``"normal"``, ``"tau1"``, ``"tau2"``) for which ``gaps`` has prescribed tractions [MPa] instead.
     substeps, errors
-        As in :func:`drive_material`.
+        See :func:`drive_material`.
 
     Returns
     -------
@@ -167,9 +167,9 @@ def drive_interface(
     Raises
     ------
     ModelError
-        The interface cannot be.
+        The interface is invalid.
     PointError
-        No answer, with the path and the row.
+        A row has no solution; the exception has its path and row.
     """
     names = ("normal", "tau1", "tau2")
     paths = _Paths("gaps", gaps, None, stress, names, substeps, errors)
@@ -186,7 +186,7 @@ def drive_interface(
 
 
 class _Paths:
-    """Prescribed paths, checked."""
+    """Prescribed paths after their checks."""
 
     def __init__(
         self,
@@ -230,13 +230,13 @@ class _Paths:
         )
 
     def judge(self, failure: tuple[int, int, str] | None) -> None:
-        """Raises what has failed, if it is to be raised."""
+        """Raises an exception for a failure, unless failures become nan."""
         if failure is not None and self._errors == "raise":
             path, row, why = failure
             raise PointError(why, path, row)
 
     def shaped(self, values: Floats) -> Floats:
-        """Answers of shape (paths, rows, ...) with the leading axes of the paths."""
+        """Reshapes results of shape (paths, rows, ...) to the leading axes of the paths."""
         return values.reshape(self._leading + values.shape[1:])
 
 
@@ -267,9 +267,9 @@ def _positive(argument: str, value: float) -> float:
 
 
 def _deck(argument: str, table: str, tables: Tables, paths: int) -> tuple[str, list[str]]:
-    """A deck with the tables under names of their own."""
+    """A deck with the tables under unique names."""
     if isinstance(tables, Mapping):
-        # By this name errors call it.
+        # Errors refer to it by this name.
         named: dict[str, Any] = {argument: tables}
     elif isinstance(tables, Sequence) and not isinstance(tables, str):
         if len(tables) != paths:

@@ -22,24 +22,24 @@ __all__ = [
 
 
 class WytheError(Exception):
-    """What everything that wythe raises of its own is."""
+    """Base class of the exceptions of wythe."""
 
 
 class ModelError(WytheError, ValueError):
-    """A model that cannot be: a deck that cannot be read or says something impossible.
+    """An invalid model: the deck cannot be parsed or its values are not admissible.
 
     Attributes
     ----------
     file : str or None
-        The file, where there is one.
+        The file, if there is one.
     line, column : int or None
-        Place in the text, from 1, where the model came from a text.
+        Position in the text, from 1, if the model was read from a text.
     key : str
         Dotted path of the key in the deck (``materials.brick.E``); empty for the deck as a whole.
     message : str
-        What is wrong.
+        Description of the error.
     fix : str
-        How to mend it.
+        Advice on a correction.
     others : tuple of ModelError
         Further errors of the same deck.
     """
@@ -99,18 +99,18 @@ def _rebuilt(
 
 
 class ConvergenceError(WytheError, RuntimeError):
-    """A run that found no equilibrium any more.
+    """A run lost convergence.
 
     Attributes
     ----------
     message : str
-        Where, why, and what to try.
+        Place, reason and remedy.
     results : Results
-        Everything up to there.
+        Results up to the last converged increment.
     """
 
     def __init__(self, message: str, results: Results) -> None:
-        # Both, so that a copy in another process has both.
+        # Both arguments, so that a pickled copy has both.
         super().__init__(message, results)
         self.message = message
         self.results = results
@@ -120,12 +120,12 @@ class ConvergenceError(WytheError, RuntimeError):
 
 
 class PointError(WytheError, RuntimeError):
-    """A single point that found no answer: stresses beyond its strength, or steps too large for the law.
+    """A single point has no solution: a stress exceeds its strength, or a step is too large for the law.
 
     Attributes
     ----------
     path, row : int
-        Where, from 0.
+        Path and row of the failure, from 0.
     """
 
     def __init__(self, message: str, path: int, row: int) -> None:
@@ -138,35 +138,35 @@ class PointError(WytheError, RuntimeError):
 
 
 class OutputError(WytheError, OSError):
-    """A file that could not be read or written; ``errno`` is the system's number, if it gave one.
+    """A file could not be read or written; ``errno`` is the number of the system error, if there is one.
 
     Attributes
     ----------
     fix : str
-        What to do about it.
+        Advice on a remedy.
     """
 
     fix: str = ""
 
     def __str__(self) -> str:
-        # Of an OSError either (message,) or (number, message).
+        # args is (message,) or (number, message).
         text = str(self.args[-1]) if self.args else ""
         return f"{text}\n  fix: {self.fix}" if self.fix else text
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a run. It is a KeyboardInterrupt, and has the results so far.
+    """Ctrl-C during a run: a KeyboardInterrupt with the results so far.
 
     Attributes
     ----------
     message : str
-        What to do.
+        Advice.
     results : Results
-        Everything up to the last whole increment. ``results.resume()`` goes on from there.
+        Results up to the last complete increment. ``results.resume()`` continues from there.
     """
 
     def __init__(self, message: str, results: Results) -> None:
-        # Both, so that a copy in another process has both.
+        # Both arguments, so that a pickled copy has both.
         super().__init__(message, results)
         self.message = message
         self.results = results
@@ -175,7 +175,7 @@ class RunInterrupted(KeyboardInterrupt):
         return self.message
 
 
-# What the Rust half raises with.
+# Constructors used by the Rust half.
 
 _Told = tuple["str | None", "int | None", "int | None", str, str, str]
 
@@ -197,7 +197,7 @@ def _output_error(message: str, fix: str, number: int | None) -> OutputError:
 
 
 def unwritten(name: str, error: OSError) -> OutputError:
-    """A file that Python could not write."""
+    """Exception for a file that Python could not write."""
     return _output_error(f"{name}: cannot be written: {error.strerror}", "", error.errno)
 
 
@@ -207,11 +207,11 @@ def write_text(name: str, text: str) -> str:
 
 
 def write_bytes(name: str, content: bytes) -> str:
-    """Writes a file, whole or not at all, and returns its name. A link of that name is replaced, not followed;
-    a device or a pipe is written to as it is."""
+    """Writes a whole file or nothing, and returns its name. A link of that name is replaced, not followed. A device
+    or a pipe is written to directly."""
     part = f"{name}.tmp"
     try:
-        # /dev/stdout is a link of the system.
+        # /dev/stdout is a system link and must be followed.
         followed = os.path.abspath(name).startswith(("/dev/", "/proc/")) or not os.path.islink(name)
         if followed and os.path.exists(name) and (not os.path.isfile(name) or os.path.islink(name)):
             with open(name, "wb") as file:
@@ -233,7 +233,7 @@ def write_bytes(name: str, content: bytes) -> str:
 
 
 def say(stream: Any, text: str) -> None:
-    """Shows progress; a stream that is gone, closed or full is no reason to stop."""
+    """Writes progress. A missing, closed or full stream must not stop the run."""
     if stream is not None:
         with contextlib.suppress(OSError, ValueError):
             stream.write(text)
@@ -245,7 +245,7 @@ def _no_frame(message: str, fix: str) -> IndexError:
 
 
 def expected(argument: str, what: str, got: object) -> TypeError:
-    """An argument of the wrong type."""
+    """Exception for an argument of the wrong type."""
     return TypeError(f"{argument}: expected {what}, got {_kind(got)}")
 
 
@@ -268,7 +268,7 @@ def as_path(argument: str, value: object) -> str:
 
 
 def need(package: str, extra: str) -> None:
-    """Says how to install an optional package that is not there."""
+    """Raises an error with the install command if an optional package is missing."""
     try:
         importlib.import_module(package)
     except ImportError as error:

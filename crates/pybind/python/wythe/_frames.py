@@ -1,4 +1,4 @@
-"""What a run's folder holds: its history, and the fields of its frames and interfaces."""
+"""History of a run, and fields of its frames and interfaces."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ Integers = npt.NDArray[np.int64]
 class History(Mapping[str, npt.NDArray[Any]]):
     """The history of a run: a mapping from column names to arrays of shape (increments,).
 
-    Every column of ``history.csv`` is also an attribute: ``history.force_kN``. Units are in the names. The
-    arrays are read-only. ``driven`` says which rows belong to steps that drive the model, and ``procedure`` is
-    text; all other columns are numbers. Columns of probes have the probes' names.
+    Every column of ``history.csv`` is also an attribute, such as ``history.force_kN``. Units are in the names. The
+    arrays are read-only. ``driven`` marks rows of steps that drive the model, and ``procedure`` is text; all other
+    columns are numbers. Columns of probes have the names of the probes.
     """
 
     increment: Integers
@@ -78,7 +78,7 @@ class History(Mapping[str, npt.NDArray[Any]]):
             raise KeyError(f"{name}: the history has {', '.join(self._columns)}") from None
 
     def __getattr__(self, name: str) -> npt.NDArray[Any]:
-        # Not by self._columns, which is not there yet while a copy is made.
+        # self._columns would recurse while a copy is made, before it is set.
         columns: dict[str, npt.NDArray[Any]] = self.__dict__.get("_columns", {})
         if name not in columns:
             raise AttributeError(f"the history has no column {name!r}")
@@ -100,14 +100,14 @@ class History(Mapping[str, npt.NDArray[Any]]):
         return len(self._columns["increment"])
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame with a row an increment."""
+        """A DataFrame with one row per increment."""
         need("pandas", "study")
         import pandas
 
         return pandas.DataFrame(dict(self._columns)).set_index("increment")
 
     def to_csv(self, path: str | os.PathLike[str]) -> str:
-        """Writes the columns as a CSV file with full precision, and returns its path."""
+        """Writes the columns to a CSV file with full precision and returns its path."""
         name = as_path("path", path)
         text = io.StringIO(newline="")
         rows = csv.writer(text)
@@ -131,8 +131,8 @@ class History(Mapping[str, npt.NDArray[Any]]):
 
 
 class Interfaces:
-    """What the points of the interfaces do at a frame. Arrays are read-only, one row a contact point,
-    four points to a slave facet; without rows where the model has no interfaces.
+    """State of the interface points at a frame. Arrays are read-only with one row per contact point and four points
+    per slave facet. They are empty if the model has no interfaces.
     """
 
     def __init__(self, fields: _wythe.Fields, frame: int) -> None:
@@ -147,12 +147,12 @@ class Interfaces:
 
     @cached_property
     def opening(self) -> Floats:
-        """Opening u, closed negative [mm]. Shape (points,)."""
+        """Opening u, negative if closed [mm]. Shape (points,)."""
         return self._field("opening")
 
     @cached_property
     def slip(self) -> Floats:
-        """Slip along the facet's two tangents [mm]. Shape (points, 2)."""
+        """Slip along the two tangents of the facet [mm]. Shape (points, 2)."""
         return self._field("slip", 2)
 
     @cached_property
@@ -172,12 +172,12 @@ class Interfaces:
 
     @cached_property
     def displacement(self) -> Floats:
-        """Displacement of the corners of the points' quads [mm]. Shape (corners, 3)."""
+        """Displacement of the corners of the quads [mm]. Shape (corners, 3)."""
         return self._field("displacement", 3)
 
     @cached_property
     def corners(self) -> Floats:
-        """Corners of the points' quads at rest [mm]. Shape (corners, 3)."""
+        """Corners of the quads at rest [mm]. Shape (corners, 3)."""
         return self._fields.surface()[0]
 
     @cached_property
@@ -194,8 +194,8 @@ class Interfaces:
 
 
 class Frame:
-    """Fields of one frame, each read when it is first asked for. Arrays are read-only; of elements they
-    are means (stress, plastic strain, crack width) or largest values (damage) over the element's points.
+    """Fields of one frame, each read at its first access. Arrays are read-only. Values of elements are means (stress,
+    plastic strain, crack width) or largest values (damage) over the points of the element.
     """
 
     def __init__(self, fields: _wythe.Fields, frame: int, time: float, increment: int) -> None:
@@ -209,7 +209,7 @@ class Frame:
     time: float
     """Step time, accumulated over all steps [s]."""
     increment: int
-    """Increments done."""
+    """Number of increments up to the frame."""
 
     def _field(self, name: str) -> npt.NDArray[Any]:
         return self._fields.field(name, self.number)
@@ -221,7 +221,7 @@ class Frame:
 
     @cached_property
     def velocity(self) -> Floats:
-        """Velocity [mm/s]; shape (nodes, 3), or (0, 3) where no step could have inertia."""
+        """Velocity [mm/s]. Shape (nodes, 3), or (0, 3) if no step may have inertia."""
         if "velocity" not in self._fields.names():
             return _nothing(0, 3)
         return self._field("velocity")
@@ -271,7 +271,7 @@ class Frame:
 
 
 def _nothing(*shape: int, kind: type = np.float64) -> npt.NDArray[Any]:
-    """A field that the file has not."""
+    """An empty read-only array for a missing field."""
     nothing: npt.NDArray[Any] = np.zeros(shape, kind)
     nothing.flags.writeable = False
     return nothing

@@ -1,4 +1,4 @@
-"""Models: what is built, of what, and what is done to it."""
+"""Models: geometry, materials, interfaces and load steps."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from wythe._run import Increment, run_deck
 
 __all__ = ["Findings", "Model", "Problem", "Value"]
 
-#: What a key of a deck may hold: a number in base units (N, mm, MPa, tonne, s), a text with a unit
-#: (``"2.12 MPa"``), a flag, a path, a list, a table; NumPy's numbers and arrays, too.
+#: Value of a deck key: a number in base units (N, mm, MPa, tonne, s), a text with a unit (``"2.12 MPa"``),
+#: a flag, a path, a list or a table; also NumPy numbers and arrays.
 Value = Union[
     float,
     int,
@@ -46,11 +46,11 @@ class Problem:
     key : str
         Dotted path of the key.
     message : str
-        What is wrong, or what it means.
+        Description of the problem.
     line, column : int or None
-        Place in the text, from 1, where the model came from one.
+        Position in the text, from 1, if the model was read from a text.
     fix : str
-        How to mend it; empty for warnings.
+        Advice on a correction; empty for warnings.
     """
 
     key: str
@@ -67,20 +67,20 @@ class Problem:
 
 @dataclass(frozen=True)
 class Findings:
-    """What :meth:`Model.check` finds. True if the model can be run.
+    """Result of :meth:`Model.check`. True if the model can be run.
 
     Attributes
     ----------
     ok : bool
-        Whether it can be run.
+        Whether the model can be run.
     title : str
         Title of the model.
     errors, warnings : tuple of Problem
-        What is wrong, and what its author should know.
+        Errors, and facts that the author of the model should know.
     notes : tuple of str
-        What follows from the model: stiffnesses, fracture energies.
+        Derived quantities: stiffnesses, fracture energies.
     units, elements, nodes, dofs, contact_points : int
-        Sizes; 0 where the model cannot be built.
+        Sizes; 0 if the model cannot be built.
     memory_MB : float
         Estimated peak memory [MB].
     """
@@ -117,8 +117,8 @@ class Findings:
 class Model:
     """A model of masonry: geometry, materials, interfaces, and the steps that load it. Immutable.
 
-    Make one from a deck (:meth:`from_toml`, :meth:`from_dict`), by :mod:`wythe.templates` or by
-    :mod:`wythe.build`. Two models are equal if they say the same.
+    A model is made from a deck (:meth:`from_toml`, :meth:`from_dict`), by :mod:`wythe.templates` or by
+    :mod:`wythe.build`. Two models are equal if their decks are.
     """
 
     __slots__ = ("_deck", "_toml")
@@ -127,7 +127,7 @@ class Model:
     _toml: str | None
 
     def __init__(self, deck: Mapping[str, Any]) -> None:
-        """As :meth:`from_dict`."""
+        """See :meth:`from_dict`."""
         made = type(self).from_dict(deck)
         self._deck = made._deck
         self._toml = made._toml
@@ -143,26 +143,26 @@ class Model:
     def from_toml(
         cls, source: str | os.PathLike[str], overrides: Mapping[str, Value] | None = None
     ) -> Model:
-        """Reads a deck: a file by its path, or its text.
+        """Reads a deck from a file or a text.
 
         Parameters
         ----------
         source
-            Path of a file, or the text itself: a str with a line break, or with a ``=`` and without ``.toml``
-            at its end.
+            Path of a file, or the text itself. A str is a text if it has a line break, or if it has a ``=`` and
+            does not end with ``.toml``.
         overrides
-            Keys said anew, by dotted path, as ``wythe run --set`` does.
+            Values that replace those of the deck, by dotted path, as with ``wythe run --set``.
 
         Raises
         ------
         ModelError
-            With line, key and fix of everything that is wrong.
+            The deck is invalid; the exception has line, key and fix of every error.
         OutputError
             The file cannot be read.
         """
         said = _overrides("overrides", {} if overrides is None else overrides)
         if isinstance(source, str) and _is_text(source):
-            # Files that the text names are relative to the current folder.
+            # Files named in the text are relative to the current folder.
             return cls._of(_wythe.Deck.read(source, True, None, said))
         return cls._of(_wythe.Deck.load(as_path("source", source), said))
 
@@ -170,20 +170,20 @@ class Model:
     def from_dict(
         cls, deck: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
     ) -> Model:
-        """Takes a deck as nested dictionaries, with the keys of a file.
+        """Makes a model from nested dictionaries with the keys of a deck.
 
         Parameters
         ----------
         deck
-            Tables as mappings, arrays as sequences or NumPy arrays; keys with None are left out.
-            ``format`` may be left out.
+            Tables as mappings, arrays as sequences or NumPy arrays; keys with the value None are ignored.
+            ``format`` may be omitted.
         folder
-            Where the files lie that the deck names; the current folder if not given.
+            Folder of the files named in the deck; the current folder if not given.
 
         Raises
         ------
         ModelError
-            With key and fix of everything that is wrong.
+            The deck is invalid; the exception has key and fix of every error.
         """
         if not isinstance(deck, Mapping):
             raise expected("deck", "a mapping, as the tables of a deck", deck)
@@ -195,20 +195,20 @@ class Model:
     def with_(
         self, changes: Mapping[str, Value | None] | None = None, /, **keys: Value | None
     ) -> Model:
-        """A copy with other values.
+        """A copy of the model with other values.
 
         Parameters
         ----------
         changes
-            By dotted path, arrays counted from 0: ``{"interfaces.joint.f_t": "0.2 MPa"}``. None
-            takes a key away, so that its default holds.
+            Values by dotted path, with array indices from 0: ``{"interfaces.joint.f_t": "0.2 MPa"}``. None
+            removes a key, so that its default applies.
         keys
-            The same with ``__`` for each dot: ``wall__courses=10``.
+            The same as keywords with ``__`` for each dot: ``wall__courses=10``.
 
         Raises
         ------
         ModelError
-            A key that is not known, a value that it cannot have.
+            A key is unknown, or a value is not admissible.
         """
         all_changes: dict[str, Any] = dict(changes or {})
         all_changes.update({name.replace("__", "."): value for name, value in keys.items()})
@@ -227,22 +227,22 @@ class Model:
 
     @property
     def title(self) -> str:
-        """Title."""
+        """Title of the model."""
         return self._deck.title
 
     @property
     def folder(self) -> str:
-        """Where the files lie that the model names."""
+        """Folder of the files named in the model."""
         return str(self._deck.folder)
 
     def to_toml(self) -> str:
-        """The deck with every default said, in base units (N, mm, MPa, tonne, s)."""
+        """The deck as TOML with all defaults, in base units (N, mm, MPa, tonne, s)."""
         if self._toml is None:
             self._toml = self._deck.to_toml()
         return self._toml
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as nested dictionaries."""
+        """The deck with all defaults as nested dictionaries."""
         deck: dict[str, Any] = json.loads(self._deck.to_json())
         return deck
 
@@ -251,11 +251,11 @@ class Model:
         return write_text(as_path("path", path), self.to_toml())
 
     def material(self, name: str) -> dict[str, Any]:
-        """The material of this name, as :func:`wythe.drive_material` takes it."""
+        """The material of this name, as an argument of :func:`wythe.drive_material`."""
         return self._named("materials", "material", name)
 
     def interface(self, name: str) -> dict[str, Any]:
-        """The interface of this name, as :func:`wythe.drive_interface` takes it."""
+        """The interface of this name, as an argument of :func:`wythe.drive_interface`."""
         return self._named("interfaces", "interface", name)
 
     def _named(self, table: str, kind: str, name: str) -> dict[str, Any]:
@@ -266,7 +266,7 @@ class Model:
         return known[name]
 
     def check(self) -> Findings:
-        """Judges form and physics without running: errors, warnings, what follows, sizes."""
+        """Checks form and physics without a run: errors, warnings, derived quantities and sizes."""
         found: dict[str, Any] = json.loads(self._deck.check())
         sizes = found["sizes"] or dict.fromkeys(
             ("units", "elements", "nodes", "dofs", "contact_points"), 0
@@ -293,11 +293,11 @@ class Model:
         )
 
     def picture(self) -> Picture:
-        """What will be built: elevation, section and plans, with materials and interfaces."""
+        """Picture of the model: elevation, section and plans with materials and interfaces."""
         return Picture(self._deck.picture())
 
     def to_inp(self) -> str:
-        """The model at rest for Abaqus: nodes, elements, sets, materials."""
+        """The model as an input file for Abaqus: nodes, elements, sets, materials, contact and steps."""
         return self._deck.inp()
 
     def run(
@@ -310,35 +310,35 @@ class Model:
     ) -> Results:
         """Runs the model.
 
-        Other Python threads go on meanwhile. Ctrl-C stops the run after the increment in hand.
+        Other Python threads continue meanwhile. Ctrl-C stops the run after the present increment.
 
         Parameters
         ----------
         out
-            Folder of the results, as ``wythe run --out``; without one they lie in a temporary folder that
-            goes with the returned object.
+            Folder of the results, as with ``wythe run --out``. Without one the results are in a temporary folder,
+            which is removed together with the returned object.
         threads
-            How many; all cores if not given. The results do not depend on it, to the last bit.
+            Number of threads; all cores if not given. The results do not depend on it, to the last bit.
         progress
-            Whether a line on standard error follows the run.
+            Whether a line on standard error shows the progress of the run.
         callback
-            Called with each increment once it is written. Returning False stops the run there.
+            Function called with each increment after it is written. The run stops if it returns False.
 
         Returns
         -------
         Results
-            Of a complete run, or of one that the callback has stopped.
+            Results of a complete run or of a run stopped by the callback.
 
         Raises
         ------
         ModelError
             The model cannot be run.
         ConvergenceError
-            No equilibrium was found any more; ``error.results`` has everything up to there.
+            Convergence was lost; ``error.results`` has the results so far.
         OutputError
-            Results could not be written.
+            The results cannot be written.
         RunInterrupted
-            Ctrl-C (a KeyboardInterrupt); ``error.results`` has everything up to there.
+            Ctrl-C was pressed (a KeyboardInterrupt); ``error.results`` has the results so far.
         """
         return run_deck(self._deck, out, threads, progress, callback)
 
@@ -348,11 +348,11 @@ class Model:
         return self._deck == other._deck and self._files() == other._files()
 
     def __hash__(self) -> int:
-        # Not of the text: equal models may have tables in another order, and 0 has two signs.
+        # The text is unsuitable: equal models may differ in the order of tables and in the sign of 0.
         return hash((_frozen(self.to_dict()), self._files()))
 
     def _files(self) -> str:
-        """The folder, if a file in it decides what the model is."""
+        """The folder, if the model depends on a file in it; otherwise an empty text."""
         deck = self.to_dict()
         named = any("nodes" in block for block in deck.get("blocks", ()))
         named = named or bool(deck.get("imports"))
@@ -364,7 +364,7 @@ class Model:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of :meth:`to_toml`: the same in every process, and that of ``model.toml`` of a run."""
+        """SHA-256 of :meth:`to_toml`: the same in every process, and equal to that of ``model.toml`` of a run."""
         return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -392,7 +392,7 @@ class Model:
         )
 
     def _told(self) -> list[tuple[str, str]]:
-        """What an engineer asks first: what, and how it is said."""
+        """Summary of the model as pairs of name and description."""
         deck = self.to_dict()
         told: list[tuple[str, str]] = []
         wall = deck.get("wall")
@@ -461,7 +461,7 @@ def _unpickled(text: str, folder: str) -> Model:
 
 
 def _frozen(value: Any) -> Hashable:
-    """A deck that can be hashed: equal if the decks are."""
+    """A hashable copy of a deck; equal decks have equal copies."""
     if isinstance(value, dict):
         return frozenset((key, _frozen(item)) for key, item in value.items())
     if isinstance(value, list):
@@ -471,7 +471,7 @@ def _frozen(value: Any) -> Hashable:
 
 
 def _plain(where: str, value: Any) -> Any:
-    """Values as JSON has them; None in tables is left out."""
+    """Converts values to types of JSON; None in tables is omitted."""
     if hasattr(value, "tolist") and hasattr(value, "dtype"):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -499,7 +499,7 @@ def _plain(where: str, value: Any) -> Any:
 
 
 def _overrides(argument: str, changes: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Keys and their values as TOML."""
+    """Keys with their values as TOML."""
     if not isinstance(changes, Mapping):
         raise expected(argument, "a mapping from keys of the deck to values", changes)
     said = []
@@ -516,7 +516,7 @@ def _toml_value(value: Any) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, str):
-        # A JSON string is a TOML string, but for what lies beyond 16 bits.
+        # A JSON string is a TOML string, except that JSON escapes characters beyond 16 bits in two parts.
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml_value, value)) + "]"
@@ -525,7 +525,7 @@ def _toml_value(value: Any) -> str:
 
 
 def _remove(deck: dict[str, Any], key: str) -> None:
-    """Takes a key away, if it is there."""
+    """Removes a key, if it exists."""
     *above, last = key.split(".")
     at: Any = deck
     for part in above:

@@ -1,4 +1,4 @@
-"""Materials, joints and steps, which :mod:`wythe.build` offers."""
+"""Materials, joints and steps, exported by :mod:`wythe.build`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Rows = Sequence[Sequence[float]] | npt.NDArray[Any]
 
 
 class MotionOptions(TypedDict, total=False):
-    """Further keys of a step (docs/deck.md, ``steps``)."""
+    """Further keys of a step (docs/reference/deck.md, ``steps``)."""
 
     name: str
     viscosity: Quantity
@@ -40,7 +40,7 @@ class MotionOptions(TypedDict, total=False):
 
 
 class StepOptions(MotionOptions, total=False):
-    """Further keys of a step that need not be one in time."""
+    """Further keys of a step whose duration and procedure are optional."""
 
     duration: Quantity
     procedure: str
@@ -73,19 +73,19 @@ def damage_plasticity(
     interpolation: str | None = None,
     density: Quantity | None = None,
 ) -> Part:
-    """A material that cracks and crushes: concrete damaged plasticity.
+    """A material that cracks and crushes, by damage plasticity (concrete damaged plasticity).
 
     Parameters
     ----------
     E, nu
         Young's modulus [MPa], Poisson's ratio.
     tension, compression
-        Rows of stress [MPa] (positive), inelastic strain, damage. Shape (rows, 3).
+        Rows of stress [MPa] (positive), inelastic strain and damage. Shape (rows, 3).
     reference_length
         Size of the elements for which the tables hold [mm].
     crack_band
-        What is set against it: "volume", the cube root of an element's volume, or "projected", its length
-        across the crack.
+        Element length compared with it: "volume", the cube root of the volume of the element, or "projected", its
+        length across the crack.
     """
     return _part(
         E=E,
@@ -124,24 +124,24 @@ def joint(
     coupling: str | None = None,
     scatter: Mapping[str, float] | None = None,
 ) -> Part:
-    """A bonded joint: it opens under tension, slides under shear, softens, and rubs.
+    """A bonded joint that opens under tension, slides under shear, softens, and has friction.
 
     Parameters
     ----------
     f_t, c
-        Tensile strength, cohesion [MPa].
+        Tensile strength and cohesion [MPa].
     tan_phi, mu
-        Friction of the bond and of the broken joint.
+        Friction coefficients of the bond and of the broken joint.
     zeta, xi
         Brittleness in tension and shear.
     u_k, G_I
-        Ultimate opening [mm], or the fracture energy [N/mm]: one of both.
+        Ultimate opening [mm] or fracture energy [N/mm]; one of the two.
     delta_k, G_II
-        Ultimate slip [mm], or the fracture energy [N/mm]: one of both.
+        Ultimate slip [mm] or fracture energy [N/mm]; one of the two.
     penalty_factor, normal_stiffness, shear_stiffness
-        Numerical stiffness: a factor of the elements', or both explicitly [N/mm^3].
+        Numerical stiffness: a factor of the stiffness of the elements, or both values explicitly [N/mm^3].
     scatter
-        ``{"cv": 0.3, "seed": 1}``: each unit's own bond strength, lognormal.
+        Lognormal bond strength for each unit, such as ``{"cv": 0.3, "seed": 1}``.
     """
     return _part(
         f_t=f_t,
@@ -169,7 +169,7 @@ def dry_joint(
     normal_stiffness: Quantity | None = None,
     shear_stiffness: Quantity | None = None,
 ) -> Part:
-    """A joint without bond: friction only."""
+    """A joint without bond, with friction only."""
     return _part(
         f_t=0,
         c=0,
@@ -189,16 +189,16 @@ def preload(
     free: Sequence[str] | None = None,
     **options: Unpack[StepOptions],
 ) -> Part:
-    """A step that presses the top of a wall, a face of blocks, or a beam, by a pressure [MPa].
+    """A step that applies a pressure [MPa] to the top of a wall, a face of blocks, or a beam.
 
     Parameters
     ----------
     pressure
-        Compression is positive.
+        Pressure [MPa], compression positive.
     face, beam
-        What is pressed in a scene of blocks: a face, or one of :func:`beam`.
+        Loaded face in a scene of blocks, or a beam (:func:`beam`).
     free
-        Directions in which the face of blocks is free.
+        Directions in which the face of blocks may move.
     options
         Further keys of the step: ``name``, ``duration``, ``procedure``, ``increments``, ...
     """
@@ -224,19 +224,19 @@ def push(
     Parameters
     ----------
     displacement
-        How far, in this step; or ``cycles``.
+        Displacement in this step [mm]; or ``cycles``.
     direction
-        ``"x"`` along the wall, ``"y"`` through it, ``"z"`` up, each with ``-`` the other way.
+        ``"x"`` along the wall, ``"y"`` through it or ``"z"`` upwards; ``-`` reverses the direction.
     cycles
-        To and fro: ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
+        Cyclic drive, such as ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
     face, spring, beam
-        What is driven, if not the top of a clamped wall.
+        Driven part, if it is not the top of a clamped wall.
     vertical
-        Of a wall: ``"locked"`` or ``"free"``.
+        Vertical motion of the top of a wall: ``"locked"`` or ``"free"``.
     free
-        Directions in which a face of blocks is free.
+        Directions in which a face of blocks may move.
     stop
-        What ends the step sooner: ``{"below_peak": 0.8}``, ``{"displacement": "3 mm"}``.
+        Conditions that end the step early: ``{"below_peak": 0.8}``, ``{"displacement": "3 mm"}``.
     options
         Further keys of the step: ``name``, ``viscosity``, ``procedure``, ``increments``, ...
     """
@@ -262,24 +262,24 @@ def load(
     force: Sequence[Quantity] | None = None,
     line_force: Sequence[Quantity] | None = None,
 ) -> Part:
-    """A load of a step, one of ``loads``: where it acts and its value at the end of the step.
+    """A load of a step, one of ``loads``: its place and its value at the end of the step.
 
     Parameters
     ----------
     name
-        By which later steps say its value anew.
+        Name by which later steps change its value.
     on
-        Faces; of a ``force`` blocks, too.
+        Faces; for a ``force`` also blocks.
     near, line, within
-        The node nearest to a point; the nodes along the line from one point to another, so near to it [mm].
+        The node nearest to a point; or the nodes within this distance [mm] of the line between two points.
     pressure, follower
-        On faces [MPa], compression positive; it turns with them unless ``follower`` is false.
+        Pressure on faces [MPa], compression positive; it rotates with them unless ``follower`` is false.
     traction
-        On the area of faces at rest [MPa].
+        Traction on the area of faces at rest [MPa].
     force
-        In all [N].
+        Total force [N].
     line_force
-        Over the length of the line [N/mm].
+        Force per length of the line [N/mm].
     """
     begin, end = line if line is not None else (None, None)
     place = _part(on=on, near=near, to=end, within=within) | ({} if begin is None else {"from": begin})
@@ -290,7 +290,7 @@ def load(
 def loading(
     *changed: Part, stop: Mapping[str, Quantity] | None = None, **options: Unpack[StepOptions]
 ) -> Part:
-    """A step that changes nothing but loads: those of :func:`load`."""
+    """A step that only changes loads (:func:`load`)."""
     return {"kind": "load", "loads": list(changed), **_part(stop=stop), **options}
 
 
@@ -301,7 +301,7 @@ def gravity(
     axis: str | None = None,
     **options: Unpack[StepOptions],
 ) -> Part:
-    """A step in which the weight grows from nothing; 9810 mm/s^2 if not said. The ground may be inclined."""
+    """A step in which gravity grows from zero; 9810 mm/s^2 by default. The ground may be inclined."""
     return {"kind": "gravity", **_part(gravity=gravity, angle=angle, axis=axis), **options}
 
 
@@ -319,8 +319,8 @@ def free(
     axis: str | None = None,
     **options: Unpack[MotionOptions],
 ) -> Part:
-    """A step in which only time passes [s]: motion under inertia, and under ``ground`` accelerations.
-    Gravity and inclination hold from its start on, if they are said.
+    """A step of free motion over a duration [s], under inertia and ``ground`` accelerations. Gravity and inclination,
+    if given, act from its start.
     """
     return {
         "kind": "free",

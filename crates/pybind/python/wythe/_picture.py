@@ -1,4 +1,4 @@
-"""Pictures: SVG that notebooks show and files keep."""
+"""Pictures as SVG, for notebooks and files."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ class Picture:
         return f"<Picture: {len(self.svg) / 1e3:.0f} kB of SVG; .save('picture.svg') or .png()>"
 
     def png(self, zoom: float = 2.0) -> bytes:
-        """The picture as PNG, with ``zoom`` pixels to one of the SVG."""
+        """The picture as PNG with ``zoom`` pixels per pixel of the SVG."""
         return bytes(_wythe.png(self.svg, float(zoom)))
 
     def save(self, path: str | os.PathLike[str], zoom: float = 2.0) -> str:
-        """Writes the picture as its ending says, ``.svg`` or ``.png``, and returns the path.
+        """Writes the picture as ``.svg`` or ``.png``, by the ending of the name, and returns the path.
 
         Raises
         ------
         OutputError
             The file cannot be written.
         ValueError
-            Another ending.
+            The name has another ending.
         """
         name = as_path("path", path)
         ending = os.path.splitext(name)[1].lower()

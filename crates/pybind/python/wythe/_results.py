@@ -1,4 +1,4 @@
-"""Results: what a run leaves behind, read when it is asked for."""
+"""Results of a run, read from its folder on request."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ __all__ = ["Results"]
 
 #: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
 FrameNumber = Union[int, "np.integer[Any]", Literal["peak", "last"]]
-#: How a run ended; ``"unfinished"`` if nothing says so.
+#: Status of a run; ``"unfinished"`` without a summary.
 Status = Literal["completed", "collapsed", "not_converged", "interrupted", "unfinished"]
-#: What happened in a run, in one word.
+#: Verdict on a run in one word.
 VerdictKind = Literal[
     "peak_passed",
     "still_rising",
@@ -46,22 +46,22 @@ VerdictKind = Literal[
     "not_converged",
     "interrupted",
 ]
-#: What :meth:`Results.picture` draws.
+#: Kinds of pictures of :meth:`Results.picture`.
 Kind = Literal["curves", "cracks", "deflection_height", "deflection_length"]
 
 
 class Results:
-    """A run's folder: finished, going on, or killed. Nothing large is read before it is asked for.
+    """Results in the folder of a run that has ended, is in progress or was killed. Large data are read on request.
 
     Parameters
     ----------
     path
-        The folder of a run, or its ``results.vtkhdf``.
+        Folder of a run, or its ``results.vtkhdf``.
 
     Raises
     ------
     OutputError
-        There is no run.
+        The folder is not that of a run.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -70,7 +70,7 @@ class Results:
             name = os.path.dirname(name) or "."
         self._path = name
         self._temporary: Temporary | None = None
-        # Says at once what is not there.
+        # Raises an error at once if there is no history.
         self._history()
 
     @classmethod
@@ -82,12 +82,12 @@ class Results:
 
     @property
     def path(self) -> str:
-        """The folder. That of a run without ``out`` vanishes with this object."""
+        """The folder. The temporary folder of a run without ``out`` is removed together with this object."""
         return self._path
 
     @property
     def is_temporary(self) -> bool:
-        """Whether the folder vanishes with this object."""
+        """Whether the folder is removed together with this object."""
         return self._temporary is not None
 
     def _history(self) -> History:
@@ -98,12 +98,12 @@ class Results:
 
     @cached_property
     def history(self) -> History:
-        """The history, as it was when it was first asked for."""
+        """The history at the time of the first access."""
         return self._history()
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """``summary.json``; empty of a run that goes on or was killed."""
+        """Content of ``summary.json``; empty if the run has not ended or was killed."""
         text = _wythe.summary(self._path)
         if text is None:
             return {}
@@ -112,37 +112,39 @@ class Results:
 
     @property
     def status(self) -> Status:
-        """``"completed"``, ``"collapsed"``, ``"not_converged"``, ``"interrupted"``; ``"unfinished"`` without a summary."""
+        """``"completed"``, ``"collapsed"``, ``"not_converged"`` or ``"interrupted"``; ``"unfinished"`` without a
+        summary.
+        """
         return cast(Status, self.summary.get("status", "unfinished"))
 
     @property
     def verdict(self) -> str:
-        """What happened, in one sentence; empty of a run that goes on or was killed."""
+        """Verdict on the run in one sentence; empty if the run has not ended or was killed."""
         return str(self.summary.get("verdict", ""))
 
     @property
     def verdict_kind(self) -> VerdictKind | None:
-        """The same in one word; None of a run that goes on or was killed."""
+        """Verdict in one word; None if the run has not ended or was killed."""
         return cast("VerdictKind | None", self.summary.get("verdict_kind"))
 
     @property
     def message(self) -> str:
-        """Where, why and what to try, if the run did not complete."""
+        """Place, reason and remedy, if the run did not complete."""
         return str(self.summary.get("message", ""))
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of the model, then of the run."""
+        """Warnings of the model, followed by those of the run."""
         return list(self.summary.get("warnings", []))
 
     @property
     def log(self) -> list[str]:
-        """Where the procedure changed, and why."""
+        """Changes of the procedure with their reasons."""
         return list(self.summary.get("log", []))
 
     @cached_property
     def _figures(self) -> Mapping[str, Any]:
-        """Key figures: of a run that goes on or was killed, those that its history tells."""
+        """Key figures: of the summary, or without one those that follow from the history."""
         return self.summary or _wythe.figures(self._path)
 
     def _number(self, key: str) -> float:
@@ -151,32 +153,32 @@ class Results:
 
     @property
     def peak_force(self) -> float:
-        """Largest force along the drive [kN], a peak if ``verdict_kind`` says so; nan where nothing was driven."""
+        """Largest force along the drive [kN]; a peak if ``verdict_kind`` says so, nan if nothing was driven."""
         return self._number("peak_force_kN")
 
     @property
     def displacement_at_peak(self) -> float:
-        """Displacement there [mm]."""
+        """Displacement at the largest force [mm]."""
         return self._number("displacement_at_peak_mm")
 
     @property
     def displacement_at_80_percent(self) -> float:
-        """Displacement after the peak at which the force is down to 0.8 of it [mm]; nan if it is not."""
+        """Displacement after the peak at which the force has fallen to 0.8 of it [mm]; nan if it never does."""
         return self._number("displacement_at_80_percent_mm")
 
     @property
     def initial_stiffness(self) -> float:
-        """Secant up to a tenth of the peak [kN/mm]."""
+        """Secant stiffness up to a tenth of the peak [kN/mm]."""
         return self._number("initial_stiffness_kN_per_mm")
 
     @property
     def energy_balance_error(self) -> float:
-        """Largest gap of the energies over the largest work [-]; nan of a run that goes on or was killed."""
+        """Largest error of the energy balance over the largest work [-]; nan if the run has not ended or was killed."""
         return self._number("energy_balance_error")
 
     @property
     def deck(self) -> str | None:
-        """The deck that was run, as TOML; None of folders that hold no copy."""
+        """Deck of the run as TOML; None if the folder has no copy."""
         try:
             with open(os.path.join(self._path, "model.toml"), encoding="utf-8") as file:
                 return file.read()
@@ -185,7 +187,7 @@ class Results:
 
     @property
     def model(self) -> Model:
-        """The model that was run."""
+        """Model of the run."""
         from wythe._model import Model
 
         return Model._of(_wythe.Deck.of_run(self._path))
@@ -200,7 +202,7 @@ class Results:
         return self._fields.title_and_version()[0]
 
     def _name(self) -> str:
-        """The title, if the file that has it can be read."""
+        """The title, if it can be read."""
         try:
             return self.title
         except OutputError:
@@ -208,7 +210,7 @@ class Results:
 
     @property
     def version(self) -> str:
-        """Version of wythe that made the run."""
+        """Version of wythe of the run."""
         return self._fields.title_and_version()[1]
 
     @cached_property
@@ -242,7 +244,7 @@ class Results:
 
     @property
     def material(self) -> npt.NDArray[np.uint16]:
-        """Index of each element's material. Shape (elements,)."""
+        """Index of the material of each element. Shape (elements,)."""
         return self._mesh[2]
 
     @property
@@ -274,7 +276,7 @@ class Results:
         return number
 
     def frame(self, frame: FrameNumber = "last") -> Frame:
-        """Fields of a frame: by number from 0, ``"peak"`` (the nearest to the largest force) or ``"last"``."""
+        """Fields of a frame, given by its number from 0, ``"peak"`` (nearest to the largest force) or ``"last"``."""
         number = self._frame_number(frame)
         increment = int(self._fields.increments()[number])
         return Frame(self._fields, number, float(self.times[number]), increment)
@@ -289,9 +291,9 @@ class Results:
         Parameters
         ----------
         frame
-            Which.
+            The frame.
         scale
-            Factor of the displacements that are drawn; the field itself is not scaled.
+            Magnification of the deformed shape; the displacement field is not scaled.
         """
         need("pyvista", "plot")
         import pyvista
@@ -306,7 +308,7 @@ class Results:
         return grid
 
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
-        """The solids at rest with all fields of a frame, for meshio (which writes many formats)."""
+        """The solids at rest with all fields of a frame, for meshio, which writes many formats."""
         need("meshio", "plot")
         import meshio
 
@@ -348,16 +350,16 @@ class Results:
         ax: Axes | None = None,
         label: str | None = None,
     ) -> Axes:
-        """The load-displacement curve, over a measured one if given, by matplotlib.
+        """Plots the load-displacement curve with matplotlib, together with a measured one if given.
 
         Parameters
         ----------
         experiment
-            A CSV file with a column of displacements and one of forces (see docs/results.md).
+            A CSV file with a column of displacements and one of forces (see docs/how-to/compare-with-a-test.md).
         ax
             Axes to draw into; new ones if not given.
         label
-            Of the legend; the title if not given.
+            Label in the legend; the title if not given.
         """
         need("matplotlib", "plot")
         from matplotlib import pyplot
@@ -387,7 +389,7 @@ class Results:
         experiment: str | os.PathLike[str] | None = None,
         against: Mapping[str, Results] | None = None,
     ) -> Picture:
-        """A picture that needs no other package.
+        """Draws a picture without further packages.
 
         Parameters
         ----------
@@ -395,9 +397,9 @@ class Results:
             ``"curves"`` (load-displacement), ``"cracks"`` (elevation with damage and failed joints),
             ``"deflection_height"``, ``"deflection_length"``.
         frame
-            Of the cracks and deflections.
+            Frame of the cracks and deflections.
         experiment
-            A measured curve beside ``"curves"``.
+            CSV file with a measured curve, for ``"curves"``.
         against
             Further runs by name.
         """
@@ -407,7 +409,7 @@ class Results:
         others = against or {}
         runs = [(self._name(), self._path), *((name, run.path) for name, run in others.items())]
         measured = [] if experiment is None else [as_path("experiment", experiment)]
-        # Curves need no frame; those that are not there must not hinder them.
+        # Curves need no frame, so a missing one is no error.
         number = "last" if kind == "curves" else str(self._frame_number(frame))
         return Picture(_wythe.picture(kind, runs, measured, number))
 
@@ -417,8 +419,8 @@ class Results:
         *,
         experiment: str | os.PathLike[str] | None = None,
     ) -> str:
-        """Writes the run on one page (HTML that needs nothing else) and returns its path, in the folder if
-        not said otherwise.
+        """Writes a report of the run as one self-contained HTML page and returns its path. By default it is in the
+        folder of the run.
         """
         name = os.path.join(self._path, "report.html") if out is None else as_path("out", out)
         measured = None if experiment is None else as_path("experiment", experiment)
@@ -428,8 +430,8 @@ class Results:
     def compare(
         self, experiment: str | os.PathLike[str], *, height: float | None = None
     ) -> dict[str, Any]:
-        """The run against an experiment: peaks, stiffnesses, energies, drifts, their ratios, and the
-        difference of the curves. ``height`` [mm] is the clear height for drifts, if the model does not tell.
+        """Compares the run with an experiment: peaks, stiffnesses, energies, drifts, their ratios, and the
+        difference of the curves. ``height`` [mm] is the clear height for drifts, by default that of the model.
         """
         found: dict[str, Any] = json.loads(
             _wythe.compare(self._path, as_path("experiment", experiment), height)
@@ -443,8 +445,8 @@ class Results:
         *,
         frame: FrameNumber | None = "last",
     ) -> list[str]:
-        """Writes a frame (all, if None) as ``"vtu"`` or ``"csv"``, or the model as ``"inp"``, into a folder
-        (``export`` in the run's) and returns the files.
+        """Writes a frame (all frames if None) as ``"vtu"`` or ``"csv"``, or the model as ``"inp"``, and returns the
+        files. The default folder is ``export`` in the folder of the run.
         """
         if to not in ("vtu", "csv", "inp"):
             raise ValueError(f"to: expected 'vtu', 'csv' or 'inp', got {to!r}")
@@ -476,19 +478,19 @@ class Results:
         progress: bool = False,
         callback: Callable[[Increment], bool | None] | None = None,
     ) -> Results:
-        """Goes on with a run that stopped, from its last checkpoint and in its folder, as ``wythe resume``.
+        """Resumes a stopped run in its folder from the last checkpoint, like ``wythe resume``.
 
         Parameters
         ----------
         changes
-            Keys of the deck said anew, of those that may change: ``output``, the title, a longer last step.
+            New values of keys that may change: ``output``, the title, a longer last step.
         threads, progress, callback
-            As in :meth:`wythe.Model.run`.
+            See :meth:`wythe.Model.run`.
 
         Returns
         -------
         Results
-            Of the whole run. This object forgets what it has read and shows the same.
+            Results of the whole run. This object discards its cached data and shows the same results.
         """
         from wythe._model import _overrides
         from wythe._run import resume_run
@@ -500,7 +502,7 @@ class Results:
             self._forget()
 
     def _forget(self) -> None:
-        """Everything that was read of the folder."""
+        """Discards all cached data of the folder."""
         for name in list(self.__dict__):
             if isinstance(getattr(Results, name, None), cached_property):
                 del self.__dict__[name]
@@ -536,7 +538,7 @@ class Results:
 
 
 class Temporary:
-    """A folder for one run, which vanishes with this object or when the process ends."""
+    """A folder for one run, removed together with this object or at the end of the process."""
 
     def __init__(self) -> None:
         self._name = tempfile.mkdtemp(prefix="wythe-")
@@ -544,11 +546,11 @@ class Temporary:
 
     @property
     def run(self) -> str:
-        """The folder of the run in it, which the run makes."""
+        """Folder of the run, created by the run."""
         return os.path.join(self._name, "run")
 
 
 def _remove(name: str, owner: int) -> None:
-    # A fork has the object, too, but not the folder.
+    # A forked process has a copy of the object but does not own the folder.
     if os.getpid() == owner:
         shutil.rmtree(name, ignore_errors=True)

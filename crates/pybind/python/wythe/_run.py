@@ -1,4 +1,4 @@
-"""Runs: progress, callbacks, and how they end."""
+"""Execution of runs: progress, callbacks and exceptions."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ __all__ = ["Increment"]
 
 @dataclass(frozen=True)
 class Increment:
-    """A converged increment, as the callback of a run sees it. Units are in the names.
+    """A converged increment, passed to the callback of a run. Units are in the names.
 
-    The attributes are the columns of ``history.csv``; ``probes`` has those of the model's probes by name.
+    The attributes are the columns of ``history.csv``; ``probes`` has the columns of the probes by name.
     """
 
     increment: int
@@ -58,13 +58,13 @@ Callback = Callable[[Increment], "bool | None"]
 
 
 def in_notebook() -> bool:
-    """Whether this is the kernel of a notebook, which renews a line as a terminal does."""
+    """Whether this is the kernel of a notebook, which can overwrite a line as a terminal does."""
     ipython: Any = sys.modules.get("IPython")
     return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 class Follower:
-    """A line on standard error that follows a run."""
+    """Shows the progress of a run as a line on standard error."""
 
     def __init__(self, title: str, steps: list[dict[str, Any]], out: TextIO) -> None:
         self._title = title
@@ -77,7 +77,7 @@ class Follower:
         self._width = 0
 
     def show(self, row: Increment) -> None:
-        """Shows an increment, if the last one was shown long enough."""
+        """Shows an increment, if enough time has passed since the last one."""
         now = time.monotonic()
         if now - self._shown < (0.1 if self._in_place else 5.0):
             return
@@ -90,11 +90,11 @@ class Follower:
         )
 
     def note(self, text: str) -> None:
-        """Says what the solver says."""
+        """Shows a message of the solver."""
         self._say(text, end="\n")
 
     def finish(self, text: str) -> None:
-        """The last line."""
+        """Shows the last line."""
         self._say(f"{self._title}: {text}", end="\n")
 
     def _say(self, text: str, end: str) -> None:
@@ -127,7 +127,7 @@ def _listeners(
         if follower is not None:
             follower.show(increment)
         answer = True if callback is None else callback(increment)
-        # NumPy's False is another object.
+        # numpy.False_ is not the object False.
         return not (isinstance(answer, (bool, np.bool_)) and not answer)
 
     return on_row, None if follower is None else follower.note
@@ -140,7 +140,7 @@ def run_deck(
     progress: bool,
     callback: Callback | None,
 ) -> Results:
-    """:meth:`wythe.Model.run`."""
+    """Implements :meth:`wythe.Model.run`."""
     count = _threads(threads)
     follower = _follower(deck, progress)
     watched = callback is not None or follower is not None
@@ -167,7 +167,7 @@ def resume_run(
     progress: bool,
     callback: Callback | None,
 ) -> Results:
-    """:meth:`wythe.Results.resume`."""
+    """Implements :meth:`wythe.Results.resume`."""
     count = _threads(threads)
     text = results.deck
     follower = None

@@ -1,4 +1,4 @@
-"""The private half of the package, in Rust."""
+"""The private Rust half of the package."""
 
 import os
 from collections.abc import Callable

@@ -1,8 +1,8 @@
 """Models from parts: materials, joints, walls, arches, blocks, steps.
 
-Each function gives a part of a deck with the deck's own keys (docs/deck.md); :func:`wall`, :func:`arch` and
-:func:`blocks` put them together. A quantity is a number in base units (N, mm, MPa, tonne, s; degrees) or a text
-with its unit. What is not given has the deck's default.
+Each function returns a part of a deck with the keys of the deck (docs/reference/deck.md); :func:`wall`, :func:`arch` and
+:func:`blocks` combine parts to a model. A quantity is a number in base units (N, mm, MPa, tonne, s; degrees) or a
+text with its unit. Omitted arguments take the default of the deck.
 """
 
 from __future__ import annotations
@@ -74,8 +74,8 @@ def block(
     copies: Sequence[int] | None = None,
     pitch: Sequence[Quantity] | None = None,
 ) -> Part:
-    """A block: a box by its size and lowest corner, a hexahedron by its corners, or a grid of nodes from a file; with
-    ``stack`` a column of so many, joined by ``interface``.
+    """A block: a box given by its size and lowest corner, a hexahedron given by its corners, or a grid of nodes from
+    a file. ``stack`` makes a column of this number of blocks, joined by ``interface``.
     """
     return _part(
         name=name,
@@ -104,8 +104,10 @@ def beam(
     rotation: str | None = None,
     density: Quantity | None = None,
 ) -> Part:
-    """A stiff loading beam on level faces, whose ``rotation`` is ``"level"`` or ``"free"``; goes into the table ``beams``
-    of :func:`wall` or :func:`blocks`. :func:`preload` and :func:`push` name it.
+    """A stiff loading beam on horizontal faces, with the ``rotation`` ``"level"`` or ``"free"``.
+
+    It belongs to the table ``beams`` of :func:`wall` or :func:`blocks`; :func:`preload` and :func:`push` refer to it
+    by name.
     """
     return _part(name=name, on=on, depth=depth, interface=interface, rotation=rotation, density=density)
 
@@ -120,7 +122,7 @@ def mesh(
     materials: Mapping[str, str] | None = None,
     velocity: Sequence[Quantity] | None = None,
 ) -> Part:
-    """A mesh of Abaqus (.inp) or Gmsh (.msh), its materials by sets where the file does not say them."""
+    """A mesh of Abaqus (.inp) or Gmsh (.msh); ``materials`` assigns materials to sets if the file does not."""
     return _part(
         name=name,
         file=file,
@@ -137,7 +139,7 @@ def contact(
     slave: str | Sequence[str] | None = None,
     master: str | Sequence[str] | None = None,
 ) -> Part:
-    """Faces that may meet; without names all that touch at rest."""
+    """Faces that may come into contact; without names all faces that touch at rest."""
     return _part(interface=interface, slave=slave, master=master)
 
 
@@ -147,19 +149,19 @@ def support(
     *,
     box: Sequence[Sequence[Quantity]] | None = None,
 ) -> Part:
-    """Bodies or faces that are held, in all directions if none are named; of them what lies in ``box``, if given."""
+    """Fixes bodies or faces, in all directions by default; only the part within ``box``, if given."""
     return _part(on=on, fixed=fixed, box=box)
 
 
 def spring(name: str, on: str | Sequence[str], stiffness: Sequence[Quantity]) -> Part:
-    """A spring to the ground: stiffness along x, y, z [N/mm]."""
+    """A spring to the ground with its stiffness along x, y and z [N/mm]."""
     return _part(name=name, on=on, stiffness=stiffness)
 
 
 def symmetry(normal: str, at: Quantity, keep: str | None = None) -> Part:
-    """A plane of symmetry normal to ``"x"``, ``"y"`` or ``"z"``; what lies ``"below"`` it is modelled, or ``"above"``.
+    """A plane of symmetry normal to ``"x"``, ``"y"`` or ``"z"``; the model is the part ``"below"`` it or ``"above"``.
 
-    Goes into the table ``symmetry`` of :func:`wall` or :func:`blocks`; forces and energies are those of the part.
+    It belongs to the table ``symmetry`` of :func:`wall` or :func:`blocks`; forces and energies are those of the part.
     """
     return _part(normal=normal, at=at, keep=keep)
 
@@ -173,8 +175,8 @@ def probe(
     minus: str | Sequence[str] | Mapping[str, Value] | None = None,
     quantity: str | None = None,
 ) -> Part:
-    """A place whose motion the history follows as a column of its own: the mean of ``on``, or the node ``near``
-    a point, less the motion of ``minus``; ``quantity`` is ``"displacement"`` or ``"velocity"``.
+    """A motion recorded in its own column of the history: the mean of ``on``, or that of the node ``near`` a point,
+    minus the motion of ``minus``; ``quantity`` is ``"displacement"`` or ``"velocity"``.
     """
     return _part(name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity)
 
@@ -219,37 +221,37 @@ def wall(
     unit
         Length, thickness, height of a unit [mm].
     length
-        Of the wall [mm].
+        Length of the wall [mm].
     courses
-        How many.
+        Number of courses.
     brick, mortar
-        Materials (:func:`damage_plasticity`, :func:`elastic`); without mortar the joints are 0 and dry.
+        Materials (:func:`damage_plasticity`, :func:`elastic`); without mortar the joints are dry and have no thickness.
     joint
         The interface (:func:`joint`, :func:`dry_joint`).
     steps
-        What happens (:func:`preload`, :func:`push`, ...), in order.
+        Load steps (:func:`preload`, :func:`push`, ...) in order.
     name, at, along
-        Its name (``"wall"``), its lowest corner [mm], and the axis along which it runs, ``"x"`` or ``"y"``.
+        Name of the wall (default ``"wall"``), its lowest corner [mm], and its axis, ``"x"`` or ``"y"``.
     bed_joint, head_joint
-        Thicknesses [mm].
+        Thicknesses of the joints [mm].
     bond
         ``"stretcher"``, ``"stack"``, ``"header"``, ``"english"``, ``"english-cross"``, ``"flemish"``, ``"pattern"``.
     mesh
-        ``"coarse"``, ``"fine"``, or elements along a unit's length, height, thickness.
+        ``"coarse"``, ``"fine"``, or numbers of elements along the length, height and thickness of a unit.
     clamped
-        ``{"bottom_courses": 1, "top_courses": 1}``, or ``False``: supports and steps name its faces.
+        ``{"bottom_courses": 1, "top_courses": 1}``, or ``False`` if supports and steps refer to its faces.
     overlap, leaves, collar_joint, header_courses, head_filling, filled_from
-        Of the bond (docs/deck.md, ``wall``).
+        Parameters of the bond (docs/reference/deck.md, ``wall``).
     head_interface, collar_interface
-        Names of ``interfaces`` for these joints, where they differ from ``joint``.
+        Names of ``interfaces`` for these joints, if they differ from ``joint``.
     rigid
-        Units as good as rigid, in dry walls.
+        Whether the units of a dry wall are nearly rigid.
     pattern
-        Courses of a bond written out, for ``bond="pattern"``.
+        Explicit courses of a bond, for ``bond="pattern"``.
     openings
-        ``{"from": 360, "to": 630, "sill": 6, "courses": 6, "lintel": {"bearing": 100}}``, ...
+        Openings such as ``{"from": 360, "to": 630, "sill": 6, "courses": 6, "lintel": {"bearing": 100}}``.
     materials, interfaces
-        Further ones by name, for lintels, leaves and contacts.
+        Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``beams``,
         ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
@@ -317,23 +319,23 @@ def arch(
     Parameters
     ----------
     thickness, width
-        Radial and along y [mm].
+        Radial thickness, and width along y [mm].
     voussoirs
-        How many.
+        Number of voussoirs.
     stone
         The material; it needs a density.
     joint
         The interface.
     steps
-        What happens, in order.
+        Load steps in order.
     radius, span
-        Of the centre line, or the clear span [mm]: one of both.
+        Radius of the centre line or clear span [mm]; one of the two.
     rise, angle
-        Clear rise, with the span [mm]; or the angle of embrace [degrees].
+        Clear rise [mm], used with the span; or angle of embrace [degrees].
     rigid
-        Voussoirs as good as rigid.
+        Whether the voussoirs are nearly rigid.
     mesh
-        Elements of a voussoir along the arch, its width, its thickness.
+        Numbers of elements of a voussoir along the arch, its width and its thickness.
     tables
         Further tables of the deck: ``contact``, ``fidelity``, ``probes``, ``blocks``, ``contacts``, ``supports``, ...
     """
@@ -385,22 +387,22 @@ def blocks(
     Parameters
     ----------
     blocks
-        :func:`block`.
+        Blocks (:func:`block`).
     materials, interfaces
-        By the names that blocks and contacts use.
+        Materials and interfaces by the names used in blocks and contacts.
     contacts, supports, springs, probes, steps
-        :func:`contact`, :func:`support`, :func:`spring`, :func:`probe`, and steps in order.
+        Lists of :func:`contact`, :func:`support`, :func:`spring` and :func:`probe`, and the steps in order.
     imports
-        :func:`mesh`.
+        Imported meshes (:func:`mesh`).
     points
-        ``"corner"`` for blocks that rock and slide, ``"gauss"`` for bonded ones.
+        Contact points: ``"corner"`` for rocking and sliding blocks, ``"gauss"`` for bonded ones.
     general
-        A dry interface by which any face may meet any other body's; if absent only those of
-        ``contacts`` meet.
+        Dry interface for contact between any faces of different bodies; without it only ``contacts`` are
+        considered.
     parts
-        Parts along x, y and z that each slave facet is cut into, with contact points of their own.
+        Numbers of parts along x, y and z into which each slave facet is divided, each with contact points.
     search_radius
-        The gap up to which a point faces the surface opposite [mm].
+        Largest gap at which a point is paired with the opposite surface [mm].
     tables
         Further tables of the deck: ``beams``, ``symmetry``, ``walls``, ``arch``, ``element``, ``fidelity``, ``output``.
     """
@@ -422,6 +424,6 @@ def blocks(
     )
 
 
-# All are of this module, wherever they are written: so they are shown, found and pickled.
+# All functions belong to this module in help texts and pickles, whatever file defines them.
 for _name in __all__:
     globals()[_name].__module__ = __name__

@@ -1,7 +1,7 @@
-"""Models to begin with: each runs as it is, and its parameters change what is asked most often.
+"""Template models: each runs without changes, and its parameters are the most common ones.
 
 Every parameter is a quantity: a number in base units (mm, MPa, degrees) or a text with its unit
-(``"2.12 MPa"``). Whatever else a model has is changed by ``with_``.
+(``"2.12 MPa"``). ``with_`` changes all other values of a model.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Quantity = float | str
 
 
 def names() -> dict[str, str]:
-    """Names of the templates, as ``wythe new --template`` takes them, and what each is."""
+    """Names of the templates, as for ``wythe new --template``, with their descriptions."""
     return {name: about for name, about, _ in _wythe.templates()}
 
 
@@ -44,22 +44,22 @@ def shear_wall(
     mesh: str | Sequence[int] | None = None,
     vertical: str | None = None,
 ) -> Model:
-    """A wall pressed and pushed in its plane until it has cracked and crushed.
+    """A wall under vertical load, pushed in its plane until it cracks and crushes.
 
     Parameters
     ----------
     preload
         Pressure on the top [MPa].
     drive
-        How far the top is pushed [mm].
+        Displacement of the top [mm].
     length
-        Of the wall [mm].
+        Length of the wall [mm].
     courses
-        How many.
+        Number of courses.
     mesh
-        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+        ``"coarse"``, ``"fine"``, or numbers of elements along the length, height and thickness of a brick.
     vertical
-        ``"locked"``: the top stays where the preload left it; ``"free"``: it moves under its load.
+        ``"locked"``: the top keeps its height after the preload; ``"free"``: it moves under its load.
     """
     return _made(
         "shear-wall",
@@ -80,16 +80,16 @@ def couplet(
     f_t: Quantity | None = None,
     mesh: str | Sequence[int] | None = None,
 ) -> Model:
-    """Two bricks and the joint between them, pulled apart.
+    """Two bricks with a joint, pulled apart.
 
     Parameters
     ----------
     displacement
-        How far they are pulled after the peak [mm].
+        Displacement after the peak [mm].
     f_t
         Tensile strength of the joint [MPa].
     mesh
-        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+        ``"coarse"``, ``"fine"``, or numbers of elements along the length, height and thickness of a brick.
     """
     return _made(
         "couplet",
@@ -109,20 +109,20 @@ def out_of_plane(
     courses: int | None = None,
     mesh: str | Sequence[int] | None = None,
 ) -> Model:
-    """A strip of wall pushed out of its plane under its load.
+    """A strip of wall under vertical load, pushed out of its plane.
 
     Parameters
     ----------
     preload
         Pressure on the top [MPa].
     drive
-        How far the top is pushed through the wall [mm].
+        Displacement of the top normal to the wall [mm].
     length
-        Of the strip [mm].
+        Length of the strip [mm].
     courses
-        How many.
+        Number of courses.
     mesh
-        ``"coarse"``, ``"fine"``, or elements along a brick's length, height, thickness.
+        ``"coarse"``, ``"fine"``, or numbers of elements along the length, height and thickness of a brick.
     """
     return _made(
         "out-of-plane",
@@ -145,22 +145,22 @@ def arch(
     embrace: Quantity | None = None,
     friction: float | None = None,
 ) -> Model:
-    """A semicircle of dry voussoirs under its weight, tilted.
+    """A semicircular arch of dry voussoirs under its weight, tilted.
 
     Parameters
     ----------
     tilt
         Inclination of the ground at the end [degrees].
     radius
-        Of the centre line [mm].
+        Radius of the centre line [mm].
     thickness
-        Radial [mm].
+        Radial thickness [mm].
     voussoirs
-        How many.
+        Number of voussoirs.
     embrace
         Angle of embrace [degrees]; 180 is a semicircle.
     friction
-        Coefficient of the joints.
+        Friction coefficient of the joints.
     """
     return _made(
         "arch",
@@ -184,7 +184,7 @@ def dry_wall(tilt: Quantity | None = None, *, friction: float | None = None) -> 
     tilt
         Inclination of the table at the end [degrees].
     friction
-        Coefficient of the joints.
+        Friction coefficient of the joints.
     """
     return _made(
         "dry-wall",
@@ -202,16 +202,16 @@ def column(
     friction: float | None = None,
     velocity: Sequence[Quantity] | None = None,
 ) -> Model:
-    """A column of loose blocks, struck: sliding and rocking in time.
+    """A column of loose blocks after an impact, which slide and rock.
 
     Parameters
     ----------
     duration
-        Of the motion [s].
+        Duration of the motion [s].
     friction
-        Coefficient of the joints.
+        Friction coefficient of the joints.
     velocity
-        Of the uppermost block at first: x, y, z [mm/s].
+        Initial velocity of the top block: x, y, z [mm/s].
     """
     return _made(
         "column",

@@ -1,10 +1,10 @@
-//! The half of a model that is kept: everything on one side of a plane, held in it, and what lies across it, whose
-//! nodes beyond are images of those before it.
+//! The kept half of a model: everything on one side of a plane, with the plane fixed across itself, and everything
+//! across it, whose nodes beyond the plane are images of those before it (theory/symmetry.md, Algorithm).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::images::Images;
-use crate::model::deck::Axis;
+use crate::model::axis::Axis;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::mesh::Reflected;
 use crate::model::probes::Probe;
@@ -13,24 +13,24 @@ use crate::model::scene::{
 };
 use crate::model::{Mesh, Model};
 
-/// Part of a vector's size that rounding may leave across the plane.
+/// Part of a vector's size that its component across the plane may have by rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A half of a model, and where its nodes, elements and facets were.
+/// A half of a model, and the numbers of its nodes, elements and facets.
 #[derive(Clone, Debug)]
 pub(crate) struct Half {
     pub model: Model,
-    /// Number in the half, none if it is not kept: those beyond the plane are images of ones that are. `[node]`
+    /// Number in the half. None for nodes beyond the plane, which are images of kept ones. `[node]`
     pub node: Vec<Option<u32>>,
-    /// Nodes beyond the plane of what lies across it, numbered after the others.
+    /// Nodes beyond the plane of elements across it, numbered after the others.
     pub beyond: Vec<u32>,
-    /// `[element]`
+    /// Number in the half. `[element]`
     pub element: Vec<Option<u32>>,
-    /// `[slave facet]`
+    /// Number in the half. `[slave facet]`
     pub slave: Vec<Option<u32>>,
 }
 
-/// The half below the plane, if what holds, loads and follows the model is mirrored as its mesh is.
+/// The half below the plane, if supports, loads and probes are mirrored like the mesh.
 pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let contact = &model.contact;
     if contact.general.is_some() {
@@ -92,7 +92,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     })
 }
 
-/// Numbers what is kept.
+/// Numbers of the kept items.
 fn numbered(kept: impl Iterator<Item = bool>) -> Vec<Option<u32>> {
     let mut next = 0;
     let number = |keeps: bool| {
@@ -107,36 +107,36 @@ fn numbered(kept: impl Iterator<Item = bool>) -> Vec<Option<u32>> {
 struct Cut<'a> {
     images: &'a Images,
     node: &'a [Option<u32>],
-    /// The same with the nodes beyond the plane.
+    /// The same, with numbers of nodes beyond the plane.
     any: &'a [Option<u32>],
     beyond: &'a [u32],
 }
 
 impl Cut<'_> {
-    /// Numbers of those nodes that are kept, or beyond the plane of what lies across it.
+    /// Numbers of those nodes that are kept, or beyond the plane in elements across it.
     fn kept(&self, nodes: &[u32]) -> Vec<u32> {
         let kept = nodes.iter().filter_map(|n| self.any[*n as usize]);
         kept.collect()
     }
 
-    /// Numbers of the nodes of what is kept.
+    /// Numbers of the nodes of a kept element or facet.
     fn cell<const N: usize>(&self, nodes: &[u32; N]) -> Option<[u32; N]> {
         let kept = self.images.keeps(nodes);
         kept.then(|| <[u32; N]>::try_from(self.kept(nodes)).ok())?
     }
 
-    /// The number of a node that is kept, or of its image.
+    /// Number of a kept node, or of the image of another.
     fn either(&self, n: u32) -> Option<u32> {
         self.node[n as usize].or_else(|| self.node[self.images.node[n as usize] as usize])
     }
 
-    /// Whether a vector stays in the plane.
+    /// Whether a vector lies in the plane.
     fn stays(&self, v: [f64; 3]) -> bool {
         let size = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         v[self.images.axis].abs() <= ROUNDING * size
     }
 
-    /// Facets that are kept, with their numbers in the whole.
+    /// Kept facets, with their numbers in the whole.
     fn facets(&self, facets: &[[u32; 4]]) -> Vec<(usize, [u32; 4])> {
         let all = facets.iter().enumerate();
         all.filter_map(|(f, nodes)| Some((f, self.cell(nodes)?)))
@@ -167,7 +167,7 @@ impl Cut<'_> {
         half
     }
 
-    /// Images by planes that were there before, and by this one.
+    /// Images in earlier planes and in this one.
     fn reflected(&self, mesh: &Mesh) -> Vec<Reflected> {
         let kept = mesh.reflected.iter().filter_map(|image| {
             Some(Reflected {
@@ -229,8 +229,8 @@ impl Cut<'_> {
         })
     }
 
-    /// Half as stiff on the mean of all nodes, of which those that are not kept move as their images do; across the plane
-    /// it does not move.
+    /// Spring of half the stiffness on the mean of all nodes, where images stand for nodes that are not kept. Across
+    /// the plane it has no stiffness.
     fn spring(&self, spring: &Spring) -> Option<Spring> {
         let mut stiffness = spring.stiffness.map(|k| 0.5 * k);
         stiffness[self.images.axis] = 0.0;
@@ -243,7 +243,7 @@ impl Cut<'_> {
         })
     }
 
-    /// What holds the plane.
+    /// Support of the plane.
     fn plane(&self) -> Support {
         let Images { axis, at, .. } = *self.images;
         let mut fixed = [false; 3];
@@ -257,7 +257,7 @@ impl Cut<'_> {
         }
     }
 
-    /// Motion of nodes that are not kept is that of their images; across the plane it is the other way round.
+    /// Images stand for nodes that are not kept. Their motion across the plane has the opposite sign.
     fn probe(&self, probe: &Probe) -> Option<Probe> {
         let across = probe.axis == self.images.axis;
         let all = || probe.nodes.iter().chain(&probe.minus);
@@ -274,7 +274,7 @@ impl Cut<'_> {
             }
             let mut counts = times.values();
             let first = counts.next();
-            // A node of the plane counts once, and one beside it for its image, too.
+            // A node in the plane counts once. A node beside it counts again for its image.
             let evenly = counts.all(|count| Some(count) == first);
             if evenly {
                 times.into_keys().collect()
@@ -339,7 +339,7 @@ impl Cut<'_> {
         })
     }
 
-    /// Shares of nodes that are kept, if those of their images are alike. Numbers are still those of the whole.
+    /// Shares of kept nodes, if those of their images are equal. Node numbers are still those of the whole.
     fn shares<T: Copy>(
         &self,
         shares: &[(u32, T)],
@@ -378,13 +378,13 @@ impl Cut<'_> {
         velocity.iter().enumerate().all(mirrored).then(kept)
     }
 
-    /// A step of the half: forces are half, and nothing goes across.
+    /// Step of the half: forces are halved, and nothing moves or acts across the plane.
     fn step(&self, step: &Step, model: &Model) -> Option<Step> {
         let d = self.images.axis;
         let gravity = match step.gravity {
             Gravity::None => true,
             Gravity::Constant(g) | Gravity::Growing(g) => self.stays(g),
-            // About the normal it stays in the plane.
+            // Rotation about the normal keeps gravity in the plane.
             Gravity::Turning { from, axis, .. } => {
                 self.stays(from) && axis[d].abs() > 1.0 - ROUNDING
             }

@@ -1,4 +1,4 @@
-//! Mirror images: which node, element and facet of a model lies where another one would be seen in a plane.
+//! Mirror images of the nodes, elements and facets of a model in a plane.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
@@ -8,21 +8,22 @@ use crate::model::scene::ContactSurfaces;
 use wythe_contact::Part;
 use wythe_contact::surface::weights_at;
 
-/// Places closer than this part of the model's diagonal are one.
+/// Largest distance of coinciding places, over the diagonal of the model.
 const SAME: f64 = 1e-7;
-/// Weights of the middles of a facet's parts are told apart to one in so many.
+/// Resolution of the weights by which the middles of a facet's parts are distinguished: one over this number.
 const PLACES: f64 = 1e6;
 
-/// A plane that a mesh and its joints are mirrored by, and the images. What lies across it is its own image.
+/// A plane in which a mesh and its joints are mirrored, and their images. Elements and facets across it are their own
+/// images.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Images {
     /// Axis normal to the plane.
     pub axis: usize,
-    /// Where it lies on it [mm].
+    /// Coordinate of the plane on it [mm].
     pub at: f64,
     /// Image of each node, itself if it lies in the plane. `[node]`
     pub node: Vec<u32>,
-    /// Which side each node is on: −1 below the plane, 0 in it, 1 above. `[node]`
+    /// Side of each node: −1 below the plane, 0 in it, 1 above. `[node]`
     pub side: Vec<i8>,
     /// Image of each element. `[element]`
     pub element: Vec<u32>,
@@ -31,11 +32,11 @@ pub(crate) struct Images {
 }
 
 impl Images {
-    /// In the plane through the middle of the model normal to an axis, if mesh, materials and joints are mirrored by
-    /// it, and no facet lies in it.
+    /// Images in the plane through the middle of the model normal to an axis. None unless mesh, materials and joints
+    /// are mirrored and no facet lies in the plane.
     pub fn of(model: &Model, axis: usize) -> Option<Self> {
         let mesh = &model.mesh;
-        // A half with images beyond its plane is mirrored by it once more.
+        // A half with images beyond a plane would be mirrored in that plane again.
         if mesh.reflected.iter().any(|image| image.sign[axis] < 0.0) {
             return None;
         }
@@ -63,13 +64,13 @@ impl Images {
         Some(images)
     }
 
-    /// Whether what has these nodes is on the side that is kept, or lies across the plane.
+    /// Whether an element or facet with these nodes is on the kept side or across the plane.
     pub fn keeps(&self, nodes: &[u32]) -> bool {
         let side = |n: &u32| self.side[*n as usize];
         nodes.iter().all(|n| side(n) <= 0) || self.lies_across(nodes)
     }
 
-    /// Whether nodes are on both sides.
+    /// Whether nodes lie on both sides.
     pub fn lies_across(&self, nodes: &[u32]) -> bool {
         let side = |n: &u32| self.side[*n as usize];
         nodes.iter().any(|n| side(n) < 0) && nodes.iter().any(|n| side(n) > 0)
@@ -81,7 +82,7 @@ impl Images {
         v
     }
 
-    /// Whether some nodes are all each other's images.
+    /// Whether the images of these nodes are among them.
     pub fn hold_together(&self, nodes: &[u32]) -> bool {
         let mut own = nodes.to_vec();
         own.sort_unstable();
@@ -90,10 +91,10 @@ impl Images {
             .all(|n| own.binary_search(&self.node[*n as usize]).is_ok())
     }
 
-    /// Nodes of several bodies meet at one place: images are sought body by body.
+    /// Nodes of several bodies may coincide, so images are searched body by body.
     fn of_nodes(&self, model: &Model, unit: f64) -> Option<Vec<u32>> {
         let mesh = &model.mesh;
-        // Coordinates of decks are round: a place near the bounds of a cell is none of theirs.
+        // Coordinates of decks are round numbers. The offset keeps them away from the bounds of cells.
         let cell = |x: [f64; 3]| x.map(|x| (x / unit + 0.37).floor() as i64);
         let relative = |mut x: [f64; 3]| {
             x[self.axis] -= self.at;
@@ -114,7 +115,7 @@ impl Images {
         let at = unique((0..bodies).map(|b| (cell(centre(b)), b as u32)))?;
         let image = |b: usize| at.get(&cell(self.of_vector(centre(b)))).copied();
         let image = (0..bodies).map(image).collect::<Option<Vec<u32>>>()?;
-        // A node of no element stands for the other half of a joint.
+        // A node without an element represents the other half of a joint.
         if body.contains(&u32::MAX) {
             return None;
         }
@@ -145,7 +146,7 @@ impl Images {
         mesh.elements.iter().enumerate().map(image).collect()
     }
 
-    /// Master facets need only be there.
+    /// Master facets only need to exist.
     fn of_facets(&self, contact: &ContactSurfaces) -> Option<Vec<u32>> {
         let image = |facets: &[[u32; 4]], part: &dyn Fn(usize) -> Part| {
             let place = |f: usize, nodes: [u32; 4]| {
@@ -179,7 +180,7 @@ impl Images {
     }
 }
 
-/// Mixes whole numbers: places and nodes of a mesh are many, and nobody chooses them to collide.
+/// Hash function for integers. Collisions by intent need no protection, since places and nodes come from a mesh.
 #[derive(Default)]
 struct Mixer(u64);
 
@@ -211,7 +212,7 @@ impl Hasher for Mixer {
 
 type Map<K> = HashMap<K, u32, BuildHasherDefault<Mixer>>;
 
-/// By key; nothing if two have the same.
+/// Map by key. None if two entries have the same key.
 fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<Map<K>> {
     let mut map =
         Map::with_capacity_and_hasher(entries.size_hint().0, BuildHasherDefault::default());

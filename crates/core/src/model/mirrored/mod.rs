@@ -1,7 +1,7 @@
-//! Models that are their own mirror image, and the half that tells of the whole.
+//! Models that are their own mirror image, and the half that represents the whole (theory/symmetry.md).
 //!
-//! The half has the very nodes, elements, joints and laws of the whole on one side of the plane, so that each of its
-//! results is one of the whole and of its mirror image.
+//! The half has the same nodes, elements, joints and laws as the whole on one side of the plane. Each of its results
+//! belongs to the whole and, mirrored, to the other side.
 
 mod cut;
 mod images;
@@ -10,28 +10,28 @@ pub(crate) use cut::Half;
 pub(crate) use images::Images;
 
 use super::Model;
-use super::deck::Axis;
+use super::axis::Axis;
 use std::borrow::Cow;
 use std::fmt;
 
-/// A plane by which a model is mirrored.
+/// A plane in which a model is mirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorPlane {
     /// Axis normal to it: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Where it lies on the axis [mm].
+    /// Coordinate of the plane on the axis [mm].
     pub at: f64,
 }
 
 impl fmt::Display for MirrorPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // To a millionth, so that no rounding is told; and no −0.
+        // Rounded to 1e-6 without a negative zero, so that no rounding error is shown.
         let at = (1e6 * self.at).round() / 1e6 + 0.0;
         write!(f, "{} = {at} mm", Axis::NAMES[self.axis])
     }
 }
 
-/// What is left of a model that so many planes cut in two, in words; none if it is whole.
+/// Name of the remaining part of a model after a number of planes. None for the whole.
 pub(crate) fn part(planes: usize) -> Option<&'static str> {
     match planes {
         0 => None,
@@ -41,7 +41,7 @@ pub(crate) fn part(planes: usize) -> Option<&'static str> {
     }
 }
 
-/// The first plane by which a model, its supports, loads and all that it tells of are mirrored, and the half below it.
+/// First plane in which a model with its supports, loads and output is mirrored, and the half below it.
 pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
     // Walls are mirrored through their thickness more often than along their length.
     [1, 0, 2].into_iter().find_map(|axis| {
@@ -51,8 +51,8 @@ pub(crate) fn halved(model: &Model) -> Option<(Images, Half)> {
     })
 }
 
-/// Planes by which a model is its own mirror image, in the order in which halves are taken of it, and what `fidelity = "auto"`
-/// solves of it: the half that is left when no other can be taken, or all of it.
+/// Mirror planes of a model, in the order in which halves are taken, and the part that `fidelity = "auto"` solves:
+/// the half left when no further plane is found, or the whole model.
 pub(crate) fn reduced(model: &Model) -> (Vec<MirrorPlane>, Cow<'_, Model>) {
     let (mut planes, mut least) = (Vec::new(), Cow::Borrowed(model));
     while let Some((Images { axis, at, .. }, half)) = halved(&least) {
@@ -62,7 +62,7 @@ pub(crate) fn reduced(model: &Model) -> (Vec<MirrorPlane>, Cow<'_, Model>) {
     (planes, least)
 }
 
-/// Planes by which a model is its own mirror image, in the order in which halves are taken of it.
+/// Mirror planes of a model, in the order in which halves are taken.
 pub fn mirror_planes(model: &Model) -> Vec<MirrorPlane> {
     reduced(model).0
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Deck, templates};
+use crate::deck::{Deck, templates};
 use wythe_contact::CohesiveFrictional;
 
 const ONCE: NonZeroUsize = NonZeroUsize::MIN;

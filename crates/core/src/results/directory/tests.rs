@@ -1,7 +1,8 @@
-//! What a run leaves in its folder, also where it may not write.
+//! Files that a run writes into its folder, and faults of the folder.
 
 use super::*;
-use crate::results::{Status, fake};
+use crate::results::fake;
+use crate::state::Status;
 
 const WORK: &str = "results.vtkhdf.part";
 
@@ -58,7 +59,7 @@ fn a_run_leaves_its_files_and_the_summary_last() {
     let history = std::fs::read_to_string(path.join(HISTORY)).unwrap();
     assert_eq!(history.lines().count(), 5);
 
-    // The next run into the same folder begins by removing what says "whole".
+    // The next run into the folder first removes the summary.
     std::fs::write(path.join("notes.txt"), "mine").unwrap();
     let _next = RunDirectory::create(&path, &model).unwrap();
     assert_eq!(names(&path), [HISTORY, "notes.txt", FIELDS, WORK, MESSAGES]);

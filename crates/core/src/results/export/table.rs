@@ -1,13 +1,14 @@
-//! CSV: nodes, elements and interfaces of a frame, a file each; names and units as in `results.vtkhdf`.
+//! CSV files with nodes, elements and interfaces of a frame; names and units as in `results.vtkhdf`.
 
 use std::fmt::Write as _;
 
-use crate::results::{InterfaceState, Snapshot};
+use crate::results::Snapshot;
+use crate::state::InterfaceState;
 
 /// Components of symmetric tensors.
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
-/// A row a node: position at rest and displacement [mm].
+/// One row per node: position at rest and displacement [mm].
 pub fn nodes(snapshot: &Snapshot) -> String {
     let mut text = String::from("node,x_mm,y_mm,z_mm,u_x_mm,u_y_mm,u_z_mm\n");
     let rows = snapshot.mesh.nodes.iter().zip(&snapshot.frame.displacement);
@@ -17,7 +18,7 @@ pub fn nodes(snapshot: &Snapshot) -> String {
     text
 }
 
-/// A row an element: what it belongs to, its nodes, and the fields [MPa, -, mm].
+/// One row per element: labels, nodes and fields [MPa, -, mm].
 pub fn elements(snapshot: &Snapshot) -> String {
     let (mesh, frame) = (&snapshot.mesh, &snapshot.frame);
     let mut header = String::from("element,material,unit,course");
@@ -52,7 +53,7 @@ pub fn elements(snapshot: &Snapshot) -> String {
     text
 }
 
-/// A row a contact point: the middle of its quad at rest, opening and slip [mm], traction [MPa].
+/// One row per contact point: centre of its quad at rest, opening and slip [mm], traction [MPa].
 pub fn interfaces(snapshot: &Snapshot) -> String {
     let (surface, of) = (&snapshot.surface, &snapshot.frame.interfaces);
     let mut text = String::from(
@@ -92,7 +93,7 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     text
 }
 
-/// The shortest decimals which read back to the same bits.
+/// Writes a row. Numbers are the shortest decimals that read back to the same bits.
 fn row(text: &mut String, index: usize, labels: &[String], numbers: &[&[f64]]) {
     let labels = labels.iter().map(|label| format!(",{label}"));
     let numbers = numbers

@@ -1,8 +1,7 @@
-//! `frame_0007.vtu`: VTK's XML for unstructured grids, for readers older than VTKHDF.
+//! `frame_0007.vtu`: the XML format of VTK for unstructured grids, for readers without VTKHDF.
 //!
-//! Numbers are little-endian, in base64 within the XML, not compressed: before the bytes of each array
-//! their count as UInt64. Fields and their names are those of `results.vtkhdf`; positions are at rest,
-//! and the field `displacement` warps them.
+//! Numbers are little-endian in base64 without compression; the size of each array precedes it as UInt64. Fields have
+//! the names of `results.vtkhdf`. Positions are those at rest; the field `displacement` warps them.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,11 +10,11 @@ use std::fmt::Write as _;
 use crate::model::Model;
 use crate::results::Snapshot;
 
-/// VTK's kinds of cells.
+/// VTK numbers of cell types.
 const HEXAHEDRON: u8 = 12;
 const QUAD: u8 = 9;
 
-/// The solids at a frame.
+/// Solids at a frame.
 pub fn solids(snapshot: &Snapshot) -> String {
     let (mesh, frame) = (&snapshot.mesh, &snapshot.frame);
     let mut xml = Xml::begin(mesh.nodes.len(), mesh.elements.len(), frame.time);
@@ -45,12 +44,12 @@ pub fn solids(snapshot: &Snapshot) -> String {
     xml.end()
 }
 
-/// The solids of a model at rest: what each element belongs to.
+/// Solids of a model at rest, with the labels of the elements.
 pub fn model(model: &Model) -> String {
     let mesh = &model.mesh;
     let mut xml = Xml::begin(mesh.nodes.len(), mesh.elements.len(), 0.0);
     xml.open("PointData");
-    // 1, 2, 4: held in x, y, z.
+    // Bits 1, 2 and 4: fixed in x, y and z.
     let mut held = vec![0_u8; mesh.nodes.len()];
     for support in &model.supports {
         for n in &support.nodes {
@@ -60,7 +59,7 @@ pub fn model(model: &Model) -> String {
         }
     }
     xml.small("support", held.into_iter());
-    // 0 of no beam, else its number from 1.
+    // 0 without a beam, otherwise the number of the beam from 1.
     let mut beam_of = vec![0_i64; mesh.nodes.len()];
     for (b, beam) in model.beams.iter().enumerate() {
         for n in &beam.nodes {
@@ -78,7 +77,7 @@ pub fn model(model: &Model) -> String {
     xml.end()
 }
 
-/// The facets that may meet, slaves first: their law (-1 of a master), the body that they belong to.
+/// Contact facets, slaves first, with their law (-1 for a master) and body.
 pub fn surfaces(model: &Model) -> String {
     let (mesh, contact) = (&model.mesh, &model.contact);
     let masters = &contact.master_facets;
@@ -98,7 +97,7 @@ pub fn surfaces(model: &Model) -> String {
     xml.end()
 }
 
-/// The interfaces at a frame: a quad around each contact point.
+/// Interfaces at a frame: a quad around each contact point.
 pub fn interfaces(snapshot: &Snapshot) -> String {
     let (surface, of) = (&snapshot.surface, &snapshot.frame.interfaces);
     let mut xml = Xml::begin(
@@ -127,8 +126,8 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     xml.end()
 }
 
-/// `NAME.pvd`: the files of several frames as one series in time, for ParaView. Files beside it, at
-/// their times [s].
+/// `NAME.pvd`: a time series of frame files for ParaView. `files` lists times [s] and names of files in the same
+/// folder.
 pub fn collection(files: &[(f64, String)]) -> String {
     let mut text = String::from("<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
     for (time, file) in files {
@@ -137,7 +136,7 @@ pub fn collection(files: &[(f64, String)]) -> String {
     text + "</Collection>\n</VTKFile>\n"
 }
 
-/// The text as it grows.
+/// The text written so far.
 struct Xml(String);
 
 impl Xml {
@@ -165,7 +164,7 @@ impl Xml {
         self.0 += &format!("</{tag}>\n");
     }
 
-    /// An array of bytes; `shape` is one attribute more.
+    /// Adds an array of bytes; `shape` is a further attribute.
     fn field(&mut self, kind: &str, name: &str, shape: &str, bytes: &[u8]) {
         let written = writeln!(
             self.0,
@@ -255,7 +254,7 @@ mod tests {
             assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
         }
         assert!(!text.contains("velocity"));
-        // 8 bytes of count and 2 numbers: 24 bytes, 32 digits.
+        // 8 bytes of size and 2 numbers: 24 bytes, 32 characters.
         let at = text.find("Name=\"crack_width\"").unwrap();
         assert_eq!(text[at..].lines().nth(1).map(str::len), Some(32));
         assert!(collection(&[(0.5, "a.vtu".to_owned())]).contains("timestep=\"0.5\""));

@@ -1,21 +1,20 @@
-//! `run.mcap`: the run in time, for Foxglove and whatever else reads MCAP.
+//! `run.mcap`: the course of a run as messages for Foxglove and other MCAP readers.
 //!
 //! ```text
-//! /step         wythe.Step            a message an increment: its row of history.csv
-//! /iteration    wythe.Iteration       a message a linear solve
-//! /ladder       wythe.Ladder          where the procedure changes, and why
-//! /log          foxglove.Log          the same, warnings and how the run ended, for people
+//! /step         wythe.Step            one message per increment: its row of history.csv
+//! /iteration    wythe.Iteration       one message per linear solve
+//! /ladder       wythe.Ladder          changes of procedure with their reasons
+//! /log          foxglove.Log          the same, warnings and the end of the run as text
 //! /scene        foxglove.SceneUpdate  the deformed solids, coloured by damage       [m]
 //! /interfaces   foxglove.SceneUpdate  the interfaces, coloured by state             [m]
-//! attachments   model.toml, and the experiment that the deck names
+//! attachments   model.toml, and the experiment named in the deck
 //! ```
 //!
-//! All messages are JSON. Log times are uniform, [`TICK`] an increment, whatever the increment's size
-//! and whatever it took, so that a replay is smooth; the step time is in the messages. One run writes
-//! the same bytes each time.
+//! All messages are JSON. Log times are uniform, [`TICK`] per increment regardless of its size and computing time, so
+//! that a replay runs smoothly; the messages contain the step time. Repeated runs write the same bytes.
 //!
-//! Chunks are made in memory, appended whole, and flushed at each increment: a file that was cut short
-//! has every whole increment before the cut, and [`salvage`] gives it back its index.
+//! Chunks are built in memory, appended as a whole and flushed at each increment. A truncated file therefore has
+//! every increment before the cut, and [`salvage`] restores its index.
 
 mod resuming;
 pub mod salvage;
@@ -33,9 +32,9 @@ use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Frame, HistoryRow, Status, Summary};
 use crate::files::NewFile;
 use crate::model::Model;
+use crate::state::{Frame, HistoryRow, Status, Summary};
 pub use resuming::Mark;
 use resuming::Topics;
 use scene::Scene;
@@ -56,33 +55,33 @@ enum Level {
 /// Writes `run.mcap` increment by increment.
 pub struct McapWriter {
     writer: Writer<BufWriter<File>>,
-    /// The same file, to wait for the disk.
+    /// The same file, to synchronise with the disk.
     file: File,
     scene: Scene,
     topics: Topics,
-    /// Increments written.
+    /// Number of increments written.
     increments: u64,
-    /// Messages since the last increment.
+    /// Number of messages since the last increment.
     between: u64,
-    /// Frames seen.
+    /// Number of frames received.
     frames: usize,
-    /// Whether the last frame is in the file.
+    /// Whether the last frame has been written.
     shown: bool,
     attachments: u64,
-    /// Check sum of what they and the messages say.
+    /// Check sum of messages and attachments.
     sum: Sum,
-    /// What could not be written between increments, where nobody can be told.
+    /// Error of a message between increments; it is returned at the next increment.
     pending: Option<io::Error>,
 }
 
-/// A channel of the file and the number of its messages.
+/// A channel of the file with its number of messages.
 #[derive(Debug, Default)]
 struct Topic {
     channel: u16,
     sequence: u32,
 }
 
-/// A row of the history under the names of its columns.
+/// A row of the history with the names of its columns.
 #[derive(Serialize)]
 struct Step<'a> {
     #[serde(flatten)]
@@ -105,7 +104,7 @@ impl<'a> Step<'a> {
 }
 
 impl McapWriter {
-    /// Creates (or replaces) the file, with the model at rest.
+    /// Creates or replaces the file and writes the model at rest.
     ///
     /// # Errors
     /// The file cannot be created or written.
@@ -140,7 +139,7 @@ impl McapWriter {
         Ok(run)
     }
 
-    /// Attaches a file of the user's.
+    /// Attaches a file.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -160,10 +159,10 @@ impl McapWriter {
         self.flush()
     }
 
-    /// Appends an increment, on disk on return.
+    /// Appends an increment; it is on the disk on return.
     ///
     /// # Errors
-    /// The frame is not of this model, or the file cannot be written.
+    /// The frame does not fit the model, or the file cannot be written.
     pub fn increment(
         &mut self,
         model: &Model,
@@ -186,7 +185,7 @@ impl McapWriter {
         self.flush()
     }
 
-    /// Tells of a linear solve: step from 0, step time [s], and how many there were in this increment.
+    /// Reports a linear solve: step from 0, step time [s], and number of solves in this increment.
     pub fn progress(&mut self, step: usize, time: f64, iterations: usize) {
         let increment = self.increments + 1;
         let text = json!({
@@ -197,8 +196,8 @@ impl McapWriter {
         self.keep(sent);
     }
 
-    /// Tells of a change of the procedure. What is told of the increment before goes to the file at once: a
-    /// checkpoint may follow, and chunks are to be the same with it and without.
+    /// Reports a change of procedure. A note that directly follows an increment is flushed at once: a checkpoint may
+    /// follow, and the chunks must be the same with and without it.
     pub fn note(&mut self, reason: &str) {
         let increment = self.increments + 1;
         let of_last = self.between == 0;
@@ -211,7 +210,7 @@ impl McapWriter {
         self.keep(sent);
     }
 
-    /// Writes warnings, how the run ended, the last frame if it is not yet there, and the index.
+    /// Writes the warnings, the end of the run, the last frame if it is missing, and the index.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -249,7 +248,7 @@ impl McapWriter {
         self.increments * TICK
     }
 
-    /// A log time after the last message's and before the next increment's [ns].
+    /// A log time after the last message and before the next increment [ns].
     fn soon(&mut self) -> u64 {
         self.between += 1;
         self.now() + TICK - TICK / (self.between + 1)
@@ -294,7 +293,7 @@ impl McapWriter {
         self.writer.flush().map_err(into_io)
     }
 
-    /// Keeps the first error for the next increment.
+    /// Stores the first error for the next increment.
     fn keep(&mut self, sent: io::Result<()>) {
         if let Err(error) = sent {
             self.pending.get_or_insert(error);
@@ -311,7 +310,7 @@ impl std::fmt::Debug for McapWriter {
     }
 }
 
-/// The channels of a run in its file; those that are there already stay as they are.
+/// Creates the channels of a run; existing ones are kept.
 fn open_topics<W: io::Write + io::Seek>(
     writer: &mut Writer<W>,
     model: &Model,
@@ -358,8 +357,8 @@ fn channels(model: &Model) -> io::Result<[(&'static str, Schema); 6]> {
     ])
 }
 
-/// How files are written: chunks made in memory, one a flush, packed on this thread. Higher levels take
-/// half as long again for two percent.
+/// Options for writing: one chunk per flush, built in memory and compressed on this thread. Higher compression levels
+/// take half as long again and save 2 %.
 fn options(profile: &str, library: &str) -> WriteOptions {
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
@@ -371,7 +370,7 @@ fn options(profile: &str, library: &str) -> WriteOptions {
         .library(library)
 }
 
-/// The system's error where there is one.
+/// The error of the system if there is one.
 fn into_io(error: McapError) -> io::Error {
     match error {
         McapError::Io(error) => error,

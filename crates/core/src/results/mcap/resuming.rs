@@ -1,8 +1,7 @@
-//! Goes on with the `run.mcap` of a run that stopped.
+//! Continues the `run.mcap` of a run that has stopped.
 //!
-//! What counts is copied to a file beside it, record by record, which then takes its place and grows: an
-//! interruption leaves the old one or the new one. Messages have numbers, topic by topic, so that a
-//! [`Mark`] says exactly which of them came before a checkpoint.
+//! The valid records are copied to a new file, which then replaces the old one and grows; an interruption leaves
+//! either file complete. Messages are numbered by topic, so a [`Mark`] identifies exactly those before a checkpoint.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,7 +17,7 @@ use super::{McapWriter, Scene, Topic, into_io, open_topics};
 use crate::files::NewFile;
 use crate::model::Model;
 
-/// How far the file goes at a checkpoint.
+/// Extent of the file at a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mark {
     increments: u64,
@@ -26,14 +25,14 @@ pub struct Mark {
     frames: usize,
     shown: bool,
     attachments: u64,
-    /// Messages by topic.
+    /// Number of messages by topic.
     messages: BTreeMap<String, u32>,
-    /// Check sum of all of them and of the attachments.
+    /// Check sum of all messages and attachments.
     sum: u32,
 }
 
 impl Mark {
-    /// Of a file that begins after this many increments and frames.
+    /// Mark of a file that starts after this many increments and frames.
     pub fn late(increments: usize, frames: usize) -> Self {
         Self {
             increments: increments as u64,
@@ -44,24 +43,24 @@ impl Mark {
     }
 }
 
-/// Lets records pass up to a mark.
+/// Filter that passes the records before a mark.
 #[derive(Debug)]
 pub(super) struct Until<'m> {
     mark: &'m Mark,
-    /// Topic of each channel, and how many of its messages are kept.
+    /// Topic of each channel and number of its messages before the mark.
     kept: BTreeMap<u16, (String, u32)>,
     attachments: u64,
-    /// Of what has passed; none before the header.
+    /// Check sum of the passed records; `None` before the header.
     sum: Option<Sum>,
 }
 
 impl Until<'_> {
-    /// Begins with the header of the file.
+    /// Starts with the header of the file.
     pub fn begin(&mut self, header: &Header) {
         self.sum = Some(Sum::new(&header.profile, &header.library));
     }
 
-    /// Whether the record is kept.
+    /// Whether the record is before the mark.
     pub fn keeps(&mut self, record: &Record) -> bool {
         match record {
             Record::Channel(channel) => {
@@ -95,7 +94,7 @@ impl Until<'_> {
 }
 
 impl McapWriter {
-    /// How far the file goes now; all of it is on the disk on return.
+    /// Extent of the file now; all of it is on the disk on return.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -119,11 +118,11 @@ impl McapWriter {
         })
     }
 
-    /// Opens the file of a run of this model, whole or cut short, to go on where `mark` was taken; what
-    /// comes after it is dropped. The file is as it was until the new one is kept.
+    /// Opens the file of a run of this model, complete or truncated, to continue at `mark`; later records are
+    /// dropped. The old file is unchanged until the new one is kept.
     ///
     /// # Errors
-    /// The file cannot be read or written, or something before the mark is missing or another than it was.
+    /// The file cannot be read or written, or data before the mark are missing or changed.
     pub fn resume(path: &Path, model: &Model, mark: &Mark) -> io::Result<(Self, NewFile)> {
         let new = NewFile::create(path)?;
         let run = reopen(path, new.file()?, model, mark)?;
@@ -131,7 +130,7 @@ impl McapWriter {
         Ok((run, new))
     }
 
-    /// Takes the place in the run of a mark, in a file that has nothing of what came before.
+    /// Takes over the counters of a mark, in a file without the earlier data.
     pub fn begin_at(&mut self, mark: &Mark) {
         (self.increments, self.between) = (mark.increments, mark.between);
         self.frames = mark.frames;
@@ -183,5 +182,5 @@ fn flush(writer: &mut Out) -> io::Result<()> {
     writer.flush().map_err(into_io)
 }
 
-/// The topics of a run by name.
+/// Topics of a run by name.
 pub(super) type Topics = BTreeMap<&'static str, Topic>;

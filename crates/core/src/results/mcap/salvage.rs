@@ -1,7 +1,7 @@
-//! Gives an interrupted MCAP file its end and its index.
+//! Repairs an interrupted MCAP file: restores its end and its index.
 //!
-//! The file is read in its order up to the last whole record; a chunk counts as whole if its checksum
-//! is right. What was read is written to a file beside it, which takes its place only when it is whole.
+//! The file is read in order up to its last complete record; a chunk is complete if its check sum is right. The
+//! records are written to a new file, which replaces the old one only when it is complete.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read};
@@ -18,46 +18,46 @@ use super::{into_io, options};
 use crate::error::IoError;
 use crate::files::{self, NewFile};
 
-/// A file that cannot be salvaged.
+/// Errors of repairing a file.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum SalvageError {
     /// A file that cannot be read or written.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Io(#[from] IoError),
-    /// Not the begin of an MCAP file.
+    /// The file does not begin as an MCAP file.
     #[error("{}: no MCAP file: it does not begin like one", .0.display())]
     #[diagnostic(help(
         "name the run.mcap in the folder of a run; if this is one, it was cut within its first bytes \
          and holds nothing"
     ))]
     NotMcap(PathBuf),
-    /// The run that writes the file goes on, or another works in its folder.
+    /// The run that writes the file is in progress, or another run is using its folder.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Locked(#[from] OutputError),
 }
 
-/// What was found.
+/// Result of a repair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Salvaged {
     /// Messages in the file.
     pub messages: u64,
     /// Attachments in the file.
     pub attachments: u64,
-    /// Bytes after the last whole record, which are left out.
+    /// Number of bytes after the last complete record, which are dropped.
     pub lost_bytes: u64,
-    /// Whether the file was whole: it was left as it is.
+    /// Whether the file was complete and is unchanged.
     pub was_whole: bool,
 }
 
-/// Reads `file` up to its last whole record and writes a whole file in its place, or to `out`. A file
-/// that is whole is left alone, unless there is an `out`. That of a run which goes on is not replaced: the run would
-/// write on into the old one.
+/// Reads `file` up to its last complete record and writes a complete file in its place, or to `out`. A complete file
+/// is unchanged unless `out` is given. The file of a run in progress is not replaced, because the run would continue
+/// to write to the old one.
 ///
 /// # Errors
-/// `file` cannot be read or is no MCAP file, a run has locked its folder and `file` would be replaced, or the new one cannot be written; `file` is as it was
-/// then.
+/// `file` cannot be read or is not an MCAP file; it would be replaced although a run has locked its folder; or the
+/// new file cannot be written. `file` is unchanged then.
 pub fn salvage(file: &Path, out: Option<&Path>) -> Result<Salvaged, SalvageError> {
     let at = |path: &Path| {
         let path = path.to_owned();
@@ -80,7 +80,7 @@ pub fn salvage(file: &Path, out: Option<&Path>) -> Result<Salvaged, SalvageError
     Ok(outcome.map_err(at(target))?)
 }
 
-/// Holds the lock of the run in whose folder a file lies, if there is one.
+/// Takes the lock of the run in whose folder the file lies, if there is one.
 fn lock_of_run(file: &Path) -> Result<Option<File>, OutputError> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let is_run = folder.join(LOCK).symlink_metadata().is_ok();
@@ -98,10 +98,11 @@ fn rewrite(mut source: Source, header: &Header, new: &NewFile) -> io::Result<Sal
     Ok(found)
 }
 
-/// A file that is written.
+/// Writer of an MCAP file.
 pub(super) type Out = Writer<BufWriter<File>>;
 
-/// Copies the whole records of a file that may pass, and leaves the new one open; none of what is no MCAP file.
+/// Copies the complete records that pass the filter and leaves the new file open; `None` if the file is not an MCAP
+/// file.
 pub(super) fn copy_until(
     file: &Path,
     new: BufWriter<File>,
@@ -119,7 +120,7 @@ pub(super) fn copy_until(
     Ok(Some((writer, found)))
 }
 
-/// Copies whole records until there are no more, of those that may pass.
+/// Copies complete records that pass the filter, up to the end of the data or the first damage.
 fn copy(
     source: &mut Source,
     writer: &mut Out,
@@ -138,7 +139,7 @@ fn copy(
             Some((op::CHUNK, body)) => match records_of_chunk(body, &mut room) {
                 Ok(records) => {
                     let taken = take_all(&records, writer, until.as_deref_mut(), &mut found)?;
-                    // A chunk each, as it was.
+                    // Keeps the division into chunks.
                     writer.flush().map_err(into_io)?;
                     taken
                 }
@@ -168,7 +169,7 @@ fn take_all(
     Ok(true)
 }
 
-/// Writes a record; false if it is none. Indices are made anew.
+/// Writes a record and returns false if it is invalid. Indices are rebuilt.
 fn take(
     opcode: u8,
     body: &[u8],
@@ -176,7 +177,7 @@ fn take(
     until: Option<&mut Until>,
     found: &mut Salvaged,
 ) -> io::Result<bool> {
-    // The parser takes it for granted that a record holds its checksum.
+    // The parser assumes that an attachment has its check sum.
     if opcode == 0 || (opcode == op::ATTACHMENT && body.len() < LEAST_ATTACHMENT) {
         return Ok(false);
     }
@@ -215,12 +216,12 @@ fn take(
         }
         Record::Metadata(metadata) => writer.write_metadata(&metadata),
         Record::MessageIndex(_) | Record::Unknown { .. } => Ok(()),
-        // Nothing else stands before the end of the data.
+        // No other record may precede the end of the data.
         _ => return Ok(false),
     };
     match written {
         Ok(()) => Ok(true),
-        // What contradicts the records before it is damaged.
+        // A record that contradicts earlier ones is damaged.
         Err(
             McapError::ConflictingChannels(_)
             | McapError::ConflictingSchemas(_)
@@ -232,24 +233,24 @@ fn take(
     }
 }
 
-/// Bytes of a footer before the checksum of the summary, which it counts.
+/// Length of the footer before the check sum of the summary, which covers it [byte].
 const FOOTER_SUMMED: usize = 16;
 
-/// Two times, two lengths of texts, the length of the data, the checksum.
+/// Least size: two times, lengths of two texts and of the data, and the check sum [byte].
 const LEAST_ATTACHMENT: usize = 8 + 8 + 4 + 4 + 8 + 4;
 
-/// A damaged or hostile length must not fill the memory or the time: most bytes of a chunk, and what all chunks of a
-/// file may have for each of its bytes (JSON packs to a tenth), and in any case.
+/// Bounds against damaged or hostile lengths [byte]: size of a chunk; total size of all chunks per byte of the file
+/// (JSON compresses to about a tenth); and total size allowed for any file.
 const MOST_BYTES: u64 = 1 << 28;
 const MOST_PACKED: u64 = 256;
 const LEAST_BYTES: u64 = 1 << 26;
 
-/// The records of a chunk whose checksum is right. `room`: bytes that they may have, which becomes less by them.
+/// Records of a chunk with a valid check sum. Their size is subtracted from `room`, the bytes still allowed.
 fn records_of_chunk(body: &[u8], room: &mut u64) -> McapResult<Vec<(u8, Vec<u8>)>> {
     let Record::Chunk { header, data } = parse_record(op::CHUNK, body)? else {
         return Err(McapError::UnexpectedEoc);
     };
-    // Of a chunk that is not packed nothing may follow the records.
+    // In an uncompressed chunk nothing may follow the records.
     if header.compression.is_empty()
         && (data.len() as u64 != header.uncompressed_size || !body.ends_with(&data))
     {
@@ -288,12 +289,12 @@ fn records_of_chunk(body: &[u8], room: &mut u64) -> McapResult<Vec<(u8, Vec<u8>)
     Ok(records)
 }
 
-/// An MCAP file, record by record.
+/// An MCAP file, read record by record.
 struct Source {
     file: BufReader<File>,
-    /// Bytes of the file.
+    /// Length of the file [byte].
     length: u64,
-    /// Bytes read, up to the end of a record.
+    /// Number of bytes read, up to the end of a record.
     read: u64,
 }
 
@@ -307,7 +308,7 @@ impl Source {
         })
     }
 
-    /// The header; none of what is no MCAP file.
+    /// The header; `None` if the file is not an MCAP file.
     fn begin(&mut self) -> io::Result<Option<Header>> {
         if self.bytes(MAGIC.len() as u64)?.as_deref() != Some(MAGIC) {
             return Ok(None);
@@ -322,7 +323,7 @@ impl Source {
         }
     }
 
-    /// The next record; none if it is not all there.
+    /// The next record; `None` if it is incomplete.
     fn record(&mut self) -> io::Result<Option<(u8, Vec<u8>)>> {
         let Some(head) = self.bytes(9)? else {
             return Ok(None);
@@ -334,8 +335,7 @@ impl Source {
         Ok(self.bytes(length)?.map(|body| (opcode, body)))
     }
 
-    /// Whether a summary with the right checksum, footer and magic close the file, from the end of the
-    /// data on.
+    /// Whether the file ends, after the data, with a summary with a valid check sum, a footer and the magic bytes.
     fn ends_well(&mut self) -> io::Result<bool> {
         let mut sum = crc32fast::Hasher::new();
         loop {
@@ -358,7 +358,7 @@ impl Source {
         }
     }
 
-    /// The next bytes, if there are so many.
+    /// The next bytes; `None` if there are fewer.
     fn bytes(&mut self, count: u64) -> io::Result<Option<Vec<u8>>> {
         if count > self.length.saturating_sub(self.read) {
             return Ok(None);

@@ -1,30 +1,28 @@
-//! A frame as triangles, in metres: the skin of the solids and the facets of the interfaces.
+//! A frame as triangles in metres: the boundary facets of the solids and the facets of the interfaces.
 //!
-//! A viewer paints a list of triangles in one colour, so faces are sorted by what they show: the
-//! solids by damage in tenths, the interfaces by state. Within a list, nodes are said once. Positions
-//! are rounded to a micrometre.
+//! Viewers draw a list of triangles in one colour. So faces are grouped: the solids by damage in tenths, the
+//! interfaces by state. Each list contains a node once. Positions are rounded to a micrometre.
 
-use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io;
 
 use wythe_contact::Part;
 
-use crate::element::hex8::FACES;
+use crate::element::exterior::{corners, exterior_faces};
 use crate::model::{Mesh, Model};
 use crate::results::vtkhdf::quarters::{QUARTERS, WEIGHTS};
-use crate::results::{Frame, InterfaceState};
+use crate::state::{Frame, InterfaceState};
 
-/// Levels of damage that have a colour each.
+/// Number of damage levels with a colour each.
 const LEVELS: usize = 10;
-/// Colours of sound materials by index, again from the start if there are more. `[rgb]`
+/// Colours of sound materials by index, repeated if there are more materials. `[rgb]`
 const SOUND: [[f64; 3]; 4] = [
     [0.84, 0.63, 0.51],
     [0.89, 0.87, 0.83],
     [0.75, 0.71, 0.59],
     [0.67, 0.75, 0.78],
 ];
-/// Colours of the lowest and the highest level of damage. `[rgb]`
+/// Colours of the lowest and the highest damage level. `[rgb]`
 const DAMAGED: [[f64; 3]; 2] = [[1.0, 0.8, 0.2], [0.35, 0.0, 0.1]];
 
 /// Colour of an interface by the number of its state. `[rgba]`
@@ -35,25 +33,25 @@ const STATES: [[f64; 4]; 4] = [
     [0.85, 0.1, 0.1, 1.0],
 ];
 
-/// The faces that are drawn.
+/// The visible faces of the solids.
 #[derive(Debug)]
 pub struct Scene {
-    /// Element and nodes, outwards, of each face that only one element has.
+    /// Element and nodes, seen from outside, of each face that belongs to one element only.
     skin: Vec<(u32, [u32; 4])>,
 }
 
 impl Scene {
-    /// Of a model.
+    /// Visible faces of a model.
     pub fn of(model: &Model) -> Self {
         Self {
-            skin: skin(&model.mesh),
+            skin: boundary(&model.mesh),
         }
     }
 
-    /// The solids of a frame as a `foxglove.SceneUpdate`, coloured by the larger of both damages.
+    /// Solids of a frame as a `foxglove.SceneUpdate`, coloured by the larger of the two damages.
     ///
     /// # Errors
-    /// The frame is not of this model.
+    /// The frame does not fit the model.
     pub fn solids(&self, model: &Model, frame: &Frame, stamp: u64) -> io::Result<String> {
         let elements = model.mesh.elements.len();
         let damages = [&frame.tensile_damage, &frame.compressive_damage];
@@ -95,11 +93,11 @@ impl Scene {
         Ok(entity("solids", about, stamp, &lists, color))
     }
 
-    /// The interfaces of a frame as a `foxglove.SceneUpdate`, coloured by state: a facet whose points
-    /// differ in four.
+    /// Interfaces of a frame as a `foxglove.SceneUpdate`, coloured by state. A facet whose points differ is drawn in
+    /// quarters.
     ///
     /// # Errors
-    /// The frame is not of this model.
+    /// The frame does not fit the model.
     pub fn interfaces(model: &Model, frame: &Frame, stamp: u64) -> io::Result<String> {
         let facets = &model.contact.slave_facets;
         let (states, rest) = frame.interfaces.state.as_chunks::<4>();
@@ -132,7 +130,7 @@ impl Scene {
     }
 }
 
-/// A frame of the model at rest, with all that a scene shows.
+/// Frame of the model at rest with all fields of a scene.
 pub fn rest(model: &Model) -> Frame {
     let mut frame = Frame {
         displacement: vec![[0.0; 3]; model.mesh.nodes.len()],
@@ -144,26 +142,15 @@ pub fn rest(model: &Model) -> Frame {
     frame
 }
 
-/// Faces that only one element has, in the order of the elements.
-fn skin(mesh: &Mesh) -> Vec<(u32, [u32; 4])> {
-    let mut count: HashMap<[u32; 4], u32> = HashMap::new();
-    let key = |mut corners: [u32; 4]| {
-        corners.sort_unstable();
-        corners
-    };
-    let faces = || {
-        let of = |(e, nodes): (usize, &[u32; 8])| FACES.map(|f| (e as u32, f.map(|i| nodes[i])));
-        mesh.elements.iter().enumerate().flat_map(of)
-    };
-    for (_, corners) in faces() {
-        *count.entry(key(corners)).or_default() += 1;
-    }
-    faces()
-        .filter(|(_, corners)| count[&key(*corners)] == 1)
+/// Boundary facets with their elements, in the order of the elements.
+fn boundary(mesh: &Mesh) -> Vec<(u32, [u32; 4])> {
+    let faces = exterior_faces(&mesh.elements, |_| 0).into_iter();
+    faces
+        .map(|(e, face)| (e, corners(&mesh.elements[e as usize], face)))
         .collect()
 }
 
-/// Where the nodes are [mm]. `[node][xyz]`
+/// Positions of the nodes [mm]. `[node][xyz]`
 fn positions(model: &Model, frame: &Frame) -> io::Result<Vec<[f64; 3]>> {
     let nodes = &model.mesh.nodes;
     if frame.displacement.len() != nodes.len() {
@@ -182,20 +169,20 @@ fn opaque([r, g, b]: [f64; 3]) -> [f64; 4] {
     [r, g, b, 1.0]
 }
 
-/// The points of a facet's quarters. `[corner][xyz]` to `[point][xyz]`
+/// Points of the quarters of a facet. `[corner][xyz]` to `[point][xyz]`
 fn spread(corners: [[f64; 3]; 4]) -> [[f64; 3]; 9] {
     WEIGHTS.map(|weights| std::array::from_fn(|i| (0..4).map(|a| weights[a] * corners[a][i]).sum()))
 }
 
-/// Indices of the nodes that a list has.
+/// Indices of the nodes in a list.
 struct Indices {
-    /// List, from 1, and index. `[node]`
+    /// List number, from 1, and index. `[node]`
     known: Vec<(u32, u32)>,
     list: u32,
 }
 
 impl Indices {
-    /// For so many nodes.
+    /// For this number of nodes.
     fn of(nodes: usize) -> Self {
         Self {
             known: vec![(0, 0); nodes],
@@ -203,12 +190,12 @@ impl Indices {
         }
     }
 
-    /// Goes on to the next list.
+    /// Starts the next list.
     fn forget(&mut self) {
         self.list += 1;
     }
 
-    /// Index of `node`, from `new` if it has none in this list.
+    /// Index of `node`, created by `new` if the node is not yet in the list.
     fn at(&mut self, node: u32, new: impl FnOnce() -> u32) -> u32 {
         let known = &mut self.known[node as usize];
         if known.0 != self.list {
@@ -221,15 +208,15 @@ impl Indices {
 /// Triangles of one colour.
 #[derive(Default)]
 struct Triangles {
-    /// JSON of the points, with commas.
+    /// JSON of the points, separated by commas.
     points: String,
-    /// JSON of the indices, with commas.
+    /// JSON of the indices, separated by commas.
     indices: String,
     count: u32,
 }
 
 impl Triangles {
-    /// Index of a new point at `mm`.
+    /// Adds a point at `mm` and returns its index.
     fn point(&mut self, mm: [f64; 3]) -> u32 {
         if self.count > 0 {
             self.points.push(',');
@@ -253,7 +240,7 @@ impl Triangles {
     }
 }
 
-/// Millimetres as metres, rounded to a micrometre, without zeros at the end.
+/// Writes millimetres as metres, rounded to a micrometre, without trailing zeros.
 fn metres(out: &mut String, mm: f64) {
     let um = (1e3 * mm).round() as i64;
     if um < 0 {
@@ -268,7 +255,7 @@ fn metres(out: &mut String, mm: f64) {
     }
 }
 
-/// A number with at least so many digits: `write!` would take most of the time of a scene.
+/// Writes a number with at least `least` digits. `write!` would take most of the time of a scene.
 fn digits(out: &mut String, mut number: u64, least: usize) {
     let mut text = [b'0'; 20];
     let mut first = text.len();
@@ -282,7 +269,7 @@ fn digits(out: &mut String, mut number: u64, least: usize) {
 
 const POSE: &str = r#"{"position":{"x":0,"y":0,"z":0},"orientation":{"x":0,"y":0,"z":0,"w":1}}"#;
 
-/// A scene of one entity that takes the place of the last of its name; `stamp` in ns.
+/// A scene with one entity, which replaces the previous one of its name; `stamp` in ns.
 fn entity(
     name: &str,
     colour: &str,
@@ -293,7 +280,7 @@ fn entity(
     let (sec, nsec) = (stamp / 1_000_000_000, stamp % 1_000_000_000);
     let length: usize = lists.iter().map(|l| l.points.len() + l.indices.len()).sum();
     let mut out = String::with_capacity(length + 4096);
-    // A string cannot refuse.
+    // Writing to a string does not fail.
     let _ = write!(
         out,
         r#"{{"deletions":[],"entities":[{{"timestamp":{{"sec":{sec},"nsec":{nsec}}},"frame_id":"wall","id":"{name}","lifetime":{{"sec":0,"nsec":0}},"frame_locked":false,"metadata":[{{"key":"colour","value":"{colour}"}}],"arrows":[],"cubes":[],"spheres":[],"cylinders":[],"lines":[],"texts":[],"models":[],"triangles":["#
@@ -345,7 +332,7 @@ mod tests {
         let entity = &scene["entities"][0];
         assert_eq!(entity["timestamp"]["sec"], 2);
         assert_eq!(entity["timestamp"]["nsec"], 500_000_000);
-        // Damages 0.15 and 0.4: two lists of a whole cube each.
+        // Damages 0.15 and 0.4: two lists with one whole cube each.
         let lists = entity["triangles"].as_array().unwrap();
         assert_eq!(lists.len(), 2);
         for (cube, list) in lists.iter().enumerate() {
@@ -357,7 +344,7 @@ mod tests {
         }
     }
 
-    /// Volume in m³ within the triangles, by the divergence theorem: positive if they look outwards.
+    /// Volume enclosed by the triangles [m³], by the divergence theorem; positive if they face outwards.
     fn volume(list: &Value) -> f64 {
         let x = |i: &Value| {
             let point = &list["points"][i.as_u64().unwrap() as usize];

@@ -1,16 +1,16 @@
-//! What the messages of `run.mcap` look like, as JSON Schema.
+//! JSON schemas of the messages in `run.mcap`.
 //!
-//! The schemas of `foxglove.*` have the names and fields under which viewers know them; those of
-//! `wythe.*` are read off a message, so that they cannot differ from it.
+//! Schemas `foxglove.*` have the names and fields that viewers expect. Schemas `wythe.*` are derived from a message,
+//! so that they always agree with it.
 
 use serde_json::{Map, Value, json};
 
-/// Encoding of the schemas and of the messages, as MCAP calls them.
+/// Encoding of the schemas in MCAP.
 pub const SCHEMA_ENCODING: &str = "jsonschema";
-/// As [`SCHEMA_ENCODING`].
+/// Encoding of the messages in MCAP.
 pub const MESSAGE_ENCODING: &str = "json";
 
-/// A schema: name and text.
+/// A schema.
 pub struct Schema {
     /// Name.
     pub name: &'static str,
@@ -18,7 +18,7 @@ pub struct Schema {
     pub text: String,
 }
 
-/// Of messages like `example`, an object of numbers and texts.
+/// Schema of messages like `example`, an object of numbers and texts.
 pub fn like(name: &'static str, about: &str, example: &Value) -> Schema {
     let kind = |value: &Value| match value {
         Value::Number(n) if n.is_f64() => number(),

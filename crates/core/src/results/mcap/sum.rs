@@ -1,13 +1,13 @@
-//! A check sum of what a file of messages says, however its records are packed.
+//! Check sum of the content of a message file, independent of the compression of its records.
 
 use ::mcap::records::MessageHeader;
 
-/// Of the header, the messages and the attachments, in their order in the file.
+/// Sum over the header, the messages and the attachments in file order.
 #[derive(Clone, Debug)]
 pub(super) struct Sum(crc32fast::Hasher);
 
 impl Sum {
-    /// Of a file that says nothing yet.
+    /// Sum of an empty file.
     pub fn new(profile: &str, library: &str) -> Self {
         let mut sum = Self(crc32fast::Hasher::new());
         sum.part(profile.as_bytes());
@@ -15,7 +15,7 @@ impl Sum {
         sum
     }
 
-    /// With a message.
+    /// Adds a message.
     pub fn message(&mut self, topic: &str, header: &MessageHeader, data: &[u8]) {
         self.0.update(&header.sequence.to_le_bytes());
         self.0.update(&header.log_time.to_le_bytes());
@@ -24,7 +24,7 @@ impl Sum {
         self.part(data);
     }
 
-    /// With an attachment; `times`: log and creation.
+    /// Adds an attachment with its times of logging and creation.
     pub fn attachment(&mut self, name: &str, media_type: &str, times: (u64, u64), data: &[u8]) {
         self.0.update(&times.0.to_le_bytes());
         self.0.update(&times.1.to_le_bytes());
@@ -33,12 +33,12 @@ impl Sum {
         self.part(data);
     }
 
-    /// The sum so far.
+    /// Present value.
     pub fn value(&self) -> u32 {
         self.0.clone().finalize()
     }
 
-    /// Bytes after their number.
+    /// Adds the length of the data and the data.
     fn part(&mut self, bytes: &[u8]) {
         self.0.update(&(bytes.len() as u64).to_le_bytes());
         self.0.update(bytes);

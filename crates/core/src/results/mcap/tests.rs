@@ -1,4 +1,4 @@
-//! Round trips with MCAP's own reader; files cut and damaged at every kind of place.
+//! Round trips with the MCAP library, and files truncated and damaged at many positions.
 
 use super::*;
 use crate::experiment::Experiment;
@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
-/// Increments of the small run.
+/// Number of increments of the small run.
 const INCREMENTS: usize = 4;
 
 fn model() -> Model {
@@ -26,7 +26,7 @@ fn model() -> Model {
     model
 }
 
-/// A run of [`INCREMENTS`] increments with a frame every second, and the end of the file after each.
+/// A run of [`INCREMENTS`] increments with a frame at every second one, and the length of the file after each.
 fn record(path: &Path, model: &Model) -> (McapWriter, Vec<u64>) {
     let mut run = McapWriter::create(path, model).unwrap();
     run.attach("model.toml", "application/toml", "format = 1\n")
@@ -91,7 +91,7 @@ fn a_run_reads_back_with_uniform_times() {
         (&2.into(), &2.into())
     );
     assert_eq!(topics["/ladder"].len(), INCREMENTS);
-    // The wall at rest, then a frame every second increment.
+    // The wall at rest, then a frame at every second increment.
     for topic in ["/scene", "/interfaces"] {
         let times: Vec<u64> = topics[topic].iter().map(|(t, _)| *t).collect();
         assert_eq!(times, [0, 2 * TICK, 4 * TICK]);
@@ -147,7 +147,7 @@ fn the_last_frame_is_shown_however_many_are_left_out() {
     assert_eq!(times, [0, 4 * TICK]);
 }
 
-/// What is kept of the file `bytes`.
+/// Result of repairing a file of these bytes.
 fn salvaged(folder: &Path, bytes: &[u8]) -> Result<(Salvaged, usize), SalvageError> {
     let path = folder.join("cut.mcap");
     std::fs::write(&path, bytes).unwrap();
@@ -164,7 +164,7 @@ fn a_file_cut_anywhere_keeps_its_whole_increments() {
     let ends = whole(&path);
     let bytes = std::fs::read(&path).unwrap();
     let last = ends[INCREMENTS] as usize;
-    // Every byte of the begin, of an increment, and of the end; others in steps.
+    // Every byte of the beginning, of one increment and of the end; the others in steps.
     let dense = (0..200).chain(ends[2] as usize..ends[3] as usize);
     let cuts = dense
         .chain((200..bytes.len()).step_by(37))
@@ -177,7 +177,7 @@ fn a_file_cut_anywhere_keeps_its_whole_increments() {
             .count();
         match salvaged(folder.path(), &bytes[..cut]) {
             Ok((found, steps)) => {
-                // A chunk may be whole before the index of its messages is.
+                // A chunk may be complete before the index of its messages is.
                 assert!(steps == expected || steps == expected + 1, "{cut}");
                 assert!(!found.was_whole, "{cut}");
                 assert_eq!(found.attachments, u64::from(cut as u64 >= ends[0]), "{cut}");
@@ -213,7 +213,7 @@ fn a_damaged_file_keeps_what_stands_before_the_damage() {
             }
         }
     }
-    // A tail of zeros, as a power failure leaves it.
+    // Trailing zeros, as a power failure leaves them.
     let mut zeros = bytes[..ends[2] as usize].to_vec();
     zeros.resize(bytes.len(), 0);
     let (found, steps) = salvaged(folder.path(), &zeros).unwrap();
@@ -232,7 +232,7 @@ fn what_is_salvaged_elsewhere_leaves_the_file() {
     assert!(!found.was_whole && found.lost_bytes > 0);
     assert_eq!(std::fs::read(&path).unwrap(), cut);
     assert_eq!(messages(&out)["/log"].len(), INCREMENTS + 1);
-    // Salvaged twice is salvaged once.
+    // A second repair changes nothing.
     assert!(salvage(&out, None).unwrap().was_whole);
 }
 
@@ -258,7 +258,7 @@ fn a_device_is_no_file_of_messages() {
     assert!(salvage(Path::new("/dev/zero"), None).is_err());
 }
 
-/// Increment `i` of the small run, and what is told after it.
+/// Increment `i` of the small run and the messages after it.
 fn go_on(run: &mut McapWriter, model: &Model, i: usize) {
     run.progress(1, i as f64, 1);
     let frame = fake::frame(model, 0.2 * i as f64);
@@ -298,7 +298,7 @@ fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
             (1..=at).for_each(|i| go_on(&mut run, &model, i));
             let mark = run.mark().unwrap();
             let least = std::fs::metadata(&path).unwrap().len();
-            // What comes after the mark comes again, whether the file was closed, left or cut.
+            // The messages after the mark are written again, whether the file was closed, left open or truncated.
             run.progress(1, 9.0, 1);
             run.note("never mind");
             (at + 1..=INCREMENTS).for_each(|i| go_on(&mut run, &model, i));
@@ -345,7 +345,7 @@ fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
     assert_eq!(error.kind(), ErrorKind::NotFound);
 }
 
-/// What is not seen is not taken over: indices, and times of chunks, which are made anew.
+/// Records without a check sum are rebuilt: indices and the times of chunks.
 #[test]
 fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
     let folder = tempfile::tempdir().unwrap();
@@ -359,7 +359,7 @@ fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
     drop(run);
     let whole = std::fs::read(&path).unwrap();
     let mut seen = 0;
-    // Every bit of the beginning, and one of seven thereafter.
+    // Every bit of the beginning, then every seventh bit.
     let bits = (0..8 * 100).chain((8 * 100..8 * whole.len()).step_by(7));
     let count = bits.clone().count();
     for bit in bits {
@@ -377,11 +377,12 @@ fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
             }
         }
     }
-    // A quarter of the file is messages and attachments, whose check sum the mark has; the rest is written anew.
+    // About a quarter of the file is messages and attachments, covered by the check sum of the mark. The rest is
+    // rebuilt.
     assert!(seen > count / 5 && seen < count / 3, "{seen} of {count}");
 }
 
-/// Ten chunks of 16 MB of zeros in a file of some kilobytes: read up to what such a file may hold.
+/// Ten chunks of 16 MB of zeros in a file of a few kilobytes are read up to the bound for its length.
 #[test]
 fn a_file_that_would_unpack_without_end_is_read_to_a_bound() {
     let folder = tempfile::tempdir().unwrap();
@@ -408,7 +409,7 @@ fn a_file_that_would_unpack_without_end_is_read_to_a_bound() {
     assert!(length < 100_000, "{length}");
     let out = folder.path().join("salvaged.mcap");
     let found = salvage(&path, Some(&out)).unwrap();
-    // 64 MB and 256 bytes for each of the file.
+    // 64 MB and 256 bytes per byte of the file.
     assert!(
         (3..6).contains(&found.messages) && !found.was_whole,
         "{found:?}"

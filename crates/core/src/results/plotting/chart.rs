@@ -1,7 +1,7 @@
-//! Load-displacement curves of runs over those of experiments.
+//! Load-displacement curves of runs and experiments.
 //!
-//! An experiment that comes back (a cyclic one) is drawn with its loops, thin, and its envelope; from
-//! several experiments the band between the lowest and the highest is filled.
+//! A cyclic experiment is drawn with its loops as thin lines and with its envelope. Of several experiments, the band
+//! between the lowest and the highest is filled.
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -12,7 +12,7 @@ use crate::results::branch::{self, Branch};
 
 /// Width and height of the picture [px].
 const SIZE: (u32, u32) = (900, 600);
-/// Runs, in order; again from the start if there are more.
+/// Colours of runs in order, repeated if there are more runs.
 const RUNS: [RGBColor; 5] = [
     RGBColor(31, 78, 121),
     RGBColor(178, 34, 34),
@@ -20,7 +20,7 @@ const RUNS: [RGBColor; 5] = [
     RGBColor(123, 63, 152),
     RGBColor(190, 110, 20),
 ];
-/// Experiments, in order.
+/// Colours of experiments in order.
 const TESTS: [RGBColor; 4] = [
     RGBColor(95, 95, 95),
     RGBColor(150, 130, 100),
@@ -33,15 +33,15 @@ const BAND: RGBColor = RGBColor(226, 222, 212);
 /// A curve with its name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// As the legend has it.
+    /// Name in the legend.
     pub name: String,
     /// Abscissae and ordinates.
     pub points: Vec<Point>,
-    /// Points that are marked.
+    /// Points with a marker.
     pub marks: Vec<Point>,
 }
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Copy)]
 pub(super) struct Pen {
     colour: RGBColor,
@@ -49,7 +49,7 @@ pub(super) struct Pen {
     dashed: bool,
 }
 
-/// The colour of a run.
+/// Style of a run.
 pub(super) fn run_pen(index: usize) -> Pen {
     Pen {
         colour: RUNS[index % RUNS.len()],
@@ -58,11 +58,11 @@ pub(super) fn run_pen(index: usize) -> Pen {
     }
 }
 
-/// Curves of runs and experiments as SVG text. Experiments of the other side are mirrored onto that of
-/// the first run.
+/// Curves of runs and experiments as SVG text. Experiments on the opposite side are mirrored to that of the first
+/// run.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// Message of plotters if it cannot draw.
 pub fn load_displacements(
     title: &str,
     runs: &[Line],
@@ -107,11 +107,11 @@ pub fn load_displacements(
     picture(title, axes, &band.0, &lines)
 }
 
-/// Any curves over known ones, as SVG text: those known first, below the runs. A line without points is drawn by its
-/// marks alone.
+/// Curves of runs over known curves, as SVG text. The known ones are drawn first. A line without points shows its
+/// markers only.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// Message of plotters if it cannot draw.
 pub fn curves(
     title: &str,
     axes: [&str; 2],
@@ -137,7 +137,7 @@ fn plain(name: &str, points: Vec<Point>) -> Line {
     }
 }
 
-/// An outline: up along the highest, back along the lowest.
+/// Outline of a band: forwards along its upper edge, back along its lower edge.
 struct Outline(Vec<Point>);
 
 impl Outline {
@@ -146,10 +146,10 @@ impl Outline {
     }
 }
 
-/// Intervals of a band.
+/// Number of intervals of a band.
 const STEPS: usize = 300;
 
-/// Between the lowest and the highest of several experiments, as far as at least two of them go.
+/// Band between the lowest and the highest of several experiments, over the range that at least two of them cover.
 fn band(branches: &[Branch]) -> Outline {
     let mut ends: Vec<f64> = branches.iter().filter_map(|b| Some(b.range()?.1)).collect();
     ends.sort_by(f64::total_cmp);
@@ -172,7 +172,7 @@ fn band(branches: &[Branch]) -> Outline {
 type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 type Plane<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Lines on axes, the later ones on top, over a filled outline.
+/// Lines on axes over a filled outline; later lines are on top.
 pub(super) fn picture(
     title: &str,
     axes: [&str; 2],
@@ -258,7 +258,7 @@ fn curve<'a>(chart: &mut Plane<'a, '_>, line: &Line, pen: Pen) -> Result<(), Fai
     Ok(())
 }
 
-/// Letters that fit.
+/// Largest number of characters.
 const TITLE: usize = 80;
 const NAME: usize = 60;
 
@@ -269,7 +269,7 @@ fn shortened(text: &str, most: usize) -> String {
     text.chars().take(most - 1).chain(['…']).collect()
 }
 
-/// A range around the values and zero, with a little air where there are values.
+/// A range that contains the values and zero, with a margin of 6 %.
 fn span(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let finite = values.filter(|v| v.is_finite());
     let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));

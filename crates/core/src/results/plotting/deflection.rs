@@ -1,4 +1,4 @@
-//! How a wall is bent: a displacement along a line of its face.
+//! Deflection of a wall: a displacement along a line on its face.
 //!
 //! ```text
 //!   z ▲ ┌──┬──┬──┐        along the height at mid-length:    along the length at mid-height:
@@ -7,25 +7,26 @@
 //!     └▶└──┴──┴──┘     └───▶ u                               └──────────▶ x
 //! ```
 //!
-//! Every element of the face y = min that the line crosses at rest gives a piece; joints that have
-//! opened or slid are steps.
+//! Every element of the face y = min that the line crosses at rest gives one piece. Open or sliding joints appear as
+//! steps.
 
 use super::chart::{self, Line, run_pen};
 use crate::experiment::Point;
 use crate::model::Mesh;
-use crate::results::{Frame, elevation};
+use crate::results::elevation;
+use crate::state::Frame;
 
-/// Along which line of the face.
+/// Line on the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
-    /// Upwards at mid-length.
+    /// Vertical at mid-length.
     Height,
-    /// Along the wall at mid-height.
+    /// Horizontal at mid-height.
     Length,
 }
 
 impl Along {
-    /// Axes along and across the line.
+    /// Axes along the line and across it.
     fn axes(self) -> (usize, usize) {
         match self {
             Self::Height => (2, 0),
@@ -37,11 +38,11 @@ impl Along {
 /// A displacement along a line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deflection {
-    /// Place along the line from the lowest node, and displacement [mm]. Two points an element.
+    /// Position along the line from the lowest node, and displacement [mm]. Two points per element.
     pub points: Vec<Point>,
 }
 
-/// The horizontal axis, x or y, along which the mesh has moved more.
+/// The horizontal axis, x or y, with the larger displacements.
 pub fn main_axis(frame: &Frame) -> usize {
     let moved = |axis: usize| {
         frame
@@ -54,8 +55,8 @@ pub fn main_axis(frame: &Frame) -> usize {
 }
 
 impl Deflection {
-    /// Displacement along `axis` (0 to 2) on a line of the face y = min; without points where the scene
-    /// has no such face there. The mesh and the frame fit together.
+    /// Displacement along `axis` (0 to 2) on a line of the face y = min; no points if no element of the face meets
+    /// the line. The mesh and the frame must fit together.
     pub fn of(mesh: &Mesh, frame: &Frame, along: Along, axis: usize) -> Self {
         let (on, across) = along.axes();
         let [low, high] = mesh.extent(across);
@@ -68,7 +69,7 @@ impl Deflection {
             for k in 0..4 {
                 let (a, b) = (corners[k], corners[(k + 1) % 4]);
                 let (xa, xb) = (mesh.nodes[a], mesh.nodes[b]);
-                // Half open, so that a line through a corner is counted once.
+                // Half-open interval, so that a line through a corner is counted once.
                 if (xa[across] <= at) != (xb[across] <= at) {
                     let t = (at - xa[across]) / (xb[across] - xa[across]);
                     let between = |from: f64, to: f64| from + t * (to - from);
@@ -88,10 +89,10 @@ impl Deflection {
     }
 }
 
-/// Deflections of several runs with their names, as SVG text; `axis`: of the displacement.
+/// Deflections of several runs with their names as SVG text; `axis` is that of the displacement.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// Message of plotters if it cannot draw.
 pub fn deflections(
     title: &str,
     along: Along,
@@ -128,7 +129,7 @@ mod tests {
     fn a_line_crosses_the_elements_of_the_face() {
         let model = fake::model();
         let frame = fake::frame(&model, 1.0); // u = 1e-3 (x + 1)
-        // At mid-length, x = 101 mm, there is the gap between the cubes.
+        // At mid-length, x = 101 mm, is the gap between the cubes.
         assert!(
             Deflection::of(&model.mesh, &frame, Along::Height, 0)
                 .points

@@ -1,13 +1,13 @@
-//! How many of how much: bars over a logarithmic axis, those of several series one on the other.
+//! Histogram with a logarithmic axis and stacked bars of several series.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 /// Width and height of the picture [px].
 const SIZE: (u32, u32) = (900, 420);
-/// Bars to a factor of ten.
+/// Number of bars per factor of ten.
 const TO_TEN: i32 = 8;
-/// Colours of series, again from the start if there are more.
+/// Colours of series, repeated if there are more series.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(120, 160, 190),
     RGBColor(150, 190, 140),
@@ -16,7 +16,7 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(196, 180, 214),
     RGBColor(110, 110, 110),
 ];
-/// Air around the picture, room for numbers along the axes, distance of bars from each other [px].
+/// Margin around the picture, space below and beside the axes for labels [px].
 const MARGIN: u32 = 16;
 const BELOW: u32 = 46;
 const BESIDE: u32 = 60;
@@ -24,19 +24,19 @@ const BESIDE: u32 = 60;
 /// A series of a histogram.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bars {
-    /// As the legend has it.
+    /// Name in the legend.
     pub name: String,
-    /// Which of six colours.
+    /// Index of the colour.
     pub colour: usize,
-    /// Above zero.
+    /// Positive values.
     pub values: Vec<f64>,
 }
 
-/// A histogram of values above zero, as SVG text. `series`: drawn from below in this order; those without a value are left out
-/// of the legend. `axis`: of the values; `counts`: of the bars.
+/// A histogram of positive values as SVG text. The series are stacked in the given order; those without values are
+/// not in the legend. `axis` labels the values, `counts` the bars.
 ///
 /// # Errors
-/// There is no value, one is not above zero, or what plotters says if it cannot draw.
+/// There is no value, a value is not positive, or plotters cannot draw.
 pub fn histogram(title: &str, axis: &str, counts: &str, series: &[Bars]) -> Result<String, String> {
     let all = || series.iter().flat_map(|s| &s.values);
     if all().next().is_none() || !all().all(|v| *v > 0.0 && v.is_finite()) {
@@ -53,12 +53,12 @@ pub fn histogram(title: &str, axis: &str, counts: &str, series: &[Bars]) -> Resu
 
 type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
-/// The bar of a value, counted from that which begins at 1.
+/// Index of the bar of a value; bar 0 begins at 1.
 fn bar(value: f64) -> i32 {
     (value.log10() * f64::from(TO_TEN)).floor() as i32
 }
 
-/// Where a bar begins.
+/// Lower end of a bar.
 fn edge(bar: i32) -> f64 {
     10.0_f64.powf(f64::from(bar) / f64::from(TO_TEN))
 }
@@ -121,7 +121,7 @@ fn draw<'a>(
         .draw()
 }
 
-/// A count; nothing between two of them.
+/// Label of a count; empty between integers.
 fn whole(value: f64) -> String {
     if value == value.round() {
         value.to_string()
@@ -130,7 +130,7 @@ fn whole(value: f64) -> String {
     }
 }
 
-/// Numbers along the logarithmic axis that begin with 1, 2 or 5: there is no room for all.
+/// Label on the logarithmic axis: only numbers that begin with 1, 2 or 5, because space is limited.
 fn marked(value: f64) -> String {
     let text = value.round().to_string();
     if text.starts_with(['1', '2', '5']) {
@@ -164,14 +164,15 @@ mod tests {
             assert!(svg.contains(said), "{said}");
         }
         assert!(!svg.contains("collapsed"));
-        // Three bars, each filled and outlined, two marks of the legend with their frame and background, the picture's own.
+        // Three bars, each filled and outlined; two marks of the legend with its frame and background; the background
+        // of the picture.
         assert_eq!(svg.matches("<rect ").count(), 3 * 2 + 2 + 2 + 1);
     }
 
     #[test]
     fn bars_meet_at_the_powers_of_ten() {
         assert_eq!((bar(1.0), bar(10.0), bar(9.999)), (0, TO_TEN, TO_TEN - 1));
-        assert!((edge(2 * TO_TEN) - 100.0).abs() < 1e-9); // a power
+        assert!((edge(2 * TO_TEN) - 100.0).abs() < 1e-9); // rounding of the power
     }
 
     #[test]

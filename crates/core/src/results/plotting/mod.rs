@@ -1,5 +1,4 @@
-//! Pictures of runs, made from their folders: curves beside experiments, cracks at a frame, deflections;
-//! as SVG and as PNG.
+//! Pictures of runs as SVG and PNG: load-displacement curves with experiments, deflections, charts and the scene.
 
 pub mod chart;
 pub mod deflection;

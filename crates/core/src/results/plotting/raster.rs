@@ -1,11 +1,11 @@
-//! SVG → PNG, the same on every machine: no font of the system is asked for.
+//! Converts SVG to PNG with the same result on every machine, because no system font is used.
 
 use std::sync::{Arc, OnceLock};
 
 use resvg::{tiny_skia, usvg};
 use usvg::fontdb::{Database, Source};
 
-/// DejaVu Sans: Latin, Greek and the signs of mathematics (`fonts/LICENSE`).
+/// DejaVu Sans: Latin, Greek and mathematical characters (`fonts/LICENSE`).
 static FONT: &[u8] = include_bytes!("../../../fonts/DejaVuSans-subset.ttf");
 const FAMILY: &str = "DejaVu Sans";
 
@@ -20,13 +20,13 @@ fn fonts() -> Arc<Database> {
     FONTS.get_or_init(make).clone()
 }
 
-/// Longest side of a picture [px]: 16 kpx squared are a gigabyte.
+/// Longest side of a picture [px]: 16,000 px squared take one gigabyte.
 const LONGEST: f32 = 16_000.0;
 
-/// The picture as PNG, with `zoom` pixels to a pixel of the SVG.
+/// The picture as PNG with `zoom` pixels per pixel of the SVG.
 ///
 /// # Errors
-/// This is no SVG, or it is too large to be drawn.
+/// The text is not an SVG, or the picture is too large.
 pub fn png(svg: &str, zoom: f32) -> Result<Vec<u8>, String> {
     let options = usvg::Options {
         font_family: FAMILY.to_owned(),
@@ -63,7 +63,7 @@ mod tests {
         assert_eq!((picture.width(), picture.height()), (80, 40));
         let red = picture.pixel(10, 10).map(|p| (p.red(), p.alpha()));
         assert_eq!(red, Some((255, 255)));
-        // Letters beyond ASCII, too: the pictures say × and −.
+        // Also characters beyond ASCII that the pictures use, such as × and −.
         for text in ["kN", "×", "−", "Δ"] {
             let said =
                 format!(r#"{HEAD}<text x="2" y="16" font-family="sans-serif">{text}</text></svg>"#);

@@ -1,4 +1,4 @@
-//! Points on two logarithmic axes, with names, colours by series, and the front that no point is beyond.
+//! Scatter plot on two logarithmic axes with names, colours by series and a Pareto front.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::experiment::Point;
 
 /// Width and height of the picture [px].
 const SIZE: (u32, u32) = (1200, 660);
-/// Colours of series, again from the start if there are more.
+/// Colours of series, repeated if there are more series.
 const COLOURS: [RGBColor; 14] = [
     RGBColor(20, 20, 20),
     RGBColor(178, 34, 34),
@@ -29,10 +29,10 @@ const COLOURS: [RGBColor; 14] = [
 ];
 const FRONT: RGBColor = RGBColor(150, 170, 190);
 const FLOOR: RGBColor = RGBColor(120, 120, 120);
-/// Size of names, and width of a letter of them [px].
+/// Size of names, and width of a character [px].
 const LETTERS: i32 = 13;
 const LETTER: f64 = 6.8;
-/// Air around the picture, room for the numbers along the axes and for the legend on the right, height of a line of that [px].
+/// Margin around the picture, space for axis labels below and beside, width of the legend, and its line height [px].
 const MARGIN: u32 = 18;
 const BELOW: u32 = 46;
 const BESIDE: u32 = 76;
@@ -44,21 +44,22 @@ const RADIUS: i32 = 5;
 /// A point with its name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spot {
-    /// Written beside it.
+    /// Name written beside the point.
     pub name: String,
-    /// Both above zero.
+    /// Coordinates, both positive.
     pub at: Point,
-    /// Which series it is of.
+    /// Index of the series.
     pub series: usize,
-    /// Ringed.
+    /// Whether the point has a ring.
     pub marked: bool,
 }
 
-/// Spots on logarithmic axes, as SVG text. `series`: names, those without a spot are left out of the legend; `front`: its
-/// points by x; `floor`: an ordinate with its name, below which differences mean nothing.
+/// Points on logarithmic axes as SVG text. `series` names the series; those without points are not in the legend.
+/// `front` has its points in the order of x. `floor` is an ordinate with its name, below which differences are
+/// meaningless.
 ///
 /// # Errors
-/// There is no spot, one is not above zero, or what plotters says if it cannot draw.
+/// There is no point, a point is not positive, or plotters cannot draw.
 pub fn scatter(
     title: &str,
     axes: [&str; 2],
@@ -107,7 +108,7 @@ impl Scatter<'_> {
         let xs = self.spots.iter().map(|s| s.at.0);
         let ys = self.spots.iter().map(|s| s.at.1);
         let ys = ys.chain(self.floor.map(|f| f.0));
-        // Room for names on the right and above.
+        // Leaves space for names on the right and above.
         let (xs, ys) = (span(xs, 1.3, 2.0), span(ys, 1.6, 2.0));
         let mut chart = ChartBuilder::on(root)
             .caption(self.title, ("sans-serif", 20))
@@ -138,7 +139,7 @@ impl Scatter<'_> {
         self.names(root, &chart)
     }
 
-    /// The front as stairs, and the floor.
+    /// Draws the front as steps, and the floor.
     fn lines<'a>(&self, chart: &mut Plane<'a, '_>) -> Result<(), Failed<'a>> {
         if let Some(last) = self.front.last() {
             let corner = |w: &[Point]| [w[0], (w[1].0, w[0].1)];
@@ -153,7 +154,7 @@ impl Scatter<'_> {
         Ok(())
     }
 
-    /// Lines and series that are there, right of the plane, where they hide nothing.
+    /// Draws the legend to the right of the plot, with the lines and series that occur.
     fn legend<'a>(&self, root: &Area<'a>) -> Result<(), Failed<'a>> {
         let left = (SIZE.0 - MARGIN - LEGEND) as i32 + 12;
         let mut y = MARGIN as i32 + 40;
@@ -190,7 +191,7 @@ impl Scatter<'_> {
         Ok(())
     }
 
-    /// Names beside their points, where the others leave room.
+    /// Writes names beside their points, where other names leave space.
     fn names<'a>(&self, root: &Area<'a>, chart: &Plane<'a, '_>) -> Result<(), Failed<'a>> {
         let pixels: Vec<(i32, i32)> = self
             .spots
@@ -229,7 +230,7 @@ impl Frame {
     }
 }
 
-/// Where a name goes beside its point: the first free one of places farther and farther away, right before left.
+/// Position of a name: the first free one of positions at growing distance, right before left.
 fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
     let frame = |left: i32, top: i32| Frame([left, top, left + width, top + LETTERS]);
     let beside = [x + 9, x - 9 - width];
@@ -245,7 +246,7 @@ fn place((x, y): (i32, i32), width: i32, taken: &[Frame]) -> Frame {
         .unwrap_or(frame(beside[0], y - LETTERS / 2))
 }
 
-/// From a point to its name, where that is not beside it.
+/// Line from a point to its name, if the name is not directly beside it.
 fn leader((x, y): (i32, i32), Frame([left, top, right, bottom]): Frame) -> Option<[(i32, i32); 2]> {
     let nearest = if left > x { left } else { right };
     let middle = i32::midpoint(top, bottom);
@@ -256,13 +257,13 @@ fn colour(series: usize) -> RGBColor {
     COLOURS[series % COLOURS.len()]
 }
 
-/// A range around values, with so much air on either side.
+/// A range of the values with factors for the margins.
 fn span(values: impl Iterator<Item = f64>, below: f64, above: f64) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
     low / below..high * above
 }
 
-/// As short as can be.
+/// The shortest text of a number.
 fn digits(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -301,11 +302,11 @@ mod tests {
         assert!(!svg.contains("never"));
         let without = scatter("Chart", ["x", "y"], &series, &spots, &[], None).unwrap();
         assert!(!without.contains("front"));
-        // Two points, two in the legend, a ring.
+        // Two points, two in the legend, one ring.
         assert_eq!(svg.matches("<circle ").count(), 5);
     }
 
-    /// However many there are and however long its name is.
+    /// For any number and length of names.
     #[test]
     fn the_legend_lies_beside_all_names() {
         let at = (900, 300);

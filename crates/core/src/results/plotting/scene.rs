@@ -1,4 +1,4 @@
-//! What a model will build, before anything has happened: an elevation, a vertical section and plans.
+//! A model before the run: an elevation, a vertical section and plans.
 //!
 //! ```text
 //!   ┌────────────┐ ┌──┐
@@ -9,11 +9,9 @@
 
 use std::fmt::Write as _;
 
-use std::collections::HashMap;
-
 use super::super::elevation::escape;
-use crate::element::hex8::FACES;
-use crate::model::hexahedron::{EDGES, range};
+use crate::element::exterior::{corners, exterior_faces};
+use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
 use crate::model::{Mesh, Model};
 
@@ -22,14 +20,14 @@ const WIDTH: f64 = 1100.0;
 const MARGIN: f64 = 24.0;
 const HEADER: f64 = 48.0;
 const CAPTION: f64 = 22.0;
-/// Part of the page's width that the elevation and the section share.
+/// Space between the elevation and the section [px].
 const GAP: f64 = 36.0;
 /// Width of a caption [px].
 const NARROWEST: f64 = 170.0;
-/// Tallest drawing [px].
+/// Height of the tallest drawing [px].
 const TALLEST: f64 = 900.0;
 
-/// Colours of materials, again from the start if there are more.
+/// Colours of materials, repeated if there are more.
 const MATERIALS: [&str; 8] = [
     "#d6a082", "#e2ded4", "#aab4be", "#c8be96", "#9fb4a0", "#c9a7b8", "#b9c7d8", "#d8c7a7",
 ];
@@ -38,33 +36,33 @@ const INTERFACES: [&str; 6] = [
     "#c02020", "#2060c0", "#208040", "#a05000", "#8030a0", "#007f8f",
 ];
 
-/// How planes of symmetry are drawn: chain lines, as draughtsmen do.
+/// Style of planes of symmetry: chain lines, as in technical drawings.
 const PLANE_STROKE: &str =
     r##"stroke="#111111" stroke-width="1.2" stroke-dasharray="12 3 2 3" fill="none""##;
-/// How far they go beyond the bodies [px].
+/// Length by which they extend beyond the bodies [px].
 const BEYOND: f64 = 10.0;
 
 /// A drawing in its own plane [mm].
 struct Panel {
     caption: String,
     polygons: Vec<Polygon>,
-    /// `[end][right, up]`, and which interface.
+    /// `[end][right, up]`, and index of the interface.
     lines: Vec<([[f64; 2]; 2], usize)>,
-    /// Held places.
+    /// Fixed nodes.
     dots: Vec<[f64; 2]>,
-    /// Planes of symmetry: which of right and up they are normal to, and where.
+    /// Planes of symmetry: their normal, right (0) or up (1), and position.
     planes: Vec<(usize, f64)>,
 }
 
 struct Polygon {
     corners: Vec<[f64; 2]>,
     material: usize,
-    /// Farther ones are drawn first.
+    /// Distance from the viewer; farther polygons are drawn first.
     depth: f64,
 }
 
 impl Panel {
-    /// x₀, y₀, x₁, y₁ of what is drawn.
+    /// x₀, y₀, x₁, y₁ of the polygons.
     fn bounds(&self) -> [f64; 4] {
         let corners = self.polygons.iter().flat_map(|p| &p.corners);
         let start = [
@@ -112,14 +110,14 @@ fn interface_names(model: &Model) -> Vec<&str> {
     names
 }
 
-/// Which of `names` the law of a slave facet has.
+/// Index in `names` of the interface of a slave facet.
 fn interface_of(model: &Model, names: &[&str], facet: usize) -> usize {
     let law = usize::from(model.contact.slave_law[facet]);
     let name = model.contact.law_names[law].as_str();
     names.iter().position(|n| *n == name).unwrap_or(0)
 }
 
-/// Middles of the two lowest courses, or of the whole.
+/// Heights of the plans: within the two lowest courses, or at mid-height without courses.
 fn heights(model: &Model) -> Vec<f64> {
     let mesh = &model.mesh;
     let extent = |of: &dyn Fn(usize) -> bool| {
@@ -132,31 +130,24 @@ fn heights(model: &Model) -> Vec<f64> {
         let [low, high] = extent(&|_| true);
         return vec![0.5 * (low + high)];
     }
-    // A little below the middle: above a bed joint half the height would be in the mortar of thin units.
+    // Slightly below the middle: at half the height above a bed joint, thin units would be cut in their mortar.
     let middle = |course: u16| {
         let [low, high] = extent(&|e| mesh.course[e] == course);
         low + 0.4 * (high - low)
     };
-    // Blocks count as course 0 and may be taller: the second course tells what a course is.
+    // Blocks belong to course 0 and may be taller than the courses.
     vec![middle(0), middle(1)]
 }
 
-/// Faces that no two elements share, with their elements: counter-clockwise seen from outside.
+/// Boundary facets with their elements, counter-clockwise seen from outside.
 fn bare_faces(mesh: &Mesh) -> Vec<(usize, [u32; 4])> {
-    let faces = |e: usize| FACES.map(|face| face.map(|c| mesh.elements[e][c]));
-    let key = |mut face: [u32; 4]| {
-        face.sort_unstable();
-        face
-    };
-    let mut count: HashMap<[u32; 4], u32> = HashMap::new();
-    for face in (0..mesh.elements.len()).flat_map(faces) {
-        *count.entry(key(face)).or_default() += 1;
-    }
-    let all = (0..mesh.elements.len()).flat_map(|e| faces(e).map(|face| (e, face)));
-    all.filter(|(_, face)| count[&key(*face)] == 1).collect()
+    let faces = exterior_faces(&mesh.elements, |_| 0).into_iter();
+    faces
+        .map(|(e, face)| (e as usize, corners(&mesh.elements[e as usize], face)))
+        .collect()
 }
 
-/// Seen from the front, from −y.
+/// Elevation seen from the front, from −y.
 fn elevation(model: &Model, names: &[&str]) -> Panel {
     let mesh = &model.mesh;
     let x = |n: u32| mesh.nodes[n as usize];
@@ -164,7 +155,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
     let mut polygons = Vec::new();
     for (element, facet) in bare_faces(mesh) {
         let corners = facet.map(flat);
-        // Twice the area, counter-clockwise positive: seen from −y with x to the right and z up.
+        // Twice the signed area, positive if counter-clockwise seen from −y with x to the right and z up.
         let area: f64 = (0..4)
             .map(|k| {
                 let ([a, b], [c, d]) = (corners[k], corners[(k + 1) % 4]);
@@ -206,7 +197,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
     }
 }
 
-/// Planes of symmetry, seen along the third of the axes.
+/// Planes of symmetry parallel to the line of sight; `axes` are the axes of the drawing.
 fn planes(model: &Model, axes: [usize; 2]) -> Vec<(usize, f64)> {
     let stands = |support: &Support| match support.by {
         HeldBy::Plane { axis, at } => Some((axes.iter().position(|a| *a == axis)?, at)),
@@ -215,10 +206,10 @@ fn planes(model: &Model, axes: [usize; 2]) -> Vec<(usize, f64)> {
     model.supports.iter().filter_map(stands).collect()
 }
 
-/// The section normal to an axis at a place on it [mm].
+/// Section normal to an axis at a position on it [mm].
 fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
     let mesh = &model.mesh;
-    // Upright sections are seen from +x (y to the right), plans from above.
+    // Vertical sections are seen from +x (y to the right), plans from above.
     let axes = if axis == 0 { [1, 2] } else { [0, 1] };
     let x = |n: u32| mesh.nodes[n as usize];
     let cut = |a: u32, b: u32| {
@@ -265,7 +256,7 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
     }
 }
 
-/// Places the panels: elevation and section beside each other, plans below, all to one scale.
+/// Places the panels at one scale: elevation and section side by side, plans below.
 fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> std::fmt::Result {
     let sizes: Vec<[f64; 2]> = panels
         .iter()
@@ -277,7 +268,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
             ]
         })
         .collect();
-    // A narrow section leaves room for its caption.
+    // A narrow section needs space for its caption.
     let wide = ((WIDTH - 2.0 * MARGIN - GAP) / (sizes[0][0] + sizes[1][0]))
         .min((WIDTH - 2.0 * MARGIN - GAP - NARROWEST) / sizes[0][0]);
     let plans_wide = sizes[2..].iter().map(|s| (WIDTH - 2.0 * MARGIN) / s[0]);
@@ -358,7 +349,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
     writeln!(svg, "</svg>")
 }
 
-/// One panel, its lower left corner at `place` [px].
+/// Draws a panel with its lower left corner at `place` [px].
 fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> std::fmt::Result {
     let [x0, y0, _, y1] = panel.bounds();
     let at = |[x, y]: [f64; 2]| (left + (x - x0) * zoom, low - (y - y0) * zoom);
@@ -413,7 +404,7 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
             [[x0, place], [x1, place]]
         };
         let [mut a, mut b] = ends.map(at);
-        // Beyond the bodies, so that it is seen for what it is.
+        // The line extends beyond the bodies to be recognisable.
         if d == 0 {
             (a.1, b.1) = (a.1 + BEYOND, b.1 - BEYOND);
         } else {
@@ -433,8 +424,8 @@ mod tests {
     use super::*;
     use crate::results::fake;
 
-    /// Two cubes of 100 mm beside each other, 2 mm apart: one square each seen from the front, and only
-    /// one of them in the section across the middle of a gap's side.
+    /// Two cubes of 100 mm at a distance of 2 mm: one square each from the front, and only one of them in the
+    /// section.
     #[test]
     fn each_panel_shows_what_it_cuts() {
         let model = fake::model();

@@ -1,15 +1,15 @@
-//! The key figures of a run, as tiles of the page.
+//! Key figures of a run as tiles of the page.
 
 use super::Experiment;
 use super::page::escape;
 use crate::results::plot;
 use crate::results::{ReadHistory, SummaryFile};
 
-/// Names of the tile that stands out.
+/// Names of the highlighted tile.
 const PEAK: &str = "Peak force";
 const LARGEST: &str = "Largest force";
 
-/// A tile: what it is, its number with unit, and what goes with it.
+/// A tile: name, value, unit and note.
 struct Tile {
     name: &'static str,
     value: String,
@@ -17,7 +17,7 @@ struct Tile {
     note: String,
 }
 
-/// The tiles as HTML. What only a summary knows is left out without one.
+/// The tiles as HTML. Figures of the summary are omitted if there is none.
 pub(super) fn tiles(
     history: &ReadHistory,
     summary: Option<&SummaryFile>,
@@ -92,7 +92,7 @@ fn mechanics(history: &ReadHistory, experiment: Option<&Experiment>) -> Vec<Tile
 }
 
 fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {
-    let count = |of: fn(&crate::results::HistoryRow) -> usize| history.rows.iter().map(of).sum();
+    let count = |of: fn(&crate::state::HistoryRow) -> usize| history.rows.iter().map(of).sum();
     let cutbacks = summary.map_or_else(|| count(|r| r.cutbacks), |s| s.cutbacks);
     let solves = summary.map_or_else(|| count(|r| r.iterations), |s| s.iterations);
     let mut tiles = vec![
@@ -152,7 +152,7 @@ fn measured_peak(experiment: &Experiment, sign: f64) -> Option<f64> {
     along.max_by(f64::total_cmp).map(|force| sign * force)
 }
 
-/// Four significant digits, and an exponent for what is next to nothing.
+/// Four significant digits, with an exponent for very small values.
 fn brief(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-4 {
         format!("{value:.1e}")

@@ -1,15 +1,15 @@
-//! `report.html`: a run on one page that needs nothing else, neither network nor program.
+//! `report.html`: a run on one self-contained page that needs neither a network nor another program.
 //!
 //! ```text
-//! history.csv ──▶ series ──┐
-//! results.vtkhdf ─▶ skin ─▶ view ──┤ base64 in JSON
-//! summary.json ─▶ figures ─┼──▶ page.html + style.css + view.js, charts.js, page.js ──▶ report.html
-//! model.toml, log, warnings ──▶ escaped text ──┘
+//! history.csv ──▶ series ───────────────────────┐
+//! results.vtkhdf ──▶ boundary facets ──▶ view ──┤ base64 in JSON
+//! summary.json ──▶ figures ─────────────────────┼──▶ page.html + style.css + view.js, charts.js, page.js
+//! model.toml, log, warnings ──▶ escaped text ───┘      ──▶ report.html
 //! ```
 //!
-//! Only the outer faces of the solids are on the page, displacements in 16 bits and damage in 8. Frames
-//! are left out where the page would become larger than [`LIMIT`], and the page says so. A folder that
-//! lacks parts (no summary, no fields, nothing driven) gives a page of what is there.
+//! The page has only the boundary facets of the solids, with displacements in 16 bits and damage in 8 bits. Frames
+//! are omitted, with a note, if the page would exceed [`LIMIT`]. An incomplete folder (without a summary, fields or a
+//! drive) gives a page with the available parts.
 
 mod figures;
 mod packed;
@@ -23,13 +23,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Experiment, HistoryRow, ReadError, ReadHistory, RunFolder, Status, SummaryFile};
+use super::{Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
+use crate::state::{HistoryRow, Status};
 use page::{escape, escape_json, fill};
 use series::Series;
 use view::{Scene, View};
 
-/// Size that frames may fill the page up to [bytes].
+/// Size of the page up to which frames are added [byte].
 pub const LIMIT: usize = 2_000_000;
 
 const PAGE: &str = include_str!("assets/page.html");
@@ -45,15 +46,15 @@ const SCRIPTS: [&str; 3] = [
 pub struct Report {
     /// The page.
     pub html: String,
-    /// Frames on it.
+    /// Number of frames on the page.
     pub frames: usize,
-    /// Frames of the run.
+    /// Number of frames of the run.
     pub frames_of_run: usize,
-    /// What is missing or left out, as the page says it.
+    /// Notes on the page about missing or omitted parts.
     pub notes: Vec<String>,
 }
 
-/// The page's data.
+/// Data of the page.
 #[derive(Serialize)]
 struct Data<'a> {
     series: Series,
@@ -68,18 +69,18 @@ struct Measured<'a> {
 }
 
 impl Report {
-    /// Gathers what a folder holds, finished, going on or killed.
+    /// Creates the page of a folder, whose run may have ended, be in progress or have been killed.
     ///
     /// # Errors
-    /// The history cannot be read. What else is missing or damaged is told on the page.
+    /// The history cannot be read. Other missing or damaged files are noted on the page.
     pub fn of(folder: &RunFolder, experiment: Option<&Experiment>) -> Result<Self, ReadError> {
         Self::within(folder, experiment, LIMIT)
     }
 
-    /// [`Report::of`] with frames up to this size of the page [bytes].
+    /// [`Report::of`] with another limit for the size of the page [byte].
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Report::of`].
     pub fn within(
         folder: &RunFolder,
         experiment: Option<&Experiment>,
@@ -160,7 +161,7 @@ impl Report {
         })
     }
 
-    /// Writes the page, whole or not at all.
+    /// Writes the whole page or nothing.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -169,14 +170,14 @@ impl Report {
     }
 }
 
-/// What is read, or a note of why not.
+/// The result of reading a file; a failure is added to the notes.
 fn or_note<T>(read: Result<T, ReadError>, notes: &mut Vec<String>) -> Option<T> {
     read.map_err(|error| {
         notes.push(match &error {
             ReadError::Read { path, why } if why.kind() == io::ErrorKind::NotFound => {
                 format!("The folder has no {}.", name(path))
             }
-            // A page may go to others: names of files, not where they lie.
+            // The page may be passed on, so it has names of files without their folders.
             ReadError::Read { path, why } => format!("{} cannot be read: {why}", name(path)),
             ReadError::Content { path, why, .. } => {
                 format!("{} cannot be read: {why}", name(path))
@@ -199,9 +200,9 @@ fn name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// The row that a frame of this time belongs to.
+/// The row of the history nearest in time to a frame.
 fn nearest(rows: &[HistoryRow], time: f64) -> usize {
-    // Times do not fall; a frame is written after its row.
+    // Times never decrease; a frame is written after its row.
     let after = rows.partition_point(|r| r.time < time);
     let closer = |row: &usize| {
         rows.get(*row)
@@ -215,7 +216,7 @@ fn nearest(rows: &[HistoryRow], time: f64) -> usize {
     }
 }
 
-/// That of the deck, of the fields, or the folder's name.
+/// Title of the deck or of the fields, otherwise the name of the folder.
 fn title(folder: &RunFolder, deck: Option<&str>, fields: Option<&super::FieldsFile>) -> String {
     let of_deck = || {
         let table: toml::Table = deck?.parse().ok()?;
@@ -228,7 +229,7 @@ fn title(folder: &RunFolder, deck: Option<&str>, fields: Option<&super::FieldsFi
     title.unwrap_or_else(|| name(folder.path()))
 }
 
-/// What the page says in words.
+/// Text of the page.
 struct Text<'a> {
     title: &'a str,
     history: &'a ReadHistory,
@@ -251,7 +252,7 @@ impl Text<'_> {
         let version = self.summary.map_or("", |s| s.version.as_str());
         let warnings = self.summary.map_or(&[][..], |s| &s.warnings[..]);
         let log = self.summary.map_or(&[][..], |s| &s.log[..]);
-        // Numbers, and text that serde_json writes: nothing that could fail.
+        // Numbers and text that serde_json can always write.
         let json = serde_json::to_string(data);
         debug_assert!(json.is_ok());
         let deck = self.deck.map_or_else(
@@ -259,7 +260,7 @@ impl Text<'_> {
             |deck| format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(deck)),
         );
         let figures = figures::tiles(self.history, self.summary, self.experiment);
-        // A collapse is told once.
+        // In a collapse the message equals the verdict.
         let message = if message == verdict { "" } else { message };
         let message = paragraph("verdict", verdict) + &paragraph("message", message);
         let (notes, warnings) = (list("notes", notes), list("warnings", warnings));
@@ -304,7 +305,7 @@ fn list(class: &str, lines: &[String]) -> String {
     format!("<ul class=\"{class}\">{items}</ul>")
 }
 
-/// The log; a long one is cut in its middle, which repeats itself.
+/// The log; the middle of a long one is omitted because it is repetitive.
 fn log_list(lines: &[String]) -> String {
     const ENDS: usize = 100;
     if lines.is_empty() {

@@ -3,17 +3,17 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-/// Bytes in base64, padded.
+/// Bytes in base64 with padding.
 pub(super) fn encode(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
-/// Length of so many bytes in base64.
+/// Length of this number of bytes in base64.
 pub(super) fn length(bytes: usize) -> usize {
     bytes.div_ceil(3) * 4
 }
 
-/// Small floats.
+/// Single-precision numbers.
 pub(super) fn floats(values: impl IntoIterator<Item = f64>) -> String {
     let bytes: Vec<u8> = values
         .into_iter()
@@ -22,13 +22,13 @@ pub(super) fn floats(values: impl IntoIterator<Item = f64>) -> String {
     encode(&bytes)
 }
 
-/// Whole numbers of 16 bits.
+/// Integers of 16 bits.
 pub(super) fn words(values: impl IntoIterator<Item = u16>) -> String {
     let bytes: Vec<u8> = values.into_iter().flat_map(u16::to_le_bytes).collect();
     encode(&bytes)
 }
 
-/// Whole numbers of 32 bits.
+/// Integers of 32 bits.
 pub(super) fn longs(values: impl IntoIterator<Item = u32>) -> String {
     let bytes: Vec<u8> = values.into_iter().flat_map(u32::to_le_bytes).collect();
     encode(&bytes)

@@ -1,6 +1,6 @@
-//! Text into HTML: nothing of a deck, a log or a name may become markup or script.
+//! Text in HTML: text of a deck, a log or a name must not become markup or script.
 
-/// Text as the content of an element or of a quoted attribute.
+/// Escapes text for the content of an element or a quoted attribute.
 pub(super) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
@@ -10,7 +10,7 @@ pub(super) fn escape(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // What HTML has no place for.
+            // HTML does not allow this character.
             '\0' => safe.push('\u{fffd}'),
             c => safe.push(c),
         }
@@ -18,7 +18,7 @@ pub(super) fn escape(text: &str) -> String {
     safe
 }
 
-/// JSON as the content of a `<script>`: no `<`, so that nothing ends it; all else stays JSON.
+/// Escapes JSON for the content of a `<script>`: without `<` nothing can end the element. It is still valid JSON.
 pub(super) fn escape_json(json: &str) -> String {
     json.replace('<', "\\u003c")
         .replace('>', "\\u003e")
@@ -27,8 +27,7 @@ pub(super) fn escape_json(json: &str) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-/// Puts values in the places `{{NAME}}` of a template, in one pass: what looks like a place in a value
-/// stays as it is.
+/// Replaces the placeholders `{{NAME}}` of a template in one pass, so that placeholders within values stay unchanged.
 pub(super) fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut page = String::new();
     let mut rest = template;

@@ -1,21 +1,22 @@
-//! The history as the page's charts take it.
+//! The history in the form used by the charts of the page.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::packed;
-use crate::results::{HistoryRow, ReadHistory};
+use crate::results::ReadHistory;
+use crate::state::HistoryRow;
 
-/// Rows on the page at most: more than a screen has columns.
+/// Largest number of rows on the page, more than the columns of a screen.
 pub(super) const ROWS: usize = 2000;
-/// Probes on the page at most.
+/// Largest number of probes on the page.
 const PROBES: usize = 6;
 
-/// A column of the history and how it is read off a row.
+/// Name of a column and its value in a row.
 type Column = (&'static str, fn(&HistoryRow) -> f64);
 
-/// The columns that the page shows, under their names in the history.
+/// Columns shown on the page, with their names in the history.
 const COLUMNS: [Column; 19] = [
     ("increment", |r| r.increment as f64),
     ("step", |r| r.step as f64),
@@ -43,27 +44,27 @@ const COLUMNS: [Column; 19] = [
 /// Columns of the history. Arrays are little-endian in base64.
 #[derive(Debug, Serialize)]
 pub(super) struct Series {
-    /// Rows on the page.
+    /// Number of rows on the page.
     pub rows: usize,
-    /// By name. `[row]` f32
+    /// Columns by name. `[row]` f32
     pub columns: BTreeMap<&'static str, String>,
-    /// What solved each, a place in `methods`. `[row]` u8
+    /// Procedure of each row, an index into `methods`. `[row]` u8
     pub method: String,
-    /// Names of the methods met.
+    /// Names of the procedures used.
     pub methods: Vec<&'static str>,
-    /// Whether the row is of a driven step. `[row]` u8
+    /// Whether the row belongs to a driven step. `[row]` u8
     pub driven: String,
     /// Row of the largest force.
     pub peak: Option<usize>,
-    /// How the page calls that.
+    /// Word for the largest force on the page.
     pub largest: &'static str,
-    /// Where driving began: displacement [mm], force [kN].
+    /// Start of the drive: displacement [mm], force [kN].
     pub start: (f64, f64),
-    /// Columns of the probes. `[row]` f32
+    /// Names and columns of the probes. `[row]` f32
     pub probes: Vec<(String, String)>,
 }
 
-/// Rows of the history for the page: all, or evenly [`ROWS`] of them with those that must be there.
+/// Rows of the history for the page: all, or [`ROWS`] at even distances together with the required ones.
 pub(super) fn chosen(rows: usize, must: impl IntoIterator<Item = usize>) -> Vec<usize> {
     if rows <= ROWS {
         return (0..rows).collect();
@@ -84,7 +85,7 @@ pub(super) fn peak_row(history: &ReadHistory, driven: &[bool]) -> Option<usize> 
 }
 
 impl Series {
-    /// These rows of the history.
+    /// Series of these rows of the history.
     pub fn of(
         history: &ReadHistory,
         driven: &[bool],
@@ -178,7 +179,7 @@ mod tests {
         );
         assert_eq!(series.methods, ["static"]);
         assert_eq!(packed::decode(&series.driven), [0, 1, 1]);
-        // A probe that a row lacks is none, not a panic.
+        // A value missing in a row becomes NaN.
         assert_eq!(packed::decode(&series.probes[0].1).len(), 12);
     }
 }

@@ -1,50 +1,41 @@
-//! What of the solids can be seen: their outer faces, and the facets of the interfaces on them.
+//! Visible parts of the model: the boundary facets of the solids and the interface facets on them.
 
 use std::collections::HashMap;
 
+use crate::element::exterior::exterior_faces;
 use crate::element::hex8::FACES;
 use crate::results::vtkhdf::read::{RestMesh, RestSurface};
 
-/// Points that a facet of the interfaces has in the file: its corners first.
+/// Number of points per interface facet in the file; the corners come first.
 const FACET_POINTS: usize = 9;
-/// Cosine between the normals of two faces below which their common edge is drawn.
+/// An edge is drawn if the cosine between the normals of its faces is below this value.
 const SHARP: f64 = 0.8;
 
-/// The elements that can be seen, and the nodes on them.
+/// Elements with boundary facets, and the nodes on these facets.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Skin {
-    /// Nodes of the mesh that are on it. `[skin node]`
+pub(super) struct BoundaryFacets {
+    /// Nodes of the mesh on the boundary. `[boundary node]`
     pub nodes: Vec<u32>,
-    /// Elements of the mesh with an outer face. `[skin element]`
+    /// Elements of the mesh with a boundary facet. `[boundary element]`
     pub elements: Vec<u32>,
-    /// Skin nodes of the elements' corners; 0 at corners within. `[skin element]`
+    /// Boundary nodes at the corners of the elements; 0 at interior corners. `[boundary element]`
     pub corners: Vec<[u32; 8]>,
-    /// Bit f: the face [`FACES`]`[f]` is an outer one. `[skin element]`
+    /// Bit f is set if the face [`FACES`]`[f]` is on the boundary. `[boundary element]`
     pub faces: Vec<u8>,
-    /// Edges of the bodies. `[edge][skin node]`
+    /// Edges of the bodies. `[edge][boundary node]`
     pub edges: Vec<[u32; 2]>,
 }
 
-impl Skin {
-    /// Of a mesh; none if an element names a node that is not there.
+impl BoundaryFacets {
+    /// Boundary of a mesh; `None` if an element refers to a missing node.
     pub fn of(mesh: &RestMesh) -> Option<Self> {
-        let mut met: HashMap<[u32; 4], (usize, u8)> = HashMap::new();
+        let is_known = |n: &u32| (*n as usize) < mesh.nodes.len();
+        if !mesh.elements.iter().flatten().all(is_known) {
+            return None;
+        }
         let mut faces = vec![0_u8; mesh.elements.len()];
-        for (e, nodes) in mesh.elements.iter().enumerate() {
-            if nodes.iter().any(|&n| n as usize >= mesh.nodes.len()) {
-                return None;
-            }
-            for (f, face) in FACES.iter().enumerate() {
-                let mut key = face.map(|i| nodes[i]);
-                key.sort_unstable();
-                // A face met twice is within.
-                if let Some((other, bit)) = met.remove(&key) {
-                    faces[other] &= !bit;
-                } else {
-                    met.insert(key, (e, 1 << f));
-                    faces[e] |= 1 << f;
-                }
-            }
+        for (e, face) in exterior_faces(&mesh.elements, |_| 0) {
+            faces[e as usize] |= 1 << face;
         }
         let mut skin = Self::default();
         let mut place = vec![u32::MAX; mesh.nodes.len()];
@@ -91,11 +82,11 @@ impl Skin {
         order
     }
 
-    /// Skin nodes of the facets of the interfaces; none if the two grids do not belong together. Where
-    /// bodies touch they have nodes at the same place: of those with a node at every corner the one is
-    /// taken whose nodes have moved as the facet has.
+    /// Boundary nodes of the interface facets; `None` if the two grids do not belong together. Bodies in contact have
+    /// nodes at the same positions. Of the bodies with a node at every corner, the one is chosen whose nodes moved
+    /// with the facet.
     ///
-    /// `moved`: displacements of the mesh's nodes and of the surface's points in some frame.
+    /// `moved`: displacements of the nodes of the mesh and of the points of the surface in some frame.
     pub fn facets(
         &self,
         mesh: &RestMesh,
@@ -107,7 +98,7 @@ impl Skin {
         if solid.len() != mesh.nodes.len() || interface.len() != points.len() {
             return None;
         }
-        // −0 is 0.
+        // Turns −0 into 0.
         let key = |x: [f64; 3]| x.map(|x| (x + 0.0).to_bits());
         let mut there: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
         let mut seen = vec![false; self.nodes.len()];
@@ -155,7 +146,7 @@ fn outer(bits: u8) -> impl Iterator<Item = [usize; 4]> {
         .map(|(_, face)| face)
 }
 
-/// Unit normal of a quad, from its diagonals.
+/// Unit normal of a quad from its diagonals.
 fn normal(x: [[f64; 3]; 4]) -> [f64; 3] {
     let d = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
     let (a, b) = (d(0, 2), d(1, 3));
@@ -195,12 +186,12 @@ mod tests {
 
     #[test]
     fn inner_faces_and_flat_edges_are_left_out() {
-        let one = Skin::of(&row(1)).unwrap();
+        let one = BoundaryFacets::of(&row(1)).unwrap();
         assert_eq!((one.faces[0], one.edges.len()), (0b11_1111, 12));
-        let three = Skin::of(&row(3)).unwrap();
+        let three = BoundaryFacets::of(&row(3)).unwrap();
         // +x is bit 3, −x bit 5.
         assert_eq!(three.faces, [0b11_0111, 0b01_0111, 0b01_1111]);
-        // 4 long ones of 3 each, 4 at each end.
+        // Four long edges of 3 each and four edges at each end.
         assert_eq!(three.edges.len(), 12 + 8);
         assert_eq!(three.nodes.len(), 16);
         for (face, (axis, sign)) in FACES.iter().zip([
@@ -219,19 +210,19 @@ mod tests {
         }
         let mut wrong = row(1);
         wrong.elements[0][3] = 99;
-        assert_eq!(Skin::of(&wrong), None);
+        assert_eq!(BoundaryFacets::of(&wrong), None);
     }
 
     #[test]
     fn a_facet_is_of_the_body_that_moves_with_it() {
-        // Two bodies that touch at x = 1.
+        // Two bodies in contact at x = 1.
         let mut mesh = row(1);
         for x in row(1).nodes {
             mesh.nodes.push([x[0] + 1.0, x[1], x[2]]);
         }
         mesh.elements.push(mesh.elements[0].map(|n| n + 8));
         mesh.unit.push(1);
-        let skin = Skin::of(&mesh).unwrap();
+        let skin = BoundaryFacets::of(&mesh).unwrap();
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let mut points = corners.map(|[y, z]| [1.0, y, z]).to_vec();
         points.extend([[1.0, 0.5, 0.5]; 5]);

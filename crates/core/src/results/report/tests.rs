@@ -1,10 +1,11 @@
-//! The report of small folders, whole and not.
+//! Reports of complete and incomplete folders.
 
 use std::path::Path;
 
 use super::*;
 use crate::results::directory::{DECK, FIELDS, HISTORY, SUMMARY};
-use crate::results::{Recorder, RunDirectory, fake};
+use crate::results::{RunDirectory, fake};
+use crate::solve::Recorder;
 
 /// A finished run of three increments, two of them driven.
 fn run(path: &Path) {
@@ -29,7 +30,7 @@ fn report(path: &Path) -> Report {
     Report::of(&RunFolder::open(path).unwrap(), None).unwrap()
 }
 
-/// The data of the page.
+/// Data of the page.
 fn data(html: &str) -> serde_json::Value {
     let (_, rest) = html
         .split_once("<script type=\"application/json\" id=\"data\">")
@@ -49,7 +50,7 @@ fn a_whole_run_is_on_the_page_and_nothing_from_outside() {
     assert!(html.starts_with("<!doctype html>"));
     assert!(html.contains("<strong>20.00</strong>") && html.contains("completed"));
     assert!(html.contains("static: &lt;no&gt; equilibrium"));
-    // No address but that of SVG's names, which nobody fetches.
+    // The only address is the SVG namespace, which is not fetched.
     let rest = html.replace("http://www.w3.org/2000/svg", "");
     for outside in ["http:", "https:", "src=", "@import", "url("] {
         let found = rest.replace("&lt;img src=x&gt;", "").contains(outside);
@@ -63,7 +64,7 @@ fn a_whole_run_is_on_the_page_and_nothing_from_outside() {
     let rows: Vec<_> = view["frames"].as_array().unwrap().iter().collect();
     assert_eq!(rows.len(), 3);
     assert_eq!(rows[2]["row"], 2);
-    // 16 nodes, all on the skin: 0.001 · 2 · (x + 1) at the largest x of 202
+    // All 16 nodes are on the boundary: 0.001 · 2 · (x + 1) at the largest x of 202
     assert_eq!(rows[2]["most"], 0.406);
     let moved = packed::decode(rows[2]["displacement"].as_str().unwrap());
     assert_eq!(moved.len(), 16 * 3 * 2);
@@ -130,7 +131,7 @@ fn frames_are_left_out_where_the_page_would_become_too_large() {
             .html
             .contains(&format!("{} of 200 frames", small.frames))
     );
-    // There is no less than the last and the peak's.
+    // The last frame and that of the peak always stay.
     let least = Report::within(&open, None, 0).unwrap();
     assert!((1..=2).contains(&least.frames));
 }
@@ -157,7 +158,7 @@ fn a_folder_that_lacks_parts_gives_a_page_of_what_is_there() {
     let without = report(path);
     assert_eq!(without.notes[1], "The folder has no results.vtkhdf.");
 
-    // Nothing but the header: a run that has just begun.
+    // Only the header: a run that has just begun.
     let text = std::fs::read_to_string(path.join(HISTORY)).unwrap();
     let header = text.lines().next().unwrap().to_owned() + "\n";
     std::fs::write(path.join(HISTORY), header).unwrap();

@@ -1,38 +1,39 @@
-//! The 3D view's data: the skin at rest, and of each frame what has moved, cracked and opened.
+//! Data of the 3D view: boundary facets at rest, and displacement, damage and joint states of each frame.
 
 use std::io;
 
 use serde::Serialize;
 
 use super::packed;
-use super::skin::Skin;
+use super::skin::BoundaryFacets;
 use crate::element::hex8::FACES;
+use crate::results::elevation;
 use crate::results::vtkhdf::read::FieldsFile;
-use crate::results::{Frame, elevation};
+use crate::state::Frame;
 
-/// Greatest number that 16 bits with a sign hold, both ways.
+/// Largest signed number of 16 bits.
 const WORD: f64 = 32767.0;
 
-/// Everything of the view. Arrays are little-endian in base64; `u16` or `u32` by [`View::wide`].
+/// Data of the view. Arrays are little-endian in base64; node numbers are `u16` or `u32` by [`View::wide`].
 #[derive(Debug, Serialize)]
 pub(super) struct View {
-    /// Lower corner of the box around the wall at rest [mm].
+    /// Lower corner of the bounding box at rest [mm].
     pub low: [f64; 3],
-    /// Sizes of that box [mm].
+    /// Sizes of the bounding box [mm].
     pub size: [f64; 3],
     /// Nodes at rest, 0 to 65535 over the box. `[node][xyz]` u16
     pub rest: String,
-    /// Whether numbers of nodes take 32 bits.
+    /// Whether node numbers have 32 bits.
     pub wide: bool,
     /// Nodes of the elements. `[element][8]`
     pub corners: String,
-    /// Outer faces of the elements, a bit each. `[element]` u8
+    /// Boundary faces of the elements, one bit each. `[element]` u8
     pub faces: String,
     /// Corners of the face of each bit. `[face][4]`
     pub hexahedron: [[usize; 4]; 6],
     /// Unit of each element, 0 to 65535. `[element]` u16
     pub unit: String,
-    /// Material of each element, as in `materials`. `[element]` u8
+    /// Material of each element, an index into `materials`. `[element]` u8
     pub material: String,
     /// Names of the materials.
     pub materials: Vec<String>,
@@ -40,9 +41,9 @@ pub(super) struct View {
     pub edges: String,
     /// Facets of the interfaces. `[facet][4]`
     pub facets: String,
-    /// Largest crack width of all frames [mm]: 255 of its bytes stand for it.
+    /// Largest crack width of all frames [mm], stored as 255.
     pub widest: f64,
-    /// Factor by which displacements are drawn at first.
+    /// Initial magnification of displacements.
     pub magnification: f64,
     /// The frames.
     pub frames: Vec<EncodedFrame>,
@@ -55,17 +56,17 @@ pub(super) struct EncodedFrame {
     pub row: usize,
     /// Step time [s].
     pub time: f64,
-    /// Displacement of 32767 [mm].
+    /// Displacement stored as 32767 [mm].
     pub most: f64,
     /// Displacements. `[node][xyz]` i16
     pub displacement: String,
-    /// Damage, 255 for 1. `[element]` u8
+    /// Tensile damage, 255 for 1. `[element]` u8
     pub tensile: String,
-    /// As `tensile`.
+    /// Compressive damage, 255 for 1. `[element]` u8
     pub compressive: String,
-    /// Root of the crack width, 255 for the widest. `[element]` u8
+    /// Square root of the crack width, 255 for the largest. `[element]` u8
     pub crack: String,
-    /// States of the points, four to a byte, the first lowest. `[facet]` u8
+    /// States of the four points in one byte, the first in the lowest bits. `[facet]` u8
     pub state: String,
 }
 
@@ -73,7 +74,7 @@ pub(super) struct EncodedFrame {
 #[derive(Debug)]
 pub(super) struct Scene<'a> {
     file: &'a FieldsFile,
-    skin: Skin,
+    skin: BoundaryFacets,
     nodes: usize,
     elements: usize,
     facets: usize,
@@ -81,12 +82,12 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Reads what does not change. Says in `notes` what is left out.
+    /// Reads the data at rest. Omitted parts are added to `notes`.
     pub fn open(file: &'a FieldsFile, notes: &mut Vec<String>) -> io::Result<Self> {
         let mesh = file.mesh()?;
         let damaged = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what);
-        let skin =
-            Skin::of(&mesh).ok_or_else(|| damaged("an element names a node that is not there"))?;
+        let skin = BoundaryFacets::of(&mesh)
+            .ok_or_else(|| damaged("an element names a node that is not there"))?;
         let elements = mesh.elements.len();
         if mesh.unit.len() != elements || mesh.material.len() != elements {
             return Err(damaged("units and materials are not as many as elements"));
@@ -151,7 +152,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Bytes on the page without frames, and of each frame.
+    /// Size on the page without frames, and size of each frame [byte].
     pub fn sizes(&self) -> (usize, usize) {
         let view = &self.view;
         let still = [
@@ -172,8 +173,7 @@ impl<'a> Scene<'a> {
         (fixed, frame)
     }
 
-    /// Reads these frames of the file, each with its row of the history. A frame that cannot be read is
-    /// left out, and said so in `notes`.
+    /// Reads the chosen frames, each with its row of the history. A frame that cannot be read is omitted with a note.
     pub fn with_frames(mut self, chosen: &[(usize, usize)], notes: &mut Vec<String>) -> View {
         let mut frames = Vec::new();
         for &(index, row) in chosen {
@@ -225,7 +225,7 @@ impl<'a> Scene<'a> {
             packed::encode(&self.skin.elements.iter().map(byte).collect::<Vec<_>>())
         };
         let widest = self.view.widest.max(f64::MIN_POSITIVE);
-        let four = |states: &[crate::results::InterfaceState]| {
+        let four = |states: &[crate::state::InterfaceState]| {
             let shifted = states.iter().enumerate();
             shifted.fold(0, |byte, (i, s)| byte | (*s as u8) << (2 * i))
         };
@@ -243,10 +243,10 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// What the keys and numbers of a frame take, generously.
+/// Upper estimate for the keys and numbers of a frame [byte].
 const FRAME_KEYS: usize = 200;
 
-/// Numbers as 16 bits each, and what 32767 stands for.
+/// Numbers scaled to 16 bits, and the value stored as 32767.
 pub(super) fn words(values: &[f64]) -> (f64, Vec<i16>) {
     let finite = values.iter().filter(|v| v.is_finite());
     let most = finite.fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -257,7 +257,7 @@ pub(super) fn words(values: &[f64]) -> (f64, Vec<i16>) {
     (most, values.iter().map(word).collect())
 }
 
-/// Lower corner and sizes of the box around all points, none of them 0.
+/// Lower corner and sizes of the bounding box; no size is 0.
 fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
@@ -275,8 +275,7 @@ fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     (low, [0, 1, 2].map(size))
 }
 
-/// Which of so many frames to show if there is room for `room` of them: the first, the last, the peak's,
-/// and of the others as evenly as it goes.
+/// Chooses at most `room` frames, but always the last one and that of the peak; the others at even distances.
 pub(super) fn choose(frames: usize, peak: Option<usize>, room: usize) -> Vec<usize> {
     if frames <= room {
         return (0..frames).collect();
@@ -302,7 +301,7 @@ mod tests {
         let values: Vec<f64> = (0..1000).map(|i| (f64::from(i)).sin() * 4.2).collect();
         let (most, words) = words(&values);
         for (value, word) in values.iter().zip(&words) {
-            // Rounding to the nearest of 32767 steps
+            // Rounding to the nearest of 32767 steps.
             assert!((f64::from(*word) / WORD * most - value).abs() <= 0.5001 * most / WORD);
         }
         assert_eq!(super::words(&[0.0, 0.0]), (0.0, vec![0, 0]));

@@ -1,4 +1,4 @@
-//! `/model`: what was run.
+//! `/model`: description of the model.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -9,10 +9,10 @@ use crate::model::Model;
 
 /// Group of the model in the file.
 pub const MODEL: &str = "model";
-/// Text of the deck, in that group.
+/// Name of the deck's text in that group.
 pub const DECK: &str = "deck";
 
-/// Writes title, version and names of the materials into a new group.
+/// Writes title, version and material names into a new group.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -26,7 +26,7 @@ pub fn write(file: &hdf5::File, model: &Model) -> hdf5::Result<()> {
     materials.create("materials")?.write(&names)
 }
 
-/// Writes the deck and its hash, in place of one that is there.
+/// Writes the deck and its hash, and replaces an existing one.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -43,12 +43,12 @@ pub fn write_deck(file: &hdf5::File, text: &str) -> hdf5::Result<()> {
     attribute(&group, "hash", &hash(text))
 }
 
-/// Of the deck's text: the same on every machine.
+/// Hash of the deck's text, the same on every machine.
 pub fn hash(text: &str) -> String {
     format!("sha256:{:x}", Sha256::digest(text))
 }
 
-/// Writes an attribute, over what is there.
+/// Writes or replaces an attribute.
 fn attribute(group: &hdf5::Group, name: &str, text: &str) -> hdf5::Result<()> {
     let there = group.attr_names()?.iter().any(|n| n == name);
     let attribute = if there {

@@ -1,4 +1,4 @@
-//! One field of one frame, for readers that want no more than that.
+//! Reads one field of one frame.
 
 use std::io;
 
@@ -6,7 +6,7 @@ use super::into_io;
 use super::read::FieldsFile;
 use hdf5_metno as hdf5;
 
-/// Where the fields of a frame lie: what comes before a name in this interface, and its group.
+/// Prefixes of field names and the HDF5 groups of these fields.
 const GROUPS: [(&str, &str); 4] = [
     ("", "VTKHDF/PointData"),
     ("", "VTKHDF/CellData"),
@@ -14,26 +14,26 @@ const GROUPS: [(&str, &str); 4] = [
     ("interfaces.", "interfaces/CellData"),
 ];
 
-/// Fields that are the same in every frame, and have no rows of their own in it.
+/// Labels, which are the same in every frame and have no rows per frame.
 const LABELS: [&str; 5] = ["material", "unit", "course", "facet", "law"];
 
 /// Values of a field at a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Real numbers, `width` to a row. `[row][width]`
+    /// Real numbers, `width` per row. `[row][width]`
     Real {
-        /// Row by row.
+        /// All values, row by row.
         values: Vec<f64>,
-        /// Numbers in a row.
+        /// Number of values per row.
         width: usize,
     },
-    /// Small whole numbers: flags and states. `[row]`
+    /// Small integers: flags and states. `[row]`
     Code(Vec<u8>),
 }
 
 impl FieldsFile {
-    /// Names of the fields that a frame has: those of the solids as they are in the file (`displacement`,
-    /// `stress`), those of the interfaces with `interfaces.` before them.
+    /// Names of all fields of a frame. Those of the solids are the names in the file (`displacement`, `stress`),
+    /// those of the interfaces have the prefix `interfaces.`.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -55,10 +55,10 @@ impl FieldsFile {
         list().map_err(|error| into_io(&error))
     }
 
-    /// One field of a frame, from 0, by its name in [`FieldsFile::field_names`]. Nothing else is read.
+    /// Reads one field of a frame, from 0, by its name in [`FieldsFile::field_names`], and nothing else.
     ///
     /// # Errors
-    /// There is no such field or frame, or it cannot be read.
+    /// The field or frame does not exist or cannot be read.
     pub fn field(&self, name: &str, frame: usize) -> io::Result<Values> {
         let read = || -> hdf5::Result<Values> {
             let within = GROUPS.iter().find_map(|(prefix, group)| {
@@ -92,7 +92,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let mut model = fake::model();
-        // A model without interfaces has no fields of them.
+        // Without interfaces the file has no interface fields.
         model.contact.slave_facets = vec![[1, 2, 6, 5]];
         model.contact.slave_law = vec![0];
         let mut writer = VtkHdfWriter::create(&path, &model).unwrap();

@@ -1,8 +1,8 @@
-//! One temporal `UnstructuredGrid` of VTKHDF 2.0 in a group of a file.
+//! A temporal `UnstructuredGrid` of VTKHDF 2.0 in a group of a file.
 //!
-//! The mesh does not change, so there is one part whose geometry every step shares at offset 0; of the
-//! fields each step appends its own rows, one chunk a step, so that appending never rewrites an
-//! earlier step. A step is written as data, then offsets, then `NSteps`.
+//! The mesh does not change, so one part with one geometry serves all steps at offset 0. Each step appends its own
+//! rows to the fields as one chunk, and earlier steps are never rewritten. A step is written in the order data,
+//! offsets, `NSteps`, so that an incomplete step is not counted.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedAscii;
@@ -12,16 +12,16 @@ use super::series::{
     Field, SERIES_CHUNK, compressed, count, count_column, counts, cut, push, reals,
 };
 
-/// Geometry of a grid whose cells are all of one kind.
+/// Geometry of a grid with cells of one type.
 #[derive(Debug)]
 pub struct Geometry {
     /// Positions at rest [mm]. `[point][xyz]`
     pub points: Vec<[f64; 3]>,
-    /// Points of the cells, one cell after the other. `[cell][corner]`
+    /// Points of the cells, cell by cell. `[cell][corner]`
     pub connectivity: Vec<i64>,
-    /// Corners of a cell.
+    /// Corners per cell.
     pub corners: usize,
-    /// VTK's number of the cell's kind.
+    /// VTK number of the cell type.
     pub kind: u8,
 }
 
@@ -32,7 +32,7 @@ impl Geometry {
     }
 }
 
-/// What a field lives on.
+/// Location of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum On {
     /// Points.
@@ -46,16 +46,16 @@ pub enum On {
 pub struct Column {
     /// Name.
     pub name: &'static str,
-    /// What it lives on.
+    /// Location of its values.
     pub on: On,
-    /// Components; 0 for a field of small whole numbers, which has one.
+    /// Number of components; 0 marks a scalar field of small integers.
     pub components: usize,
     /// Unit of its values.
     pub unit: &'static str,
 }
 
 impl Column {
-    /// Tuples and components of a step.
+    /// Number of tuples and of components per step.
     fn shape(&self, geometry: &Geometry) -> (usize, usize) {
         let tuples = match self.on {
             On::Points => geometry.points.len(),
@@ -83,7 +83,7 @@ impl Values<'_> {
     }
 }
 
-/// Series that are 0 in every step; then those of two dimensions.
+/// Series that are 0 in every step, of one dimension and of two dimensions.
 const ZEROS: [&str; 2] = ["PartOffsets", "PointOffsets"];
 const ZERO_COLUMNS: [&str; 2] = ["CellOffsets", "ConnectivityIdOffsets"];
 
@@ -93,22 +93,22 @@ pub struct Grid {
     steps: usize,
     step_count: hdf5::Attribute,
     values: hdf5::Dataset,
-    /// Series that are 0 in every step, since there is one part with one geometry. `[series][step]`
+    /// Series that are 0 in every step because there is one part with one geometry. `[series][step]`
     zeros: Vec<hdf5::Dataset>,
-    /// As `zeros`, of two dimensions. `[series][step][1]`
+    /// The same with two dimensions. `[series][step][1]`
     zero_columns: Vec<hdf5::Dataset>,
     /// `NumberOfParts`, 1 in every step. `[step]`
     parts: hdf5::Dataset,
     fields: Vec<Field>,
-    /// One value a step each, and their offsets. `[series]`
+    /// Series with one value per step. `[series]`
     series: Vec<Field>,
-    /// Components and tuples of the series, 1 and 1 in every step. `[series][step][2]`
+    /// Numbers of components and tuples of the series, 1 and 1 in every step. `[series][step][2]`
     series_sizes: Vec<hdf5::Dataset>,
 }
 
 impl Grid {
-    /// Writes geometry and labels `(name, [cell])` into an empty group, and begins the fields and the
-    /// series of one value a step.
+    /// Writes geometry and labels `(name, [cell])` into an empty group and creates the fields and the series with one
+    /// value per step.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -186,10 +186,10 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Opens a grid that [`Grid::create`] wrote, and drops all after its first `steps` steps.
+    /// Opens a grid written by [`Grid::create`] and drops everything after its first `steps` steps.
     ///
     /// # Errors
-    /// The file cannot be read or written, or holds another grid.
+    /// The file cannot be read or written, or it has another grid.
     pub fn open(
         root: &hdf5::Group,
         geometry: &Geometry,
@@ -209,7 +209,7 @@ impl Grid {
         if written < count(steps) {
             return Err(format!("{} has {written} steps, not {steps}", root.name()).into());
         }
-        // Fewer first: whoever reads counts on them.
+        // The step count is reduced before the data are cut, because readers rely on it.
         step_count.write_scalar(&count(steps))?;
         let field = |kind: &str, name: &str, shape| {
             let offsets = group.group(&format!("{kind}Offsets"))?;
@@ -252,10 +252,10 @@ impl Grid {
         })
     }
 
-    /// Whether these are the values of a step of this grid; nothing is written.
+    /// Checks the sizes of the values of a step; nothing is written.
     ///
     /// # Errors
-    /// A field has not as many rows as the grid has points or cells.
+    /// A field has a wrong number of rows.
     pub fn check(&self, columns: &[Values], series: &[f64]) -> Result<(), String> {
         if series.len() != self.series.len() {
             let (found, wanted) = (series.len(), self.series.len());
@@ -273,13 +273,13 @@ impl Grid {
         Ok(())
     }
 
-    /// Steps written so far.
+    /// Number of steps written so far.
     pub fn steps(&self) -> usize {
         self.steps
     }
 
-    /// Writes step `step`, at most one past the last: values of the columns and of the series, in
-    /// their order, that have passed [`Grid::check`].
+    /// Writes step `step`, at most one past the last. Columns and series are in the order of creation and have passed
+    /// [`Grid::check`].
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,7 +1,7 @@
-//! `/history`: what `history.csv` has, and the reactions, a row an increment.
+//! `/history`: the columns of `history.csv` and the reactions, one row per increment.
 //!
-//! Rows wait in memory until a frame is written: a series grows by all of them at once, since some thirty
-//! writes an increment would cost more than the increments of a small model.
+//! Rows are kept in memory until a frame is written, and then each series grows by all of them at once. About thirty
+//! writes per increment would cost more than the increments of a small model.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedAscii;
@@ -10,32 +10,32 @@ use serde_json::{Map, Value};
 
 use super::series::{SERIES_CHUNK, count, counts, cut, mark_unit, push, reals};
 use crate::model::Model;
-use crate::results::HistoryRow;
+use crate::state::HistoryRow;
 
 /// Group of the history in the file.
 pub const HISTORY: &str = "history";
-/// Increment of each frame, in the history. `[frame]`
+/// Increment of each frame. `[frame]`
 pub const FRAME_INCREMENT: &str = "frame_increment";
 
-/// Long enough for the name of a procedure.
+/// Text of a fixed length that suffices for the name of a procedure.
 type Word = FixedAscii<32>;
 
-/// Writes the rows of the increments.
+/// Writer of the rows of increments.
 #[derive(Debug)]
 pub struct History {
     columns: Vec<(String, Kind, hdf5::Dataset)>,
-    /// `[probe]`, each `[increment]`
+    /// Series of the probes, `[probe]`, each `[increment]`.
     probes: Vec<hdf5::Dataset>,
-    /// `[beam, support]`, each `[increment][xyz]`
+    /// Forces of beams, supports and loads, `[beam, support, load]`, each `[increment][xyz]`.
     reactions: Vec<hdf5::Dataset>,
-    /// `[frame]`
+    /// Increment of each frame. `[frame]`
     frame_increment: hdf5::Dataset,
-    /// Rows written.
+    /// Number of rows written.
     rows: usize,
     waiting: Vec<HistoryRow>,
 }
 
-/// What the values of a column are.
+/// Type of the values of a column.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Whole,
@@ -43,7 +43,7 @@ enum Kind {
     Word,
 }
 
-/// The columns that every history has, in the order of [`HistoryRow`]'s names.
+/// Columns of every history, in the order of the fields of [`HistoryRow`].
 fn columns() -> impl Iterator<Item = (String, Kind)> {
     let kind = |value: &Value| match value {
         Value::Number(number) if !number.is_f64() => Kind::Whole,
@@ -55,7 +55,7 @@ fn columns() -> impl Iterator<Item = (String, Kind)> {
         .map(move |(name, value)| (name, kind(&value)))
 }
 
-/// A plain structure of numbers: it is a map.
+/// Converts a row to a map from names to values.
 fn as_map(row: &HistoryRow) -> Map<String, Value> {
     match serde_json::to_value(row) {
         Ok(Value::Object(map)) => map,
@@ -63,7 +63,7 @@ fn as_map(row: &HistoryRow) -> Map<String, Value> {
     }
 }
 
-/// Unit of a column, as its name ends.
+/// Unit of a column, from the suffix of its name.
 fn unit_of(column: &str) -> &'static str {
     const ENDS: [(&str, &str); 7] = [
         ("_mm_per_s", "mm/s"),
@@ -81,7 +81,7 @@ fn unit_of(column: &str) -> &'static str {
     }
 }
 
-/// Paths of the reactions in the group: names without what HDF5 reads in them, and each once.
+/// Unique paths of the reactions in the group. Characters with a meaning in HDF5 paths are replaced.
 fn reaction_names(model: &Model) -> Vec<String> {
     let beams = model.beams.iter().map(|b| ("beams", &b.name));
     let supports = model.supports.iter().map(|s| ("supports", &s.name));
@@ -106,7 +106,7 @@ fn reaction_names(model: &Model) -> Vec<String> {
 }
 
 impl History {
-    /// Begins the series in a new group of the file.
+    /// Creates the series in a new group of the file.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -157,10 +157,10 @@ impl History {
         Ok(history)
     }
 
-    /// Opens the series of a run of this model and drops what came after an increment.
+    /// Opens the series of a run of this model and drops everything after an increment.
     ///
     /// # Errors
-    /// The file cannot be read or written, or holds another history.
+    /// The file cannot be read or written, or it has another history.
     pub fn open(file: &hdf5::File, model: &Model, increment: usize) -> hdf5::Result<Self> {
         let group = file.group(HISTORY)?;
         let rows = until(&group.dataset("increment")?, increment)?;
@@ -188,12 +188,12 @@ impl History {
         })
     }
 
-    /// Takes a row, which is written with the next frame.
+    /// Adds a row; it is written with the next frame.
     pub fn push(&mut self, row: &HistoryRow) {
         self.waiting.push(row.clone());
     }
 
-    /// Says to which increment a frame belongs.
+    /// Stores the increment of a frame.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -201,7 +201,7 @@ impl History {
         push(&self.frame_increment, frame, count(increment))
     }
 
-    /// Writes the rows that wait. Values that were not given are NaN.
+    /// Writes the pending rows. Missing values become NaN.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -251,10 +251,10 @@ impl History {
     }
 }
 
-/// The first `count` rows, reactions left out.
+/// First `count` rows without reactions.
 ///
 /// # Errors
-/// There are not as many, a value is none, or the file cannot be read.
+/// There are fewer rows, a value is invalid, or the file cannot be read.
 pub fn read(file: &hdf5::File, model: &Model, count: usize) -> hdf5::Result<Vec<HistoryRow>> {
     let group = file.group(HISTORY)?;
     let mut maps = vec![Map::new(); count];
@@ -299,7 +299,7 @@ pub fn read(file: &hdf5::File, model: &Model, count: usize) -> hdf5::Result<Vec<
     Ok(rows)
 }
 
-/// How many frames there are up to an increment.
+/// Number of frames up to an increment.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -307,7 +307,7 @@ pub fn frames_until(file: &hdf5::File, increment: usize) -> hdf5::Result<usize> 
     until(&file.group(HISTORY)?.dataset(FRAME_INCREMENT)?, increment)
 }
 
-/// How many of the increments, which grow, are not beyond one.
+/// Number of entries in ascending `increments` that are at most `last`.
 fn until(increments: &hdf5::Dataset, last: usize) -> hdf5::Result<usize> {
     let last = count(last);
     Ok(increments

@@ -1,28 +1,27 @@
-//! `results.vtkhdf`: the solids, the interfaces and their fields in time, for VTK ≥ 9.3 and
-//! ParaView ≥ 5.12.
+//! `results.vtkhdf`: solids, interfaces and their fields in time, for VTK ≥ 9.3 and ParaView ≥ 5.12.
 //!
-//! VTKHDF 2.0, two temporal `UnstructuredGrid`s ([`grid`]), of which VTK reads the first, and the second by way
-//! of `sidecar`:
+//! The file has two temporal `UnstructuredGrid`s of VTKHDF 2.0 ([`grid`]). VTK reads the first one, and the second
+//! one through the file of `sidecar`.
 //!
 //! ```text
 //! /VTKHDF        the solids, hexahedra
-//!   PointData/displacement, velocity (where inertia may act)  [step·node][xyz]
+//!   PointData/displacement, velocity (if the model has inertia)  [step·node][xyz]
 //!   CellData/stress, plastic_strain         [step·element][xx,yy,zz,xy,yz,zx]
 //!   CellData/principal_stress               [step·element][3], the largest first
 //!   CellData/tensile_damage, compressive_damage, crack_width, yielded     [step·element]
 //!   CellData/material, unit, course         [element], the same in every step
-//!   FieldData/…    a column of probes each, if there are any         [step]
+//!   FieldData/…    one series per probe, if there are any             [step]
 //! /interfaces    quads, the quarter of a slave facet around each contact point, if there are any
 //!   PointData/displacement                  [step·corner][xyz]
 //!   CellData/opening, damage, state         [step·point]
 //!   CellData/slip [step·point][2]   CellData/traction [step·point][normal, two shears]
 //!   CellData/facet, law                     [point], the same in every step
-//! /history       a series for each column of history.csv              [increment]
-//!   beams/…, supports/…  forces from outside [increment][xyz]   frame_increment [step]
+//! /history       one series per column of history.csv                 [increment]
+//!   beams/…, supports/…, loads/…  forces  [increment][xyz]   frame_increment [step]
 //! /model         version, title, materials: names in the order of CellData/material; deck and its hash
 //! ```
 //!
-//! Nobody sees the file while it is written (`publication`): it is whole at any moment.
+//! Readers never see a partly written file (`publication`).
 
 mod about;
 pub mod field;
@@ -40,30 +39,30 @@ use std::path::Path;
 
 use hdf5_metno as hdf5;
 
-use super::{Frame, HistoryRow};
 use crate::model::Model;
+use crate::state::{Frame, HistoryRow};
 use publication::Publication;
 use work::WorkFile;
 
 pub use sidecar::path_of as sidecar_of;
 
-/// VTK's kinds of cells.
+/// VTK numbers of cell types.
 const HEXAHEDRON: u8 = 12;
 const QUAD: u8 = 9;
 
 /// Group of the interfaces in the file.
 pub const INTERFACES: &str = "interfaces";
 
-/// Writes `results.vtkhdf` step by step, into a work file that becomes it (`publication`).
+/// Writes `results.vtkhdf` step by step into a work file, which is published as `results.vtkhdf`.
 #[derive(Debug)]
 pub struct VtkHdfWriter {
     publication: Publication,
-    /// None once it is closed, or could not be written.
+    /// `None` after closing or a write error.
     open: Option<WorkFile>,
 }
 
 impl VtkHdfWriter {
-    /// Creates (or replaces) the file with the model's meshes and no steps, and the sidecar.
+    /// Creates or replaces the file with the meshes of the model and no steps, and creates the sidecar.
     ///
     /// # Errors
     /// The files cannot be created or written.
@@ -77,12 +76,11 @@ impl VtkHdfWriter {
         Ok(writer)
     }
 
-    /// Goes on with the file of a run of this model after the frames and rows up to increment
-    /// `keep_increments`; later ones are dropped. Readers see the file as it was until the first frame is
-    /// written.
+    /// Continues the file of a run of this model after increment `keep_increments`; later frames and rows are
+    /// dropped. Readers see the old file until a frame is written.
     ///
     /// # Errors
-    /// There is no such file, it is not as it was written or of another model, or it cannot be written.
+    /// The file is missing, damaged or of another model, or it cannot be written.
     pub fn reopen(path: &Path, model: &Model, keep_increments: usize) -> io::Result<Self> {
         let publication = Publication::new(path);
         if let Err(why) = publication.take_back() {
@@ -108,7 +106,7 @@ impl VtkHdfWriter {
         }
     }
 
-    /// Keeps the deck's text and its hash, to be read beside the fields.
+    /// Stores the text of the deck and its hash.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -116,32 +114,31 @@ impl VtkHdfWriter {
         self.write(|open| open.keep_deck(text))
     }
 
-    /// Takes the row of an increment, which is written with the next frame.
+    /// Adds the row of an increment; it is written with the next frame.
     pub fn row(&mut self, row: &HistoryRow) {
         if let Some(open) = &mut self.open {
             open.row(row);
         }
     }
 
-    /// Appends one step. Readers see it at once if it is the first or the last copy was long enough ago
-    /// (`publication`), else with a later one.
+    /// Appends one step. Readers see it at once if it is the first one or enough time has passed since the last
+    /// publication; otherwise with a later step.
     ///
     /// # Errors
-    /// A field has not as many rows as the mesh has nodes or elements, which leaves the file as it was; or the
-    /// file cannot be written, and keeps the steps that readers have seen.
+    /// A field has a wrong number of rows, which leaves the file unchanged; or the file cannot be written, and
+    /// readers keep the steps published before.
     pub fn append(&mut self, frame: &Frame) -> io::Result<()> {
         let fields = self.opened()?.fields(frame);
         let fields = fields.map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
         self.write(|open| open.append(frame, &fields))?;
-        // The first at once, however long the empty file has taken.
+        // The first step is published at once, whatever the copy of the empty file has cost.
         if self.steps() == 1 || self.publication.is_due() {
             self.publication.publish()?;
         }
         Ok(())
     }
 
-    /// Shows readers all steps and rows, however short ago the last copy was: for whoever needs them to
-    /// survive a kill.
+    /// Publishes all steps and rows regardless of the time since the last publication, so that they survive a kill.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -150,15 +147,15 @@ impl VtkHdfWriter {
         self.publication.publish()
     }
 
-    /// Closes the file with all steps and rows in it.
+    /// Writes all data and closes the file.
     ///
     /// # Errors
-    /// It cannot be written; readers keep what they have seen.
+    /// The file cannot be written; readers keep the published data.
     pub fn finish(mut self) -> io::Result<()> {
         self.close()
     }
 
-    /// Steps written so far.
+    /// Number of steps written so far.
     pub fn steps(&self) -> usize {
         self.open.as_ref().map_or(0, WorkFile::steps)
     }
@@ -168,7 +165,7 @@ impl VtkHdfWriter {
         self.open.as_mut().ok_or_else(gone)
     }
 
-    /// Writes to the work file. After a failure HDF5 cannot go on with it.
+    /// Writes to the work file. After an error HDF5 cannot continue with it.
     fn write(&mut self, write: impl FnOnce(&mut WorkFile) -> hdf5::Result<()>) -> io::Result<()> {
         let written = write(self.opened()?).map_err(|error| into_io(&error));
         if written.is_err() {
@@ -194,12 +191,12 @@ impl VtkHdfWriter {
 
 impl Drop for VtkHdfWriter {
     fn drop(&mut self) {
-        // Whoever wants to know calls `finish`.
+        // Best effort: `finish` reports errors.
         let _ = self.close();
     }
 }
 
-/// The system's error where HDF5 names one ("…, errno = 28, …"), else what HDF5 says.
+/// The error of the system if HDF5 names one ("…, errno = 28, …"), otherwise the message of HDF5.
 fn into_io(error: &hdf5::Error) -> io::Error {
     let text = error.to_string();
     let digits = text.split_once("errno = ").map(|(_, rest)| rest);

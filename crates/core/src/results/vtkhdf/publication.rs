@@ -1,18 +1,18 @@
-//! The file that everybody reads is never written: it is replaced by a whole one.
+//! Publishes the field file by replacing it with a complete copy.
 //!
 //! ```text
-//! results.vtkhdf.part   the work file, HDF5's own: a flush of it is many writes, and a kill may come between
+//! results.vtkhdf.part   work file of HDF5; a flush consists of many writes, and the process may be killed in between
 //!        │ copy, fsync
 //! results.vtkhdf.tmp
 //!        │ rename
-//! results.vtkhdf        whole at any moment
+//! results.vtkhdf        complete at any moment
 //! ```
-//! What is shown ends with a seal, which HDF5 does not read: it knows from its own head where it ends.
+//! The published file ends with a seal. HDF5 ignores it because the header of the file states its length.
 //!
 //! ```text
 //! HDF5   "wythe\0vh"   number of the bytes before u64   their CRC-32 u32     little-endian
 //! ```
-//! hdf5-metno cannot write in the single-writer-multiple-reader way, which would serve, too.
+//! The single-writer-multiple-reader mode of HDF5 would serve as well, but hdf5-metno does not support it.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -21,21 +21,21 @@ use std::time::{Duration, Instant};
 
 use crate::files::{self, Extent, NewFile, beside};
 
-/// Part of the run's time that copies may take.
+/// Fraction of the run time that copies may take.
 const SHARE: f64 = 0.02;
 
-/// A file and the work file that it is made of.
+/// A published file and its work file.
 #[derive(Debug)]
 pub struct Publication {
     path: PathBuf,
     began: Instant,
-    /// What copies have taken, and the last of them; none before the first.
+    /// Total time of all copies, and the time of the last one; `None` before the first.
     spent: Duration,
     last: Option<Duration>,
 }
 
 impl Publication {
-    /// Of the file at `path`; nothing is written yet.
+    /// For the file at `path`; nothing is written yet.
     pub fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
@@ -45,26 +45,26 @@ impl Publication {
         }
     }
 
-    /// The file that is read.
+    /// Path of the published file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The file that is written.
+    /// Path of the work file.
     pub fn work(&self) -> PathBuf {
         beside(&self.path, ".part")
     }
 
-    /// Whether there is time for a copy: always for the first.
+    /// Whether the time budget allows a copy; it always allows the first.
     pub fn is_due(&self) -> bool {
         self.last
             .is_none_or(|last| in_budget(self.spent, last, self.began.elapsed()))
     }
 
-    /// Shows the work file, which is flushed, as it is now.
+    /// Publishes the present state of the work file, which must be flushed.
     ///
     /// # Errors
-    /// The copy cannot be written; what was shown stays.
+    /// The copy cannot be written; the published file is unchanged.
     pub fn publish(&mut self) -> io::Result<()> {
         let start = Instant::now();
         let copied = self.copy();
@@ -83,10 +83,10 @@ impl Publication {
         new.keep().map(drop)
     }
 
-    /// Makes a work file of the file that is read, which stays as it is.
+    /// Copies the published file to a new work file.
     ///
     /// # Errors
-    /// It cannot be read, is not as it was shown, or the copy cannot be written.
+    /// The file cannot be read, differs from the one published, or the copy cannot be written.
     pub fn take_back(&self) -> io::Result<()> {
         let mut shown = files::open(&self.path)?;
         let Some(sealed) = sealed(&mut shown)? else {
@@ -99,10 +99,10 @@ impl Publication {
         Ok(())
     }
 
-    /// Makes the work file, which is closed, the one that is read.
+    /// Turns the closed work file into the published file.
     ///
     /// # Errors
-    /// It cannot be moved.
+    /// The file cannot be sealed or renamed.
     pub fn finish(&self) -> io::Result<()> {
         let path = self.work();
         let extent = files::copy(&mut files::open(&path)?, &mut io::sink())?;
@@ -112,20 +112,20 @@ impl Publication {
         fs::rename(&path, &self.path)
     }
 
-    /// Removes the work file, if there is one: it cannot be trusted, and takes room.
+    /// Removes the work file after an error.
     pub fn abandon(&self) {
-        // Best effort: whoever calls has an error already.
+        // Best effort: the caller already has an error.
         let _ = fs::remove_file(self.work());
     }
 }
 
-/// First bytes of a seal, and all of its bytes.
+/// First bytes of a seal, and its length [byte].
 const SEAL: [u8; 8] = *b"wythe\0vh";
 const SEALED: usize = 8 + 8 + 4;
 
 const OTHER_SUM: &str = "its check sum is another than when it was written";
 
-/// Files longer than this are not read as a whole before one frame of them is.
+/// Longer files are not checked before a frame is read, because the check reads the whole file [byte].
 const MOST_READ: u64 = 1 << 30;
 
 fn seal(extent: Extent) -> [u8; SEALED] {
@@ -136,7 +136,8 @@ fn seal(extent: Extent) -> [u8; SEALED] {
     seal
 }
 
-/// What the seal of a file says, which is left at its begin; none where there is none, as where HDF5 has written to it.
+/// Extent stored in the seal of a file, whose position is reset to its start; `None` without a valid seal, for
+/// example after HDF5 has written to the file.
 fn sealed(file: &mut File) -> io::Result<Option<Extent>> {
     let length = file.metadata()?.len();
     let Some(bytes) = length.checked_sub(SEALED as u64) else {
@@ -156,10 +157,10 @@ fn sealed(file: &mut File) -> io::Result<Option<Extent>> {
     Ok((seal[..8] == SEAL && extent.bytes == bytes).then_some(extent))
 }
 
-/// Whether a file is as it was shown, if it has a seal that says so: HDF5 trusts what it reads.
+/// Checks that a file is as published. HDF5 does not verify its input. A file without a seal passes.
 ///
 /// # Errors
-/// It is not, or cannot be read.
+/// The file was changed or cannot be read.
 pub fn check(path: &Path) -> io::Result<()> {
     let mut shown = files::open(path)?;
     let Some(sealed) = sealed(&mut shown)?.filter(|seal| seal.bytes <= MOST_READ) else {
@@ -176,7 +177,7 @@ fn changed(why: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, why.to_owned())
 }
 
-/// Whether another copy like the last one stays within the share of the time.
+/// Whether another copy as long as the last one stays within the time budget.
 fn in_budget(spent: Duration, last: Duration, elapsed: Duration) -> bool {
     (spent + last).as_secs_f64() <= SHARE * elapsed.as_secs_f64()
 }
@@ -202,12 +203,12 @@ mod tests {
         assert!(publication.is_due());
         fs::write(publication.work(), "one").unwrap();
         publication.publish().unwrap();
-        // No time has passed of which the copy would be a small part.
+        // No time has passed, so a copy would exceed the budget.
         assert!(!publication.is_due());
         fs::write(publication.work(), "two").unwrap();
         let text = || String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
         assert!(text().starts_with("onewythe"));
-        // A folder in the way of the copy.
+        // A folder blocks the temporary name.
         let temporary = folder.path().join("results.vtkhdf.tmp");
         fs::create_dir(&temporary).unwrap();
         assert!(publication.publish().is_err());
@@ -216,7 +217,7 @@ mod tests {
         publication.finish().unwrap();
         assert!(text().starts_with("twowythe"));
         assert!(!publication.work().exists());
-        // What is sealed comes back whole.
+        // A sealed file is restored completely.
         publication.take_back().unwrap();
         assert_eq!(fs::read_to_string(publication.work()).unwrap(), "two");
     }
@@ -235,7 +236,7 @@ mod tests {
             changed[bit / 8] ^= 1 << (bit % 8);
             fs::write(&path, &changed).unwrap();
             assert!(publication.take_back().is_err(), "bit {bit}");
-            // Without its seal it is a file of HDF5 like any other.
+            // Without a seal it counts as any HDF5 file.
             let of_seal = (8 * 200..8 * 216).contains(&bit);
             assert_eq!(check(&path).is_ok(), of_seal, "bit {bit}");
         }

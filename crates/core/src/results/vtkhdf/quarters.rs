@@ -1,12 +1,13 @@
-//! The surface of the interfaces as quads: each slave facet, or each part of one, in four, one around each contact point.
+//! Interface surfaces as quads: each slave facet, or each part of one, is divided into four around its contact
+//! points.
 
 use super::QUAD;
 use super::grid::Geometry;
 use crate::model::Model;
 use wythe_contact::Part;
 
-/// Weights of a facet's corners at the nine points of its quarters: corners, middles of the edges from
-/// corner k to the next, the middle.
+/// Weights of the corners of a facet at the nine points of its quarters: the corners, the midpoints of the edges from
+/// corner k to the next, and the centre.
 pub const WEIGHTS: [[f64; 4]; 9] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.0, 1.0, 0.0, 0.0],
@@ -19,8 +20,8 @@ pub const WEIGHTS: [[f64; 4]; 9] = [
     [0.25, 0.25, 0.25, 0.25],
 ];
 
-/// Points of the quarter around each contact point: its corner, the next edge, the middle, the edge
-/// before.
+/// Points of the quarter around each contact point: its corner, the midpoint of the next edge, the centre and the
+/// midpoint of the previous edge.
 pub const QUARTERS: [[i64; 4]; 4] = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]];
 
 /// Quads of the interfaces.
@@ -33,7 +34,7 @@ pub struct Quarters {
 }
 
 impl Quarters {
-    /// Those of a model; none without interfaces.
+    /// Quads of a model; `None` without interfaces.
     pub fn of(model: &Model) -> Option<Self> {
         let facets = model.contact.slave_facets.clone();
         let mut quarters = Self {
@@ -46,7 +47,7 @@ impl Quarters {
         (!quarters.facets.is_empty()).then_some(quarters)
     }
 
-    /// Their geometry at rest.
+    /// Geometry at rest.
     pub fn geometry(&self) -> Geometry {
         let connectivity = (0..self.facets.len() as i64)
             .flat_map(|f| QUARTERS.into_iter().flatten().map(move |k| 9 * f + k))
@@ -69,10 +70,10 @@ impl Quarters {
         ]
     }
 
-    /// A nodal field at the points of the quads. `[facet][9]`
+    /// Interpolates a nodal field to the points of the quads. `[facet][9]`
     ///
     /// # Errors
-    /// It has no row for a node.
+    /// The field has no row for one of the nodes.
     pub fn spread(&self, field: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, String> {
         let mut points = Vec::with_capacity(9 * self.facets.len());
         for (facet, part) in self.facets.iter().zip(&self.parts) {
@@ -97,10 +98,10 @@ impl Quarters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hexahedron::{area_vector, norm};
+    use crate::element::hexahedron::{area_vector, norm};
     use crate::results::fake;
 
-    /// Quads of parts fill their facet, each around its point.
+    /// The quads of the parts cover the facet, each around its contact point.
     #[test]
     fn quads_of_parts_fill_the_facet() {
         let mut model = fake::model();

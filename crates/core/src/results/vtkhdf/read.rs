@@ -1,4 +1,4 @@
-//! Reads `results.vtkhdf` back, frame by frame.
+//! Reads `results.vtkhdf` frame by frame.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use super::field::Values;
 use super::history::{self, FRAME_INCREMENT, HISTORY};
 use super::{INTERFACES, into_io, publication};
 use crate::model::Model;
-use crate::results::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
 
 /// Fields of the interfaces in every file.
 const OF_EVERY_LAW: [&str; 7] = [
     "opening", "slip", "traction", "damage", "state", "facet", "law",
 ];
 
-/// The solids at rest, and what each element is.
+/// The solids at rest with the labels of their elements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestMesh {
     /// Positions [mm]. `[node][xyz]`
@@ -33,16 +33,16 @@ pub struct RestMesh {
     pub course: Vec<u16>,
 }
 
-/// The quads of the interfaces, one around each contact point, at rest.
+/// Interface quads at rest, one around each contact point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestSurface {
     /// Positions [mm]. `[corner][xyz]`
     pub points: Vec<[f64; 3]>,
-    /// Points of the quads. `[point]`
+    /// Corners of the quads. `[point]`
     pub quads: Vec<[u32; 4]>,
 }
 
-/// An open file of fields. Frames are read when they are asked for.
+/// An open field file. Frames are read on request.
 #[derive(Debug)]
 pub struct FieldsFile {
     path: PathBuf,
@@ -54,13 +54,12 @@ pub struct FieldsFile {
 }
 
 impl FieldsFile {
-    /// Opens a file. That of a run that goes on or was killed is whole, too, and has the frames that the run
-    /// had shown by then.
+    /// Opens a file. During a run, or after it was killed, the file has the frames published so far.
     ///
     /// # Errors
-    /// There is no such file, it was changed since a run wrote it, or it holds no fields of wythe.
+    /// The file is missing, was changed since it was written, or has no fields of wythe.
     pub fn open(path: &Path) -> io::Result<Self> {
-        // HDF5 trusts what it reads, and says what it does not find in many lines.
+        // HDF5 does not verify its input and reports errors at length, so the check sum comes first.
         publication::check(path)?;
         let length = std::fs::metadata(path)?.len();
         let open = || -> hdf5::Result<Self> {
@@ -82,7 +81,7 @@ impl FieldsFile {
         open().map_err(|error| into_io(&error))
     }
 
-    /// The file.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -97,10 +96,10 @@ impl FieldsFile {
         &self.increments
     }
 
-    /// The first `count` rows of the history with the columns of `model`; without reactions.
+    /// First `count` rows of the history with the columns of `model`, without reactions.
     ///
     /// # Errors
-    /// They are not there, or cannot be read.
+    /// The rows are missing or cannot be read.
     pub(in crate::results) fn rows(
         &self,
         model: &Model,
@@ -112,7 +111,7 @@ impl FieldsFile {
     /// Title of the model and version of the program.
     ///
     /// # Errors
-    /// They cannot be read.
+    /// The attributes cannot be read.
     pub fn title_and_version(&self) -> io::Result<(String, String)> {
         let read = |name: &str| -> hdf5::Result<String> {
             let text: VarLenUnicode = self.file.group(MODEL)?.attr(name)?.read_scalar()?;
@@ -122,10 +121,10 @@ impl FieldsFile {
         both().map_err(|error: hdf5::Error| into_io(&error))
     }
 
-    /// Text of the deck and its hash; none of a run without a deck.
+    /// Text of the deck and its hash; `None` for a run without a deck.
     ///
     /// # Errors
-    /// They cannot be read, or do not belong together.
+    /// The data cannot be read, or the hash does not match the text.
     pub fn deck(&self) -> io::Result<Option<(String, String)>> {
         let read = || -> hdf5::Result<Option<(String, String)>> {
             let group = self.file.group(MODEL)?;
@@ -145,7 +144,7 @@ impl FieldsFile {
     /// Names of the materials.
     ///
     /// # Errors
-    /// They cannot be read.
+    /// The names cannot be read.
     pub fn materials(&self) -> io::Result<Vec<String>> {
         let read = || -> hdf5::Result<Vec<String>> {
             let names = self.file.group(MODEL)?.attr("materials")?;
@@ -159,7 +158,7 @@ impl FieldsFile {
     /// The solids at rest.
     ///
     /// # Errors
-    /// They cannot be read.
+    /// The data cannot be read.
     pub fn mesh(&self) -> io::Result<RestMesh> {
         let read = || -> hdf5::Result<RestMesh> {
             let root = self.file.group("VTKHDF")?;
@@ -176,10 +175,10 @@ impl FieldsFile {
         read().map_err(|error| into_io(&error))
     }
 
-    /// The quads of the interfaces at rest; none in a model without.
+    /// Interface quads at rest; empty if the model has no interfaces.
     ///
     /// # Errors
-    /// They cannot be read.
+    /// The data cannot be read.
     pub fn surface(&self) -> io::Result<RestSurface> {
         let read = || -> hdf5::Result<RestSurface> {
             if !self.file.link_exists(INTERFACES) {
@@ -194,10 +193,10 @@ impl FieldsFile {
         read().map_err(|error| into_io(&error))
     }
 
-    /// Displacement of the corners of the interfaces' quads at a frame [mm]. `[corner][xyz]`
+    /// Displacement of the corners of the interface quads at a frame [mm]. `[corner][xyz]`
     ///
     /// # Errors
-    /// There is no such frame, or it cannot be read.
+    /// The frame does not exist or cannot be read.
     pub fn surface_displacement(&self, frame: usize) -> io::Result<Vec<[f64; 3]>> {
         if !self.file.link_exists(INTERFACES) {
             return Ok(Vec::new());
@@ -206,10 +205,10 @@ impl FieldsFile {
         self.step(frame, &name).map_err(|error| into_io(&error))
     }
 
-    /// Fields of a frame, from 0; without reactions and probes, which the history has.
+    /// Fields of a frame, from 0, without reactions and probes, which are in the history.
     ///
     /// # Errors
-    /// There is no such frame, or it cannot be read.
+    /// The frame does not exist or cannot be read.
     pub fn frame(&self, frame: usize) -> io::Result<Frame> {
         self.read(frame).map_err(|error| into_io(&error))
     }
@@ -276,7 +275,7 @@ impl FieldsFile {
         })
     }
 
-    /// Rows of one frame of a field with one chunk a frame, all of it in one chunk.
+    /// Range of rows of one frame of a field whose chunks hold one frame each.
     fn rows_of(&self, field: &hdf5::Dataset, frame: usize) -> hdf5::Result<std::ops::Range<usize>> {
         let shape = field.shape();
         let (all, width) = (
@@ -285,7 +284,7 @@ impl FieldsFile {
         );
         let damaged = || format!("{} is damaged: its sizes cannot be", field.name());
         let chunk = field.chunk().unwrap_or_default();
-        // Frames that are written but not yet counted are there too.
+        // The dataset may contain frames that are written but not yet counted.
         let tuples = chunk.first().copied().unwrap_or(0);
         if shape.len() > 2 || (all > 0 && chunk.get(1).copied().unwrap_or(1) < width) {
             return Err(damaged().into());
@@ -305,9 +304,9 @@ impl FieldsFile {
         Ok(rows.start.min(all)..rows.end.min(all))
     }
 
-    /// Whether there is such a group or dataset.
+    /// Whether the group or dataset exists.
     pub(super) fn has(&self, path: &str) -> bool {
-        // HDF5 complains where a link on the way is missing.
+        // HDF5 reports an error if a group on the path is missing.
         let mut at = String::new();
         path.split('/').all(|part| {
             at.push_str(part);
@@ -321,7 +320,7 @@ impl FieldsFile {
         self.file.group(path)
     }
 
-    /// Rows of a frame of the field at `path`, whatever they are.
+    /// Values of a frame of the field at `path`, of either type.
     pub(super) fn values(&self, path: &str, frame: usize) -> hdf5::Result<Values> {
         let field = self.file.dataset(path)?;
         if field.dtype()?.is::<u8>() {
@@ -356,26 +355,27 @@ impl FieldsFile {
     }
 }
 
-/// How much a file of this length can hold, whatever it claims.
+/// Bound for the amount of data in a file of this length, whatever its sizes claim.
 #[derive(Clone, Copy, Debug)]
 struct Room {
-    /// Bytes of the file.
+    /// Length of the file [byte].
     length: u64,
 }
 
 impl Room {
-    /// Bytes that an array may have for one of the file. Each cell of a grid stands in `Offsets` and `Types`, which are
-    /// not packed, with 9 bytes, and has at most 8 nodes of 24 bytes: 21.3 for one, of the mesh or a frame.
+    /// Largest ratio of unpacked data to file length. `Offsets` and `Types` are not compressed and take 9 bytes per
+    /// cell; a cell has at most 8 nodes of 24 bytes each. So an array of the mesh or a frame has at most 21.3 bytes
+    /// per byte.
     const UNPACKED: u64 = 24;
-    /// What any file may hold: short series have chunks of a fixed size.
+    /// Amount allowed in any file, because short series have chunks of a fixed size [byte].
     const LEAST: u64 = 1 << 20;
-    /// Least bytes of a chunk of a series in the file.
+    /// Smallest size of a chunk of a series in the file [byte].
     const CHUNK: u64 = 256;
 
-    /// Whether the file can hold so many values of so many bytes.
+    /// Checks that the file can hold `count` values of `bytes` bytes.
     ///
     /// # Errors
-    /// It cannot.
+    /// The file cannot hold them.
     fn holds(self, name: &str, count: usize, bytes: Option<usize>) -> hdf5::Result<()> {
         let bytes = bytes.and_then(|bytes| bytes.checked_mul(count));
         let most = Self::LEAST + Self::UNPACKED.saturating_mul(self.length);
@@ -386,10 +386,10 @@ impl Room {
         Err(format!("{name} claims more values than a file of {length} bytes can hold").into())
     }
 
-    /// All values of a dataset, in their order.
+    /// All values of a dataset in order.
     ///
     /// # Errors
-    /// The file cannot hold them, or they cannot be read.
+    /// The file cannot hold the values, or they cannot be read.
     fn all<T: hdf5::H5Type>(self, of: &hdf5::Dataset) -> hdf5::Result<Vec<T>> {
         let count = of
             .shape()
@@ -409,7 +409,7 @@ impl Room {
     }
 }
 
-/// Flat numbers as rows of N.
+/// Converts flat numbers to rows of N.
 fn rows<T: Copy, const N: usize>(flat: &[T]) -> hdf5::Result<Vec<[T; N]>> {
     let (rows, rest) = flat.as_chunks::<N>();
     if rest.is_empty() {
@@ -419,7 +419,7 @@ fn rows<T: Copy, const N: usize>(flat: &[T]) -> hdf5::Result<Vec<[T; N]>> {
     }
 }
 
-/// Whole numbers of a smaller kind.
+/// Converts integers to a smaller type.
 fn whole<T: TryFrom<i64>>(numbers: &[i64]) -> hdf5::Result<Vec<T>> {
     let small = |&n: &i64| T::try_from(n).map_err(|_| format!("{n} is out of range").into());
     numbers.iter().map(small).collect()

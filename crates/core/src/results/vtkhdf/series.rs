@@ -1,4 +1,4 @@
-//! Datasets that grow by a step, and short series of one value a step.
+//! Datasets that grow by one step, and short series with one value per step.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -6,16 +6,15 @@ use ndarray::ArrayView2;
 
 use super::grid::Column;
 
-/// Deflate level: higher ones gain a few percent for several times the work.
+/// Deflate level. Higher levels save a few percent of the size for several times the work.
 const DEFLATE: u8 = 1;
-/// Values a chunk of the short series, one value a step or an increment, holds: there are ninety of them, and a
-/// small run has a few dozen steps.
+/// Values per chunk of a short series. A file has about ninety series, and a small run a few dozen steps.
 pub const SERIES_CHUNK: usize = 64;
 
-/// One growing field and the offsets of its steps.
+/// A growing field and the offsets of its steps.
 #[derive(Debug)]
 pub struct Field {
-    /// `[step·tuple][component]`, without the second dimension for scalars.
+    /// Values. `[step·tuple][component]`, without the second dimension for scalars.
     pub data: hdf5::Dataset,
     /// First row of each step. `[step]`
     pub offsets: hdf5::Dataset,
@@ -24,7 +23,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Begins a field of a grid with `tuples` points or cells.
+    /// Creates a field of a grid with `tuples` points or cells.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -51,10 +50,10 @@ impl Field {
         })
     }
 
-    /// Opens a field that has been begun and drops all after its first `steps` steps.
+    /// Opens an existing field and drops everything after its first `steps` steps.
     ///
     /// # Errors
-    /// There is none of that name and shape, or the file cannot be written.
+    /// There is no field of that name and shape, or the file cannot be written.
     pub fn open(
         data: &hdf5::Group,
         offsets: &hdf5::Group,
@@ -85,7 +84,7 @@ impl Field {
     /// Appends the rows of one step.
     ///
     /// # Errors
-    /// There are not as many as the grid has points or cells, or the file cannot be written.
+    /// The number of rows is not that of points or cells, or the file cannot be written.
     pub fn append<T: hdf5::H5Type>(&self, step: usize, values: &[T]) -> hdf5::Result<()> {
         let Self {
             data,
@@ -106,12 +105,12 @@ impl Field {
     }
 }
 
-/// A count as VTK stores it; no mesh comes near the limit.
+/// A count in the integer type of VTK; no mesh comes near the limit.
 pub fn count(count: usize) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
 }
 
-/// A dataset with one chunk a step. Shuffle before deflate: the other way round it has no use.
+/// A compressed dataset with one chunk per step. Shuffling must precede deflation to have an effect.
 pub fn compressed<T: hdf5::H5Type>(
     group: &hdf5::Group,
     tuples: usize,
@@ -126,7 +125,7 @@ pub fn compressed<T: hdf5::H5Type>(
     builder.empty::<T>()
 }
 
-/// A series of counts, empty. `[step]`
+/// An empty series of counts. `[step]`
 pub fn counts(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
     group
         .new_dataset::<i64>()
@@ -135,7 +134,7 @@ pub fn counts(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
         .create(name)
 }
 
-/// A series of numbers, empty. `[step]`
+/// An empty series of numbers. `[step]`
 pub fn reals(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
     group
         .new_dataset::<f64>()
@@ -144,7 +143,7 @@ pub fn reals(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
         .create(name)
 }
 
-/// A series of counts of two dimensions, empty. `[step][1]`
+/// An empty two-dimensional series of counts. `[step][1]`
 pub fn count_column(group: &hdf5::Group, name: &str) -> hdf5::Result<hdf5::Dataset> {
     group
         .new_dataset::<i64>()
@@ -170,14 +169,14 @@ pub fn cut(series: &hdf5::Dataset, steps: usize) -> hdf5::Result<()> {
     series.resize(shape)
 }
 
-/// Text of an attribute; HDF5 ends it at a zero.
+/// Text of an attribute. Zeros are replaced because HDF5 ends a text there.
 pub fn unicode(text: &str) -> hdf5::Result<VarLenUnicode> {
     text.replace('\0', " ")
         .parse()
         .map_err(|_| format!("cannot store {text:?}").into())
 }
 
-/// Says in which unit the values are.
+/// Stores the unit of the values as an attribute.
 pub fn mark_unit(dataset: &hdf5::Dataset, unit: &str) -> hdf5::Result<()> {
     let attribute = dataset
         .new_attr::<VarLenUnicode>()

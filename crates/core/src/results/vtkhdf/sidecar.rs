@@ -1,4 +1,4 @@
-//! `results.interfaces.vtkhdf`: shows `/interfaces` to VTK, which reads only a group called VTKHDF.
+//! `results.interfaces.vtkhdf`: makes `/interfaces` readable for VTK, which only reads a group named VTKHDF.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,15 @@ use hdf5_metno as hdf5;
 use super::{INTERFACES, into_io};
 use crate::files::{self, NewFile};
 
-/// The sidecar of a file of fields.
+/// Path of the sidecar of a field file.
 pub fn path_of(fields: &Path) -> PathBuf {
     fields.with_extension("interfaces.vtkhdf")
 }
 
-/// Writes the sidecar, a link by name to what lies beside it, or removes one where there are no interfaces.
+/// Writes the sidecar, an external link to the group in the field file, or removes it if there are no interfaces.
 ///
 /// # Errors
-/// It cannot be written or removed.
+/// The sidecar cannot be written or removed.
 pub fn write(fields: &Path, there_are_interfaces: bool) -> io::Result<()> {
     let path = path_of(fields);
     if !there_are_interfaces {
@@ -25,7 +25,7 @@ pub fn write(fields: &Path, there_are_interfaces: bool) -> io::Result<()> {
     let new = NewFile::create(&path)?;
     let name = fields.file_name().unwrap_or_default().to_string_lossy();
     let link = || -> hdf5::Result<()> {
-        // Its own file anew: HDF5 takes no open one.
+        // HDF5 creates its own file; it cannot take over an open one.
         files::remove(new.temporary()).map_err(|error| error.to_string())?;
         let file = hdf5::File::create_excl(new.temporary())?;
         file.link_external(&name, &format!("/{INTERFACES}"), "VTKHDF")?;

@@ -1,11 +1,11 @@
-//! Written, read back, killed, and out of room.
+//! Writing, reading, killed runs and full disks.
 
 use hdf5_metno::types::{FixedAscii, VarLenUnicode};
 
 use super::read::FieldsFile;
 use super::*;
-use crate::model::deck::ProbeQuantity;
 use crate::model::probes::Probe;
+use crate::model::probes::ProbeQuantity;
 use crate::model::scene::{Beam, HeldBy, Support};
 use crate::results::fake;
 
@@ -76,7 +76,7 @@ fn a_frame_of_another_mesh_is_refused_and_leaves_the_steps_as_they_were() {
     wrong.stress.pop();
     let error = writer.append(&wrong).unwrap_err().to_string();
     assert!(error.contains("stress"), "{error}");
-    // The next whole frame takes its place.
+    // The next complete frame replaces it.
     writer.append(&fake::frame(&model, 3.0)).unwrap();
     drop(writer);
     let file = hdf5::File::open(&path).unwrap();
@@ -88,7 +88,7 @@ fn a_frame_of_another_mesh_is_refused_and_leaves_the_steps_as_they_were() {
     assert_eq!(values, [1.0, 3.0]);
 }
 
-/// A model with all that a file can have: interfaces, probes, a beam and a support.
+/// A model with interfaces, probes, a beam and a support.
 fn whole_model() -> Model {
     let mut model = fake::model();
     model.contact.slave_facets = vec![[1, 2, 6, 5], [8, 11, 15, 12]];
@@ -116,7 +116,7 @@ fn whole_model() -> Model {
     model
 }
 
-/// Increment n at time n/2, a frame every second increment.
+/// Increment n at time n/2, with a frame at every second increment.
 fn record(writer: &mut VtkHdfWriter, model: &Model, increments: std::ops::RangeInclusive<usize>) {
     for n in increments {
         let time = 0.5 * n as f64;
@@ -140,7 +140,7 @@ fn record(writer: &mut VtkHdfWriter, model: &Model, increments: std::ops::RangeI
     }
 }
 
-/// What readers see of a file: increments and displacements of its frames, forces and reactions of its rows.
+/// Readable content of a file: increments and displacements of its frames, forces and reactions of its rows.
 fn seen(path: &Path) -> (Vec<usize>, Vec<Frame>, Vec<f64>, Vec<f64>) {
     let read = FieldsFile::open(path).unwrap();
     let frames = (0..read.times().len()).map(|f| read.frame(f).unwrap());
@@ -166,7 +166,7 @@ fn the_history_and_the_deck_lie_beside_the_fields() {
     writer.finish().unwrap();
     let file = hdf5::File::open(&path).unwrap();
     let real = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
-    // The row without a frame is there, too.
+    // The row without a frame is present as well.
     assert_eq!(real("history/time"), [0.5, 1.0, 1.5, 2.0, 2.5]);
     assert_eq!(
         real("history/gap_mm"),
@@ -194,7 +194,7 @@ fn the_history_and_the_deck_lie_beside_the_fields() {
     let read = FieldsFile::open(&path).unwrap();
     assert_eq!(read.increments(), [2, 4]);
     assert_eq!(read.frame(1).unwrap().increment, 4);
-    // As `printf 'format = 1' | sha256sum` has it.
+    // From `printf 'format = 1' | sha256sum`.
     let hash = "sha256:019d488782a0f9b4fe4cf4402ed764a4aeb64adb3da27ef2d88955db704249c1";
     assert_eq!(
         read.deck().unwrap(),
@@ -216,7 +216,7 @@ fn a_reopened_file_goes_on_as_if_nothing_had_been() {
     let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
     record(&mut writer, &model, 1..=7);
     drop(writer);
-    // The checkpoint was taken after increment 5: frame 6 and rows 6 and 7 come again.
+    // The checkpoint was taken after increment 5: frame 6 and rows 6 and 7 are written again.
     let mut writer = VtkHdfWriter::reopen(&path, &model, 5).unwrap();
     assert_eq!(writer.steps(), 2);
     assert_eq!(
@@ -232,7 +232,7 @@ fn a_reopened_file_goes_on_as_if_nothing_had_been() {
         assert_eq!((a.time, &a.displacement), (b.time, &b.displacement));
         assert_eq!((&a.stress, &a.interfaces), (&b.stress, &b.interfaces));
     }
-    // Nothing is kept of a run that begins anew in the same file.
+    // A new run in the same file keeps nothing of the old one.
     drop(VtkHdfWriter::reopen(&path, &model, 0).unwrap());
     assert_eq!(seen(&path).0, [0; 0]);
 }
@@ -263,7 +263,7 @@ fn readers_see_whole_files_while_it_is_written() {
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();
     let mut writer = VtkHdfWriter::create(&path, &model).unwrap();
-    // As the checkpoint of the first increment does.
+    // As by the checkpoint of the first increment.
     writer.publish().unwrap();
     assert!(seen(&path).0.is_empty());
     record(&mut writer, &model, 1..=2);
@@ -272,7 +272,7 @@ fn readers_see_whole_files_while_it_is_written() {
     record(&mut writer, &model, 3..=4);
     writer.publish().unwrap();
     assert_eq!(seen(&path).0, [2, 4]);
-    // Whoever has the file open keeps what was there.
+    // A reader that has the file open keeps its content.
     assert_eq!(first.times(), [1.0]);
     assert_eq!(first.frame(0).unwrap().time, 1.0);
     record(&mut writer, &model, 5..=6);
@@ -309,7 +309,7 @@ fn the_error_of_the_system_comes_through() {
     let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
     assert_eq!(error.kind(), io::ErrorKind::IsADirectory, "{error}");
     std::fs::remove_dir(&work).unwrap();
-    // A link is no way to somebody else's file.
+    // A file is never written through a link.
     let mine = folder.path().join("mine");
     std::fs::write(&mine, "mine").unwrap();
     for name in [
@@ -322,7 +322,7 @@ fn the_error_of_the_system_comes_through() {
     drop(VtkHdfWriter::create(&path, &fake::model()).unwrap());
     assert_eq!(std::fs::read_to_string(&mine).unwrap(), "mine");
     assert!(path.symlink_metadata().unwrap().is_file());
-    // Without a frame it has no history yet, but it is one of ours.
+    // Without a frame it has no history yet, but it is a valid file.
     let read = FieldsFile::open(&path).unwrap();
     assert!(read.times().is_empty() && read.increments().is_empty());
 }
@@ -344,7 +344,7 @@ fn a_copy_that_cannot_be_written_is_an_error_and_loses_no_frame() {
     assert_eq!(seen(&path).0, [2, 4], "the work file is whole");
 }
 
-/// Sizes in the file are claims of whoever wrote it.
+/// Sizes in a file are not trustworthy.
 #[test]
 fn claims_that_no_file_can_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -356,7 +356,7 @@ fn claims_that_no_file_can_hold_are_refused() {
         writer.finish().unwrap();
     };
     let huge = 1_000_000_000_000_usize;
-    // Datasets that claim a trillion rows, in chunks of one row and of a million.
+    // Datasets that claim 10¹² rows, in chunks of one row and of 10⁷ rows.
     for (name, wide) in [
         ("VTKHDF/Points", 3),
         ("VTKHDF/Connectivity", 1),

@@ -1,4 +1,4 @@
-//! The file as HDF5 holds it open: two grids, the history, the model.
+//! The open HDF5 file: two grids, the history and the model.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::history::{self, History};
 use super::quarters::Quarters;
 use super::{HEXAHEDRON, INTERFACES, about};
 use crate::model::{Mesh, Model};
-use crate::results::{Frame, HistoryRow};
+use crate::state::{Frame, HistoryRow};
 
 const fn column(name: &'static str, on: On, components: usize, unit: &'static str) -> Column {
     Column {
@@ -20,7 +20,7 @@ const fn column(name: &'static str, on: On, components: usize, unit: &'static st
     }
 }
 
-/// Fields of the solids; the last only where inertia may act.
+/// Fields of the solids; the last one only if the model has inertia.
 const SOLIDS: [Column; 9] = [
     column("displacement", On::Points, 3, "mm"),
     column("stress", On::Cells, 6, "MPa"),
@@ -43,7 +43,7 @@ const SURFACES: [Column; 6] = [
     column("state", On::Cells, 0, "1"),
 ];
 
-/// The work file. Its parts drop before the file, which closes when nothing of it is held any more.
+/// The work file. Field order matters: parts drop before the file, which closes after its last reference.
 #[derive(Debug)]
 pub struct WorkFile {
     solids: Grid,
@@ -53,7 +53,7 @@ pub struct WorkFile {
     file: hdf5::File,
 }
 
-/// What a grid is made of.
+/// Description of a grid.
 struct Meshed<'a> {
     geometry: &'a Geometry,
     columns: &'a [Column],
@@ -61,20 +61,20 @@ struct Meshed<'a> {
     series: &'a [&'a str],
 }
 
-/// Fields of a frame that the file has in another form.
+/// Fields of a frame that need conversion for the file.
 pub struct Fields {
     principal_stress: Vec<[f64; 3]>,
     yielded: Vec<u8>,
-    /// Of the interfaces' corners. `[corner][xyz]`
+    /// Displacement of the interface corners [mm]. `[corner][xyz]`
     displacement: Vec<[f64; 3]>,
     state: Vec<u8>,
 }
 
 impl WorkFile {
-    /// Begins a file with the model's meshes and no steps, on disk on return.
+    /// Creates a file with the meshes of the model and no steps; it is on the disk on return.
     ///
     /// # Errors
-    /// It cannot be written, or there is one.
+    /// The file exists or cannot be written.
     pub fn create(path: &Path, model: &Model) -> hdf5::Result<Self> {
         let file = hdf5::File::create_excl(path)?;
         about::write(&file, model)?;
@@ -85,10 +85,10 @@ impl WorkFile {
         })
     }
 
-    /// Opens the file of a run of this model, to go on after an increment; what came later is dropped.
+    /// Opens the file of a run of this model to continue after an increment; later data are dropped.
     ///
     /// # Errors
-    /// It cannot be read or written, or is of another model.
+    /// The file cannot be read or written, or it is of another model.
     pub fn open(path: &Path, model: &Model, increment: usize) -> hdf5::Result<Self> {
         let file = hdf5::File::open_rw(path)?;
         let frames = history::frames_until(&file, increment)?;
@@ -99,7 +99,7 @@ impl WorkFile {
         })
     }
 
-    /// With the grids of a model, each as `grid` makes it in the group of that name.
+    /// Sets up both grids of a model; `grid` creates or opens each one in the group of the given name.
     fn with(
         file: hdf5::File,
         history: History,
@@ -149,7 +149,7 @@ impl WorkFile {
         })
     }
 
-    /// Steps written so far.
+    /// Number of steps written so far.
     pub fn steps(&self) -> usize {
         self.solids.steps()
     }
@@ -159,7 +159,7 @@ impl WorkFile {
         self.interfaces.is_some()
     }
 
-    /// Keeps the deck's text.
+    /// Stores the text of the deck.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -167,15 +167,15 @@ impl WorkFile {
         about::write_deck(&self.file, text)
     }
 
-    /// Takes the row of an increment.
+    /// Adds the row of an increment.
     pub fn row(&mut self, row: &HistoryRow) {
         self.history.push(row);
     }
 
-    /// Prepares a frame; nothing is written.
+    /// Converts the fields of a frame and checks them; nothing is written.
     ///
     /// # Errors
-    /// It is not of these meshes.
+    /// The frame does not fit the meshes.
     pub fn fields(&self, frame: &Frame) -> Result<Fields, String> {
         let mut fields = Fields {
             principal_stress: frame.principal_stresses(),
@@ -193,7 +193,7 @@ impl WorkFile {
         Ok(fields)
     }
 
-    /// Appends a step, on disk on return.
+    /// Appends a step; it is on the disk on return.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -209,7 +209,7 @@ impl WorkFile {
         self.flush()
     }
 
-    /// Writes the rows that wait and leaves nothing in memory.
+    /// Writes all pending rows and the buffers of HDF5.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -218,10 +218,10 @@ impl WorkFile {
         self.file.flush()
     }
 
-    /// Closes the file with everything in it.
+    /// Writes all data and closes the file.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn close(mut self) -> hdf5::Result<()> {
         self.flush()?;
         let file = self.file;
@@ -231,7 +231,7 @@ impl WorkFile {
 }
 
 impl Fields {
-    /// In the order of [`SOLIDS`].
+    /// Values in the order of [`SOLIDS`].
     fn of_solids<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SOLIDS.len()] {
         [
             Values::Real(frame.displacement.as_flattened()),
@@ -246,7 +246,7 @@ impl Fields {
         ]
     }
 
-    /// In the order of [`SURFACES`], then what the laws add.
+    /// Values in the order of [`SURFACES`], then the outputs of the laws.
     fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> Vec<Values<'a>> {
         let of = &frame.interfaces;
         let mut values = vec![
@@ -263,12 +263,12 @@ impl Fields {
     }
 }
 
-/// All fields of the solids, or all but the last where nothing moves.
+/// All fields of the solids, without the velocity if the model has no inertia.
 fn present<T>(solids: &[T; SOLIDS.len()], moves: bool) -> &[T] {
     &solids[..SOLIDS.len() - usize::from(!moves)]
 }
 
-/// What an element belongs to, under the names of [`Mesh`].
+/// Labels of the elements, with the names used in [`Mesh`].
 fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
     [
         (

@@ -1,4 +1,4 @@
-//! Solids that stay linear elastic, and how far beyond their yield surface that leads them.
+//! Solids that stay linear elastic, with the largest ratio of their stress to the yield stress.
 
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
@@ -6,28 +6,30 @@ use serde::{Deserialize, Serialize};
 use crate::material::{Material, MaterialParameters};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
-use crate::results::{Frame, HistoryRow, Recorder};
-use crate::solve::{Checkpoint, State};
+use crate::solve::Checkpoint;
+use crate::solve::Recorder;
+use crate::state::State;
+use crate::state::{Frame, HistoryRow};
 
-/// The largest part of its yield stress that a solid has reached.
+/// Largest ratio of stress to yield stress in any solid so far.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(in crate::solve) struct Reached {
-    /// Over the yield stress [-].
+    /// Stress over yield stress [-].
     pub part: f64,
     element: usize,
     increment: usize,
 }
 
-/// A model whose solids are elastic, and what they would be.
+/// A model with elastic solids, and the laws that they replace.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct Elastic {
     pub model: Model,
-    /// Laws at rest, of points without size: only where they begin to yield counts. `[material]`
+    /// Laws in their initial state, without element size: only their initial yield surface is used. `[material]`
     laws: Vec<Option<Material>>,
 }
 
 impl Elastic {
-    /// Of a model to be solved at [`Fidelity::Elastic`].
+    /// Elastic version of a model with [`Fidelity::Elastic`].
     pub fn of(model: &Model) -> Self {
         let mut elastic = Model {
             fidelity: Fidelity::Auto,
@@ -51,8 +53,8 @@ impl Elastic {
     }
 }
 
-/// Part of the yield stress that a stress reaches: 1 on the initial yield surface, which is homogeneous of degree one
-/// about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory A.2).
+/// Ratio of a stress to the yield stress: 1 on the initial yield surface (docs/theory/damage-plasticity.md, eq. 2).
+/// The surface is homogeneous of degree one about σ̄_c0, so the ratio is (F + σ̄_c0)/σ̄_c0.
 fn reached(law: &Material, stress: &Vector6<f64>) -> f64 {
     let Material::DamagePlasticity(law) = law else {
         return 0.0;
@@ -61,7 +63,7 @@ fn reached(law: &Material, stress: &Vector6<f64>) -> f64 {
     1.0 - at(stress) / at(&Vector6::zeros())
 }
 
-/// Looks at the stresses of each commit.
+/// Recorder that observes the stresses of each commit.
 pub(super) struct Watch<'a> {
     pub elastic: &'a Elastic,
     pub recorder: &'a mut dyn Recorder,
@@ -69,7 +71,7 @@ pub(super) struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// What is left out.
+    /// Message about the largest stress.
     pub fn told(&self) -> String {
         let Reached {
             part: largest,

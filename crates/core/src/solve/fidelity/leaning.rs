@@ -1,62 +1,65 @@
-//! Whether a half would leave its symmetry by itself: a wall that buckles out of its plane moves to one side, and a
-//! half that is held in the plane cannot.
+//! Loss of symmetry of a half (docs/theory/symmetry.md, eqs 7 and 8): a wall that buckles out of its plane moves to
+//! one side, which a half held in the plane cannot.
 //!
-//! What goes one way on one side of a plane and the mirrored way on the other does not touch what goes the other way:
-//! the stiffness of a mirrored scene falls in two. That of the half is the first; the second has the same cells, with
-//! its nodes in the plane held along it instead of across and images of the other sign. Where it is not positive definite,
-//! the whole would not stay as the half is (Healey and Treacy, Int. J. Numer. Meth. Engng 31, 1991).
+//! Motion symmetric about a plane and motion antisymmetric about it are not coupled: the stiffness of a mirrored
+//! scene falls into two blocks. The first is that of the half. The second has the same cells, but its nodes in the
+//! plane are held along the plane instead of across, and its images have the opposite sign. If the second block is
+//! not positive definite, the whole does not stay symmetric (Healey and Treacy, Int. J. Numer. Meth. Engng 31, 1991).
 
 use super::part::Part;
+use crate::assembly::dofs::{DofMap, Equations};
+use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
+use crate::linear::LinearError;
 use crate::model::Model;
 use crate::model::loads::LoadOn;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, HeldBy, Step, Support};
-use crate::results::curve::QUIET;
-use crate::results::{Recorder, Status};
-use crate::solve::course::Course;
-use crate::solve::drive::Run;
-use crate::solve::{Clock, State};
-use crate::system::dofs::{DofMap, Equations};
-use crate::system::linear::LinearError;
-use crate::system::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
+use crate::solve::Recorder;
+use crate::solve::stepping::run::Run;
+use crate::solve::stepping::step_run::StepRun;
+use crate::state::QUIET;
+use crate::state::Status;
+use crate::state::{Clock, State};
 
-/// Part of its own stiffness that holds what nothing else does, or is taken from what is at rest to find what nothing
-/// holds there: above what rounding makes of a mode without stiffness, below the least of what is slender (400
-/// elements with joints: some 1e-11).
+/// Part of the diagonal that is added to the stiffness, or subtracted from that at rest to find motions without
+/// resistance. It lies above the roundings of a mode without stiffness and below the least stiffness of slender
+/// structures (400 elements with joints: some 1e-11).
 const NEUTRAL: f64 = 1e-13;
 
 impl Run<'_> {
-    /// Whether a part of the scene would stay in its planes as the whole, where a step ends or its loads turn
-    /// round. If not, the run ends here: what it has found is not what the whole does.
+    /// Whether a solved part of the scene keeps the symmetry of the whole, where a step ends or its loads reverse. If
+    /// not, the run ends here, because its results are not those of the whole.
     ///
-    /// What moves is not asked, nor what lies where it fell: whether that stands or is loose its stiffness at
-    /// rest does not tell.
+    /// The check is skipped while bodies move and after something fell: its stiffness at rest does not tell whether
+    /// it stands.
     pub(in crate::solve) fn keeps_symmetry(
         &mut self,
-        course: &Course,
+        step_run: &StepRun,
         recorder: &mut dyn Recorder,
     ) -> bool {
-        let step = course.index;
-        let moves = course.step.procedure.has_inertia() || course.ladder.method().has_inertia();
+        let step = step_run.index;
+        let moves =
+            step_run.step.procedure.has_inertia() || step_run.fallback.method().has_inertia();
         if moves || self.state.fell || self.state.energies.moving() > QUIET {
             return true;
         }
         let (model, state) = (self.model, &self.state);
         let (system, trial) = (&mut self.system, &mut self.trial);
-        let Some(planes) = leans(model, &self.part, step, system, state, trial) else {
+        let Some(planes) = symmetry_loss(model, &self.part, step, system, state, trial) else {
             return true;
         };
         self.summary.status = Status::NotConverged;
-        self.summary.message = self.part.told_to_lean(&planes, &model.steps[step].name);
+        self.summary.message = self.part.symmetry_message(&planes, &model.steps[step].name);
         recorder.note(&self.summary.message);
         false
     }
 }
 
-/// Planes that what is solved would leave, of those that it is held in: the first few of them that its stiffness does
-/// not hold it in. Solids have their secant stiffness, joints that of their penalty. Under follower pressures, whose own
-/// stiffness is not symmetric, it is not asked. The trial is begun anew.
-fn leans(
+/// Planes about which the solved part loses its symmetry: the first combination of its planes whose antisymmetric
+/// stiffness is not positive definite; none if it keeps its symmetry. Solids have their secant stiffness, joints that
+/// of their penalty. Follower pressures are not checked, because their stiffness is not symmetric. The trial is
+/// restarted.
+fn symmetry_loss(
     model: &Model,
     part: &Part,
     step: usize,
@@ -85,8 +88,9 @@ fn leans(
         let turned = (0..planes).filter(|p| set >> p & 1 != 0);
         turned.collect::<Vec<usize>>()
     });
-    // What nothing holds that way even at rest, as a stone that may turn on its bed, neither stands nor falls.
-    let leans = sets.find(|turned| {
+    // A motion without resistance even at rest, such as a stone that may turn on its bed, says nothing about
+    // stability.
+    let symmetry_loss = sets.find(|turned| {
         asked.gives_way(turned, state, NEUTRAL) && {
             let rest = asked.system.initial_state(model);
             !asked.gives_way(turned, &rest, -NEUTRAL)
@@ -94,10 +98,10 @@ fn leans(
     });
     system.springs.stiffen(springs);
     system.steered = steered;
-    leans
+    symmetry_loss
 }
 
-/// What is asked, and where it is worked out.
+/// Arguments of the check, with its work space.
 struct Asked<'a> {
     model: &'a Model,
     part: &'a Part,
@@ -107,8 +111,8 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// Whether what goes the mirrored way beyond these planes is not held at a state, with `part_of_own` of the diagonal
-    /// added.
+    /// Whether the stiffness against motion antisymmetric about the planes `turned` is not positive definite at a
+    /// state, with `part_of_own` of its diagonal added.
     fn gives_way(&mut self, turned: &[usize], state: &State, part_of_own: f64) -> bool {
         let Self {
             model,
@@ -130,7 +134,7 @@ impl Asked<'_> {
     }
 }
 
-/// Writes the stiffness of all cells at a state, as joints bear by their law; nothing if a law gives no answer.
+/// Evaluates the stiffness of all cells at a state, with the stiffness of the laws in joints; none if a law fails.
 fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
     system.start(model, trial, state);
     trial.spring_ends.clone_from(&state.spring_ends);
@@ -149,7 +153,8 @@ fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -
         .ok()
 }
 
-/// Stiffness of springs on the mean of their nodes, which moves across one plane or not at all [N/mm]. `[spring][xyz]`
+/// Stiffness of springs on the mean of their nodes against antisymmetric motion, which is across one plane or zero
+/// [N/mm]. `[spring][xyz]`
 fn across(part: &Part, turned: &[usize]) -> Vec<[f64; 3]> {
     let springs = part.springs.iter().map(|stiffness| {
         let mut across = [0.0; 3];
@@ -162,7 +167,7 @@ fn across(part: &Part, turned: &[usize]) -> Vec<[f64; 3]> {
     springs.collect()
 }
 
-/// Unknowns of what goes the mirrored way beyond these planes.
+/// Unknowns of motion antisymmetric about the planes `turned`.
 fn turned_over(model: &Model, part: &Part, step: usize, turned: &[usize]) -> (DofMap, Equations) {
     let axis = |p: &usize| part.planes[*p].axis;
     let is_turned = |d: usize| turned.iter().any(|p| axis(p) == d);
@@ -188,7 +193,7 @@ fn turned_over(model: &Model, part: &Part, step: usize, turned: &[usize]) -> (Do
     let reflected: Vec<Reflected> = reflected.collect();
     let nodes = model.mesh.nodes.len();
     let dofs = DofMap::of(nodes, &model.beams, &supports, &reflected);
-    // A level beam goes across a plane or along it, if anything.
+    // In antisymmetric motion a level beam moves across one plane, or not at all.
     let motion = (0..model.beams.len()).map(|b| {
         let mut motion = [BeamMotion::Locked; 3];
         if let [p] = turned

@@ -1,43 +1,45 @@
-//! No more than the scene needs: what is solved instead of a model, and shown as its results.
+//! Reductions: smaller or simpler models that are solved instead of the given one, with results shown for the whole.
 //!
-//! **Mirror images** ([`Fidelity::Auto`]). Of a scene that is its own mirror image one half is solved, held in the
-//! plane, and its results are shown as those of the whole: the same elements, points and equations, so that what it
-//! gives is what the whole gives as long as that stays symmetric. What bends or cracks to one side, with nothing in
-//! the scene that says to which, is left out.
+//! **Mirror images** ([`Fidelity::Auto`], docs/theory/symmetry.md). If a scene is its own mirror image, one half of
+//! it is solved, held in the plane, and its results are expanded to the whole. The half has the same elements, points
+//! and equations and therefore gives the results of the whole while that stays symmetric. Bending or cracking to one
+//! side, with no load or imperfection that chooses the side, is left out.
 //!
-//! **Elastic solids** ([`Fidelity::Elastic`]). Only joints open and slide; the rest is [`Fidelity::Auto`]. How far the solids would have gone beyond
-//! their yield surface is told at the end.
+//! **Elastic solids** ([`Fidelity::Elastic`]). Solids stay elastic; only joints open and slide. Mirror images are
+//! used as with [`Fidelity::Auto`]. The end of the run reports how far the stresses exceed the yield surface.
 
 mod elastic;
+mod expand;
 mod leaning;
 mod part;
-mod unfold;
 
 use crate::model::Model;
-use crate::model::check::sizes;
 use crate::model::mirrored::{MirrorPlane, halved};
 use crate::model::scene::Fidelity;
-use crate::results::{Recorder, Sizes, Summary};
+use crate::model::sizes::Sizes;
+use crate::model::sizes::sizes;
+use crate::solve::Recorder;
+use crate::state::Summary;
 pub(super) use elastic::Reached;
 use elastic::{Elastic, Watch};
+use expand::{Expand, Places};
 pub(super) use part::Part;
-use unfold::{Places, Unfold};
 
-/// What is solved instead of a model.
+/// Model that is solved instead of the given one.
 #[derive(Clone, Debug)]
-pub(super) enum Instead {
-    /// One half of it.
+pub(super) enum Reduction {
+    /// One half of the model.
     Half {
         model: Box<Model>,
         part: Part,
         places: Places,
     },
-    /// The same with elastic solids.
+    /// The model with elastic solids.
     Elastic(Box<Elastic>),
 }
 
-impl Instead {
-    /// Nothing if the model itself is to be solved.
+impl Reduction {
+    /// Reduction of a model; none if the model itself is to be solved.
     pub fn of(model: &Model) -> Option<Self> {
         if model.fidelity == Fidelity::Full {
             return None;
@@ -54,11 +56,11 @@ impl Instead {
                 places,
             })
         };
-        // Of halves, the one that is left has elastic solids.
+        // Halves come first; the last half gets elastic solids.
         half().or_else(|| elastic.then(|| Self::Elastic(Box::new(Elastic::of(model)))))
     }
 
-    /// What is solved.
+    /// The model to be solved.
     pub fn model(&self) -> &Model {
         match self {
             Self::Half { model, .. } => model,
@@ -66,8 +68,8 @@ impl Instead {
         }
     }
 
-    /// Does with what is solved what `go` does with a model, and shows its results as those of `whole`, itself that
-    /// part of what is shown in the end. `reached` is what elastic solids did before.
+    /// Calls `go` with the reduced model and shows its results as those of `whole`, which is itself the part
+    /// `part_of` of the scene shown. `reached`: largest stress of elastic solids before a resumed run.
     pub fn show<E>(
         &self,
         whole: &Model,
@@ -82,18 +84,18 @@ impl Instead {
                 part,
                 places,
             } => {
-                let mut unfold = Unfold {
+                let mut expand = Expand {
                     whole,
                     places,
                     recorder,
                 };
-                let mut summary = go(model, &part.within(part_of), &mut unfold)?;
+                let mut summary = go(model, &part.within(part_of), &mut expand)?;
                 summary.sizes = Sizes {
                     dofs: summary.sizes.dofs,
                     ..sizes(whole)
                 };
                 if let Some(fall) = &mut summary.fall {
-                    places.unfold_fall(whole, model, fall);
+                    places.expand_fall(whole, model, fall);
                 }
                 Ok(summary)
             }

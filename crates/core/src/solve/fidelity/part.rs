@@ -1,25 +1,25 @@
-//! Which part of the model that is shown is solved, and what its nodes and elements are called there.
+//! The solved part of the model shown, and the numbers of its nodes and elements there.
 
 use crate::model::Model;
 use crate::model::mirrored::{Half, MirrorPlane, part};
 use crate::model::scene::BeamMotion;
 
-/// Of the model that is solved in the one that is shown; by default all of it.
+/// The solved part of the model shown; by default all of it.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Part {
-    /// Planes that it is held in, in the order in which halves were taken.
+    /// Planes in which it is held, in the order in which halves were taken.
     pub planes: Vec<MirrorPlane>,
-    /// Whether a beam of what is shown may move across a plane in a step. `[plane][step][beam]`
+    /// Whether a beam of the model shown may move across a plane in a step. `[plane][step][beam]`
     pub free: Vec<Vec<Vec<bool>>>,
-    /// Stiffness of the springs on this part, across planes, too [N/mm]. `[spring][xyz]`
+    /// Stiffness of the springs on this part, including that across planes [N/mm]. `[spring][xyz]`
     pub springs: Vec<[f64; 3]>,
-    /// Numbers in what is shown; none if they are its own.
+    /// Numbers of its nodes and elements in the model shown; none if they are the same.
     node: Option<Vec<u32>>,
     element: Option<Vec<u32>>,
 }
 
 impl Part {
-    /// A half in its whole.
+    /// A half of a whole model.
     pub fn of(whole: &Model, half: &Half, plane: MirrorPlane) -> Self {
         let is_free = |motion: &[BeamMotion; 3]| matches!(motion[plane.axis], BeamMotion::Force(_));
         let steps = whole.steps.iter();
@@ -33,7 +33,7 @@ impl Part {
         }
     }
 
-    /// A half whose whole is itself this part of what is shown.
+    /// A half whose whole is itself the part `whole` of the model shown.
     pub fn within(&self, whole: &Self) -> Self {
         let of = |own: &Option<Vec<u32>>, name: &dyn Fn(usize) -> usize| {
             let own = own.as_ref()?.iter();
@@ -51,24 +51,24 @@ impl Part {
         }
     }
 
-    /// Force and energy of the whole over those of this part.
+    /// Forces and energies of the whole over those of this part.
     pub fn wholes(&self) -> f64 {
         f64::from(1_u32 << self.planes.len().min(3))
     }
 
-    /// What a node is called.
+    /// Number of a node in the model shown.
     pub fn node(&self, n: usize) -> usize {
         self.node.as_ref().map_or(n, |node| node[n] as usize)
     }
 
-    /// What an element is called.
+    /// Number of an element in the model shown.
     pub fn element(&self, e: usize) -> usize {
         let element = self.element.as_ref();
         element.map_or(e, |element| element[e] as usize)
     }
 
-    /// What a run says that would leave some of its planes at the end of a step.
-    pub fn told_to_lean(&self, planes: &[usize], step: &str) -> String {
+    /// Message of a run that lost its symmetry about some of its planes in a step.
+    pub fn symmetry_message(&self, planes: &[usize], step: &str) -> String {
         let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
         format!(
             "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: before that it buckles or bows to \
@@ -77,7 +77,7 @@ impl Part {
         )
     }
 
-    /// What a run says of it; nothing of the whole.
+    /// Message about the part solved; none if it is the whole.
     pub fn told(&self) -> Option<String> {
         let part = part(self.planes.len())?;
         let planes: Vec<String> = self.planes.iter().map(ToString::to_string).collect();
@@ -88,12 +88,12 @@ impl Part {
     }
 }
 
-/// Half as stiff.
+/// Springs of half the stiffness.
 fn springs(whole: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
     whole.map(|stiffness| stiffness.map(|k| 0.5 * k)).collect()
 }
 
-/// What is kept, in order.
+/// Indices of the entries that are kept, in order.
 fn kept(number: &[Option<u32>]) -> Vec<u32> {
     let all = number.iter().enumerate();
     all.filter_map(|(i, own)| own.map(|_| i as u32)).collect()

@@ -1,4 +1,4 @@
-"""Studies: many runs of one model, beyond one machine."""
+"""Studies: many runs of one model, on one machine or a cluster."""
 
 from wythe._study._api import study
 from wythe._study._errors import StudyError, StudyInterrupted

@@ -1,4 +1,4 @@
-"""``wythe.study``: many runs of one model, on all that this machine or a cluster has."""
+"""``wythe.study``: many runs of one model on this machine or a cluster."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from wythe._study._samples import Sample, expand, fingerprint, whole
 from wythe._study._table import Study
 from wythe._study._worker import RESERVED, Job, Outcome, model_of, this_process
 
-# So many samples are tried before a key that fits none is taken for a mistake.
+# Number of samples that are tried before an invalid key is reported.
 TRIED = 20
-# Ends that another go may change; continued, the study gives them one.
+# Statuses that another attempt may change; a continued study repeats these samples.
 UNSETTLED = ("interrupted", "lost")
 
 
@@ -46,58 +46,58 @@ def study(
     progress: bool = True,
     callback: Callable[[dict[str, Any]], bool | None] | None = None,
 ) -> Study:
-    """Runs a model once for each sample and gives a table, one row a sample.
+    """Runs a model once for each sample and returns a table with one row per sample.
 
     Parameters
     ----------
     model
-        The base model, or what makes a model of a sample (``model(sample) -> wythe.Model``) where no
-        key of the deck can say it.
+        The base model, or a function that makes a model of a sample (``model(sample) -> wythe.Model``) if the
+        change cannot be expressed by keys of the deck.
     parameters
-        Deck keys and their values (``{"interfaces.joint.f_t": [0.1, 0.2]}``): all combinations, the first
-        key varying slowest.
+        Deck keys and their values (``{"interfaces.joint.f_t": [0.1, 0.2]}``). All combinations are run; the
+        first key varies slowest.
     samples
-        In place of ``parameters``, one sample a row: a sequence of mappings, a mapping of equally long
-        columns (as :func:`wythe.latin_hypercube` gives), or a pandas DataFrame.
+        Used instead of ``parameters``, with one sample per row: a sequence of mappings, a mapping of columns of
+        equal length (as from :func:`wythe.latin_hypercube`), or a pandas DataFrame.
     executor
-        Where the runs go, each on one thread of the solver: any executor like those of
-        concurrent.futures, a Dask client or cluster. An integer is so many worker processes of this
-        machine. By default there are as many as cores, by Dask's LocalCluster if
-        dask.distributed is installed, else by :class:`wythe.Workers`.
+        Executor of the runs, each with one thread of the solver: an executor with the interface of
+        concurrent.futures, or a Dask client or cluster. An integer is a number of worker processes on this
+        machine. The default is one worker per core, in a LocalCluster of Dask if dask.distributed is installed,
+        otherwise in :class:`wythe.Workers`.
     measure
-        Further columns: called with the results of each run, gives names and numbers.
+        Function for further columns: it receives the results of each run and returns names and numbers.
     out
-        A folder for a journal. The same call with the same folder goes on where the study stopped or
-        was killed; samples that were lost or interrupted are tried again.
+        Folder for a journal. The same call with the same folder continues a study that stopped or was killed;
+        lost and interrupted samples are tried again.
     keep
-        ``"results"`` keeps the folder of each run, as ``out/sample-0001``, which the workers must reach.
+        ``"results"`` keeps the folder of each run as ``out/sample-0001``; the workers need access to it.
     retries
-        How often a sample is tried again when its worker died or its machine was in trouble.
+        Number of further attempts for a sample whose worker died or whose machine failed.
     progress
-        Whether to show on stderr how far the study is.
+        Whether to show the progress on stderr.
     callback
-        Called with each row as it is finished, in any order; the study stops when it returns False.
+        Function called with each finished row, in any order; the study stops if it returns False.
 
     Returns
     -------
     Study
         The table: parameters, ``status``, ``message``, ``attempts`` and measures. The status is
-        ``"completed"``, ``"not_converged"`` (up to there it has its peak), ``"interrupted"``, ``"failed"``
-        (the model or the files of the run are refused; ``message`` says why) or ``"lost"`` (its worker died
-        more than ``retries`` times).
+        ``"completed"``, ``"collapsed"``, ``"not_converged"`` (with the measures up to there), ``"interrupted"``,
+        ``"failed"`` (the model or the files of the run are rejected; ``message`` has the reason) or ``"lost"``
+        (its worker died more than ``retries`` times).
 
     Raises
     ------
     TypeError, ValueError
-        An argument is not what is expected.
+        An argument is invalid.
     wythe.ModelError
-        The model takes none of the samples: the key is misspelt, or no value is in its range.
+        The model accepts none of the samples: a key is misspelt, or no value is in its range.
     OutputError
         The folder cannot be written.
     StudyError
-        The study cannot begin or go on. What is done is kept in ``out``, and in the error's ``study``.
+        The study cannot start or continue. Finished samples are kept in ``out`` and in ``study`` of the error.
     KeyboardInterrupt
-        Ctrl-C: :class:`wythe.StudyInterrupted`, whose ``study`` has what is done.
+        Ctrl-C: :class:`wythe.StudyInterrupted`, whose ``study`` has the finished samples.
     """
     _check(model, executor, measure, keep, retries, progress, callback)
     if keep == "results" and out is None:
@@ -131,7 +131,7 @@ def study(
 
 
 class _Pass:
-    """One pass of a study: what a call of :func:`study` does of it."""
+    """One pass of a study: the part computed by one call of :func:`study`."""
 
     def __init__(
         self,
@@ -192,7 +192,7 @@ class _Pass:
         self._progress.done += 1
         self._count(line["status"])
         answer = None if self._callback is None else self._callback(Study([line], 1)[0])
-        # NumPy's False is another object.
+        # numpy.False_ is not the object False.
         return not (isinstance(answer, (bool, np.bool_)) and not answer)
 
     def _count(self, status: str) -> None:
@@ -220,7 +220,7 @@ class _Pass:
 
 
 def _place(executor: Any, job: Job, left: int) -> Place:
-    """Where the samples go."""
+    """The executor of the samples."""
     if executor is None or isinstance(executor, int):
         # More workers than samples would be idle.
         count = min(executor or os.cpu_count() or 1, left)
@@ -237,7 +237,7 @@ def _place(executor: Any, job: Job, left: int) -> Place:
 def _check(
     model: Any, executor: Any, measure: Any, keep: Any, retries: Any, progress: Any, callback: Any
 ) -> None:
-    """The arguments that every study has."""
+    """Checks the arguments of a study."""
     if isinstance(executor, int):
         whole("executor", executor, 1)
     elif executor is not None and not _dask.is_cluster(executor):
@@ -258,13 +258,13 @@ def _check(
 
 
 def _check_main() -> None:
-    """A worker that imports an unguarded script would begin the study anew."""
+    """Rejects a call in a starting worker: an unguarded script would start the study again."""
     if getattr(multiprocessing.current_process(), "_inheriting", False):
         raise StudyError(f"study: it was called while a worker starts; {GUARD}")
 
 
 def _try_out(model: Any, samples: list[Sample]) -> None:
-    """A key that no sample's model takes is a mistake to be told before all runs have failed."""
+    """Builds models of the first samples, so that an invalid key is reported before all runs fail."""
     if not hasattr(model, "with_"):
         return
     first: Exception | None = None
@@ -290,11 +290,11 @@ def _header(model: Any, samples: list[Sample], measure: Any) -> Header:
 
 
 def _identity(thing: Any) -> str:
-    """By which a model or a function is known again: a name for people and a hash of what it says."""
+    """Identity of a model or a function: its name and a hash of its content."""
     if hasattr(thing, "to_toml"):
         return f"model {hashlib.sha256(thing.to_toml().encode()).hexdigest()}"
     digest = hashlib.sha256()
-    # Of functions the source, of callable objects what they hold.
+    # The hash covers the source of a function and the data of a callable object.
     of = thing.func if isinstance(thing, functools.partial) else thing
     with contextlib.suppress(OSError, TypeError):
         digest.update(inspect.getsource(of if inspect.isroutine(of) else type(of)).encode())

@@ -1,10 +1,10 @@
-"""Behind a Dask client: samples on the workers of a cluster, be it this machine or a real one.
+"""Runs samples on the workers of a Dask cluster, local or remote.
 
-When a worker dies, Dask runs its tasks elsewhere, up to ``distributed.scheduler.allowed-failures`` times
-(3 by default), and then gives up with ``KilledWorker``. It holds every task that the worker had to account, those
-too that only waited there, and it repeats those whose results died with the worker. So each sample
-reports its begin and its end by events of the scheduler: the begin counts attempts and tells the sample
-that ran from one that waited; the end has the outcome, before a death can take it along.
+When a worker dies, Dask runs its tasks elsewhere, up to ``distributed.scheduler.allowed-failures`` times (3 by
+default), and then gives up with ``KilledWorker``. Every task assigned to the worker counts as failed, including those
+that only waited there, and tasks whose results were lost with the worker are repeated. Therefore each sample reports
+its start and its end by events of the scheduler. The start counts attempts and distinguishes running samples from
+waiting ones; the end transmits the outcome before it can be lost with the worker.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from wythe._study._pool import GUARD
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, run_sample
 
-# An outcome that was not heard is fetched; if that takes longer, its worker may have died with it [s].
+# Time limit for fetching an outcome that was not reported; after it the worker may have died [s].
 FETCH_S = 5.0
-# How often the workers are counted [s].
+# Time between counts of the workers [s].
 COUNTED_EVERY = 1.0
-# A report waits so long for the scheduler, and is given up then [s].
+# Time limit for sending a report to the scheduler [s].
 REPORT_S = 10.0
 
 
@@ -58,19 +58,19 @@ def is_cluster(thing: object) -> bool:
 
 
 class Dask:
-    """Behind a client."""
+    """Runs samples through a Dask client."""
 
     def __init__(self, client: Any, job: Job, own: list[Any], wanted: int = 0) -> None:
         if getattr(client, "asynchronous", False):
             raise TypeError("executor: expected a Dask client that is not asynchronous")
         self._client = client
-        # What is the study's own: a client, and then its cluster of so many workers.
+        # Objects owned by the study: a client and its cluster with the wanted number of workers.
         self._own = own
         self._wanted = wanted
         self._work = packed(job)
         self._topic = f"wythe-study-{uuid.uuid4().hex[:12]}"
         self._sent = 0
-        # By key.
+        # The following are indexed by the key of the task.
         self._futures: dict[str, Any] = {}
         self._numbers: dict[str, int] = {}
         self._starts: dict[str, int] = {}
@@ -85,13 +85,13 @@ class Dask:
         self.room()
 
     def room(self) -> int:
-        """Twice the threads and some, so that a cluster that adapts sees work and grows."""
+        """Twice the number of threads plus some, so that an adaptive cluster has a reason to grow."""
         now = time.monotonic()
         if now - self._counted > COUNTED_EVERY:
             self._counted = now
             try:
                 self.workers = sum(self._client.nthreads().values())
-                # Dask gives up a worker that is killed while it starts.
+                # Dask does not replace a worker that is killed while it starts.
                 if self._wanted > self.workers:
                     self._own[-1].scale(self._wanted)
             except Exception as error:
@@ -113,7 +113,7 @@ class Dask:
         future.add_done_callback(lambda _: self._happened.put((key, None)))
 
     def wait(self, seconds: float) -> list[Finished | Died]:
-        """What has happened."""
+        """Events until now, or until the time limit."""
         end = time.monotonic() + seconds
         events: list[Finished | Died] = []
         for key in list(self._late):
@@ -132,8 +132,8 @@ class Dask:
         return events
 
     def close(self, finished: bool) -> None:
-        """Cancels what waits; ends a cluster that is the study's own."""
-        # The cluster may be gone already.
+        """Cancels waiting samples and ends a cluster owned by the study."""
+        # The cluster may have ended already.
         with contextlib.suppress(Exception):
             self._client.unsubscribe_topic(self._topic)
             if self._futures:
@@ -146,7 +146,7 @@ class Dask:
                 thing.close()
 
     def _heard(self, event: Any) -> None:
-        """A worker's report that a sample begins or has ended; called from the client's thread."""
+        """Receives the report that a sample has started or ended; called from the thread of the client."""
         _, message = event
         key = message["key"]
         if message["outcome"] is not None:
@@ -159,10 +159,10 @@ class Dask:
         return Finished(self._forget(key), outcome, starts)
 
     def _fetched(self, key: str) -> Finished | Died | None:
-        """What a future says that is done before its outcome was heard."""
+        """Event of a finished future whose outcome was not reported."""
         future = self._futures[key]
         if future.status == "pending":
-            # Its worker took the result with it; it is on its way again.
+            # The result was lost with its worker, and Dask repeats the task.
             self._late.add(key)
             return None
         try:
@@ -188,12 +188,12 @@ class Dask:
                 raise unfit(error) from error
             starts = max(1, self._starts[key])
             return Died(self._forget(key), starts, certain=False, why=told(error))
-        # Not fetched in time, or lost on the way.
+        # Not fetched in time or lost.
         self._late.add(key)
         return None
 
     def _forget(self, key: str) -> int:
-        # The error of a death would keep it at the scheduler.
+        # A future with an error would stay at the scheduler.
         self._futures.pop(key).release()
         self._starts.pop(key)
         self._late.discard(key)
@@ -206,7 +206,7 @@ class Dask:
 
 
 def on_cluster(cluster: Any, job: Job) -> Dask:
-    """A cluster of the caller's, by a client of its own."""
+    """Uses a cluster of the caller through a new client."""
     distributed: Any = importlib.import_module("distributed")
     client = distributed.Client(cluster, set_as_default=False)
     try:
@@ -217,12 +217,12 @@ def on_cluster(cluster: Any, job: Job) -> Dask:
 
 
 def local_cluster(count: int | None, job: Job) -> Dask:
-    """A cluster of this machine that is the study's own: one thread a worker, a worker a core."""
+    """A local cluster owned by the study, with one thread per worker and by default one worker per core."""
     dask: Any = importlib.import_module("dask")
     distributed: Any = importlib.import_module("distributed")
     own: list[Any] = []
     wanted = count or os.cpu_count() or 1
-    # Every death is told at once, and how often a sample is tried is the study's to say.
+    # Dask reports every death at once, and the study decides on further attempts.
     settings = {
         "distributed.scheduler.allowed-failures": 0,
         "distributed.scheduler.worker-saturation": 1.0,
@@ -233,11 +233,11 @@ def local_cluster(count: int | None, job: Job) -> Dask:
                 n_workers=wanted,
                 threads_per_worker=1,
                 processes=True,
-                # Samples leave nothing in the workers' memory that Dask could manage.
+                # Samples leave no data in the memory of workers that Dask could manage.
                 memory_limit=None,
                 dashboard_address=":0",
                 silence_logs=logging.CRITICAL,
-                # Ctrl-C is for the process that waits.
+                # The waiting process handles Ctrl-C.
                 preload=["import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"],
             )
         own.append(cluster)
@@ -257,13 +257,13 @@ def local_cluster(count: int | None, job: Job) -> Dask:
 def _run_and_report(
     work: bytes, number: int, sample: Sample, topic: str, key: str
 ) -> Outcome:
-    """Runs a sample on a worker, and reports its begin and its outcome."""
+    """Runs a sample on a worker and reports its start and its outcome."""
     distributed: Any = importlib.import_module("distributed")
     worker = distributed.get_worker()
 
     def report(outcome: Outcome | None) -> None:
-        # Waits until the scheduler knows, lest a death be quicker. Without reports attempts are told from
-        # deaths alone, and outcomes are fetched.
+        # Waits until the scheduler has the report, before the worker can die. Without reports attempts are counted
+        # by deaths only, and outcomes are fetched.
         with contextlib.suppress(Exception):
             distributed.utils.sync(
                 worker.loop,
@@ -274,14 +274,14 @@ def _run_and_report(
             )
 
     report(None)
-    # Dask removes the worker's folder when the worker dies.
+    # Dask removes the folder of a worker that dies.
     outcome = run_sample(work, number, sample, worker.local_directory)
     report(outcome)
     return outcome
 
 
 def _kill(cluster: Any) -> None:
-    """Ends the workers of a local cluster at once: asked to close, they would finish their samples first."""
+    """Kills the workers of a local cluster; a request to close would wait for their samples."""
     for nanny in list(cluster.workers.values()):
         nanny.close_gracefully()
         os.kill(nanny.pid, signal.SIGKILL)

@@ -1,8 +1,8 @@
-"""The loop of a study: what waits is sent, what comes back is recorded, what dies is tried again.
+"""The loop of a study: it sends waiting samples, records finished ones, and repeats those whose worker died.
 
-A sample is given up as lost only when it is sure that nothing else ran where it died. Where that cannot be
-told (several threads in one worker), its last attempt comes at the end, when nothing else is under way:
-so a sample that kills its workers takes no other with it.
+A sample is given up as lost only if it certainly ran alone when its worker died. If that is unknown (several threads
+in one worker), its last attempt is made at the end, while no other sample runs. So a sample that kills its workers
+does not affect others.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from wythe._study._executors import Died, Finished, Place
 from wythe._study._samples import Sample
 from wythe._study._worker import Outcome
 
-# A sample that so often only waited where another died is no longer believed to.
+# After this many deaths of its worker a sample that seemed to wait only is treated as a possible cause.
 BYSTANDER = 3
-# How long to wait at most before the progress is shown again [s].
+# Longest time between updates of the progress [s].
 TICK = 0.5
 
 
 @dataclass
 class Course:
-    """What is left of a study, and how it stands."""
+    """Remaining samples of a study and the state of their attempts."""
 
     samples: list[Sample]
     left: deque[int]
-    """Numbers (from 1) that wait."""
+    """Numbers (from 1) of waiting samples."""
     retries: int
     last: deque[int] = field(default_factory=deque)
-    """Those whose last attempt comes alone, at the end."""
+    """Samples whose last attempt is made alone, at the end."""
     under_way: set[int] = field(default_factory=set)
     alone: int | None = None
     attempts: dict[int, int] = field(default_factory=dict)
@@ -45,7 +45,7 @@ def drive(
     record: Callable[[int, int, Outcome], bool],
     show: Callable[[], None],
 ) -> None:
-    """Runs the samples ``left`` of all. ``record(number, attempts, outcome)`` returns whether to go on."""
+    """Runs the samples ``left``. ``record(number, attempts, outcome)`` returns whether to continue."""
     course = Course(samples, deque(left), retries)
     while course.left or course.last or course.under_way:
         _send(place, course)
@@ -73,7 +73,7 @@ def _submit(place: Place, course: Course, number: int) -> None:
 
 
 def _judge(course: Course, event: Finished | Died) -> Outcome | None:
-    """What becomes of a sample now: its outcome, or None if it is tried again."""
+    """Processes an event: returns the outcome of the sample, or None if it is tried again."""
     number = event.number
     course.under_way.discard(number)
     alone, course.alone = course.alone == number, None

@@ -1,4 +1,4 @@
-"""What can go wrong with a study as a whole; trouble with one sample is a row of its table."""
+"""Errors of a study as a whole; the failure of one sample is a row of its table."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 
 class StudyError(WytheError):
-    """A study cannot begin or go on. What is done is kept: in its folder, and in ``study``."""
+    """A study cannot start or continue. Finished samples are kept in its folder and in ``study``."""
 
     def __init__(self, message: str, study: Study | None = None) -> None:
         super().__init__(message)
         self.study = study
-        """The samples finished so far, where some are."""
+        """The samples finished so far, if there are any."""
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C. What is done is kept: in the study's folder, and in ``study``."""
+    """Ctrl-C. Finished samples are kept in the folder of the study and in ``study``."""
 
     def __init__(self, message: str, study: Study) -> None:
         super().__init__(message)

@@ -1,7 +1,7 @@
-"""Where samples run: one face for executors of all kinds.
+"""A common interface for executors of all kinds.
 
-``Place`` is what the loop in :mod:`._drive` sees: it takes samples and tells what became of them. Here is the
-place behind any executor like those of concurrent.futures; :mod:`._dask` has the other.
+The loop in :mod:`._drive` uses ``Place``, which accepts samples and returns events. This module implements it for
+executors with the interface of concurrent.futures, :mod:`._dask` for Dask.
 """
 
 from __future__ import annotations
@@ -21,42 +21,42 @@ from wythe._study._pool import WorkerBroken, WorkerDied, Workers
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, pack, run_sample
 
-# Of an executor that does not tell its workers as those of Python do, so many are expected.
+# Assumed number of workers of an executor without the attribute of the standard library.
 UNKNOWN = 128
-# How often futures that do not tell when they are done are asked.
+# Time between checks of futures without callbacks [s].
 ASKED_EVERY = 0.05
 
 
 @dataclass(frozen=True)
 class Finished:
-    """A sample has come to its end."""
+    """A sample has ended."""
 
     number: int
     outcome: Outcome
     starts: int = 1
-    """How often it has begun meanwhile."""
+    """Number of its starts since the last event."""
 
 
 @dataclass(frozen=True)
 class Died:
-    """A sample did not come back."""
+    """The worker of a sample has died or the sample was not returned."""
 
     number: int
     starts: int
-    """How often it has begun meanwhile; none if it only waited beside another."""
+    """Number of its starts since the last event; 0 if it only waited."""
     certain: bool
-    """Whether nothing else ran where it ran."""
+    """Whether no other sample ran in the same worker."""
     why: str
 
 
 class Place(Protocol):
-    """Where samples run."""
+    """An executor of samples."""
 
     workers: int
-    """How many run at a time, as far as that is known."""
+    """Number of samples that run at a time, if it is known."""
 
     def room(self) -> int:
-        """How many may be under way: some more than run, so that no worker waits for the next."""
+        """Largest number of submitted samples, more than the workers so that none of them waits."""
         ...
 
     def submit(self, number: int, sample: Sample) -> None:
@@ -64,25 +64,25 @@ class Place(Protocol):
         ...
 
     def wait(self, seconds: float) -> list[Finished | Died]:
-        """What has happened, at the latest after this time."""
+        """Returns events, at the latest after this time [s]."""
         ...
 
     def close(self, finished: bool) -> None:
-        """Cancels what waits, and ends what is the study's own."""
+        """Cancels waiting samples and ends workers owned by the study."""
         ...
 
 
 class Futures:
-    """Behind an executor whose ``submit`` gives futures."""
+    """Runs samples by an executor whose ``submit`` returns futures."""
 
     def __init__(self, executor: Any, job: Job, own: bool) -> None:
         self._executor = executor
         self._own = own
-        # A killed worker cannot remove its temporary folders; this one goes with the study.
+        # A killed worker cannot remove its temporary folders; this one is removed with the study.
         self._scratch = tempfile.mkdtemp(prefix="wythe-study-") if own else None
         if self._scratch is not None:
             job = replace(job, scratch=self._scratch)
-        # Threads need no copy, and some things cannot be pickled.
+        # Threads need no copy, and some objects cannot be pickled.
         self._work = job if isinstance(executor, ThreadPoolExecutor) else packed(job)
         self._trouble: StudyError | None = None
         self._certain = isinstance(executor, Workers)
@@ -92,7 +92,7 @@ class Futures:
         self.workers = known if isinstance(known, int) else UNKNOWN
 
     def room(self) -> int:
-        """Twice the workers."""
+        """Twice the number of workers."""
         return 2 * self.workers
 
     def submit(self, number: int, sample: Sample) -> None:
@@ -112,7 +112,7 @@ class Futures:
             future.add_done_callback(self._done.put)
 
     def wait(self, seconds: float) -> list[Finished | Died]:
-        """What has happened. Trouble with the executor is raised once all is told that was done before."""
+        """Returns events. An error of the executor is raised after all events before it."""
         events: list[Finished | Died] = []
         for future in self._finished(seconds if self._trouble is None else 0.0):
             try:
@@ -127,7 +127,7 @@ class Futures:
         return events
 
     def close(self, finished: bool) -> None:
-        """Cancels what waits; ends workers that are the study's own."""
+        """Cancels waiting samples and ends the workers owned by the study."""
         for future in self._under_way:
             if hasattr(future, "cancel"):
                 future.cancel()
@@ -186,7 +186,7 @@ class Futures:
 
 
 def unfit(error: BaseException) -> StudyError:
-    """A worker that cannot take what it is sent."""
+    """Error for a worker that cannot unpack a sample."""
     return StudyError(
         f"executor: a worker cannot take a sample ({told(error)}); is wythe there in the same version, "
         "and can the worker import the modules of model and measure?"
@@ -194,7 +194,7 @@ def unfit(error: BaseException) -> StudyError:
 
 
 def packed(job: Job) -> bytes:
-    """The job as bytes, or an error that names what cannot be sent."""
+    """The job as bytes; raises an error that names the argument that cannot be pickled."""
     try:
         return pack(job)
     except Exception as error:
@@ -208,7 +208,7 @@ def packed(job: Job) -> bytes:
 
 
 def told(error: BaseException) -> str:
-    """An error in a line; some quote whole messages of theirs."""
+    """The first line of an error, shortened because some errors quote whole messages."""
     lines = str(error).splitlines()
     return f"{type(error).__name__}: {lines[0][:200]}" if lines else type(error).__name__
 

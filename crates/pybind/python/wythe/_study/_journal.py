@@ -1,8 +1,7 @@
-"""The journal of a study: what is done survives the process that did it.
+"""The journal of a study: finished samples survive the end of the process.
 
-``journal.jsonl`` has a header, which says what study this is, and one line for each finished sample. A line counts
-once its newline is there: what a kill left of the last one is cut off. ``study.lock`` is held by the process
-at work.
+``journal.jsonl`` has a header that identifies the study and one line for each finished sample. A line is valid only
+with its newline; an incomplete last line of a killed process is cut off. The active process holds ``study.lock``.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ LOCK = "study.lock"
 
 
 class Header(TypedDict):
-    """What study a journal belongs to."""
+    """Identity of the study of a journal."""
 
     wythe_study: int
     model: str
@@ -47,7 +46,7 @@ class Line(TypedDict):
 
 
 class Journal:
-    """The journal in a folder, held by this process until closed."""
+    """The journal in a folder, locked by this process until it is closed."""
 
     def __init__(self, folder: Path, header: Header) -> None:
         self.folder = folder
@@ -61,21 +60,21 @@ class Journal:
             raise
 
     def add(self, line: Line) -> None:
-        """Writes a line that survives a kill and a power cut."""
+        """Writes a line to the disk, so that it survives a kill and a power failure."""
         text = json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n"
         self._file.write(text.encode())
         self._file.flush()
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Lets go of the folder."""
+        """Closes the journal and releases the folder."""
         self._file.close()
         self._sweep()
         self._lock.release()
 
     def _opened(self, header: Header) -> list[Line]:
         whole = self.path.read_bytes() if self.path.exists() else b""
-        # Of a line that a kill cut there is no newline.
+        # A line cut by a kill has no newline.
         kept = whole[: whole.rfind(b"\n") + 1]
         begin = (json.dumps(header) + "\n").encode()
         if not kept:
@@ -89,10 +88,10 @@ class Journal:
         else:
             found, lines = _parsed(self.path, kept)
             _compare(self.folder, found, header)
-        # A new file: links to the old one keep what it had.
+        # A new file, so that links to the old one keep its content.
         part = self.path.with_name(f"{NAME}.tmp")
         part.unlink(missing_ok=True)
-        self._file = open(part, "xb")  # noqa: SIM115 - open as long as the study goes
+        self._file = open(part, "xb")  # noqa: SIM115 - open until the journal is closed
         self._file.write(kept or begin)
         self._file.flush()
         os.fsync(self._file.fileno())
@@ -101,13 +100,13 @@ class Journal:
         return lines
 
     def _sweep(self) -> None:
-        """Removes what is left of runs that were given up."""
+        """Removes the remains of abandoned runs."""
         for part in self.folder.glob("sample-*.part-*"):
             shutil.rmtree(part, ignore_errors=True)
 
 
 def read(folder: Path) -> tuple[Header, list[Line]]:
-    """The journal of a folder, whoever is writing it."""
+    """Reads the journal of a folder, also while another process writes it."""
     path = folder / NAME
     if not path.is_file():
         raise StudyError(f"{folder} has no {NAME}, so it is not the folder of a study")
@@ -124,7 +123,7 @@ def _parsed(path: Path, kept: bytes) -> tuple[Header, list[Line]]:
         raise _foreign(path) from None
     if version != FORMAT:
         raise StudyError(f"{path}: expected format {FORMAT}, got {version}: another version wrote it")
-    # A later line of a sample replaces an earlier one: it was tried again.
+    # A later line of a sample comes from a further attempt and replaces the earlier one.
     lines: dict[int, Line] = {}
     for at, text in enumerate(texts[1:], start=2):
         try:
@@ -157,7 +156,7 @@ def _foreign(path: Path) -> StudyError:
 
 
 def _sync_folder(folder: Path) -> None:
-    """So that the name of a new file survives a power cut, where the system lets folders be synced."""
+    """Syncs a folder, if the system allows it, so that the name of a new file survives a power failure."""
     if sys.platform == "win32":
         return
     handle = os.open(folder, os.O_RDONLY)
@@ -168,18 +167,18 @@ def _sync_folder(folder: Path) -> None:
 
 
 class _Lock:
-    """One process, and in it one study, at a time."""
+    """Lock of a folder: one process, and in it one study, at a time."""
 
     held: set[Path] = set()
 
     def __init__(self, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self._folder = folder.resolve()
-        # Asked first: a POSIX lock is lost as soon as its process closes the file anywhere.
+        # Checked first, because a process loses its POSIX lock when it closes the file anywhere.
         if self._folder in _Lock.held:
             raise _busy(folder, "this process")
         path = self._folder / LOCK
-        # A link would be written through.
+        # Writing would follow a link.
         with contextlib.suppress(FileNotFoundError):
             about = path.lstat()
             if stat.S_ISLNK(about.st_mode) or about.st_nlink > 1:
@@ -196,7 +195,7 @@ class _Lock:
         os.write(self._handle, f"process {os.getpid()} on {_host()}\n".encode())
 
     def release(self) -> None:
-        """Lets others have the folder."""
+        """Releases the folder."""
         _Lock.held.discard(self._folder)
         os.close(self._handle)
 
@@ -215,7 +214,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _take(handle: int) -> None:
-        # Far behind what is written, which would be unreadable to others.
+        # Far behind the text, because other processes cannot read locked bytes.
         os.lseek(handle, 1 << 20, os.SEEK_SET)
         msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
         os.lseek(handle, 0, os.SEEK_SET)
@@ -224,5 +223,5 @@ else:
     import fcntl
 
     def _take(handle: int) -> None:
-        # POSIX locks work over NFS, end with the process however it ends, and are not inherited.
+        # POSIX locks work over NFS, end with the process in all cases, and are not inherited.
         fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

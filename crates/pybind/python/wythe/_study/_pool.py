@@ -1,8 +1,8 @@
-"""Worker processes of this machine that may be killed.
+"""Worker processes on this machine that tolerate the death of a process.
 
-A concurrent.futures.ProcessPoolExecutor breaks as a whole when one of its processes dies, and does not tell
-whose fault it was. Here each worker is a thread that looks after one process: when that dies, the future of
-the call it ran gets a :class:`WorkerDied`, and the thread starts another.
+A concurrent.futures.ProcessPoolExecutor breaks as a whole when one of its processes dies, and does not identify the
+call. Here each worker is a thread that supervises one process. When the process dies, the future of its call gets a
+:class:`WorkerDied`, and the thread starts another process.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ GUARD = (
 )
 
 
-# A process that is killed while it starts is followed by another, so many in all.
+# Number of attempts to start a process that is killed during its start.
 STARTS = 3
 
 
 class WorkerDied(Exception):
-    """The process that ran a call has died."""
+    """The process of a call has died."""
 
 
 class WorkerBroken(StudyError):
@@ -45,12 +45,11 @@ class WorkerBroken(StudyError):
 
 
 class Workers(Executor):
-    """So many worker processes of this machine (all cores by default), each running one call at a time.
+    """A number of worker processes on this machine (one per core by default), each with one call at a time.
 
-    An executor of concurrent.futures whose workers may be killed: only the call that a killed one ran
-    is lost, with :class:`WorkerDied`, and another process takes its place. Processes start when they are
-    first needed, import the script anew (``spawn``), ignore Ctrl-C, which is for the process that waits
-    for them, and end with it.
+    It is an executor of concurrent.futures whose workers may be killed: only the call of the killed worker is lost,
+    with :class:`WorkerDied`, and another process replaces it. Processes start on demand and import the script again
+    (``spawn``). They ignore Ctrl-C, which the waiting process handles, and end with that process.
     """
 
     def __init__(self, count: int | None = None) -> None:
@@ -63,7 +62,7 @@ class Workers(Executor):
         self._shut = False
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Asks for a call; its arguments and result are pickled."""
+        """Submits a call; its arguments and result are pickled."""
         future: Future[T] = Future()
         with self._lock:
             if self._shut:
@@ -74,13 +73,13 @@ class Workers(Executor):
         return future
 
     def pids(self) -> list[int]:
-        """The processes at work now."""
+        """Numbers of the running processes."""
         with self._lock:
             found = [worker.pid() for worker in self._workers]
         return [pid for pid in found if pid is not None]
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Ends the workers once their calls are done."""
+        """Ends the workers after their calls."""
         with self._lock:
             first, self._shut = not self._shut, True
             workers = list(self._workers)
@@ -94,7 +93,7 @@ class Workers(Executor):
                 worker.thread.join()
 
     def kill(self) -> None:
-        """Ends the workers at once, with what they run."""
+        """Ends the workers and their calls at once."""
         with self._lock:
             self._shut = True
             workers = list(self._workers)
@@ -121,7 +120,7 @@ class Workers(Executor):
 
 
 class _Call:
-    """What was asked for."""
+    """A submitted call."""
 
     def __init__(
         self, future: Future[Any], fn: Callable[..., Any], args: Any, kwargs: Any
@@ -141,12 +140,12 @@ class _Worker:
         self._pipe: Connection | None = None
         self._killed = False
         self._lock = threading.Lock()
-        # A daemon, so that a program that forgot to shut down can end.
+        # A daemon thread does not block the end of a program without shutdown().
         self.thread = threading.Thread(target=self._serve, name="wythe worker", daemon=True)
         self.thread.start()
 
     def pid(self) -> int | None:
-        """Of the process, while there is one."""
+        """Number of the process, if it is running."""
         process = self._process
         return process.pid if process is not None and process.is_alive() else None
 
@@ -166,17 +165,17 @@ class _Worker:
                     call.future.set_exception(error)
                 else:
                     call.future.set_result(result)
-            # What was asked must not live until the next call comes.
+            # Frees the arguments before the thread waits for the next call.
             del call
         self._end()
 
     def _ask(self, call: _Call) -> Any:
-        # Pickled first: what cannot be pickled is no fault of the process.
+        # Pickled first, so that an error of pickling is not taken for a death of the process.
         message = pickle.dumps((call.fn, call.args, call.kwargs))
         pipe, process = self._begin()
         try:
             pipe.send_bytes(message)
-            # A process that died may leave its answer behind, or children that hold the pipe open.
+            # A dead process may have left its answer in the pipe, or children that keep the pipe open.
             if pipe not in wait([pipe, process.sentinel]):
                 raise EOFError
             good, value = pickle.loads(pipe.recv_bytes())
@@ -187,7 +186,7 @@ class _Worker:
         return value
 
     def _begin(self) -> tuple[Connection, SpawnProcess]:
-        """The process, a new one if need be, once it is ready."""
+        """A ready process, started if necessary."""
         if self._process is not None and self._pipe is not None and self._process.is_alive():
             return self._pipe, self._process
         cause = ""
@@ -198,7 +197,7 @@ class _Worker:
                     pipe.recv_bytes()
                     return pipe, process
             cause = _cause(process)
-            # One that was killed may be followed by another; one that ended has a reason to.
+            # Only a killed process is started again; one that ended by itself would end again.
             if process.exitcode is not None and process.exitcode >= 0:
                 break
         if self._killed:
@@ -228,7 +227,7 @@ class _Worker:
 
 
 def _cause(process: SpawnProcess) -> str:
-    """How a process ended."""
+    """Description of the end of a process."""
     process.join()
     code = process.exitcode
     if code is not None and code < 0:
@@ -240,7 +239,7 @@ def _cause(process: SpawnProcess) -> str:
 
 
 def _work(pipe: Connection) -> None:
-    """The life of a worker process."""
+    """Main function of a worker process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     pipe.send_bytes(b"ready")
@@ -262,7 +261,7 @@ def _work(pipe: Connection) -> None:
 
 
 def _end_with_parent() -> None:
-    """Ends this process when its parent has died, however busy it is."""
+    """Ends this process when its parent has died, even during a call."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()

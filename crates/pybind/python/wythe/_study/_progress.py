@@ -1,4 +1,4 @@
-"""How far a study has come: a line that renews itself on a terminal or in a notebook, few lines elsewhere."""
+"""Progress of a study: one updated line on a terminal or in a notebook, a few lines elsewhere."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from typing import Any, Protocol
 from wythe._errors import say
 from wythe._run import in_notebook
 
-# A terminal's line is renewed so often at most [s].
+# Shortest time between updates of the line of a terminal [s].
 RENEWED_EVERY = 0.1
-# Elsewhere a line comes after so long, or after a tenth of all, but then not sooner than this [s].
+# Elsewhere a line follows after the first time, or after a tenth of all samples but not before the second time [s].
 TOLD_EVERY = 60.0
 NOT_SOONER = 5.0
 
 
 class Sink(Protocol):
-    """Where the line goes."""
+    """Output of the progress."""
 
     def show(self, line: str, done: int, last: bool) -> None:
-        """Shows the line, if it is time to."""
+        """Shows the line, if enough time has passed."""
         ...
 
 
 class Progress:
-    """Counts what is done, and tells the pace since this call began."""
+    """Counts finished samples and reports the rate since the start of this call."""
 
     def __init__(self, count: int, before: int, sink: Sink | None) -> None:
         self._count = count
@@ -36,17 +36,17 @@ class Progress:
         self._begun = time.monotonic()
         self.done = before
         self.failed = 0
-        """Failed or lost."""
+        """Number of failed or lost samples."""
         self.unconverged = 0
         self.workers = 0
 
     def show(self, last: bool = False) -> None:
-        """Shows how far it is."""
+        """Shows the progress."""
         if self._sink is not None:
             self._sink.show(self.line(time.monotonic() - self._begun), self.done, last)
 
     def line(self, seconds: float) -> str:
-        """The line so many seconds after this call began."""
+        """Text of the line at this time after the start of the call [s]."""
         left = self._count - self.done
         parts = [f"study: {self.done} of {self._count} done"]
         if self.unconverged:
@@ -65,14 +65,14 @@ class Progress:
 
 
 class Terminal:
-    """One line, renewed in place."""
+    """One line, updated in place."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
         self._shown = -RENEWED_EVERY
 
     def show(self, line: str, done: int, last: bool) -> None:
-        """Writes over the line before."""
+        """Overwrites the previous line."""
         now = time.monotonic()
         if last or now - self._shown >= RENEWED_EVERY:
             self._shown = now
@@ -80,7 +80,7 @@ class Terminal:
 
 
 class Lines:
-    """Plain lines, for logs: at each tenth or each minute, and the end."""
+    """Plain lines for logs: at each tenth of the samples or each minute, and at the end."""
 
     def __init__(self, stream: Any, count: int) -> None:
         self._stream = stream
@@ -89,7 +89,7 @@ class Lines:
         self._at = -math.inf
 
     def show(self, line: str, done: int, last: bool) -> None:
-        """Writes a line now and then."""
+        """Writes a line at intervals."""
         since = time.monotonic() - self._at
         more = done // self._step > self._told // self._step
         if since >= TOLD_EVERY or (more and since >= NOT_SOONER) or (last and done != self._told):
@@ -98,7 +98,7 @@ class Lines:
 
 
 class Notebook:
-    """A line below the cell, renewed in place."""
+    """A line below the cell, updated in place."""
 
     def __init__(self) -> None:
         display: Any = importlib.import_module("IPython.display")
@@ -106,7 +106,7 @@ class Notebook:
         self._shown = -1.0
 
     def show(self, line: str, done: int, last: bool) -> None:
-        """Renews the line."""
+        """Updates the line."""
         now = time.monotonic()
         if last or now - self._shown >= 5.0 * RENEWED_EVERY:
             self._shown = now
@@ -114,7 +114,7 @@ class Notebook:
 
 
 def sink(count: int) -> Sink:
-    """Where the progress goes here."""
+    """The output that suits this process."""
     if in_notebook():
         return Notebook()
     stream = sys.stderr
@@ -124,7 +124,7 @@ def sink(count: int) -> Sink:
 
 
 def duration(seconds: float) -> str:
-    """A time as people say it."""
+    """A time as text with a suitable unit."""
     if seconds < 60.0:
         return f"{max(0.0, seconds):.0f} s"
     if seconds < 3600.0:

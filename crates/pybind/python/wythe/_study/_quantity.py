@@ -1,4 +1,4 @@
-"""Numbers in values: ``0.2`` and ``"0.2 MPa"``."""
+"""Parses quantities such as ``0.2`` and ``"0.2 MPa"``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\
 
 
 def quantity(value: object) -> tuple[float, str] | None:
-    """A value as a number and its unit (none: ``""``), or None for what is no number."""
+    """A value as a number and its unit (``""`` without one), or None if it is not a number."""
     if isinstance(value, (bool, int, float)):
         return (float(value), "") if math.isfinite(value) else None
     if isinstance(value, str) and (found := _QUANTITY.fullmatch(value)):

@@ -1,4 +1,4 @@
-"""Which parameter matters: rank correlations and standardised regression coefficients."""
+"""Influence of parameters: rank correlations and standardised regression coefficients."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ if TYPE_CHECKING:
 
 
 class Rank(TypedDict):
-    """What a parameter does to a measure."""
+    """Effect of a parameter on a measure."""
 
     parameter: str
     spearman: float
-    """Spearman's rank correlation, −1 to 1: of any monotone relation."""
+    """Spearman's rank correlation, −1 to 1; it detects any monotone relation."""
     regression: float
-    """Standard deviations that the measure moves with one of the parameter's, the others held."""
+    """Change of the measure for a change of this parameter alone, both in standard deviations."""
 
 
 @dataclass(frozen=True, repr=False)
 class Ranking:
-    """Parameters by the strength of their effect, the strongest first."""
+    """Parameters in the order of their effect, the strongest first."""
 
     of: str
     """The measure."""
     ranks: tuple[Rank, ...]
     samples: int
-    """How many samples were used."""
+    """Number of samples used."""
     not_converged: int
-    """How many of these did not converge."""
+    """Number of these that did not converge."""
     r_squared: float
-    """What part of the measure's variance the linear regression explains."""
+    """Fraction of the variance of the measure explained by the linear regression."""
     noise: float
-    """A correlation below this may be chance: 95 % of those between what is independent are."""
+    """Correlations below this value may be chance: 95 % of those between independent columns are lower."""
     left_out: Mapping[str, str]
-    """Parameters that cannot be ranked, and why."""
+    """Parameters that cannot be ranked, with the reason."""
 
     def __len__(self) -> int:
         return len(self.ranks)
@@ -56,7 +56,7 @@ class Ranking:
         return iter(self.ranks)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """As a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
+        """The ranking as a DataFrame; needs pandas (``pip install 'wythe[study]'``)."""
         need("pandas", "study")
         import pandas
 
@@ -105,7 +105,7 @@ def ranked(
     inputs: Mapping[str, Sequence[object]],
     not_converged: Sequence[bool],
 ) -> Ranking:
-    """Ranks the inputs by what they do to ``of``, a value and a list of inputs a sample."""
+    """Ranks the inputs by their effect on ``of``; ``cells`` and the inputs have one value per sample."""
     y = _numbers(cells)
     if y is None:
         raise ValueError(f"of: expected a column of numbers, {of} is none")
@@ -144,14 +144,14 @@ def ranked(
 
 
 def spearman(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Spearman's rank correlation: Pearson's of the ranks, ties sharing their mean rank."""
+    """Spearman's rank correlation: Pearson's correlation of the ranks, with mean ranks for ties."""
     a, b = mean_ranks(x), mean_ranks(y)
     a, b = a - a.mean(), b - b.mean()
     return float(np.clip(a @ b / math.sqrt((a @ a) * (b @ b)), -1.0, 1.0))
 
 
 def mean_ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Ranks from 1, of equal values their mean."""
+    """Ranks from 1; equal values have their mean rank."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     means: NDArray[np.float64] = last - (counts - 1) / 2.0
@@ -161,7 +161,7 @@ def mean_ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _regression(
     columns: Mapping[str, NDArray[np.float64]], y: NDArray[np.float64]
 ) -> tuple[dict[str, float], float]:
-    """Coefficients of standardised columns and R²; NaN where the columns do not determine them."""
+    """Coefficients of standardised columns and R²; NaN if the columns do not determine them."""
     nothing = dict.fromkeys(columns, math.nan)
     if not columns or y.size < len(columns) + 2:
         return nothing, math.nan
@@ -181,14 +181,14 @@ def _standard(column: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _constant(column: NDArray[np.float64]) -> bool:
-    """To rounding: what a unit's conversion leaves is no variation."""
+    """Whether a column is constant up to rounding, for example of a conversion of units."""
     if column.size == 0:
         return True
     return float(np.ptp(column)) <= 1e-12 * float(np.max(np.abs(column)))
 
 
 def _numbers(cells: Sequence[object]) -> NDArray[np.float64] | None:
-    """Numbers, NaN where there is none; quantities if they have one unit; None for all else."""
+    """Numbers, with NaN for missing ones; quantities if they have a common unit; None otherwise."""
     units: set[str] = set()
     numbers: list[float] = []
     for cell in cells:

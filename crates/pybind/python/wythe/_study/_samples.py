@@ -1,8 +1,8 @@
-"""Parameters and samples as people write them, made into a list of samples.
+"""Converts the parameters and samples of the user to a list of samples.
 
-``parameters`` (key -> values) is a full factorial grid, its first key varying slowest. ``samples`` are rows
-(mappings), columns (a mapping of them) or a pandas DataFrame. Values are what a deck can say: numbers,
-strings with units, booleans, lists of them.
+``parameters`` (key -> values) is a full factorial grid whose first key varies slowest. ``samples`` are rows
+(mappings), columns (a mapping of them) or a pandas DataFrame. Values are those of a deck: numbers, strings with
+units, booleans, and lists of them.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from typing import Any, TypeAlias, Union
 from wythe._errors import expected
 
 Value: TypeAlias = Union[bool, int, float, str, "list[Value]"]
-"""What a key of a deck may be given."""
+"""Value of a deck key."""
 
 Sample: TypeAlias = "dict[str, Value]"
-"""Keys and their values: what makes one sample of the base model."""
+"""Keys and values that define one sample of the base model."""
 
-# A slip in a grid should not fill the memory.
+# Largest number of combinations, so that a mistake in a grid does not fill the memory.
 MOST = 10_000_000
 
 
 def expand(parameters: object, samples: object) -> list[Sample]:
-    """The samples of a study, of which exactly one argument speaks."""
+    """The samples of a study, from exactly one of the arguments."""
     if (parameters is None) == (samples is None):
         given = "neither" if samples is None else "both"
         raise TypeError(
@@ -38,7 +38,7 @@ def expand(parameters: object, samples: object) -> list[Sample]:
 
 
 def grid(parameters: object) -> list[Sample]:
-    """All combinations of the values, the first key varying slowest."""
+    """All combinations of the values; the first key varies slowest."""
     if not isinstance(parameters, Mapping):
         what = 'a mapping of deck keys to sequences, such as {"interfaces.joint.f_t": [0.1, 0.2]}'
         raise expected("parameters", what, parameters)
@@ -78,7 +78,7 @@ def rows(samples: object) -> list[Sample]:
 
 
 def fingerprint(samples: Sequence[Sample]) -> str:
-    """By which the samples of a study are known again."""
+    """Hash that identifies the samples of a study."""
     digest = hashlib.sha256()
     for sample in samples:
         digest.update(json.dumps(sample, ensure_ascii=False).encode())
@@ -87,7 +87,7 @@ def fingerprint(samples: Sequence[Sample]) -> str:
 
 
 def whole(argument: str, value: object, least: int) -> int:
-    """An argument that counts something."""
+    """An integer argument of at least ``least``."""
     value = plain(value)
     if isinstance(value, bool) or not isinstance(value, int):
         raise expected(argument, f"a whole number from {least}", value)
@@ -97,7 +97,7 @@ def whole(argument: str, value: object, least: int) -> int:
 
 
 def plain(value: object) -> object:
-    """A NumPy scalar or array as Python's own."""
+    """Converts a NumPy scalar or array to Python types."""
     tolist = getattr(value, "tolist", None)
     return tolist() if callable(tolist) else value
 

@@ -1,4 +1,4 @@
-"""Samples drawn at random, for scatter and sensitivities."""
+"""Random samples for scatter and sensitivities."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from wythe._errors import expected
 from wythe._study._quantity import quantity
 from wythe._study._samples import plain, whole
 
-# Of so many random pairings of the columns the least correlated is taken.
+# Number of random pairings of the columns, of which the least correlated is used.
 PAIRINGS = 20
 
 
 @runtime_checkable
 class Distribution(Protocol):
-    """What has quantiles: ours, and the frozen distributions of scipy.stats."""
+    """An object with quantiles: a distribution of wythe or a frozen distribution of scipy.stats."""
 
     def ppf(self, q: Any, /) -> Any:
-        """The value that a part ``q`` of all stays below."""
+        """The quantile: the value that is not exceeded with probability ``q``."""
         ...
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal distribution of a mean and a standard deviation."""
+    """Normal distribution with a mean and a standard deviation."""
 
     mean: float
     deviation: float
@@ -42,7 +42,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Lognormal:
-    """Lognormal distribution of a mean and a coefficient of variation."""
+    """Lognormal distribution with a mean and a coefficient of variation."""
 
     mean: float
     cv: float
@@ -56,7 +56,7 @@ class Lognormal:
 
 
 def normal(mean: float, cv: float) -> Normal:
-    """Normal distribution of this mean and coefficient of variation (deviation / \\|mean\\|)."""
+    """Normal distribution with this mean and coefficient of variation (deviation / \\|mean\\|)."""
     mean, cv = _number("mean", mean), _positive("cv", cv)
     if mean == 0.0:
         raise ValueError("mean: expected a number other than 0, of which cv is a part")
@@ -64,20 +64,19 @@ def normal(mean: float, cv: float) -> Normal:
 
 
 def lognormal(mean: float, cv: float) -> Lognormal:
-    """Lognormal distribution of this mean and coefficient of variation: strengths are positive."""
+    """Lognormal distribution with this mean and coefficient of variation, for positive quantities such as strengths."""
     return Lognormal(_positive("mean", mean), _positive("cv", cv))
 
 
 def latin_hypercube(
     ranges: Mapping[str, object], count: int, seed: int
 ) -> dict[str, NDArray[Any]]:
-    """So many samples that fill all ranges evenly, as columns for ``study(model, samples=...)``.
+    """Latin hypercube samples, as columns for ``study(model, samples=...)``.
 
-    Each range is cut into ``count`` strips of equal probability, and each strip has one sample; of some
-    random pairings the least correlated is taken. A range is two bounds, between which all is equally
-    likely (``(0.16, 0.24)`` or ``("0.16 MPa", "0.24 MPa")``), or whatever has ``.ppf``:
-    ``lognormal(mean, cv)``, ``normal(mean, cv)``, a distribution of scipy.stats. The same seed gives
-    the same samples.
+    Each range is divided into ``count`` strips of equal probability with one sample each. The least correlated of
+    several random pairings is used. A range is a pair of bounds of a uniform distribution (``(0.16, 0.24)`` or
+    ``("0.16 MPa", "0.24 MPa")``), or an object with ``.ppf``: ``lognormal(mean, cv)``, ``normal(mean, cv)`` or a
+    distribution of scipy.stats. The same seed gives the same samples.
     """
     if not isinstance(ranges, Mapping) or not ranges:
         what = 'a mapping of deck keys to ranges, such as {"interfaces.joint.f_t": (0.16, 0.24)}'
@@ -88,13 +87,13 @@ def latin_hypercube(
             raise expected("ranges", 'keys such as "interfaces.joint.f_t"', key)
     random = np.random.default_rng(seed)
     strips = _pairing(random, len(ranges), count)
-    # [key][sample], within (0, 1): ppf is infinite at the ends.
+    # [key][sample], strictly within (0, 1) because ppf may be infinite at the ends.
     within = np.clip((strips + random.random(strips.shape)) / count, 1e-12, 1.0 - 1e-12)
     return {key: _stretch(key, of, q) for (key, of), q in zip(ranges.items(), within, strict=True)}
 
 
 def _pairing(random: np.random.Generator, keys: int, count: int) -> NDArray[np.int64]:
-    """Which strip of each range a sample has: [key][sample]."""
+    """Index of the strip of each sample in each range: [key][sample]."""
     best: NDArray[np.int64] | None = None
     least = math.inf
     for _ in range(PAIRINGS):

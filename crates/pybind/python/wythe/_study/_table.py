@@ -1,4 +1,4 @@
-"""What a study gives: a tidy table, one row a sample."""
+"""Table of a study with one row per sample."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
 
 STATUSES = ("completed", "collapsed", "not_converged", "interrupted", "failed", "lost")
-"""How a sample may end: of all but the last two there is a run."""
+"""Statuses of a sample; all but the last two have a run."""
 
-# Rows that text and a notebook show of the table, messages below it, and columns in text.
+# Numbers of rows shown in text and in a notebook, number of messages below, and columns in text.
 SHOWN = 12
 SHOWN_IN_HTML = 40
 MESSAGES = 3
@@ -35,29 +35,29 @@ SHORT = ("peak_force_kN", "displacement_at_peak_mm", "initial_stiffness_kN_per_m
 
 
 class Study:
-    """A study's table, as :func:`wythe.study` returns it. Rows come in the order of the samples.
+    """Table of a study, as returned by :func:`wythe.study`. Rows are in the order of the samples.
 
-    ``len(study)``, ``study[0]`` (a row as a dict), ``study["peak_force_kN"]`` (a column), and iteration over
-    the rows. Columns are ``sample`` (from 1), the parameters, ``status``, ``message``, ``attempts`` and the
+    It supports ``len(study)``, ``study[0]`` (a row as a dict), ``study["peak_force_kN"]`` (a column) and iteration
+    over the rows. Columns are ``sample`` (from 1), the parameters, ``status``, ``message``, ``attempts`` and the
     measures.
     """
 
     def __init__(self, lines: Sequence[Line], total: int, folder: Path | None = None) -> None:
         self._lines = sorted(lines, key=lambda line: line["sample"])
         self.total = total
-        """Samples of the study, whether they are done or not."""
+        """Number of samples of the study, finished or not."""
         self.folder = folder
-        """Where its journal is, if it has one."""
+        """Folder of the journal, if there is one."""
         self.parameters: tuple[str, ...] = _names(line["parameters"] for line in self._lines)
-        """Names of the parameters' columns."""
+        """Names of the columns of parameters."""
         found = _names(line["measures"] for line in self._lines)
         known = tuple(name for name in MEASURES if name in found)
         self.measures: tuple[str, ...] = known + tuple(n for n in found if n not in known)
-        """Names of the measures' columns."""
+        """Names of the columns of measures."""
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> Study:
-        """The table of a study's folder, as far as it has come."""
+        """Reads the table from the folder of a study, finished or not."""
         path = Path(as_path("folder", folder))
         header, lines = read(path)
         return Study(lines, header["count"], path)
@@ -69,13 +69,13 @@ class Study:
 
     @property
     def missing(self) -> tuple[int, ...]:
-        """Samples that are not done, because the study was stopped."""
+        """Samples that are not finished because the study was stopped."""
         done = {line["sample"] for line in self._lines}
         return tuple(number for number in range(1, self.total + 1) if number not in done)
 
     @property
     def statuses(self) -> dict[str, int]:
-        """How many samples ended how."""
+        """Number of samples by status."""
         counts = Counter(line["status"] for line in self._lines)
         return {status: counts[status] for status in STATUSES if counts[status]}
 
@@ -92,21 +92,22 @@ class Study:
     def __getitem__(self, what: int) -> dict[str, Any]: ...
 
     def __getitem__(self, what: str | int) -> NDArray[Any] | dict[str, Any]:
-        """A column by its name, or a row by its place (from 0, as in all of Python)."""
+        """A column by its name, or a row by its index from 0."""
         return self.column(what) if isinstance(what, str) else self._row(self._lines[what])
 
     def column(self, name: str) -> NDArray[Any]:
-        """A column: numbers as floats with NaN where there is none, integers, booleans, or texts."""
+        """A column of floats (NaN if missing), integers, booleans or texts."""
         if name not in self.columns:
             raise KeyError(f"no column {name!r}; there are {', '.join(self.columns)}")
         return _array([self._cell(line, name) for line in self._lines])
 
     def ranking(self, of: str = "peak_force_kN") -> Ranking:
-        """Which parameters move a measure most.
+        """Ranks the parameters by their effect on a measure.
 
-        By Spearman's rank correlation (of anything monotone) and by the coefficients of a linear regression
-        of standardised columns (how many standard deviations the measure moves with one of the
-        parameter's). Samples without a number in ``of`` are left out; those not converged count.
+        The ranking uses Spearman's rank correlation, which detects any monotone relation, and the coefficients of
+        a linear regression of standardised columns: the change of the measure in standard deviations for a change
+        of the parameter by one standard deviation. Samples without a number in ``of`` are excluded; samples that
+        did not converge are included.
         """
         if of not in self.columns:
             raise KeyError(f"of: no column {of!r}; there are {', '.join(self.columns)}")
@@ -126,7 +127,7 @@ class Study:
         return pandas.DataFrame(columns, columns=list(columns))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table; empty where there is no number, lists as JSON."""
+        """Writes the table as CSV; missing numbers are empty, lists are JSON."""
         text = io.StringIO(newline="")
         writer = csv.writer(text)
         writer.writerow(self.columns)
@@ -135,7 +136,7 @@ class Study:
         write_text(as_path("path", path), text.getvalue())
 
     def run_folder(self, sample: int) -> Path:
-        """The folder of a sample's run, of a study that kept them (``keep="results"``)."""
+        """Folder of the run of a sample, in a study with ``keep="results"``."""
         path = None if self.folder is None else self.folder / folder_name(sample)
         if path is None or not path.is_dir():
             raise StudyError(f"the run of sample {sample} was not kept; study(..., out=..., keep=\"results\")")
@@ -182,7 +183,7 @@ class Study:
         return f"Study of {self.total} {noun}: {', '.join(parts) or 'none done'}"
 
     def _messages(self) -> list[str]:
-        """What the samples that did not complete say, each message once."""
+        """Messages of the samples that did not complete, each once."""
         said: dict[str, list[int]] = {}
         for line in self._lines:
             if line["message"]:
@@ -213,7 +214,7 @@ class Study:
 
 
 def _names(mappings: Any) -> tuple[str, ...]:
-    """All keys, in the order they were met."""
+    """All keys in the order of their first occurrence."""
     return tuple(dict.fromkeys(name for mapping in mappings for name in mapping))
 
 

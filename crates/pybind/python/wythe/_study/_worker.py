@@ -1,7 +1,7 @@
-"""What runs in a worker: one sample, from its values to a row's numbers.
+"""Code executed in a worker: runs one sample and returns the numbers of its row.
 
-Nothing leaves :func:`run_sample` as an exception, so that whatever a future raises is trouble with the
-executor or the death of a worker, never with the sample.
+:func:`run_sample` raises no exception, so that an exception of a future always means a failure of the executor or
+the death of a worker, never a failure of the sample.
 """
 
 from __future__ import annotations
@@ -40,50 +40,50 @@ MEASURES = (
     "cpu_s",
     "peak_rss_MB",
 )
-"""What a row takes from the summary of its run."""
+"""Measures of a row from the summary of its run."""
 
 
 class Outcome(TypedDict):
-    """What became of a sample."""
+    """Outcome of a sample."""
 
     status: str
     message: str
     measures: dict[str, Scalar]
     again: bool
-    """Whether the machine was in trouble rather than the sample, so that another go may help."""
+    """Whether the machine failed rather than the sample, so that another attempt may succeed."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """What all samples of a study share."""
+    """Common data of all samples of a study."""
 
     model: Any
-    """The base model, or a callable that makes one of a sample."""
+    """The base model, or a callable that makes a model of a sample."""
     measure: Callable[[Any], Mapping[str, object]] | None
     keep: str | None
-    """The folder that run folders are kept in."""
+    """Folder in which run folders are kept."""
     scratch: str | None
-    """The folder for those that are not; without one they are temporary folders."""
+    """Folder for run folders that are not kept; None for temporary folders."""
     asker: str
-    """The process that wants to know, as :func:`this_process` calls it."""
+    """Process of the study, as named by :func:`this_process`."""
 
 
-# Process numbers are not unique beyond one machine, and forked processes inherit this.
+# Process numbers are unique on one machine only; forked processes inherit the token.
 _TOKEN = uuid.uuid4().hex
 
 
 def this_process() -> str:
-    """A name for this process that no other has."""
+    """A unique name of this process."""
     return f"{_TOKEN}-{os.getpid()}"
 
 
 def folder_name(number: int) -> str:
-    """Of the run of a sample."""
+    """Name of the run folder of a sample."""
     return f"sample-{number:04d}"
 
 
 def pack(job: Job) -> bytes:
-    """The job as bytes, once for all samples. With cloudpickle, lambdas and notebooks' functions pass."""
+    """The job as bytes, for all samples. With cloudpickle it may have lambdas and functions of notebooks."""
     try:
         pickler: Any = importlib.import_module("cloudpickle")
     except ImportError:
@@ -102,7 +102,7 @@ def _unpack(packed: bytes) -> Job:
 def run_sample(
     work: Job | bytes, number: int, sample: Sample, scratch: str | None = None
 ) -> Outcome:
-    """Runs one sample to its row, come what may; in ``scratch`` rather than where the job says."""
+    """Runs one sample and returns its outcome in all cases; ``scratch`` replaces the scratch folder of the job."""
     job = _unpack(work) if isinstance(work, bytes) else work
     out = _out(job, number, scratch)
     running = False
@@ -124,7 +124,7 @@ def run_sample(
         if job.asker == this_process():
             raise
         return Outcome(status="interrupted", message="interrupted", measures={}, again=True)
-    # The solver's own mistakes come as panics, which are no Exceptions.
+    # A panic of the solver is a BaseException but not an Exception.
     except BaseException as error:
         machine = running and isinstance(error, (OSError, MemoryError))
         return Outcome(status="failed", message=_told(error), measures={}, again=machine)
@@ -145,7 +145,7 @@ def model_of(model: Any, sample: Sample) -> Any:
 
 
 def _out(job: Job, number: int, scratch: str | None) -> Path | None:
-    """Where a run goes: a name of its own for each attempt, as one given up may still be at work."""
+    """Folder of a run, unique for each attempt because an abandoned attempt may still be running."""
     base = job.keep or scratch or job.scratch
     if base is None:
         return None
@@ -153,7 +153,7 @@ def _out(job: Job, number: int, scratch: str | None) -> Path | None:
 
 
 def _without_pictures(model: Any) -> Any:
-    """The model without files that nobody will see: they take a third of a small run's time."""
+    """The model without unneeded output files, which take a third of the time of a small run."""
     with contextlib.suppress(ModelError):
         return model.with_({"output.mcap": False, "output.every": 1_000_000})
     return model
@@ -163,12 +163,12 @@ def _run(model: Any, out: Path | None) -> Any:
     try:
         return model.run(out=out, threads=1, progress=False)
     except ConvergenceError as error:
-        # A result, marked as such: there is a run up to there.
+        # The status marks the results, which are valid up to the loss of convergence.
         return error.results
 
 
 def _settle(out: Path, final: Path) -> None:
-    """Gives the folder of a finished run its name."""
+    """Gives the folder of a finished run its final name."""
     if final.exists():
         shutil.rmtree(final)
     out.rename(final)
@@ -215,9 +215,9 @@ def _told(error: BaseException) -> str:
 
 
 def _line(text: str) -> str:
-    """In one line."""
+    """The text in one line."""
     return "; ".join(line.strip() for line in text.splitlines() if line.strip())
 
 
 RESERVED = frozenset(("sample", "status", "message", "attempts", *MEASURES))
-"""Names of columns that are taken."""
+"""Reserved names of columns."""

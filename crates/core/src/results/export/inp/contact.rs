@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use super::{labels, set};
+use crate::deck::import::SIDES;
 use crate::model::Model;
-use crate::model::import::SIDES;
 use wythe_contact::{CohesiveFrictional, InterfaceLaw, JointLaw};
 
-/// Sides of elements by their nodes in order.
+/// Element and number of its side, by the sorted nodes of the side.
 type Sides = HashMap<[u32; 4], (usize, usize)>;
 
-/// Slave surfaces, one a law, the surface of all masters, and what happens between them.
+/// Slave surfaces, one per law, the surface of all masters, and their interactions.
 pub(super) fn contact(text: &mut String, model: &Model) -> std::fmt::Result {
     let contact = &model.contact;
     if contact.slave_facets.is_empty() {
@@ -47,7 +47,7 @@ pub(super) fn contact(text: &mut String, model: &Model) -> std::fmt::Result {
     Ok(())
 }
 
-/// A surface by sets of elements with the same side.
+/// Defines a surface by sets of elements with the same side.
 fn surface<'a>(
     text: &mut String,
     name: &str,
@@ -100,10 +100,10 @@ fn interaction(text: &mut String, name: &str, law: &InterfaceLaw) -> std::fmt::R
     } = law;
     writeln!(text, "*SURFACE INTERACTION, NAME={name}")?;
     if *f_t > 0.0 || *c > 0.0 {
-        // Areas below the softening curves of theory C.1.
+        // Area below the softening curve: theory/joint.md, eqs 30 and 31.
         let area = |strength: f64, end: f64, b: f64| {
             if strength == 0.0 {
-                return 0.0; // its end may be infinite
+                return 0.0; // the end of the curve may be infinite
             }
             strength * end * (1.0 / b - 1.0 / b.exp_m1())
         };

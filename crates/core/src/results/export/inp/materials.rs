@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::material::{DamagePlasticityParameters, MaterialParameters, TableRow};
 
-/// A material with its tables.
+/// Writes a material with its tables.
 pub(super) fn material(text: &mut String, name: &str, of: &MaterialParameters) -> std::fmt::Result {
     let elastic = of.elastic();
     writeln!(text, "*MATERIAL, NAME={name}")?;
@@ -49,7 +49,7 @@ fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::
     rows(text, "*CONCRETE TENSION STIFFENING", &p.tension, |r| {
         r.stress
     })?;
-    // Abaqus names the recovery of the other side beside each table.
+    // Abaqus states the recovery of the other sign with each table.
     let compression = format!(
         "*CONCRETE COMPRESSION DAMAGE, TENSION RECOVERY={:?}",
         p.tension_recovery

@@ -1,5 +1,5 @@
-//! `model.inp`: the model for Abaqus: nodes, elements, sets, materials, surfaces, contact, steps. What Abaqus has
-//! no words for stands in comments, first of all the bond of the interfaces.
+//! `model.inp`: the model for Abaqus with nodes, elements, sets, materials, surfaces, contact and steps. Parts that
+//! Abaqus cannot express are comments, above all the bond of the interfaces.
 
 mod contact;
 mod materials;
@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 
 use crate::model::Model;
 
-/// Numbers a line, as Abaqus allows.
+/// Largest number of entries per line in Abaqus.
 const A_LINE: usize = 16;
 
-/// The model as an input file in N, mm, MPa, tonne, s. Nodes and elements count from 1.
+/// The model as an input file in N, mm, MPa, tonne, s. Nodes and elements are numbered from 1.
 pub fn inp(model: &Model) -> String {
     let mut text = String::new();
     let written = write(&mut text, model);
@@ -95,7 +95,7 @@ fn write(text: &mut String, model: &Model) -> std::fmt::Result {
     steps::steps(text, model, &supports, &beams)
 }
 
-/// A set of nodes or elements, counted from 1; empty ones are none.
+/// Writes a set of nodes or elements, numbered from 1; an empty set is omitted.
 fn set(
     text: &mut String,
     kind: &str,
@@ -113,7 +113,7 @@ fn set(
     Ok(())
 }
 
-/// Labels that Abaqus takes: letters, digits, underscores, at most 60 of them, capitals, each once.
+/// Valid labels for Abaqus: at most 60 capital letters, digits and underscores, each label unique.
 fn labels<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for name in names {
@@ -137,7 +137,7 @@ fn labels<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 }
 
 fn one_line(title: &str) -> String {
-    // A heading is no comment and no keyword.
+    // The heading must not begin as a comment or keyword.
     title
         .replace(['\n', '\r'], " ")
         .trim_start_matches('*')
@@ -147,7 +147,7 @@ fn one_line(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Deck;
+    use crate::deck::Deck;
 
     const WALL: &str = include_str!("../../../../../../examples/03_shear_wall_j7d.toml");
 

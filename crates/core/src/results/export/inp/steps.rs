@@ -1,11 +1,11 @@
-//! Supports, beams and steps. A beam is a rigid body that does not turn, moved by a node of its own.
+//! Supports, beams and steps. A beam is a rigid body without rotation, moved by a reference node.
 
 use std::fmt::Write as _;
 
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Gravity, Procedure, Step};
 
-/// Beams as rigid bodies, supports, initial velocities, then the steps.
+/// Writes beams as rigid bodies, supports, initial velocities and the steps.
 pub(super) fn steps(
     text: &mut String,
     model: &Model,
@@ -53,7 +53,7 @@ pub(super) fn steps(
         writeln!(text, "*BOUNDARY")?;
         held(text, model, supports, beams)?;
     }
-    // Where each beam stands, as long as it is known. `[beam][xyz]`
+    // Displacement of each beam, as long as it is known. `[beam][xyz]`
     let mut at = vec![[Some(0.0); 3]; beams.len()];
     for step in &model.steps {
         write_step(text, model, step, supports, beams, &mut at)?;
@@ -61,7 +61,7 @@ pub(super) fn steps(
     Ok(())
 }
 
-/// What holds throughout: supports, and that beams do not turn.
+/// Boundary conditions of all steps: the supports and the fixed rotation of beams.
 fn held(
     text: &mut String,
     model: &Model,
@@ -151,7 +151,7 @@ fn write_step(
     writeln!(text, "*END STEP")
 }
 
-/// The procedure and its increments. Searches along paths of equilibrium are Abaqus' own.
+/// Writes the procedure and its increments. Path-following procedures have no exact counterpart in Abaqus.
 fn procedure(text: &mut String, step: &Step) -> std::fmt::Result {
     let keyword = match step.procedure {
         Procedure::Dynamic { alpha, .. } => {

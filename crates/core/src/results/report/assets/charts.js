@@ -1,5 +1,5 @@
 "use strict";
-// Charts as SVG: axes with round ticks, lines, bars, a moment marked, picking by pointer and keys.
+// Charts as SVG: axes with round ticks, lines, bars, a marked row, picking by pointer and keys.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -11,7 +11,7 @@ function make(name, attributes, parent, text) {
   return node;
 }
 
-/** Four significant digits, an exponent only where it must be. */
+/** Four significant digits; an exponent only if necessary. */
 function brief(value) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -31,7 +31,7 @@ function ticks(low, high, most) {
   return list.map((value) => ({ value, text: digits > 4 ? brief(value) : value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1") }));
 }
 
-/** A range around values (and zero, if asked) with a little air. */
+/** A range around values, and zero on request, with a margin. */
 function span(values, zero) {
   let low = zero ? 0 : Infinity, high = zero ? 0 : -Infinity;
   for (const v of values) if (Number.isFinite(v)) { if (v < low) low = v; if (v > high) high = v; }
@@ -103,7 +103,7 @@ function chart(box, spec) {
     make("text", { transform: `translate(13 ${(top + bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, svg, spec.y.name);
     for (const bar of spec.bars || []) {
       const wide = Math.max(0.7, Math.min(14, (0.8 * (right - left)) / Math.max(1, bar.values.length)));
-      // One path a colour: thousands of rectangles would be slow.
+      // One path per colour: thousands of rectangles would be slow.
       const paths = new Map();
       for (let i = 0; i < bar.values.length; i++) {
         if (!(bar.values[i] > 0)) continue;

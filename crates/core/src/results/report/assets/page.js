@@ -1,5 +1,5 @@
 "use strict";
-// The page: one moment of the run, shown by the wall and all charts at once.
+// The page: the wall and all charts show the same row of the history.
 
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
@@ -53,7 +53,7 @@
     if (!driven.some((d) => d)) return undriven(box);
     by("curve-help").hidden = !frames.length;
     const lines = [], keys = [], marks = [];
-    // A pause of the drive interrupts the curve; its start belongs to it.
+    // A pause of the drive interrupts the curve, which begins at the start of the drive.
     const show = Array.from(driven, (d) => d !== 0);
     const first = show.indexOf(true);
     lines.push({ values: c.force_kN, show, colour: "var(--accent)", width: 2.5 });
@@ -75,7 +75,7 @@
     }));
   }
 
-  /** Without a driven curve: what the probes say. */
+  /** Histories of the probes, if there is no driven curve. */
   function undriven(box) {
     if (!series.probes.length || rows === 0) return empty(box, rows ? "Nothing was driven in this run, and it has no probes." : "No increment is done yet.");
     by("curve-title").textContent = "Probes over time";

@@ -1,15 +1,15 @@
 "use strict";
-// The deformed wall in WebGL 2. Node positions and element values live in textures: a frame is an upload of
-// three small textures, a vertex is the number of a node.
+// The deformed wall in WebGL 2. Node positions and element values are textures: a frame uploads three small
+// textures, and a vertex is the number of a node.
 
-/** Colours from sound to gone; the sound colour is the material's. */
+/** Colours of growing damage; sound elements have the colour of their material. */
 const RAMPS = {
   tensile: ["#efa24c", "#c8321f", "#3b0512"],
   compressive: ["#7cc0e8", "#1f63c4", "#0c1550"],
   crack: ["#9bd17a", "#1f8a70", "#06304a"],
 };
 const SOUND = ["#d9a98d", "#e6e1d6", "#c4ba9c", "#b3c6d0", "#cbb3c9", "#b5cdb0"];
-/** Bonds that are softening, failed and open, failed and sliding. */
+/** Colours of joints that are softening, failed and open, failed and sliding. */
 const STATES = ["#b9b2a8", "#e3a32c", "#8a3ffc", "#0aa39a"];
 const STATE_NAMES = ["intact", "softening", "failed, open", "failed, sliding"];
 
@@ -128,8 +128,8 @@ function times(a, b) {
 }
 
 /**
- * The view on a canvas; null where the browser has no WebGL 2.
- * set({ frame, magnification, colour, joints, outlines, mesh }): frame −1 is at rest.
+ * The view on a canvas; null if the browser has no WebGL 2.
+ * set({ frame, magnification, colour, joints, outlines, mesh }): frame −1 is the model at rest.
  */
 function makeView(canvas, data) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
@@ -162,7 +162,7 @@ function makeView(canvas, data) {
     return { program, at: (name) => (name in places ? places[name] : (places[name] = gl.getUniformLocation(program, name))) };
   }
 
-  /** A texture of as many rows of 1024 as values need. */
+  /** A texture with as many rows of 1024 values as necessary. */
   function texture(unit, inside, format, kind, components, values) {
     const rows = Math.max(1, Math.ceil(values.length / components / 1024));
     const padded = new values.constructor(rows * 1024 * components);
@@ -178,7 +178,7 @@ function makeView(canvas, data) {
     gl.texImage2D(gl.TEXTURE_2D, 0, inside, 1024, rows, 0, format, kind, padded);
   }
 
-  /** A vertex array of whole-number attributes: { name: [array, components] }. */
+  /** A vertex array of integer attributes: { name: [array, components] }. */
   function arrays(program, attributes, divisor, index) {
     const vao = gl.createVertexArray();
     gl.bindVertexArray(vao);
@@ -217,7 +217,7 @@ function makeView(canvas, data) {
       q++;
     }
     const from = edges.filter((_, i) => i % 2 === 0), to = edges.filter((_, i) => i % 2 === 1);
-    // Each quarter begins at its own corner.
+    // Each quarter starts at its own corner.
     const turned = new Uint32Array(4 * quarters);
     for (let k = 0; k < quarters; k++) for (let i = 0; i < 4; i++) turned[4 * k + i] = facets[4 * (k >> 2) + ((k + i) & 3)];
     buffers = {
@@ -251,7 +251,7 @@ function makeView(canvas, data) {
     const [cy, sy, cp, sp] = [Math.cos(look.yaw), Math.sin(look.yaw), Math.cos(look.pitch), Math.sin(look.pitch)];
     const right = [cy, sy, 0], ahead = [-sy * cp, cy * cp, -sp], up = [-sy * sp, cy * sp, cp];
     const half = Math.tan(0.22), aspect = width / height;
-    // The box as it is seen must fit both ways.
+    // The projected box must fit in both directions.
     const seen = (axis) => data.size.reduce((sum, s, i) => sum + Math.abs(axis[i]) * s, 0) / 2;
     const fit = Math.max(seen(up), seen(right) / aspect) * 1.07 / half + seen(ahead);
     const far = fit * look.distance;
@@ -260,7 +260,7 @@ function makeView(canvas, data) {
     const dot = (a) => -(a[0] * eye[0] + a[1] * eye[1] + a[2] * eye[2]);
     const back = ahead.map((a) => -a);
     const see = [right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, dot(right), dot(up), dot(back), 1];
-    // As near as may be: the depths of lines and faces that touch are told apart by what is between near and far.
+    // A short depth range distinguishes lines from the faces on which they lie.
     const deep = radius * (1.2 + Math.hypot(...look.pan)) + 1.8 * moved;
     const near = Math.max(far - deep, far * 0.05), end = far + deep;
     const lift = (((2 * near * end) / (end - near)) * 0.003 * radius) / (far * far);
@@ -342,7 +342,7 @@ function makeView(canvas, data) {
 
   function ask() { if (!asked) asked = requestAnimationFrame(draw); }
 
-  /** Turns to a point of view, at once for those who want no motion. */
+  /** Turns to a point of view, at once if the user prefers reduced motion. */
   function turn(to) {
     const from = structuredClone(look), began = performance.now(), lasts = calm.matches ? 0 : 260;
     const step = () => {
@@ -365,7 +365,7 @@ function makeView(canvas, data) {
     return { apart: Math.hypot(a.x - b.x, a.y - b.y), x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
   };
   canvas.addEventListener("pointerdown", (event) => {
-    try { canvas.setPointerCapture(event.pointerId); } catch { /* the pointer is gone already */ }
+    try { canvas.setPointerCapture(event.pointerId); } catch { /* the pointer has left */ }
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -384,7 +384,7 @@ function makeView(canvas, data) {
   });
   for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (event) => fingers.delete(event.pointerId));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  // Over a page that scrolls, the wheel is the page's until the view is asked for.
+  // The wheel scrolls the page until the user activates the view.
   canvas.addEventListener("wheel", (event) => {
     if (document.activeElement !== canvas && !event.ctrlKey) return;
     event.preventDefault();

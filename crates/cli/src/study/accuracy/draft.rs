@@ -1,0 +1,311 @@
+//! The scene of a model: what a user of it may choose, as the text of a `scene.toml`.
+
+use std::path::Path;
+
+use miette::Diagnostic;
+use thiserror::Error;
+
+use super::offered::{offered, refined, scaled};
+use super::scene::{Choice, Group};
+use super::written::{ChoiceFile, ReferenceFile, SceneFile};
+use wythe_core::deck::Deck;
+use wythe_core::deck::schema::{DeckProbe, DeckStep, StepKind};
+
+/// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
+/// finer mesh would change is told by the choices that have its mesh or its increments alone.
+const UNCERTAINTY: f64 = 0.005;
+
+/// A model of which no scene is made.
+#[derive(Debug, Error, Diagnostic)]
+pub enum DraftError {
+    /// Nothing goes one way.
+    #[error("no curve of this model can be compared: {0}")]
+    #[diagnostic(help(
+        "the last step must drive along an axis, one way only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/reference/studies.md)"
+    ))]
+    NoCurve(&'static str),
+    /// Its text cannot be made.
+    #[error("the scene cannot be written: {0}")]
+    Text(#[from] toml::ser::Error),
+}
+
+/// What is compared, as a scene says it, and where that ends.
+struct Compared {
+    x: String,
+    y: String,
+    to: f64,
+}
+
+/// The `scene.toml`, in `folder`, of the model in `file` with these keys said anew, on a machine of `threads` threads, which all
+/// make its reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
+///
+/// # Errors
+/// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
+pub fn draft(
+    deck: &Deck,
+    file: &Path,
+    folder: &Path,
+    set: &[(String, String)],
+    threads: usize,
+) -> Result<String, DraftError> {
+    let last = deck.steps.len().checked_sub(1);
+    let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
+    let compared = compared(deck, last)?;
+    let refined = refined(deck);
+    let reference = [refined.clone(), scaled(deck, last, 0.5)].concat();
+    let how = if refined.is_empty() {
+        "half the increments; its mesh is that of the model, which no key refines."
+    } else {
+        "elements of half the size along every side (a layer of mortar stays one), half the increments."
+    };
+    let was = deck.to_toml()?;
+    // What the deck refuses, or says already, is none of its choices.
+    let chooses = |choice: &Choice| {
+        let all = [set, &choice.set].concat();
+        let with = Deck::load(file, &all)
+            .ok()
+            .and_then(|deck| deck.to_toml().ok());
+        with.is_some_and(|with| with != was || choice.group == Group::Threads)
+    };
+    let default = Choice::new("default", Group::Default, Vec::new());
+    let offered = offered(deck, last).into_iter();
+    let offered = offered.filter(|choice| choice.threads <= threads && chooses(choice));
+    let choices = std::iter::once(default)
+        .chain(offered)
+        .map(|choice| ChoiceFile {
+            set: lines(&choice.set),
+            name: choice.name,
+            group: choice.group,
+            threads: choice.threads,
+            factor: choice.factor,
+            short: choice.short,
+        });
+    // Relative, so that both may be moved together; from one drive to another there is no way.
+    let way = pathdiff::diff_paths(file, folder).unwrap_or_else(|| file.to_owned());
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let draft = SceneFile {
+        number: 1,
+        title: if deck.title.is_empty() {
+            name.to_string()
+        } else {
+            deck.title.clone()
+        },
+        what: format!(
+            "`{name}.toml`, its step `{}`, over what may be chosen.",
+            deck.steps[last].name()
+        ),
+        says: String::new(),
+        deck: way.to_string_lossy().replace('\\', "/"),
+        set: lines(set),
+        short: None,
+        x: compared.x,
+        y: compared.y,
+        steps: Some(vec![last]),
+        from: None,
+        to: compared.to,
+        short_to: None,
+        reference: ReferenceFile {
+            file: "reference.csv".to_owned(),
+            x: None,
+            y: None,
+            y_factor: 1.0,
+            peak: None,
+            how: how.to_owned(),
+            uncertainty: UNCERTAINTY,
+            set: Some(lines(&reference)),
+            threads,
+            factor: None,
+            command: None,
+        },
+        choices: choices.collect(),
+        peers: Vec::new(),
+    };
+    let text = toml::to_string(&draft)?;
+    Ok(format!(
+        "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/reference/studies.md lists the keys. It stays as you change it.\n{text}"
+    ))
+}
+
+/// Keys and values as `--set` has them.
+fn lines(set: &[(String, String)]) -> Vec<String> {
+    set.iter().map(|(k, v)| format!("{k}={v}")).collect()
+}
+
+/// Columns and range of what the last step does.
+fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
+    let step = &deck.steps[last];
+    if let Some(control) = &step.control {
+        let of = |probe: &&DeckProbe| probe.name == control.probe;
+        let probe = deck.probes.iter().find(of).map(DeckProbe::column);
+        let x = probe.ok_or(DraftError::NoCurve("it has not the probe that steers it"))?;
+        // Increments end within a thousandth of the last.
+        let to = 0.995 * control.displacement.get();
+        return along(&x, "load_factor", [0.0, to], 1.0);
+    }
+    let is_drive = |step: &&DeckStep| step.kind == StepKind::Drive;
+    if !is_drive(&step) {
+        return Err(DraftError::NoCurve(
+            "its last step neither drives nor steers its load by a displacement",
+        ));
+    }
+    let drives = deck.steps.iter().filter(is_drive);
+    let mut way = [0.0; 2];
+    for drive in drives {
+        if drive.cycles.is_some() || drive.direction != step.direction {
+            return Err(DraftError::NoCurve("it is driven to and fro"));
+        }
+        let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
+        way = [way[1], way[1] + sign * drive.drive()];
+    }
+    // The history counts both along the drive.
+    let sense = way[1].signum();
+    along("displacement_mm", "force_kN", way.map(|x| sense * x), 1.0)
+}
+
+/// A curve along `x`, turned where that falls, of `y` times this sign.
+fn along(x: &str, y: &str, way: [f64; 2], of_y: f64) -> Result<Compared, DraftError> {
+    let of_x = way[1].signum();
+    let [from, to] = way.map(|x| of_x * x);
+    if from >= 0.0 && to > from {
+        let signed = |column: &str, sign: f64| {
+            let minus = if sign < 0.0 { "-" } else { "" };
+            format!("{minus}{column}")
+        };
+        Ok(Compared {
+            x: signed(x, of_x),
+            y: signed(y, of_y),
+            to,
+        })
+    } else {
+        Err(DraftError::NoCurve("its displacement goes forth and back"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::super::scene::{Origin, Scene};
+    use super::*;
+
+    fn example(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../examples/{name}.toml"))
+    }
+
+    fn drafted(name: &str, set: &[(&str, &str)]) -> Result<Scene, DraftError> {
+        let set: Vec<_> = set
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
+            .collect();
+        let file = example(name);
+        let deck = Deck::load(&file, &set).unwrap();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let text = draft(&deck, &file, folder, &set, 2)?;
+        // What is written is read again.
+        let scene = Scene::from_str(&text, "scene.toml", folder).unwrap();
+        assert!(text.contains("deck = \"../../examples/"), "{text}");
+        Ok(scene)
+    }
+
+    fn keys(scene: &Scene, name: &str) -> Option<String> {
+        let choice = scene.choices.iter().find(|c| c.name == name)?;
+        Some(lines(&choice.set).join(" "))
+    }
+
+    #[test]
+    fn a_pushed_wall_is_compared_along_its_drive() {
+        let scene = drafted("03_shear_wall_j7d", &[("steps.1.displacement", "0.8 mm")]).unwrap();
+        assert_eq!(
+            (scene.x.as_str(), scene.y.as_str()),
+            ("displacement_mm", "force_kN")
+        );
+        assert_eq!(
+            (scene.range, scene.steps.as_deref()),
+            ([0.0, 0.8], Some(&[1][..]))
+        );
+        let Origin::Run(reference) = &scene.reference.origin else {
+            panic!("{:?}", scene.reference.origin)
+        };
+        assert_eq!(
+            lines(&reference.set),
+            [
+                "wall.mesh=[9,3,4]",
+                "steps.1.increments.initial=0.0025",
+                "steps.1.increments.max=0.00625"
+            ]
+        );
+        assert_eq!(
+            keys(&scene, "mesh coarser").as_deref(),
+            Some("wall.mesh=[3,2,1]")
+        );
+        assert_eq!(
+            keys(&scene, "projected").as_deref(),
+            Some("materials.brick.crack_band=projected materials.mortar.crack_band=projected")
+        );
+        // What it says already is no choice; nor is what it has not.
+        assert_eq!(keys(&scene, "penalty 50"), None);
+        assert_eq!(keys(&scene, "joints x 4"), None);
+        assert!(keys(&scene, "penalty 500").is_some());
+        assert_eq!(keys(&scene, "2 threads").as_deref(), Some(""));
+        assert_eq!(keys(&scene, "4 threads"), None);
+    }
+
+    #[test]
+    fn a_steered_load_is_compared_along_what_steers_it() {
+        let scene = drafted("62_out_of_plane_wall", &[]).unwrap();
+        assert_eq!(
+            (scene.x.as_str(), scene.y.as_str()),
+            ("middle_mm", "load_factor")
+        );
+        assert_eq!(scene.range, [0.0, 9.95]);
+        // Its wall is bent: three elements through its thickness.
+        assert_eq!(
+            keys(&scene, "mesh finer through the thickness").as_deref(),
+            Some("wall.mesh=[5,2,6]")
+        );
+        assert_eq!(keys(&scene, "penalty 50"), None);
+        assert!(keys(&scene, "penalty 500").is_some());
+        assert_eq!(keys(&scene, "implex"), None);
+    }
+
+    #[test]
+    fn stiffness_that_is_said_is_a_choice() {
+        let scene = drafted("../docs/validation/05-arches/sideways-27-12", &[]).unwrap();
+        assert_eq!(
+            keys(&scene, "joints x 4").as_deref(),
+            Some("interfaces.dry.normal_stiffness=400 interfaces.dry.shear_stiffness=400")
+        );
+        assert_eq!(keys(&scene, "penalty 50"), None);
+        assert_eq!(keys(&scene, "projected"), None);
+    }
+
+    /// Drives along -x are counted along the drive; a probe that falls is turned, and its load still grows.
+    #[test]
+    fn curves_go_along_the_drive() {
+        let signs = |name: &str, set: &[(&str, &str)]| {
+            let scene = drafted(name, set).unwrap();
+            assert!(scene.range[1] > 0.0, "{:?}", scene.range);
+            scene.signs
+        };
+        let (push, press) = ("03_shear_wall_j7d", "62_out_of_plane_wall");
+        assert_eq!(signs(push, &[("steps.1.direction", "-x")]), [1.0, 1.0]);
+        assert_eq!(
+            signs(push, &[("steps.1.displacement", "-1 mm")]),
+            [1.0, 1.0]
+        );
+        let pulled = [
+            ("steps.1.control.displacement", "-1 mm"),
+            ("steps.1.loads.0.pressure", "-10 kPa"),
+        ];
+        assert_eq!(signs(press, &pulled), [-1.0, 1.0]);
+        assert_eq!(signs(press, &[]), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn what_goes_no_way_has_no_curve() {
+        for (name, set) in [("42_cyclic_wall", &[][..]), ("30_toppling_stack", &[])] {
+            let told = drafted(name, set).unwrap_err();
+            assert!(matches!(told, DraftError::NoCurve(_)), "{name}: {told}");
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Reads back what a study wrote.
+
+use std::path::Path;
+
+use super::errors::Errors;
+use super::outcome::{Outcome, Studied};
+use super::scene::Scene;
+use crate::study::cell::Cost;
+use wythe_core::error::IoError;
+
+/// A scene with the outcomes of its full form as a table of the study has them. Repeats come as their medians. Choices that
+/// the table has not are missing; rows of choices that the scene has not are left out.
+///
+/// # Errors
+/// The file cannot be read, or is no table of the study.
+pub fn read(scene: &Scene, file: &Path) -> Result<Studied, IoError> {
+    let failed = |why: std::io::Error| IoError {
+        path: file.to_owned(),
+        why,
+    };
+    let text = std::fs::read_to_string(file).map_err(failed)?;
+    parsed(scene, &text).map_err(|why| failed(std::io::Error::other(why)))
+}
+
+fn parsed(scene: &Scene, text: &str) -> Result<Studied, String> {
+    let first = text.lines().next().and_then(|l| l.strip_prefix("# "));
+    let sitting = first.ok_or("does not begin with how the times were taken")?;
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|e| e.to_string())?.clone();
+    let place = |name: &str| {
+        let place = header.iter().position(|h| h == name);
+        place.ok_or(format!("has no column `{name}`"))
+    };
+    let mut outcomes = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| e.to_string())?;
+        let field = |name: &str| Ok::<_, String>(record.get(place(name)?).unwrap_or_default());
+        // Tables of before cracks were looked at have none.
+        let cracks = record.get(place("cracks").unwrap_or(usize::MAX));
+        let number = |name: &str| {
+            let field = field(name)?;
+            let number = field.parse::<f64>();
+            number.map_err(|_| format!("`{field}` of `{name}` is no number"))
+        };
+        let name = field("choice")?;
+        let Some(choice) = scene.choices.iter().find(|c| c.name == name) else {
+            continue;
+        };
+        let errors = match field("why")? {
+            "" => Ok(Errors {
+                peak: number("peak_error")?,
+                energy: number("energy_error")?,
+                rms: number("rms")?,
+            }),
+            why => Err(why.to_owned()),
+        };
+        outcomes.push(Outcome {
+            choice: choice.clone(),
+            errors,
+            cracks: cracks
+                .and_then(|c| c.parse().ok())
+                .filter(|c: &f64| c.is_finite()),
+            peak: number("peak")?,
+            cost: Cost {
+                increments: number("increments")? as usize,
+                iterations: number("solves")? as usize,
+                cutbacks: number("cuts")? as usize,
+                seconds: number("cpu_s")?,
+            },
+            energy: number("energy_imbalance")?,
+            cpu: vec![number("cpu_s")?],
+            wall: vec![number("wall_s")?],
+        });
+    }
+    Ok(Studied {
+        scene: scene.clone(),
+        short: false,
+        outcomes,
+        sitting: sitting.to_owned(),
+    })
+}

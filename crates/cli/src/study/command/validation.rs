@@ -1,0 +1,140 @@
+//! `wythe study validation`: what comes out beside what is known.
+
+use std::io::ErrorKind;
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use crate::study::Verdict;
+use crate::study::validation::{
+    Case, Options, Outcome, Validated, cases, chart, index, page, table, validate,
+};
+
+use super::{chosen, failed, other};
+use crate::arguments::Validation;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::plot::write;
+use crate::say;
+use crate::say::print;
+
+/// The page of a case, which forges show with its folder.
+const PAGE: &str = "README.md";
+
+/// The page that lists the cases, beside their folder.
+const INDEX: &str = "validation.md";
+
+pub fn validation(arguments: &Validation) -> Result<(), Failure> {
+    let only: Vec<String> = arguments.only.iter().map(u32::to_string).collect();
+    let number = |case: &Case| case.number.to_string();
+    let is = |case: &Case, n: &str| number(case) == n;
+    let cases = chosen(cases(&arguments.cases)?, "case", &only, number, is)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let options = Options {
+        short: arguments.short,
+        limit: Duration::from_secs_f64(arguments.limit),
+        jobs: arguments.jobs.map_or(threads, usize::from),
+        folder: arguments.runs.clone(),
+    };
+    let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
+    let progress = |case: &Case, outcome: &Outcome| {
+        // One at a time.
+        let _lines = lines.lock();
+        say::text(&told(case, outcome));
+    };
+    let all = validate(&cases, &options, &progress, &|| interrupt.requested());
+    if interrupt.requested() {
+        return Err(Failure::Interrupted);
+    }
+    let out = match &arguments.out {
+        Some(out) => out.as_path(),
+        // The pages tell of the full forms.
+        None if arguments.short => return print(&summary(&all)),
+        None => arguments.cases.as_path(),
+    };
+    for validated in &all {
+        pages(&out.join(validated.case.folder_name()), validated)?;
+    }
+    let beside = out.parent().unwrap_or(Path::new("."));
+    // A part of the cases leaves the rows of the others.
+    let before = match arguments.only.as_slice() {
+        [] => String::new(),
+        _ => listed(&beside.join(INDEX))?,
+    };
+    let name = out.file_name().unwrap_or(out.as_os_str()).to_string_lossy();
+    write(beside, INDEX, index(&all, &name, &before).as_bytes())?;
+    print(&format!("{}written to {}\n", summary(&all), out.display()))
+}
+
+/// The page that lists the cases as it stands; nothing if there is none.
+fn listed(file: &Path) -> Result<String, Failure> {
+    match std::fs::read_to_string(file) {
+        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|why| failed(file, why)),
+    }
+}
+
+/// The page of a case and what stands beside it.
+fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
+    let case = &validated.case;
+    for it in &case.charts {
+        let file = format!("{}.svg", it.name);
+        let svg = chart(it, validated).map_err(|why| failed(&folder.join(&file), other(why)))?;
+        write(folder, &file, svg.as_bytes())?;
+    }
+    for outcome in &validated.outcomes {
+        let name = &outcome.name;
+        for (what, svg) in [("scene", &outcome.scene), ("cracks", &outcome.cracks)] {
+            if let Some(svg) = svg {
+                write(folder, &format!("{name}_{what}.svg"), svg.as_bytes())?;
+            }
+        }
+        // A run that broke leaves the files of the one before.
+        if !outcome.history.rows(None).is_empty() {
+            let table = table(case, outcome);
+            write(folder, &format!("{name}.csv"), table.as_bytes())?;
+        }
+        // A deck that stands there by this name already keeps its comments.
+        let file = format!("{name}.toml");
+        let of_run = case.runs.iter().find(|r| r.name == *name).map(|r| &r.deck);
+        if let Some(deck) = &outcome.deck
+            && of_run != Some(&folder.join(&file))
+        {
+            write(folder, &file, deck.as_bytes())?;
+        }
+    }
+    write(folder, PAGE, page(validated).as_bytes())?;
+    Ok(())
+}
+
+/// The lines of a run as it ends.
+fn told(case: &Case, outcome: &Outcome) -> String {
+    let cost = &outcome.cost;
+    let how = match &outcome.verdict {
+        Verdict::Completed(_) => "holds".to_owned(),
+        Verdict::Wrong(reasons) => format!("WRONG: {}", reasons.join("; ")),
+        Verdict::Diverged(place, why) => format!("LOST in {place}: {why}"),
+        Verdict::Stopped(place) => format!("STOPPED in {place}"),
+        Verdict::Inapplicable(why) | Verdict::Broken(why) => format!("BROKEN: {why}"),
+    };
+    let mut text = format!(
+        "{}, {}: {how}; {} increments, {} solves, {} cuts, {:.1} s\n",
+        case.name(),
+        outcome.name,
+        cost.increments,
+        cost.iterations,
+        cost.cutbacks,
+        cost.seconds
+    );
+    for measured in &outcome.measured {
+        text.push_str(&format!("        {}\n", measured.text));
+    }
+    text
+}
+
+/// How many runs are as they must be.
+fn summary(all: &[Validated]) -> String {
+    let outcomes = || all.iter().flat_map(|v| &v.outcomes);
+    let held = outcomes().filter(|o| o.holds()).count();
+    format!("{held} of {} runs as expected\n", outcomes().count())
+}

@@ -1,0 +1,201 @@
+//! The methods that a case is taken through, each a few keys of a step.
+
+use super::case::Case;
+use wythe_core::deck::Deck;
+use wythe_core::deck::schema::{DeckProcedure, DeckStep, StepKind};
+
+/// A key of a step and its value.
+type Key = (&'static str, &'static str);
+
+/// A way to solve a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    /// Name in the atlas and on the command line.
+    pub name: &'static str,
+    /// What it says in a step of statics.
+    at_rest: &'static [Key],
+    /// What it says in a step of motion (`procedure = "dynamic"`); none if it is for statics only.
+    in_motion: Option<&'static [Key]>,
+    /// Whether every material must have a density.
+    needs_mass: bool,
+}
+
+/// The methods of the atlas, in its order. The one place that knows how the deck spells them.
+pub const METHODS: [Method; 8] = [
+    Method {
+        name: "auto",
+        at_rest: &[],
+        in_motion: Some(&[]),
+        needs_mass: false,
+    },
+    still(
+        "static",
+        &[("procedure", "static"), ("tangent", "secant")],
+        Some(&[("tangent", "secant")]),
+    ),
+    still(
+        "consistent",
+        &[("procedure", "static"), ("tangent", "consistent")],
+        Some(&[("tangent", "consistent")]),
+    ),
+    still(
+        "direct",
+        &[("procedure", "static"), ("tangent", "direct")],
+        Some(&[("tangent", "direct")]),
+    ),
+    still("implex", &[("procedure", "implex")], None),
+    still("arc_length", &[("procedure", "arc_length")], None),
+    still("dissipation", &[("procedure", "dissipation")], None),
+    Method {
+        name: "quasi_static",
+        at_rest: &[("procedure", "quasi_static")],
+        in_motion: None,
+        needs_mass: true,
+    },
+];
+
+const fn still(
+    name: &'static str,
+    at_rest: &'static [Key],
+    in_motion: Option<&'static [Key]>,
+) -> Method {
+    Method {
+        name,
+        at_rest,
+        in_motion,
+        needs_mass: false,
+    }
+}
+
+impl Method {
+    /// The overrides that make the deck of a case use this method.
+    ///
+    /// # Errors
+    /// A sentence, where it does not apply.
+    pub fn overrides(&self, case: &Case, deck: &Deck) -> Result<Vec<(String, String)>, String> {
+        let massless = |m: &wythe_core::deck::schema::Material| m.density.get() <= 0.0;
+        if self.needs_mass
+            && let Some((name, _)) = deck.materials.iter().find(|(_, m)| massless(m))
+        {
+            return Err(format!("{name} has no density"));
+        }
+        let mut overrides = Vec::new();
+        for (i, step) in deck.steps.iter().enumerate() {
+            if !takes(case, i, step) {
+                continue;
+            }
+            let keys = if step.procedure == DeckProcedure::Dynamic {
+                self.in_motion
+                    .ok_or_else(|| format!("step {i} is a motion"))?
+            } else {
+                self.at_rest
+            };
+            let key = |(key, value): &Key| (format!("steps.{i}.{key}"), format!("\"{value}\""));
+            overrides.extend(keys.iter().map(key));
+        }
+        Ok(overrides)
+    }
+}
+
+/// Whether a step takes the method.
+fn takes(case: &Case, index: usize, step: &DeckStep) -> bool {
+    match &case.steps {
+        Some(steps) => steps.contains(&index),
+        None => step.kind != StepKind::Preload,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DECK: &str = r#"
+        format = 1
+        [materials.stone]
+        E = 5000
+        nu = 0.2
+        DENSITY
+        [interfaces.dry]
+        f_t = 0
+        c = 0
+        tan_phi = 0.4
+        mu = 0.4
+        [[blocks]]
+        name = "a"
+        size = [1, 1, 1]
+        material = "stone"
+        [[steps]]
+        kind = "preload"
+        face = "a.top"
+        pressure = 1
+        [[steps]]
+        kind = "drive"
+        face = "a.top"
+        direction = "x"
+        displacement = 1
+        DYNAMICS
+    "#;
+
+    fn deck(density: &str, dynamics: &str) -> Deck {
+        let text = DECK
+            .replace("DENSITY", density)
+            .replace("DYNAMICS", dynamics);
+        Deck::from_str(&text, "deck.toml").unwrap()
+    }
+
+    fn overrides(name: &str, case: &Case, deck: &Deck) -> Result<Vec<(String, String)>, String> {
+        let method = METHODS.iter().find(|m| m.name == name).unwrap();
+        method.overrides(case, deck)
+    }
+
+    #[test]
+    fn a_method_is_said_in_every_step_but_preloads_or_in_those_of_the_case() {
+        let deck = deck("", "");
+        assert_eq!(overrides("auto", &Case::empty(), &deck), Ok(Vec::new()));
+        let said = overrides("implex", &Case::empty(), &deck).unwrap();
+        assert!(
+            said.iter().all(|(key, _)| key.starts_with("steps.1.")),
+            "{said:?}"
+        );
+        assert!(said.contains(&("steps.1.procedure".to_owned(), "\"implex\"".to_owned())));
+        let first = Case {
+            steps: Some(vec![0]),
+            ..Case::empty()
+        };
+        let said = overrides("implex", &first, &deck).unwrap();
+        assert!(
+            said.iter().all(|(key, _)| key.starts_with("steps.0.")),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn inertia_wants_mass_and_a_motion_is_none_of_statics() {
+        let case = Case::empty();
+        assert_eq!(
+            overrides("quasi_static", &case, &deck("", "")),
+            Err("stone has no density".to_owned())
+        );
+        assert!(overrides("quasi_static", &case, &deck("density = 2e-9", "")).is_ok());
+        let moving = deck("density = 2e-9", "procedure = \"dynamic\"");
+        assert!(overrides("quasi_static", &case, &moving).is_err());
+        let said = overrides("consistent", &case, &moving).unwrap();
+        assert!(
+            said.iter().all(|(key, _)| !key.ends_with("procedure")),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn every_method_is_one_that_the_deck_knows() {
+        let plain = deck("density = 2e-9", "");
+        for method in METHODS {
+            let said = method.overrides(&Case::empty(), &plain).unwrap();
+            let text = DECK
+                .replace("DENSITY", "density = 2e-9")
+                .replace("DYNAMICS", "");
+            let deck = Deck::from_str_with(&text, "deck.toml", &said);
+            assert!(deck.is_ok(), "{}: {deck:?}", method.name);
+        }
+    }
+}

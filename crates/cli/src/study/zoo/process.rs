@@ -1,0 +1,166 @@
+//! A run in a process of its own, ended when its time is up.
+
+use std::ffi::OsString;
+use std::io::{self, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::row::Ended;
+use wythe_core::results::usage;
+
+/// How often the process is looked at.
+const PAUSE: Duration = Duration::from_millis(20);
+/// How long it may take to end by itself after the user asked to stop: Ctrl-C on a terminal reaches it, too.
+const GRACE: Duration = Duration::from_secs(5);
+/// Wall time that it may take, over its CPU time, where the machine is busy: one that waits for ever uses no CPU.
+const BUSY: f64 = 20.0;
+
+/// Runs `program run DECK --out FOLDER` on so many threads. None: the user stopped it.
+///
+/// `limit`: of CPU time where the system tells it of another process, of wall time elsewhere. What the process wrote until
+/// then stays.
+///
+/// # Errors
+/// The process cannot be started or waited for.
+pub fn run(
+    program: &[OsString],
+    deck: &Path,
+    folder: &Path,
+    set: &[(String, String)],
+    threads: usize,
+    limit: Duration,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> io::Result<Option<Ended>> {
+    let Some((first, rest)) = program.split_first() else {
+        return Err(io::Error::other("there is no program to run it with"));
+    };
+    let mut command = Command::new(first);
+    command
+        .args(rest)
+        .arg("run")
+        .arg(deck)
+        .arg("--out")
+        .arg(folder);
+    command.args(["--quiet", "--threads", &threads.to_string()]);
+    for (key, value) in set {
+        command.arg("--set").arg(format!("{key}={value}"));
+    }
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut child = command.spawn()?;
+    let mut errors = child.stderr.take();
+    std::thread::scope(|scope| {
+        // Read as it comes: a full pipe would stop the run.
+        let said = scope.spawn(move || {
+            let mut bytes = Vec::new();
+            if let Some(errors) = &mut errors {
+                // Half of a message is better than none.
+                let _ = errors.read_to_end(&mut bytes);
+            }
+            String::from_utf8_lossy(&bytes).into_owned()
+        });
+        let waited = wait(&mut child, limit, stop);
+        if waited.is_err() {
+            end(&mut child);
+        }
+        let stderr = said.join().unwrap_or_default();
+        Ok(waited?.map(|ended| Ended { stderr, ..ended }))
+    })
+}
+
+/// Waits for the end, or makes it.
+fn wait(
+    child: &mut Child,
+    limit: Duration,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> io::Result<Option<Ended>> {
+    let started = Instant::now();
+    let mut asked: Option<Instant> = None;
+    let mut cpu_s = 0.0;
+    loop {
+        // Before the process is waited for: afterwards the system has forgotten it.
+        let cpu = usage::cpu_seconds_of(child.id());
+        let elapsed = started.elapsed().as_secs_f64();
+        cpu_s = cpu.unwrap_or(elapsed).max(cpu_s);
+        if let Some(status) = child.try_wait()? {
+            let ended = Ended {
+                out_of_time: false,
+                code: status.code(),
+                cpu_s,
+                stderr: String::new(),
+            };
+            return Ok(Some(ended).filter(|_| asked.is_none() && !stop()));
+        }
+        let limit = limit.as_secs_f64();
+        if cpu_s > limit || elapsed > BUSY * limit {
+            end(child);
+            return Ok(Some(Ended {
+                out_of_time: true,
+                code: None,
+                cpu_s,
+                stderr: String::new(),
+            }));
+        }
+        if stop() && asked.get_or_insert_with(Instant::now).elapsed() > GRACE {
+            end(child);
+            return Ok(None);
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
+
+/// Ends it at once. It may have ended by itself meanwhile, which is no error.
+fn end(child: &mut Child) {
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// A program in the place of wythe: it gets `run DECK …` as `$1`, `$2` ….
+    fn shell(script: &str) -> Vec<OsString> {
+        ["sh", "-c", script, "sh"].map(OsString::from).to_vec()
+    }
+
+    fn run(script: &str, limit: f64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Ended> {
+        let set = [("output.mcap".to_owned(), "false".to_owned())];
+        let (deck, folder) = (Path::new("1.toml"), Path::new("1.out"));
+        let limit = Duration::from_secs_f64(limit);
+        super::run(&shell(script), deck, folder, &set, 1, limit, stop).unwrap()
+    }
+
+    #[test]
+    fn a_process_gets_its_arguments_and_gives_its_code_and_its_errors() {
+        let ended = run("echo \"$@\" >&2; exit 3", 60.0, &|| false).unwrap();
+        assert_eq!((ended.code, ended.out_of_time), (Some(3), false));
+        let wanted = "run 1.toml --out 1.out --quiet --threads 1 --set output.mcap=false\n";
+        assert_eq!(ended.stderr, wanted);
+    }
+
+    #[test]
+    fn one_that_never_ends_is_ended_by_its_cpu_time_and_one_that_waits_by_the_clock() {
+        let busy = run("while :; do :; done", 0.2, &|| false).unwrap();
+        assert!(busy.out_of_time && busy.cpu_s > 0.2, "{busy:?}");
+        let waits = run("exec sleep 600", 0.01, &|| false).unwrap();
+        assert!(waits.out_of_time && waits.cpu_s < 10.0, "{waits:?}");
+    }
+
+    #[test]
+    fn one_that_the_user_stopped_has_no_end() {
+        assert_eq!(run("exit 130", 60.0, &|| true), None);
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_an_error() {
+        let program = [OsString::from("/no/such/wythe")];
+        let (deck, folder) = (Path::new("1.toml"), Path::new("1.out"));
+        let limit = Duration::from_secs(1);
+        assert!(super::run(&program, deck, folder, &[], 1, limit, &|| false).is_err());
+        assert!(super::run(&[], deck, folder, &[], 1, limit, &|| false).is_err());
+    }
+}

@@ -1,0 +1,125 @@
+//! Pairing of each contact point with a master facet.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use wythe_contact::pairs::stays_on;
+use wythe_contact::surface::blend;
+use wythe_contact::{PointPair, extend, pair_point};
+
+use super::Contact;
+use crate::assembly::Trial;
+
+impl Contact {
+    /// Renews the candidates if surfaces have moved beyond the margin, then pairs every point.
+    pub fn search(&mut self, trial: &mut Trial) {
+        let x = &trial.x;
+        // At the positions of the last force evaluation, feet and gaps of points that stay on their facets are
+        // known.
+        let seen = trial.seen_at == *x;
+        if !seen {
+            trial.seen_at.clear();
+        }
+        if self.has_moved(x) {
+            self.search_from(x);
+        }
+        trial.gaps.resize(self.points.len(), 0.0);
+        let (free, x_start) = (&trial.free, &trial.x_start);
+        trial
+            .pairs
+            .par_chunks_mut(4)
+            .zip(trial.anchors.par_chunks_mut(4))
+            .zip(trial.gaps.par_chunks_exact(4))
+            .enumerate()
+            .with_min_len(16)
+            .for_each(|(f, ((pairs, anchors), gaps))| {
+                for (p, (pair, anchor)) in pairs.iter_mut().zip(anchors).enumerate() {
+                    if self.is_image(4 * f + p) {
+                        (*pair, *anchor) = Default::default();
+                        continue;
+                    }
+                    let known = pair
+                        .facet
+                        .filter(|_| seen && stays_on(pair.xi) && gaps[p].abs() <= self.radius);
+                    let is_free = free[4 * f + p];
+                    let depth = if is_free { self.behind } else { self.step };
+                    let above = known.is_some() && gaps[p] >= -depth;
+                    let found = known.map(|facet| (facet, pair.xi));
+                    let found = found.or_else(|| self.pair(f, p, *pair, x));
+                    let comes = |&(facet, xi): &(u32, [f64; 2])| {
+                        let stays = !is_free && anchor.facet == Some(facet);
+                        stays
+                            || above
+                            || x_start.is_empty()
+                            || !self.is_behind(depth, &self.position(f, p, x), facet, xi, x)
+                            || !self.is_behind(
+                                depth,
+                                &self.position(f, p, x_start),
+                                facet,
+                                xi,
+                                x_start,
+                            )
+                    };
+                    *pair = match found.filter(comes) {
+                        Some((facet, xi)) => PointPair {
+                            facet: Some(facet),
+                            xi,
+                        },
+                        None => PointPair::default(),
+                    };
+                    if anchor.facet.is_none() {
+                        *anchor = *pair;
+                    }
+                }
+            });
+    }
+
+    /// Whether nodes have moved beyond the margin since candidates were searched.
+    fn has_moved(&self, x: &[[f64; 3]]) -> bool {
+        self.searched_at.len() != x.len()
+            || self.searched_at.iter().zip(x).any(|(a, b)| {
+                let d: f64 = (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum();
+                // Both surfaces move, so each may use half of the margin.
+                d > 0.25 * self.skin * self.skin
+            })
+    }
+
+    /// Master facet of a point and the parameters of its foot, starting from its pair `before`.
+    fn pair(
+        &self,
+        f: usize,
+        p: usize,
+        before: PointPair,
+        x: &[[f64; 3]],
+    ) -> Option<(u32, [f64; 2])> {
+        let present = before.facet.map(|facet| (facet, before.xi));
+        let point = self.position(f, p, x);
+        let candidates = self.candidates.of(f);
+        pair_point(
+            &point,
+            present,
+            candidates,
+            &self.master,
+            x,
+            [self.radius, self.rim],
+        )
+    }
+
+    /// Position of a point of a facet [mm].
+    pub(super) fn position(&self, facet: usize, p: usize, x: &[[f64; 3]]) -> Vector3<f64> {
+        let weights = &self.points[4 * facet + p].weights;
+        blend(weights, &self.slave.corners(facet, x))
+    }
+
+    /// Whether a point [mm] lies more than `depth` [mm] behind a facet.
+    fn is_behind(
+        &self,
+        depth: f64,
+        point: &Vector3<f64>,
+        facet: u32,
+        xi: [f64; 2],
+        x: &[[f64; 3]],
+    ) -> bool {
+        let foot = extend(point, &self.master.corners(facet as usize, x), xi);
+        foot.is_some_and(|foot| foot.gap < -depth)
+    }
+}

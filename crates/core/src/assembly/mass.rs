@@ -1,0 +1,124 @@
+//! Lumped mass from the densities, and the forces of a uniform acceleration.
+//!
+//! Each mass is a row sum of the consistent mass matrix of the element (Hughes 2000, §7.3.2; theory/inertia.md, eq.
+//! 7):
+//!
+//! ```text
+//! m_a = Σ_b ∫ ρ N_a N_b dV = ∫ ρ N_a dV
+//! ```
+//!
+//! The 2×2×2 Gauss points of the element integrate the volume of a trilinear hexahedron exactly, so the total mass
+//! is exact. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
+
+use super::Bulk;
+use super::dofs::{DofMap, HELD};
+use crate::element::hex8::CORNERS;
+use crate::model::Model;
+
+/// Masses of nodes and of generalised displacements.
+#[derive(Clone, Debug)]
+pub struct Mass {
+    /// Mass of each node [tonne]. `[node]`
+    pub node: Vec<f64>,
+    /// Mass that each generalised displacement moves [tonne]. `[slot]`
+    pub slot: Vec<f64>,
+    /// Direction of each slot's displacement. `[slot]`
+    direction: Vec<u8>,
+    /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
+    elements: f64,
+}
+
+impl Mass {
+    /// Sums the masses of a model.
+    pub fn new(model: &Model, bulk: &Bulk, dofs: &DofMap) -> Self {
+        let mut node = vec![0.0; model.mesh.nodes.len()];
+        for (e, nodes) in bulk.elements.iter().enumerate() {
+            let material = &model.materials[model.mesh.material[e] as usize].parameters;
+            let density = material.elastic().density;
+            let volumes = nodal_volumes(&bulk.shape(e).weight);
+            for (&n, volume) in nodes.iter().zip(volumes) {
+                node[n as usize] += density * volume;
+            }
+        }
+        let mut slot = vec![0.0; dofs.slots];
+        let mut direction = vec![0; dofs.slots];
+        for (mass, slots) in node.iter().zip(&dofs.slot) {
+            for (i, &s) in slots.iter().enumerate() {
+                if s != HELD {
+                    slot[s as usize] += mass;
+                    direction[s as usize] = i as u8;
+                }
+            }
+        }
+        Self {
+            node,
+            slot,
+            direction,
+            elements: bulk.count,
+        }
+    }
+
+    /// Total mass [tonne].
+    pub fn total(&self) -> f64 {
+        self.node.iter().sum()
+    }
+
+    /// Component of a uniform acceleration along a slot.
+    pub fn along(&self, slot: usize, acceleration: [f64; 3]) -> f64 {
+        acceleration[self.direction[slot] as usize]
+    }
+
+    /// Inertia forces M a of a uniform acceleration [N]. `[slot]`
+    pub fn forces(&self, acceleration: [f64; 3], forces: &mut [f64]) {
+        for ((f, m), &i) in forces.iter_mut().zip(&self.slot).zip(&self.direction) {
+            *f = m * acceleration[i as usize];
+        }
+    }
+
+    /// Generalised velocities from nodal ones `[node]` [mm/s]. They preserve the momentum of tied nodes.
+    pub fn mean_velocity(&self, dofs: &DofMap, nodal: &[[f64; 3]], velocity: &mut [f64]) {
+        velocity.fill(0.0);
+        let nodes = nodal.iter().zip(&self.node).zip(&dofs.slot);
+        for (((v, m), slots), sign) in nodes.zip(&dofs.sign) {
+            for (i, &s) in slots.iter().enumerate() {
+                if s != HELD {
+                    velocity[s as usize] += m * sign[i] * v[i] / self.slot[s as usize];
+                }
+            }
+        }
+    }
+
+    /// Kinetic energy ½ vᵀ M v [N mm].
+    pub fn kinetic_energy(&self, velocity: &[f64]) -> f64 {
+        let twice: f64 = self.slot.iter().zip(velocity).map(|(m, v)| m * v * v).sum();
+        0.5 * twice
+    }
+
+    /// Mean magnitude of M a over the elements' nodes [N], with the acceleration a of each slot [mm/s²]. It is the
+    /// scale of forces where nothing is stressed.
+    pub fn mean_force(&self, acceleration: impl Iterator<Item = f64>) -> f64 {
+        let sum: f64 = self
+            .slot
+            .iter()
+            .zip(acceleration)
+            .map(|(m, a)| m * a.abs())
+            .sum();
+        sum / (8.0 * self.elements.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
+fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
+    let at = 1.0 / 3.0_f64.sqrt();
+    CORNERS.map(|a| {
+        CORNERS
+            .iter()
+            .zip(weight)
+            .map(|(g, w)| {
+                w * (0..3)
+                    .map(|i| 0.5 * (1.0 + at * a[i] * g[i]))
+                    .product::<f64>()
+            })
+            .sum()
+    })
+}

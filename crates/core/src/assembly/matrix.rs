@@ -1,0 +1,144 @@
+//! The matrix of a system: its pattern, analysis and filling from the cells.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::{DofMap, Equations, Gather, System, Trial};
+use crate::linear::{Backend, LinearError, LinearSolver, Options, Pattern};
+
+impl System {
+    /// True if contact candidates have changed since the last analysis.
+    pub fn pattern_changed(&self) -> bool {
+        self.gather.is_none()
+            || self.analysed_version != self.contact.version()
+            || self.analysed_pairs != self.general.pairs()
+    }
+
+    /// Orders and analyses the matrix for the present candidates. Returns its number of entries and its solver.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis.
+    pub fn analyse(
+        &mut self,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(usize, LinearSolver), LinearError> {
+        let (gather, solver) = self.ordered(&self.dofs, equations, backend)?;
+        let entries = gather.row_idx.len();
+        self.gather = Some(gather);
+        self.analysis = solver.analysis().cloned();
+        self.analysed_version = self.contact.version();
+        self.analysed_pairs.clear();
+        self.analysed_pairs.extend_from_slice(self.general.pairs());
+        Ok((entries, solver))
+    }
+
+    /// Matrix pattern, elimination order and solver for the present candidates and the given unknowns.
+    fn ordered(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(Gather, LinearSolver), LinearError> {
+        let mut cells = self.bulk.elements.clone();
+        cells.extend(self.contact.cells());
+        cells.extend(self.general.cells());
+        cells.extend(self.springs.cells());
+        cells.extend(self.outside.cells());
+        cells.extend(self.steered_cells());
+        let gather = Gather::new(&cells, dofs, equations, backend.kind());
+        let mut group = Vec::with_capacity(equations.len());
+        let mut coordinates: Vec<[f64; 3]> = Vec::new();
+        let mut last = usize::MAX;
+        for &slot in &equations.slot_of {
+            let (node, _) = dofs.node_of(slot as usize);
+            if node != last {
+                // A beam couples many nodes and has no position.
+                let at_beam = slot as usize >= dofs.beam_start;
+                coordinates.push(if at_beam {
+                    [f64::NAN; 3]
+                } else {
+                    self.bulk.reference[node]
+                });
+                last = node;
+            }
+            group.push(coordinates.len() as u32 - 1);
+        }
+        let pattern = Pattern::new(gather.n, gather.col_ptr.clone(), gather.row_idx.clone())?
+            .with_nodes(&group, &coordinates)?;
+        let known = self.analysis.as_ref();
+        let solver = LinearSolver::analyse_beside(pattern, Options::new(backend), known)?;
+        Ok((gather, solver))
+    }
+
+    /// Factorises the symmetric matrix of the trial's cells in the given unknowns. Each diagonal entry is first
+    /// increased by `part_of_own` times itself. Success proves that the matrix is positive definite.
+    ///
+    /// # Errors
+    /// [`LinearError`] of the analysis or the factorisation.
+    pub fn try_factor(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+        part_of_own: f64,
+    ) -> Result<(), LinearError> {
+        let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
+        let mut values = vec![0.0; gather.row_idx.len()];
+        gather.fill(&trial.cells, &trial.active, None, &mut values);
+        for (e, column) in gather.col_ptr.windows(2).enumerate() {
+            let rows = &gather.row_idx[column[0]..column[1]];
+            if let Ok(k) = rows.binary_search(&(e as u32)) {
+                values[column[0] + k] *= 1.0 + part_of_own;
+            }
+        }
+        solver.factorise(&values).map(|_| ())
+    }
+
+    /// Sums the cells into the matrix.
+    pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
+        if let Some(gather) = &self.gather {
+            gather.fill(&trial.cells, &trial.active, None, values);
+        }
+    }
+
+    /// Sums the cells into a matrix that was filled from this pattern before, at filling `last`. Only entries
+    /// with a contribution of a changed cell are summed again.
+    pub fn refill(&self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
+        /// Each filling has its own number. It identifies the trial and the matrix that belong together, also
+        /// after a rejected increment.
+        static FILLINGS: AtomicU64 = AtomicU64::new(1);
+        let Some(gather) = &self.gather else { return };
+        let known = *last == Some(trial.filling) && trial.changed.len() == trial.active.len();
+        let changed = known.then_some(&trial.changed[..]);
+        gather.fill(&trial.cells, &trial.active, changed, values);
+        trial.changed.clear();
+        trial.changed.resize(trial.active.len(), false);
+        trial.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
+        *last = Some(trial.filling);
+    }
+
+    /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
+    pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
+        self.add_diagonal(equations, factor, &self.mass.slot, values);
+    }
+
+    /// Adds `factor` times the given coefficients to the diagonal of the matrix of `equations`. `coefficients`:
+    /// `[slot]`
+    pub fn add_diagonal(
+        &self,
+        equations: &Equations,
+        factor: f64,
+        coefficients: &[f64],
+        values: &mut [f64],
+    ) {
+        let Some(gather) = &self.gather else { return };
+        for (e, &slot) in equations.slot_of.iter().enumerate() {
+            let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
+            // Rows of a column ascend. The diagonal entry exists because an element couples every unknown with
+            // itself.
+            if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
+                values[column.start + k] += factor * coefficients[slot as usize];
+            }
+        }
+    }
+}

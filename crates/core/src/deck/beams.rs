@@ -1,0 +1,230 @@
+//! Loading beams: converts `[[beams]]` to blocks, contacts and springs.
+//!
+//! ```text
+//!   p, over the beam's area                  a beam that turns: a stiff block on the faces, its weight and load
+//!    | | | | | | |                           spread over it, a jack (spring) that moves the mean of its nodes;
+//!  ┌───────────────┐                         one that stays level: the same block, whose top is a face that
+//!  │       x ──>   │ depth   d, at half of it  moves as one
+//!  ├──┬──┬──┬──┬───┤
+//! ```
+
+use super::bodies::Bodies;
+use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
+use super::rigid;
+use super::schema::{
+    Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
+    StepKind, Turning,
+};
+use crate::element::hexahedron::range;
+use crate::error::{Errors, ModelError};
+use crate::model::scene::Increments;
+use std::borrow::Cow;
+
+/// Young's modulus of a beam over the largest one in the scene.
+const STIFFER: f64 = 100.0;
+
+/// Density of a beam for which the deck gives none [tonne/mm³]: that of air.
+const AIR: f64 = 1.2e-12;
+
+/// A face is level if the heights of its nodes differ by less than this [mm].
+const LEVEL: f64 = 0.01;
+
+/// Returns the deck with its beams replaced by blocks, contacts and springs, and with the steps that move them.
+///
+/// # Errors
+/// Faces that are not level, or not at one height; unknown names.
+pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
+    if deck.beams.is_empty() {
+        return Ok(Cow::Borrowed(deck));
+    }
+    let mut plain = deck.clone();
+    plain.beams.clear();
+    let mut errors = Errors::default();
+    let blocks = {
+        // Bodies are built here to find where the beams lie, and a second time with the beams. Files named by the
+        // deck are therefore read twice.
+        let bodies = Bodies::new(&plain)?;
+        let modulus = modulus(&bodies);
+        let mut blocks = Vec::new();
+        for (i, beam) in deck.beams.iter().enumerate() {
+            let on = errors.keep(outline(&bodies, deck, i, beam));
+            blocks.extend(on.map(|(at, size)| Laid { at, size, modulus }));
+        }
+        blocks
+    };
+    let blocks = errors.end(blocks)?;
+    for (i, (beam, laid)) in deck.beams.iter().zip(&blocks).enumerate() {
+        for path in add(&mut plain, beam, laid) {
+            plain.stands_for(path, format!("beams.{i}"));
+        }
+    }
+    let mut told = Vec::new();
+    for (i, step) in plain.steps.iter_mut().enumerate() {
+        let of = |name: &String| deck.beams.iter().position(|beam| beam.name == *name);
+        let Some(b) = step.beam.as_ref().and_then(of) else {
+            continue; // no beam, or an unknown one, which was rejected when the deck was read
+        };
+        take_over(step, &deck.steps[i], &deck.beams[b], &blocks[b]);
+        for key in ["face", "spring"] {
+            told.push((format!("steps.{i}.{key}"), format!("steps.{i}.beam")));
+        }
+    }
+    for (path, from) in told {
+        plain.stands_for(path, from);
+    }
+    Ok(Cow::Owned(plain))
+}
+
+/// Position and stiffness of a beam.
+struct Laid {
+    /// Lowest corner [mm].
+    at: [f64; 3],
+    /// Sizes [mm].
+    size: [f64; 3],
+    /// Young's modulus [MPa].
+    modulus: f64,
+}
+
+impl Laid {
+    /// Area in plan [mm²].
+    fn area(&self) -> f64 {
+        self.size[0] * self.size[1]
+    }
+
+    /// Stiffness of the jack [N/mm]: that of the beam along its shortest side.
+    fn jack(&self) -> f64 {
+        self.modulus * self.size.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Young's modulus of the beams of a scene [MPa]: [`STIFFER`] times the largest one. Rigid-like materials are
+/// not multiplied: they are stiff enough.
+fn modulus(bodies: &Bodies<'_>) -> f64 {
+    let materials = bodies.materials.iter();
+    let of = materials.filter_map(|name| {
+        let own = bodies.parameters(name).ok()?.elastic().E;
+        let is_rigid = rigid::base(name) != name;
+        Some(if is_rigid { own } else { STIFFER * own })
+    });
+    of.fold(0.0, f64::max)
+}
+
+/// Lowest corner and sizes of a beam [mm].
+fn outline(
+    bodies: &Bodies<'_>,
+    deck: &Deck,
+    i: usize,
+    beam: &DeckBeam,
+) -> Result<([f64; 3], [f64; 3]), ModelError> {
+    let path = format!("beams.{i}.on");
+    let places = bodies.places(&path, &beam.on, true)?;
+    let nodes = bodies.nodes(&places);
+    let of = |d: usize| range(nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]));
+    let [x, y, z] = [of(0), of(1), of(2)];
+    let (vector, _) = bodies.area(&places);
+    let level = z[1] - z[0] <= LEVEL && vector[2] > 0.0;
+    if !level {
+        return Err(deck.error(
+            &path,
+            format!(
+                "{} is no level face that looks upwards: its heights go from {:.2} to {:.2} mm",
+                beam.on.0.join(", "),
+                z[0],
+                z[1]
+            ),
+            "name tops of one height, such as on = \"wall.top\"",
+        ));
+    }
+    let sizes = [x[1] - x[0], y[1] - y[0], beam.depth.get()];
+    Ok(([x[0], y[0], z[1]], sizes))
+}
+
+/// Adds the material, block, contact and spring of a beam; returns their paths.
+fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
+    let name = &beam.name;
+    let mut paths = vec![
+        format!("materials.{name}"),
+        format!("blocks.{}", plain.blocks.len()),
+        format!("contacts.{}", plain.contacts.len()),
+    ];
+    let density = beam.density.map_or(0.0, Quantity::get).max(AIR);
+    plain.materials.insert(
+        name.clone(),
+        Material::elastic(
+            Pressure::new(laid.modulus),
+            Number::new(0.0),
+            Density::new(density),
+        ),
+    );
+    plain.blocks.push(DeckBlock {
+        name: name.clone(),
+        size: Some(laid.size.map(Length::new)),
+        at: laid.at.map(Length::new),
+        rotate: None,
+        corners: None,
+        nodes: None,
+        material: name.clone(),
+        mesh: [1; 3],
+        rigid: false,
+        velocity: Default::default(),
+        stack: None,
+        interface: None,
+        copies: None,
+        pitch: None,
+    });
+    plain.contacts.push(DeckContact {
+        slave: Some(beam.on.clone()),
+        master: Some(Names(vec![format!("{name}.bottom")])),
+        interface: beam.interface.clone(),
+    });
+    let mut jack = [0.0; 3];
+    for step in plain.steps.iter().filter(|s| s.beam.as_ref() == Some(name)) {
+        if let (Turning::Free, Some(direction)) = (beam.rotation, step.direction) {
+            jack[direction.axis().0] = laid.jack();
+        }
+    }
+    if jack != [0.0; 3] {
+        paths.push(format!("springs.{}", plain.springs.len()));
+        plain.springs.push(DeckSpring {
+            name: name.clone(),
+            on: Names(vec![name.clone()]),
+            stiffness: jack.map(SpringStiffness::new),
+        });
+    }
+    paths
+}
+
+/// Translates a step on a beam into one on its face, its jack or a load.
+fn take_over(step: &mut DeckStep, said: &DeckStep, beam: &DeckBeam, laid: &Laid) {
+    step.beam = None;
+    let name = &beam.name;
+    match (beam.rotation, step.kind) {
+        (Turning::Level, _) => step.face = Some(Names(vec![format!("{name}.top")])),
+        (Turning::Free, StepKind::Drive) => step.spring = Some(name.clone()),
+        (Turning::Free, _) => {
+            // Increment sizes that the deck does not give remain those of a preload.
+            let Increments {
+                initial, max, min, ..
+            } = said.increments();
+            step.name.get_or_insert_with(|| said.kind.name().to_owned());
+            step.kind = StepKind::Load;
+            step.increments.initial = Some(Number::new(initial));
+            step.increments.max = Some(Number::new(max));
+            step.increments.min = Some(Number::new(min));
+            let force = step.pressure.take().map_or(0.0, Quantity::get) * laid.area();
+            step.loads.push(DeckLoad {
+                name: name.clone(),
+                on: Some(Names(vec![name.clone()])),
+                near: None,
+                from: None,
+                to: None,
+                within: None,
+                pressure: None,
+                follower: None,
+                traction: None,
+                force: Some([0.0, 0.0, -force].map(Force::new)),
+                line_force: None,
+            });
+        }
+    }
+}

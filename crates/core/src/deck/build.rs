@@ -1,0 +1,220 @@
+//! Builds the [`Model`] of a deck.
+
+use super::amount;
+use super::beams;
+use super::bodies::Bodies;
+use super::findings;
+use super::general;
+use super::held::{Holding, require_held, require_held_each_way};
+use super::loading::{Loading, loading};
+use super::loads;
+use super::masonry;
+use super::meeting::{Meeting, meeting};
+use super::overlap;
+use super::probes;
+use super::quantity::Quantity;
+use super::rigid;
+use super::scatter;
+use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
+use super::symmetry;
+use crate::error::{Errors, ModelError, Warning};
+use crate::material::MaterialParameters;
+use crate::model::scene::{Beam, Model, NamedMaterial, Spring, Support};
+
+impl Model {
+    /// Builds the model that a deck describes; returns it with all warnings.
+    ///
+    /// # Errors
+    /// A deck without a scene or steps, unknown names, contradictions, softening that would snap back within an
+    /// element of this mesh, unsupported bodies. All errors that can be found are returned, with the warnings.
+    pub fn from_deck(deck: &Deck) -> Result<(Self, Vec<Warning>), ModelError> {
+        if !deck.has_scene() {
+            return Err(nothing_to_load(deck));
+        }
+        let deck = &*beams::written_out(deck)?;
+        let mut errors = Errors::default();
+        errors.keep(require_steps(deck));
+        let mut bodies = Bodies::new(deck)?;
+        errors.keep(require_mass(deck, &bodies));
+        let (supports, springs) = (
+            errors.keep(bodies.supports()),
+            errors.keep(bodies.springs()),
+        );
+        let is_known = supports.is_some() && springs.is_some();
+        let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
+        let held_by_deck = supports.len();
+        supports.extend(
+            errors
+                .keep(symmetry::supports(deck, &bodies))
+                .unwrap_or_default(),
+        );
+        let probes = errors.keep(probes::probes(deck, &bodies));
+        let top = masonry::level_beam(&bodies);
+        let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
+        let Surfaces {
+            parameters,
+            meeting:
+                Meeting {
+                    mut contact,
+                    touching,
+                    warnings,
+                },
+        } = match surfaces(deck, &bodies) {
+            Ok(surfaces) => surfaces,
+            // The sizes of the elements are unknown here, so that softening cannot be checked.
+            Err(error) => return Err(errors.and(error)),
+        };
+        let moved = loading.is_some();
+        let Loading { beams, mut steps } = loading.unwrap_or_default();
+        errors.keep(symmetry::judge(deck, &bodies, &beams, &mut steps));
+        contact.points = deck.contact.points;
+        contact.search_radius = deck.contact.search_radius.map(Quantity::get);
+        errors.keep(scatter::scatter(deck, &mut contact));
+        let mut parts = deck.contact.parts.map(f64::from);
+        parts.sort_by(f64::total_cmp);
+        let points = 4.0 * contact.slave_facets.len() as f64 * parts[1] * parts[2];
+        if points > amount::MOST_POINTS {
+            return Err(errors.and(deck.error(
+                "contact.parts",
+                format!("{points} points of contact are too many"),
+                "at most 1e7: cut facets into fewer parts",
+            )));
+        }
+        contact.divide(deck.contact.parts, &bodies.mesh.nodes);
+        // Supports of symmetry planes come after `held_by_deck`: they hold no body against motion in the plane.
+        let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
+        let mut floats = None;
+        if moved && is_known {
+            let holding = Holding {
+                supports: &supports,
+                springs: &springs,
+                beams: &beams,
+                steps: &steps,
+            };
+            let is_held = require_held(deck, &bodies, &held, &touching).and_then(|floats| {
+                require_held_each_way(deck, &bodies, &touching, holding).map(|()| floats)
+            });
+            floats = errors.keep(is_held).flatten();
+        }
+        let overlaps = errors
+            .keep(overlap::overlaps(deck, &bodies))
+            .unwrap_or_default();
+        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
+        let planes = &supports[held_by_deck..];
+        errors.keep(symmetry::judge_held(
+            deck,
+            &bodies,
+            planes,
+            &springs,
+            named.all(),
+            &steps,
+        ));
+        let names = std::mem::take(&mut bodies.materials);
+        let initial_velocity = std::mem::take(&mut bodies.velocity);
+        let imported = std::mem::take(&mut bodies.warnings);
+        bodies.mesh.names = bodies.names();
+        let bond = findings::bond(deck, &bodies.walls);
+        let mut model = Self {
+            title: deck.title.clone(),
+            mesh: bodies.mesh,
+            materials: named_materials(names, parameters),
+            formulation: deck.element.formulation,
+            contact,
+            loads: named.assign(&mut steps),
+            beams,
+            supports,
+            initial_velocity,
+            springs,
+            probes: probes.unwrap_or_default(),
+            steps,
+            output: errors.keep(deck.output()).unwrap_or_default(),
+            warnings: Vec::new(),
+            fidelity: deck.fidelity,
+        };
+        model.contact.general = errors.keep(general::general(deck, &model)).flatten();
+        let laid = imported.into_iter().chain(bond).chain(warnings);
+        let laid = laid.chain(overlaps).chain(floats).collect();
+        findings::judged(deck, model, laid, errors)
+    }
+}
+
+fn nothing_to_load(deck: &Deck) -> ModelError {
+    deck.error(
+        "wall",
+        "the table [wall] is missing: there is nothing to load",
+        "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], [[imports]] or [arch]",
+    )
+}
+
+/// Nodes that are held by supports, springs or faces that move as one.
+fn nodes_held(supports: &[Support], springs: &[Spring], beams: &[Beam]) -> Vec<u32> {
+    let of_supports = supports.iter().map(|s| &s.nodes);
+    let of_springs = springs.iter().map(|s| &s.nodes);
+    let of_beams = beams.iter().map(|b| &b.nodes);
+    let all = of_supports.chain(of_springs).chain(of_beams);
+    all.flatten().copied().collect()
+}
+
+fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {
+    let named = names.into_iter().zip(parameters);
+    named
+        .map(|(name, parameters)| NamedMaterial { name, parameters })
+        .collect()
+}
+
+/// Parameters of the materials, and the contact surfaces.
+struct Surfaces {
+    parameters: Vec<MaterialParameters>,
+    meeting: Meeting,
+}
+
+fn surfaces(deck: &Deck, bodies: &Bodies<'_>) -> Result<Surfaces, ModelError> {
+    let materials = bodies.materials.iter();
+    let parameters = materials
+        .map(|name| bodies.parameters(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let elastic: Vec<_> = parameters.iter().map(|p| *p.elastic()).collect();
+    let meeting = meeting(deck, bodies, &elastic)?;
+    Ok(Surfaces {
+        parameters,
+        meeting,
+    })
+}
+
+fn require_steps(deck: &Deck) -> Result<(), ModelError> {
+    if !deck.steps.is_empty() {
+        return Ok(());
+    }
+    let what = if deck.has_walls() { "wall" } else { "blocks" };
+    Err(deck.error(
+        "steps",
+        format!("there are no steps: nothing happens to the {what}"),
+        "add [[steps]] with kind = \"drive\", direction and displacement",
+    ))
+}
+
+/// Rejects gravity and inertia for materials without density.
+fn require_mass(deck: &Deck, bodies: &Bodies<'_>) -> Result<(), ModelError> {
+    let needs = |s: &DeckStep| {
+        let inertia = [DeckProcedure::QuasiStatic, DeckProcedure::Dynamic];
+        matches!(s.kind, StepKind::Gravity | StepKind::Tilt | StepKind::Free)
+            || (!deck.imports.is_empty() && inertia.contains(&s.procedure))
+    };
+    let Some(step) = deck.steps.iter().position(needs) else {
+        return Ok(());
+    };
+    let massless = |name: &&String| {
+        bodies
+            .parameters(name)
+            .is_ok_and(|m| m.elastic().density == 0.0)
+    };
+    let Some(name) = bodies.materials.iter().find(massless) else {
+        return Ok(());
+    };
+    let kind = deck.steps[step].kind.name();
+    Err(deck.error(
+        &format!("materials.{}.density", rigid::base(name)),
+        format!("steps.{step} is of the kind {kind}, and {name} has no mass"),
+        &crate::deck::keys::example("density"),
+    ))
+}

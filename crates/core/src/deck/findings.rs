@@ -1,0 +1,404 @@
+//! Checks of the physics of a model before it is run.
+
+use super::magnitudes::magnitudes;
+use super::masonry::{Masonry, Unit};
+use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
+use super::{rounding, tables};
+use crate::element::extent;
+use crate::error::{Errors, ModelError, Warning};
+use crate::material::{Extent, MaterialParameters};
+use crate::model::Model;
+use std::collections::{HashMap, HashSet};
+use wythe_contact::JointLaw;
+
+/// Equivalent lengths l_eq = V^(1/3) of elements [mm] (α_h = 1 for hex8), ascending, each once.
+pub(super) fn equivalent_lengths(model: &Model, elements: &[usize]) -> Vec<f64> {
+    let mesh = &model.mesh;
+    let mut lengths: Vec<f64> = elements.iter().map(|e| mesh.volume(*e).cbrt()).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.dedup_by(|b, a| *b <= *a * (1.0 + SAME_LENGTH));
+    lengths
+}
+
+/// Elements by the name of their material; several material indices may have one name.
+pub(super) fn elements_by_name(model: &Model) -> HashMap<&str, Vec<usize>> {
+    let mut of_index: Vec<Vec<usize>> = vec![Vec::new(); model.materials.len()];
+    for (e, material) in model.mesh.material.iter().enumerate() {
+        of_index[usize::from(*material)].push(e);
+    }
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (material, elements) in model.materials.iter().zip(of_index) {
+        by_name
+            .entry(material.name.as_str())
+            .or_default()
+            .extend(elements);
+    }
+    by_name
+}
+
+/// Least and largest width of elements in any direction [mm].
+pub(super) fn band_widths(model: &Model, elements: &[usize]) -> [f64; 2] {
+    let mesh = &model.mesh;
+    let extents: Vec<Extent> = elements
+        .iter()
+        .filter_map(|&e| extent(&mesh.corners(e), mesh.volume(e)))
+        .collect();
+    Extent::range(extents.iter())
+}
+
+/// Lengths that differ by less than this fraction are equal: coordinates of the mesh are sums of sizes.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// Returns the model with its warnings if there are no errors, neither earlier ones nor in its physics. `laid`:
+/// warnings about bonds and surfaces.
+///
+/// # Errors
+/// The earlier errors, and softening that would snap back within an element; with the warnings.
+pub(super) fn judged(
+    deck: &Deck,
+    mut model: Model,
+    laid: Vec<Warning>,
+    mut errors: Errors,
+) -> Result<(Model, Vec<Warning>), ModelError> {
+    let (mut warnings, wrong) = findings(deck, &model);
+    warnings.extend(laid);
+    let warnings = Warning::counted(warnings);
+    for error in wrong {
+        errors.push(error);
+    }
+    model.warnings.clone_from(&warnings);
+    match errors.end(model) {
+        Ok(model) => Ok((model, warnings)),
+        Err(error) => Err(error.with_warnings(warnings)),
+    }
+}
+
+/// All warnings about a model, and all errors in its physics: softening that would snap back within an element.
+pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelError>) {
+    let mut warnings = Vec::new();
+    let mut errors = Vec::new();
+    let by_name = elements_by_name(model);
+    let mut seen: HashSet<&str> = HashSet::new();
+    for material in &model.materials {
+        let name = material.name.as_str();
+        if !seen.insert(name) {
+            continue; // units and mortar of one material
+        }
+        let elements = &by_name[name];
+        if let MaterialParameters::DamagePlasticity(p) = &material.parameters {
+            let lengths = equivalent_lengths(model, elements);
+            if p.reference_length.is_none() {
+                warnings.push(unscaled(deck, name));
+            }
+            let judged = if p.has_bands() {
+                let widths = band_widths(model, elements);
+                tables::judge_bands(deck, name, p, widths)
+            } else {
+                tables::judge(deck, name, p, &lengths)
+            };
+            match judged {
+                Ok(found) => warnings.extend(found),
+                Err(error) => errors.push(error),
+            }
+        }
+    }
+    for (name, interface) in interfaces(deck, model) {
+        warnings.extend(check_interface(deck, name, interface, model));
+    }
+    errors.extend(rounding::judge(deck, model));
+    warnings.extend(peaks_not_seen(deck));
+    warnings.extend(magnitudes(deck));
+    (warnings, errors)
+}
+
+/// Warnings about steps with `increments.peak` but without peak control.
+fn peaks_not_seen(deck: &Deck) -> Vec<Warning> {
+    let says = |step: &DeckStep| step.increments.peak.is_some() && !step.sees_peaks();
+    let steps = deck.steps.iter().enumerate();
+    let silent = steps.filter(|(_, step)| says(step));
+    let told = |(i, _)| {
+        let message = "not used: a peak is seen where a displacement drives or steers, without inertia and along no path";
+        deck.warning(&format!("steps.{i}.increments.peak"), message)
+    };
+    silent.map(told).collect()
+}
+
+/// Interfaces that the model uses, each once.
+pub(super) fn interfaces<'a>(deck: &'a Deck, model: &'a Model) -> Vec<(&'a str, &'a Interface)> {
+    let of_wall = deck.walls().map(|(_, _, wall)| wall.interface.as_str());
+    let mut names: Vec<&str> = of_wall
+        .chain(model.contact.law_names.iter().map(String::as_str))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let with_law = |name| Some((name, deck.interfaces.get(name)?));
+    names.into_iter().filter_map(with_law).collect()
+}
+
+/// Warning about a material whose tables are not scaled to the elements.
+fn unscaled(deck: &Deck, name: &str) -> Warning {
+    deck.warning(
+        &format!("materials.{name}"),
+        "reference_length is missing: the tables are taken as given in every element, and the \
+         energy to break a unit depends on the mesh (scaling is off)",
+    )
+}
+
+fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec<Warning> {
+    let path = format!("interfaces.{name}");
+    let mut warnings = Vec::new();
+    let warn = |key: &str, message: String| deck.warning(&format!("{path}.{key}"), message);
+    let (mu, tan_phi, c, f_t) = (f.mu.get(), f.tan_phi.get(), f.c.get(), f.f_t.get());
+    if mu > tan_phi && !f.is_dry() {
+        let pressure = c / (mu - tan_phi);
+        warnings.push(warn(
+            "mu",
+            format!(
+                "the residual friction is above tan_phi = {tan_phi}: under more than {pressure:.3} MPa \
+                 the joint hardens as it breaks"
+            ),
+        ));
+    }
+    if f_t > 0.0 && tan_phi > 0.0 && f_t >= c / tan_phi {
+        let limit = c / tan_phi;
+        warnings.push(warn(
+            "f_t",
+            format!(
+                "the Coulomb line ends at c/tan_phi = {limit:.4} MPa, below f_t: a joint pulled \
+                 beyond it slides without resistance before it opens"
+            ),
+        ));
+    }
+    for (i, key) in ["normal_stiffness", "shear_stiffness"]
+        .into_iter()
+        .enumerate()
+    {
+        if let Some([stiffness, least]) = nearest_to_snap_back(model, name, i)
+            && stiffness <= least
+        {
+            warnings.push(warn(
+                key,
+                format!(
+                    "{stiffness:.3} N/mm^3 is not above {least:.3}: the softening snaps back within the \
+                     interface (raise the stiffness or penalty_factor)"
+                ),
+            ));
+        }
+    }
+    let u_k = f.law(1.0, 1.0).ultimate_opening();
+    if let Some(radius) = model.contact.search_radius.filter(|radius| *radius < u_k) {
+        warnings.push(deck.warning(
+            "contact.search_radius",
+            format!(
+                "{radius} mm is below the ultimate opening of {name}, {u_k:.4} mm: a joint that opens \
+                 wider than the radius loses what is left of its bond"
+            ),
+        ));
+    }
+    if f.normal_stiffness.is_some() && f.penalty_factor.is_some() {
+        warnings.push(warn(
+            "penalty_factor",
+            "not used: explicit stiffnesses are given".to_owned(),
+        ));
+    }
+    warnings
+}
+
+/// Stiffness and steepest softening slope [N/mm³] of the law of an interface that is closest to snap-back, in
+/// opening (`mode` 0) or slip (1).
+///
+/// The slope must stay below the stiffness (theory/joint.md, eq. 23). None if no law softens.
+fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 2]> {
+    let contact = &model.contact;
+    let laws = contact.laws.iter().zip(&contact.law_names);
+    let pairs = laws
+        .filter(|(_, n)| *n == name)
+        .map(|(law, _)| [law.stiffness()[mode], law.softening_slopes()[mode]]);
+    pairs
+        .filter(|[_, slope]| *slope > 0.0)
+        .min_by(|[k, slope], [l, other]| (k / slope).total_cmp(&(l / other)))
+}
+
+/// Warnings about slivers and about head joints that run through.
+pub(super) fn bond(deck: &Deck, walls: &[Masonry<'_>]) -> Vec<Warning> {
+    walls.iter().flat_map(|wall| bond_of(deck, wall)).collect()
+}
+
+fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
+    let wall = masonry.wall;
+    let (shortest, lap) = masonry.bat_and_lap();
+    let [unit, joint] = [wall.unit[0].get(), wall.head_joint.get()];
+    // Closers are meant to be short.
+    let [least, least_lap] = match wall.bond {
+        Bond::Stretcher | Bond::Stack => [unit / 8.0; 2],
+        _ => [wall.unit[1].get() / 8.0; 2],
+    };
+    let key = format!("{}.length", masonry.path);
+    let mut warnings = Vec::new();
+    if shortest < least {
+        let half = (unit - joint) / 2.0;
+        warnings.push(deck.warning(
+            &key,
+            format!("the bats are slivers of {shortest:.2} mm (a half unit is {half:.2} mm)"),
+        ));
+    }
+    if wall.courses > 1 && lap < least_lap && wall.bond != Bond::Stack {
+        warnings.push(deck.warning(
+            &key,
+            format!(
+                "head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"
+            ),
+        ));
+    }
+    warnings.extend(unread(deck, masonry));
+    warnings.extend(wide_joints(deck, masonry));
+    warnings.extend(gaps(deck, masonry));
+    warnings
+}
+
+/// Warnings about keys of a wall that have no effect because of other keys.
+fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
+    let (wall, path) = (masonry.wall, &masonry.path);
+    let mut warnings = Vec::new();
+    if wall.rigid && wall.mesh != Subdivision::default() {
+        let message = "not used: rigid units have the elements that their neighbours leave them";
+        warnings.push(deck.warning(&format!("{path}.mesh"), message));
+    }
+    let filling = wall.head_filling.get();
+    if wall.filled_from != FilledFrom::Both && (filling == 0.0 || filling == 1.0) {
+        let how = if filling == 0.0 { "empty" } else { "full" };
+        let message = format!("not used: head_filling = {filling} leaves the head joints {how}");
+        warnings.push(deck.warning(&format!("{path}.filled_from"), message));
+    }
+    warnings
+}
+
+/// Warning about head joints wider than those of the wall, which patterns and lintels may cause.
+fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
+    let (along, _) = masonry.wall.axes();
+    let joint = masonry.wall.head_joint.get();
+    let wide = |u: &&Unit| u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get();
+    let mut units = masonry.units.iter().filter(wide);
+    let first = units.next()?;
+    let [from, to] = [first.own[along][1], first.all[along][1]];
+    let rest = units.count();
+    let others = if rest > 0 {
+        format!(", and {rest} others")
+    } else {
+        String::new()
+    };
+    let key = if masonry.wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "openings"
+    };
+    Some(deck.warning(
+        &format!("{}.{key}", masonry.path),
+        format!(
+            "in course {} the joint behind {} from {from:.2} to {to:.2} mm is {:.2} mm wide, the head joints of the wall \
+             {joint} mm{others}",
+            first.course,
+            first.name(&masonry.name),
+            to - from
+        ),
+    ))
+}
+
+/// Warning about neighbouring units of a course without a joint between them.
+fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
+    let wall = masonry.wall;
+    let (along, _) = wall.axes();
+    let origin = wall.at[along].get();
+    let least = 1e-6 * wall.unit[0].get();
+    let in_opening = |course: u16, x: f64| {
+        let courses = |o: &crate::deck::schema::DeckOpening| {
+            let above = o.lintel.as_ref().map_or(0, |l| l.courses);
+            o.sill..o.sill + o.courses + above
+        };
+        let mut openings = wall.openings.iter();
+        openings.any(|o| {
+            courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x)
+        })
+    };
+    // Where another wall passes through, a gap of its thickness is intended.
+    let most = if masonry.joined.is_empty() {
+        f64::INFINITY
+    } else {
+        3.0 * wall.head_joint.get()
+    };
+    let mut found = Vec::new();
+    for course in masonry.units.chunk_by(|a, b| a.course == b.course) {
+        let mut by_start: Vec<usize> = (0..course.len()).collect();
+        by_start.sort_by(|a, b| course[*a].own[along][0].total_cmp(&course[*b].own[along][0]));
+        for unit in course {
+            for i in following(wall, course, &by_start, unit) {
+                let next = &course[i];
+                let gap = next.own[along][0] - unit.all[along][1].max(unit.own[along][1]);
+                let middle = next.own[along][0] - 0.5 * gap - origin;
+                if gap > least && gap <= most && !in_opening(unit.course, middle) {
+                    found.push((unit, next, gap));
+                }
+            }
+        }
+    }
+    let &(unit, next, gap) = found.first()?;
+    let others = match found.len() {
+        1 => String::new(),
+        n => format!(", and at {} other places", n - 1),
+    };
+    let key = if wall.bond == Bond::Pattern {
+        "pattern"
+    } else {
+        "bond"
+    };
+    Some(deck.warning(
+        &format!("{}.{key}", masonry.path),
+        format!(
+            "in course {} a gap of {gap:.2} mm beyond the joint parts {} from {}, which begins at {:.2} mm{others}: nothing \
+             joins them there",
+            unit.course,
+            unit.name(&masonry.name),
+            next.name(&masonry.name),
+            next.own[along][0]
+        ),
+    ))
+}
+
+/// Next units of a course after `unit`, one in each leaf that it goes through, in ascending order. `by_start`:
+/// units of the course in the order of their starts.
+fn following(wall: &Wall, course: &[Unit], by_start: &[usize], unit: &Unit) -> Vec<usize> {
+    let (along, through) = wall.axes();
+    let least = 1e-6 * wall.unit[0].get();
+    let start = |i: usize| course[i].own[along][0];
+    let beside = |a: &Unit, b: &Unit| {
+        let [a, b] = [a.own[through], b.own[through]];
+        a[1].min(b[1]) - a[0].max(b[0]) > least
+    };
+    let behind = by_start.partition_point(|i| start(*i) <= unit.own[along][1] - least);
+    let (mut seen, mut next): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
+    // Parts of the thickness of `unit` without a next unit so far.
+    let mut left = vec![unit.own[through]];
+    for &i in &by_start[behind..] {
+        let last = seen.last().map_or(f64::INFINITY, |i| start(*i));
+        if left.is_empty() && start(i) > last + least {
+            break; // all others stand behind units found before
+        }
+        let other = &course[i];
+        if !beside(unit, other) {
+            continue;
+        }
+        let covers = |s: &usize| beside(&course[*s], other) && start(*s) < start(i) - least;
+        if !seen.iter().any(covers) {
+            next.push(i);
+        }
+        seen.push(i);
+        let [front, back] = other.own[through];
+        left = left
+            .into_iter()
+            .flat_map(|[a, b]| [[a, b.min(front)], [a.max(back), b]])
+            .filter(|[a, b]| b - a > least)
+            .collect();
+    }
+    next.sort_unstable();
+    next
+}

@@ -1,0 +1,31 @@
+//! General contact of a deck.
+
+use super::schema::Deck;
+use crate::error::ModelError;
+use crate::model::Model;
+use crate::model::general::GeneralContact;
+
+/// General contact of a model, if its deck asks for it.
+///
+/// # Errors
+/// An unknown interface.
+pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContact>, ModelError> {
+    let Some(name) = &deck.contact.general else {
+        return Ok(None);
+    };
+    let Some(interface) = deck.interfaces.get(name) else {
+        return Err(deck.error("contact.general", "there is no such interface", "name one"));
+    };
+    let given = match (interface.normal_stiffness, interface.shear_stiffness) {
+        (Some(normal), Some(shear)) => Some([normal.get(), shear.get()]),
+        _ => None,
+    };
+    Ok(Some(GeneralContact::new(
+        name,
+        &model.mesh,
+        &model.materials,
+        interface.mu.get(),
+        interface.penalty(),
+        given,
+    )))
+}

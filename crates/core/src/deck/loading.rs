@@ -1,0 +1,278 @@
+//! Steps of a deck: the faces that move as one, and their motion.
+
+use super::bodies::Bodies;
+use super::contradictions;
+use super::gravity::GravityNow;
+use super::keys;
+use super::probes;
+use super::quantity::Quantity;
+use super::schema::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
+use crate::error::{Errors, ModelError};
+use crate::model::amplitude::Amplitude;
+use crate::model::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
+
+/// Beams and steps of a scene.
+#[derive(Default)]
+pub(super) struct Loading {
+    pub(super) beams: Vec<Beam>,
+    pub(super) steps: Vec<Step>,
+}
+
+/// A face is normal to an axis if its unit normal has at least this component along it.
+const ALONG: f64 = 1.0 - 1e-9;
+
+/// Builds beams and steps.
+///
+/// Every face that a step presses or drives is a beam during the whole run. It is free until a step moves it, then
+/// locked in place or left under its pressure. The top of a clamped wall is a beam too (`clamped`); steps that name
+/// no face refer to it.
+///
+/// # Errors
+/// Unknown names, faces with common nodes, pressure on a face that is not normal to an axis.
+pub(super) fn loading(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    clamped: Option<Beam>,
+    supports: &[Support],
+    springs: &[Spring],
+) -> Result<Loading, ModelError> {
+    let top = clamped.is_some();
+    let beams = beams(deck, bodies, clamped)?;
+    let names: Vec<&str> = beams.iter().map(|b| b.name.as_str()).collect();
+    let beam_of = |step: &DeckStep| match &step.face {
+        Some(faces) => {
+            let name = beam_name(faces);
+            names.iter().position(|n| **n == name)
+        }
+        // The top of the wall is the first beam.
+        None => (top && step.spring.is_none()).then_some(0),
+    };
+    let mut now = vec![[BeamMotion::Force(0.0); 3]; beams.len()];
+    let mut load = vec![[0.0; 3]; beams.len()];
+    let mut gravity = GravityNow::none();
+    let mut steps = Vec::with_capacity(deck.steps.len());
+    let mut errors = Errors::default();
+    for (i, step) in deck.steps.iter().enumerate() {
+        // A beam that the last step has driven is locked in place.
+        for motion in now.iter_mut().flatten() {
+            if let BeamMotion::Driven(_) = motion {
+                *motion = BeamMotion::Locked;
+            }
+        }
+        let mut far_ends = vec![[0.0; 3]; springs.len()];
+        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+        let displacement = sign * step.drive();
+        let beam = beam_of(step);
+        if let Some(b) = beam.filter(|_| step.face.is_none()) {
+            let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
+            load[b][2] = force.unwrap_or(load[b][2]);
+            now[b] = level_beam(step, load[b][2], now[b][2]);
+        } else if let Some(b) = beam {
+            let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
+            if step.kind == StepKind::Preload {
+                let force = errors.keep(pressure(deck, i, step, &beams[b]));
+                load[b] = force.unwrap_or_default();
+            }
+            for d in 0..3 {
+                let pressed = step.kind == StepKind::Preload && beams[b].normal[d].abs() > ALONG;
+                let driven = step.kind == StepKind::Drive && d == axis;
+                now[b][d] = if driven {
+                    BeamMotion::Driven(displacement)
+                } else if pressed || free(d) {
+                    BeamMotion::Force(load[b][d])
+                } else {
+                    BeamMotion::Locked
+                };
+            }
+        } else if let Some(name) = &step.spring {
+            match spring_of(deck, i, springs, name, axis) {
+                Ok(s) => far_ends[s][axis] = displacement,
+                Err(error) => errors.push(error),
+            }
+        }
+        // The history records the driven face; before a drive, the face of the next drive.
+        let driven = deck.steps[i..].iter().find_map(|s| {
+            let (axis, _) = s.direction.map_or((0, 1.0), Direction::axis);
+            (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, axis)))?
+        });
+        // In a wall that is never driven it records the load on top.
+        let driven = driven.or_else(|| top.then_some((0, 2)).filter(|_| beam == Some(0)));
+        let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
+        let pressed = beam.and_then(|b| Some((b, normal(b)?)));
+        let rules = errors.keep(rules(deck, i, step, &mut gravity));
+        steps.extend(rules.map(|rules| Step {
+            motion: now.clone(),
+            driven: driven.or(pressed),
+            springs: far_ends,
+            ..rules
+        }));
+    }
+    // Step indices are valid only if no step is missing.
+    if steps.len() == deck.steps.len() {
+        let beam_of = |i: usize| deck.steps.get(i).and_then(beam_of);
+        let judged = contradictions::judge(deck, &beams, &mut steps, supports, beam_of);
+        errors.keep(judged);
+    }
+    errors.end(Loading { beams, steps })
+}
+
+/// Motion of the level beam of a wall in a step. A pressed beam moves vertically only. A driven beam stays level;
+/// it is locked vertically, or free under its load [N]. A step of loads keeps its vertical motion. In other steps
+/// it stays under its load and moves vertically.
+fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 3] {
+    let mut motion = [BeamMotion::Locked; 3];
+    if step.kind == StepKind::Load {
+        motion[2] = vertical;
+    } else if step.kind != StepKind::Drive || step.vertical == Some(Vertical::Free) {
+        motion[2] = BeamMotion::Force(load);
+    }
+    if step.kind == StepKind::Drive {
+        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+        motion[axis] = BeamMotion::Driven(sign * step.drive());
+    }
+    motion
+}
+
+/// Index of the spring whose far end step `i` moves along `axis`.
+fn spring_of(
+    deck: &Deck,
+    i: usize,
+    springs: &[Spring],
+    name: &str,
+    axis: usize,
+) -> Result<usize, ModelError> {
+    let Some(s) = springs.iter().position(|s| s.name == name) else {
+        let path = format!("steps.{i}.spring");
+        let help = keys::example("springs");
+        return Err(deck.error(&path, format!("there is no spring named `{name}`"), &help));
+    };
+    if springs[s].stiffness[axis] == 0.0 {
+        return Err(deck.error(
+            &format!("steps.{i}.direction"),
+            format!("the spring `{name}` has no stiffness in this direction"),
+            "give it one: springs.stiffness, along x, y, z",
+        ));
+    }
+    Ok(s)
+}
+
+/// The step without motion of faces and springs: amplitude, procedure, increments, gravity and the like.
+pub(super) fn rules(
+    deck: &Deck,
+    i: usize,
+    step: &DeckStep,
+    gravity: &mut GravityNow,
+) -> Result<Step, ModelError> {
+    let mut errors = Errors::default();
+    let control = errors.keep(probes::control(deck, i, step)).flatten();
+    let gravity = errors.keep(gravity.step(deck, i, step));
+    let ground = errors.keep(deck.ground_motion(i));
+    let amplitude = errors.keep(deck.amplitude(i)).flatten();
+    let finest = ground.as_ref().map_or(f64::INFINITY, GroundMotion::spacing);
+    let steepest = amplitude.as_ref().map_or(1.0, Amplitude::steepest);
+    errors.end(Step {
+        name: step.name().to_owned(),
+        duration: step.duration.get(),
+        motion: Vec::new(),
+        driven: None,
+        increments: step.increments_of(steepest, finest / step.duration.get()),
+        viscosity: step.viscosity.get(),
+        procedure: step.procedure.with(step.alpha, step.rayleigh),
+        tangent: step.tangent,
+        control,
+        stop: step.stop.map(|stop| Stop {
+            below_peak: stop.below_peak.map(Quantity::get),
+            displacement: stop.displacement.map(Quantity::get),
+        }),
+        tolerance: step.tolerance(),
+        gravity: gravity.unwrap_or_default(),
+        ground: ground.unwrap_or_default(),
+        springs: Vec::new(),
+        loads: Vec::new(),
+        amplitude,
+    })
+}
+
+fn beam_name(faces: &Names) -> String {
+    faces.0.join(", ")
+}
+
+/// Beams: the top of the clamped wall, and the faces that steps name, each once.
+fn beams(deck: &Deck, bodies: &Bodies<'_>, clamped: Option<Beam>) -> Result<Vec<Beam>, ModelError> {
+    let mut beams: Vec<Beam> = clamped.into_iter().collect();
+    let mut errors = Errors::default();
+    for (i, step) in deck.steps.iter().enumerate() {
+        let Some(faces) = &step.face else { continue };
+        if !beams.iter().any(|b| b.name == beam_name(faces)) {
+            let beam = beam(deck, i, faces, bodies, &beams);
+            beams.extend(errors.keep(beam));
+        }
+    }
+    errors.end(beams)
+}
+
+/// The face of step `i`, which must share no nodes with the `beams` of earlier steps.
+fn beam(
+    deck: &Deck,
+    i: usize,
+    faces: &Names,
+    bodies: &Bodies<'_>,
+    beams: &[Beam],
+) -> Result<Beam, ModelError> {
+    let path = format!("steps.{i}.face");
+    let name = beam_name(faces);
+    let places = bodies.places(&path, faces, true)?;
+    if places.is_empty() {
+        return Err(deck.error(&path, "the list is empty", &keys::example("face")));
+    }
+    let nodes = bodies.nodes(&places);
+    if let Some(other) = beams
+        .iter()
+        .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
+    {
+        return Err(deck.error(
+            &path,
+            format!("{name} has nodes in common with {}", other.name),
+            "a node follows one face: drive one of them, or faces of different blocks",
+        ));
+    }
+    let (vector, area) = bodies.area(&places);
+    let length = crate::element::hexahedron::norm(vector);
+    Ok(Beam {
+        name,
+        nodes,
+        area,
+        normal: if length > 0.0 {
+            vector.map(|x| x / length)
+        } else {
+            [0.0; 3]
+        },
+    })
+}
+
+/// Force of a pressure on a face, against its normal [N].
+fn pressure(
+    deck: &Deck,
+    index: usize,
+    step: &DeckStep,
+    beam: &Beam,
+) -> Result<[f64; 3], ModelError> {
+    if !beam.normal.iter().any(|n| n.abs() > ALONG) {
+        return Err(deck.error(
+            &format!("steps.{index}.face"),
+            format!(
+                "no axis is normal to {}: pressure would have to turn with it",
+                beam.name
+            ),
+            "press a face that looks along x, y or z",
+        ));
+    }
+    let force = step.pressure.map_or(0.0, Quantity::get) * beam.area;
+    Ok(beam.normal.map(|n| {
+        if n.abs() > ALONG {
+            -force * n.signum()
+        } else {
+            0.0
+        }
+    }))
+}

@@ -1,0 +1,430 @@
+//! Joints of walls: contact between faces of units, with facets and laws of the interfaces.
+//!
+//! The mortar side is the slave (top of bed joints, far end of head joints, back of collar joints); in dry joints
+//! the lower, left or front side. The opposite sides are masters.
+
+use super::{Masonry, Unit};
+use crate::deck::bodies::Bodies;
+use crate::deck::body::Body;
+use crate::deck::joint::{Side, law_between};
+use crate::deck::meeting::Touching;
+use crate::deck::schema::Deck;
+use crate::element::hexahedron::{Face, range};
+use crate::error::ModelError;
+use crate::material::ElasticParameters;
+use crate::model::Mesh;
+use crate::model::scene::ContactSurfaces;
+use std::collections::{BTreeMap, BTreeSet};
+use wythe_contact::{Aabb, Bvh};
+
+/// Order of the slave faces of a body.
+const SLAVES: [Face; 6] = [
+    Face::Top,
+    Face::Right,
+    Face::Back,
+    Face::Left,
+    Face::Front,
+    Face::Bottom,
+];
+/// Order of its master faces.
+const MASTERS: [Face; 6] = [
+    Face::Bottom,
+    Face::Left,
+    Face::Front,
+    Face::Right,
+    Face::Back,
+    Face::Top,
+];
+
+/// Faces touch if they overlap by more than this [mm] and their distance is no larger.
+const TOUCH: f64 = 1e-6;
+
+/// A face of a unit as a rectangle.
+struct Rectangle {
+    wall: usize,
+    body: usize,
+    face: Face,
+    plane: f64,
+    /// Range along the two other axes [mm]. `[axis][low, high]`
+    range: [[f64; 2]; 2],
+    has_mortar: bool,
+}
+
+impl Rectangle {
+    /// Box around all faces that may touch this one.
+    fn around(&self) -> Aabb {
+        let [[a, b], [c, d]] = self.range;
+        let flat = Aabb {
+            min: [a, c, self.plane],
+            max: [b, d, self.plane],
+        };
+        flat.fattened(TOUCH)
+    }
+}
+
+/// Adds the joints of all walls to the surfaces; returns the bodies that touch.
+///
+/// # Errors
+/// Unknown interface.
+pub(in crate::deck) fn joints(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    contact: &mut ContactSurfaces,
+) -> Result<Vec<Touching>, ModelError> {
+    let pairs = touching(&bodies.walls);
+    let mut masters: BTreeMap<(usize, usize), Vec<(usize, Face)>> = BTreeMap::new();
+    let mut met: BTreeSet<(usize, usize)> = BTreeSet::new();
+    let place = |order: &[Face; 6], face: Face| order.iter().position(|f| *f == face).unwrap_or(0);
+    for (slave, master) in pairs {
+        let key = (slave.0, place(&SLAVES, slave.1));
+        masters.entry(key).or_default().push(master);
+        met.insert((master.0, place(&MASTERS, master.1)));
+    }
+    let mut touching = Vec::new();
+    for ((body, face), masters) in &mut masters {
+        masters.sort_by_key(|(b, f)| (*b, *f as usize));
+        let face = SLAVES[*face];
+        slaves(
+            deck,
+            bodies,
+            elastic,
+            (*body, face),
+            masters,
+            contact,
+            &mut touching,
+        )?;
+    }
+    for (body, face) in met {
+        let body = &bodies.all[body];
+        for (_, facet) in &body.faces[MASTERS[face] as usize].facets {
+            contact.master_facets.push(*facet);
+            contact.master_body.push(body.number);
+        }
+    }
+    mirrors(deck, bodies, elastic, contact);
+    Ok(touching)
+}
+
+/// Adds the joints that planes of symmetry cut at their middle, where units meet the mirrors.
+fn mirrors(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    contact: &mut ContactSurfaces,
+) {
+    let mesh = &bodies.mesh;
+    for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
+        contact.master_facets.push(mirror.facet);
+        // No body has this number, so that the mirror is another body for all of them.
+        contact.master_body.push(u32::MAX - number);
+        let wall = &bodies.walls[mirror.wall];
+        let name = interface_at(wall, mirror.axis);
+        let Some(interface) = deck.interfaces.get(name) else {
+            continue; // rejected when the deck was read
+        };
+        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
+            if !unit.mirror[mirror.axis] {
+                continue;
+            }
+            let body = &bodies.all[body];
+            let joint = 2.0 * unit.joint(mirror.axis, mirror.face.side().1);
+            for facet in facets(mesh, body, mirror.face, mirror.axis) {
+                let side = |element: usize, size: f64| Side {
+                    material: &elastic[usize::from(mesh.material[element])],
+                    size,
+                };
+                // In the whole wall the mortar meets the image of the element behind the mortar.
+                let inner = behind(mesh, body, &facet, mirror.face).filter(|_| joint > 0.0);
+                let law = match inner {
+                    None => {
+                        let here = side(facet.element, facet.size);
+                        law_between(contact, name, interface, here, here)
+                    }
+                    Some((element, size)) => {
+                        let (here, there) = (side(facet.element, joint), side(element, size));
+                        law_between(contact, name, interface, here, there)
+                    }
+                };
+                let law = mirrored_law(contact, law);
+                contact.slave_facets.push(facet.nodes);
+                contact.slave_body.push(body.number);
+                contact.slave_law.push(law);
+            }
+        }
+    }
+}
+
+/// The element of a body behind that of a facet, and its size normal to the facet [mm].
+fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize, f64)> {
+    let (axis, _) = face.side();
+    let opposite = Face::ALL[(face as usize) ^ 1].1.corners();
+    let mut shared = opposite.map(|c| mesh.elements[facet.element][c]);
+    shared.sort_unstable();
+    let first = mesh.unit.partition_point(|u| *u < body.number);
+    let own = (first..mesh.elements.len()).take_while(|e| mesh.unit[*e] == body.number);
+    own.into_iter()
+        .find(|e| {
+            let mut corners = face.corners().map(|c| mesh.elements[*e][c]);
+            corners.sort_unstable();
+            corners == shared
+        })
+        .map(|e| {
+            let x = mesh.elements[e].map(|n| mesh.nodes[n as usize][axis]);
+            let [low, high] = range(x);
+            (e, high - low)
+        })
+}
+
+/// Index of the law of half a joint, see [`half`](wythe_contact::InterfaceLaw::half).
+///
+/// It keeps the name of the interface, so that its bond scatters like that of the others and `wythe check` reports
+/// its stiffnesses.
+fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
+    let whole = &contact.laws[usize::from(law)];
+    // Every law of a deck has a half.
+    let own = whole.half().unwrap_or_else(|| whole.clone());
+    let name = contact.law_names[usize::from(law)].clone();
+    let mut known = contact.laws.iter().zip(&contact.law_names);
+    let found = known.position(|(l, n)| *n == name && *l == own);
+    let index = found.unwrap_or_else(|| {
+        contact.laws.push(own);
+        contact.law_names.push(name);
+        contact.laws.len() - 1
+    });
+    u16::try_from(index).unwrap_or(u16::MAX)
+}
+
+/// Pairs of faces that touch: slave and master.
+fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
+    let mut pairs = Vec::new();
+    for axis in 0..3 {
+        let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);
+        let [lows, highs] = faces.map(|face| sides(walls, face));
+        let boxes: Vec<Aabb> = lows.iter().map(Rectangle::around).collect();
+        let tree = Bvh::build(&boxes);
+        let (mut stack, mut near) = (Vec::new(), Vec::new());
+        for high in &highs {
+            near.clear();
+            tree.query(&boxes, &high.around(), &mut stack, |i| {
+                near.push(i as usize);
+            });
+            for low in near.iter().map(|i| &lows[*i]) {
+                if (low.plane - high.plane).abs() > TOUCH {
+                    continue;
+                }
+                let overlap = |d: usize| {
+                    let (a, b) = (high.range[d], low.range[d]);
+                    a[1].min(b[1]) - a[0].max(b[0])
+                };
+                if low.body == high.body || overlap(0) <= TOUCH || overlap(1) <= TOUCH {
+                    continue;
+                }
+                let joined = low.wall == high.wall || walls[low.wall].joined.contains(&high.wall);
+                if !joined {
+                    continue;
+                }
+                let (a, b) = ((high.body, high.face), (low.body, low.face));
+                pairs.push(if low.has_mortar && !high.has_mortar {
+                    (b, a)
+                } else {
+                    (a, b)
+                });
+            }
+        }
+    }
+    pairs
+}
+
+/// This face of all units.
+fn sides(walls: &[Masonry<'_>], face: Face) -> Vec<Rectangle> {
+    let (axis, high) = face.side();
+    let side = usize::from(high);
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    let mut sides = Vec::new();
+    for (w, wall) in walls.iter().enumerate() {
+        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
+            sides.push(Rectangle {
+                wall: w,
+                body,
+                face,
+                plane: unit.all[axis][side],
+                range: others.map(|d| unit.all[d]),
+                has_mortar: unit.joint(axis, high) > 0.0,
+            });
+        }
+    }
+    sides
+}
+
+/// Adds facets and laws of one slave face.
+fn slaves(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    elastic: &[ElasticParameters],
+    (slave, face): (usize, Face),
+    masters: &[(usize, Face)],
+    contact: &mut ContactSurfaces,
+    touching: &mut Vec<Touching>,
+) -> Result<(), ModelError> {
+    let Some(wall) = bodies.wall_of(slave) else {
+        return Ok(());
+    };
+    let unit = &wall.units[slave - wall.bodies.start];
+    let (axis, _) = face.side();
+    let name = interface_at(wall, axis);
+    let Some(interface) = deck.interfaces.get(name) else {
+        return Ok(()); // rejected when the deck was read
+    };
+    let mesh = &bodies.mesh;
+    let body = &bodies.all[slave];
+    let others: Vec<Facet> = masters
+        .iter()
+        .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
+        .collect();
+    let boxes: Vec<Aabb> = others.iter().map(Facet::around).collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near) = (Vec::new(), Vec::new());
+    let mut facets_here = facets(mesh, body, face, axis);
+    if axis == 2 {
+        // Along the wall first, so that the points of a joint are consecutive.
+        let corner = |m: &Facet| (m.range[0][0], m.range[1][0]);
+        facets_here.sort_by(|a, b| {
+            corner(a)
+                .partial_cmp(&corner(b))
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+    }
+    let nominal = joint_thickness(wall, unit, face);
+    for facet in &facets_here {
+        near.clear();
+        tree.query(&boxes, &facet.around(), &mut stack, |i| {
+            near.push(i as usize);
+        });
+        near.sort_unstable();
+        let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
+            continue; // above an opening
+        };
+        let size = nominal.unwrap_or(facet.size);
+        let here = Side {
+            material: &elastic[usize::from(mesh.material[facet.element])],
+            size,
+        };
+        let there = Side {
+            material: &elastic[usize::from(mesh.material[facing.element])],
+            size: facing.size,
+        };
+        let law = law_between(contact, name, interface, here, there);
+        contact.slave_facets.push(facet.nodes);
+        contact.slave_body.push(body.number);
+        contact.slave_law.push(law);
+        let bodies = (body.number, facing.body);
+        if touching
+            .last()
+            .is_none_or(|t: &Touching| t.bodies != bodies)
+        {
+            touching.push(Touching {
+                bodies,
+                interface: name.to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Interface of the joints normal to an axis.
+fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
+    let (along, _) = wall.wall.axes();
+    let own = match axis {
+        2 => None,
+        a if a == along => wall.wall.head_interface.as_ref(),
+        _ => wall.wall.collar_interface.as_ref(),
+    };
+    own.unwrap_or(&wall.wall.interface)
+}
+
+/// Thickness of the joint at a face [mm]: the value of the deck if it agrees to rounding, else the actual one; none
+/// without a joint.
+fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face) -> Option<f64> {
+    let (axis, high) = face.side();
+    let actual = unit.joint(axis, high);
+    let said = [wall.wall.bed_joint.get(), wall.wall.head_joint.get()];
+    let said = said.into_iter().find(|t| (t - actual).abs() <= 1e-9 * t);
+    (actual > 0.0).then(|| said.unwrap_or(actual))
+}
+
+/// A facet of an axis-parallel face.
+struct Facet {
+    element: usize,
+    nodes: [u32; 4],
+    body: u32,
+    material: u16,
+    plane: f64,
+    /// Range along the two other axes [mm], x before y before z. `[axis][low, high]`
+    range: [[f64; 2]; 2],
+    /// Size of the element normal to the face [mm].
+    size: f64,
+}
+
+impl Facet {
+    /// Box around all facets that may touch this one.
+    fn around(&self) -> Aabb {
+        let [[a, b], [c, d]] = self.range;
+        let flat = Aabb {
+            min: [a, c, self.plane],
+            max: [b, d, self.plane],
+        };
+        flat.fattened(TOUCH)
+    }
+}
+
+fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
+    let others: [usize; 2] = match axis {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    let facets = body.faces[face as usize].facets.iter();
+    let facets = facets.map(|(element, nodes)| {
+        let extent =
+            |nodes: &[u32], d: usize| range(nodes.iter().map(|n| mesh.nodes[*n as usize][d]));
+        let depth = extent(&mesh.elements[*element], axis);
+        Facet {
+            element: *element,
+            nodes: *nodes,
+            body: body.number,
+            material: mesh.material[*element],
+            plane: mesh.nodes[nodes[0] as usize][axis],
+            range: others.map(|d| extent(nodes, d)),
+            size: depth[1] - depth[0],
+        }
+    });
+    facets.collect()
+}
+
+/// A facet of that body and material which cover the largest part of `facet`. None if no facet covers it.
+fn most_covering<'a>(facet: &Facet, others: impl Iterator<Item = &'a Facet>) -> Option<&'a Facet> {
+    let mut parts: Vec<(&'a Facet, f64)> = Vec::new();
+    for other in others {
+        let overlap = |d: usize| {
+            let (a, b) = (facet.range[d], other.range[d]);
+            (a[1].min(b[1]) - a[0].max(b[0])).max(0.0)
+        };
+        let area = overlap(0) * overlap(1);
+        if area <= TOUCH * TOUCH || (facet.plane - other.plane).abs() > TOUCH {
+            continue;
+        }
+        let alike = |m: &Facet| m.body == other.body && m.material == other.material;
+        match parts.iter_mut().find(|(m, _)| alike(m)) {
+            Some((_, sum)) => *sum += area,
+            None => parts.push((other, area)),
+        }
+    }
+    let mut best: Option<(&'a Facet, f64)> = None;
+    for (part, area) in parts {
+        if best.is_none_or(|(_, most)| area > most) {
+            best = Some((part, area));
+        }
+    }
+    best.map(|(part, _)| part)
+}

@@ -1,0 +1,45 @@
+//! From a TOML deck to the frozen [`Model`](crate::model::Model): keys, units and checks, walls, imported meshes.
+
+mod amount;
+mod arch;
+mod beams;
+mod bodies;
+pub mod body;
+mod build;
+pub mod check;
+mod contradictions;
+mod findings;
+mod general;
+mod gravity;
+mod held;
+pub mod import;
+mod imported;
+mod joint;
+pub mod json_schema;
+pub mod keys;
+mod loading;
+mod loads;
+mod magnitudes;
+pub mod masonry;
+mod meeting;
+mod mirrors;
+mod name_registry;
+mod overlap;
+mod overrides;
+mod pairing;
+mod probes;
+pub mod quantity;
+mod rigid;
+mod rounding;
+pub mod scatter;
+pub mod schema;
+pub mod source;
+mod symmetry;
+mod tables;
+pub mod templates;
+mod touch;
+mod unit;
+mod wall_defaults;
+
+pub use check::{CheckReport, check};
+pub use schema::{Deck, MOST_BYTES};

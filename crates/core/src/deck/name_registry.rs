@@ -1,0 +1,344 @@
+//! Names of a scene, and the bodies that each denotes.
+
+use super::imported::{Imported, Part};
+use super::keys;
+use super::masonry::Masonry;
+use super::schema::{Deck, Names};
+use crate::element::hexahedron::Face;
+use crate::error::ModelError;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+/// A body, or one face of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    /// Index of the body.
+    pub(super) body: usize,
+    /// Index of its face; none: the whole body.
+    pub(super) face: Option<usize>,
+}
+
+/// Bodies and sets of an import.
+#[derive(Debug, Default)]
+struct Brought {
+    /// Its bodies.
+    bodies: Range<usize>,
+    /// Sets that the deck mentions: all places, and those with facets. `[name][faces only]`
+    sets: HashMap<String, [Vec<Place>; 2]>,
+    /// All names of its file, for advice.
+    names: Vec<String>,
+    /// Whether its file was not read, so that any name may exist.
+    unread: bool,
+}
+
+/// Names of all bodies. Bodies are in this order: units of walls, blocks with their copies, imported bodies,
+/// voussoirs, left springing, right springing.
+#[derive(Debug, Default)]
+pub(super) struct NameRegistry {
+    /// Bodies that a name denotes.
+    bodies: HashMap<String, Range<usize>>,
+    /// Units at each side of a wall, by the name of the wall. `[face]`
+    sides: HashMap<String, [Vec<usize>; 6]>,
+    /// Imports by name.
+    imports: HashMap<String, Brought>,
+    /// Names in order, for advice; without those of single units.
+    names: Vec<String>,
+    /// Number of bodies.
+    count: usize,
+}
+
+/// Largest number of names; more are rejected elsewhere.
+const MOST_NAMES: f64 = 1e6;
+
+impl NameRegistry {
+    /// Registers all names of a deck and returns an error for each duplicate; none if there are too many names.
+    /// `imports`: none if their files are not read.
+    pub(super) fn call(
+        deck: &Deck,
+        walls: &[Masonry<'_>],
+        imports: Option<&[Imported]>,
+    ) -> Option<(Self, Vec<ModelError>)> {
+        let copies = deck.blocks.iter().map(|block| {
+            let copies = block.copies.unwrap_or([1; 3]).map(f64::from);
+            copies.iter().product::<f64>() * f64::from(block.stack.unwrap_or(1))
+        });
+        let voussoirs = deck
+            .arch
+            .as_ref()
+            .map_or(0.0, |arch| f64::from(arch.voussoirs));
+        if copies.sum::<f64>() + voussoirs > MOST_NAMES {
+            return None;
+        }
+        let (mut roll, mut twice) = (Self::default(), Vec::new());
+        for wall in walls {
+            if !roll.add_wall(wall) {
+                twice.push(deck.error(
+                    &format!("{}.name", wall.path),
+                    format!("there are two walls named `{}`", wall.name),
+                    "give each a name of its own",
+                ));
+            }
+        }
+        for (index, block) in deck.blocks.iter().enumerate() {
+            let first = roll.count;
+            let mut new = true;
+            let names = match block.stack {
+                Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
+                None => names_of_copies(&block.name, block.copies),
+            };
+            for name in names {
+                new &= roll.add(name);
+            }
+            if block.copies.is_some() || block.stack.is_some() {
+                new &= roll.group(&block.name, first);
+            }
+            if !new {
+                twice.push(deck.error(
+                    &format!("blocks.{index}.name"),
+                    format!("there are two blocks named `{}`", block.name),
+                    "give each a name of its own",
+                ));
+            }
+        }
+        for (i, beam) in deck.beams.iter().enumerate() {
+            if !roll.add(beam.name.clone()) {
+                twice.push(deck.error(
+                    &format!("beams.{i}.name"),
+                    format!("there are two blocks named `{}`", beam.name),
+                    "give each a name of its own",
+                ));
+            }
+        }
+        for (i, import) in deck.imports.iter().enumerate() {
+            let imported = imports.and_then(|all| all.get(i));
+            roll.add_import(&import.name, imported);
+        }
+        if let Some(arch) = &deck.arch {
+            let first = roll.count;
+            let mut new = true;
+            for i in 0..arch.voussoirs {
+                new &= roll.add(format!("voussoir-{i}"));
+            }
+            new &= roll.group("voussoir", first);
+            let springing = roll.count;
+            for side in ["left", "right"] {
+                new &= roll.add(format!("springing-{side}"));
+            }
+            new &= roll.group("springing", springing);
+            if !new {
+                twice.push(deck.error(
+                    "arch",
+                    "a block has the name of a stone of the arch",
+                    "call it neither `voussoir` nor `springing`",
+                ));
+            }
+        }
+        Some((roll, twice))
+    }
+
+    /// Adds the units of a wall, and the wall; returns false if a name is taken.
+    fn add_wall(&mut self, wall: &Masonry<'_>) -> bool {
+        let first = self.count;
+        let mut new = true;
+        for unit in &wall.units {
+            let here = self.count..self.count + 1;
+            self.count += 1;
+            new &= self.bodies.insert(unit.name(&wall.name), here).is_none();
+        }
+        let sides = Face::ALL.map(|(_, face)| wall.on(face));
+        self.sides.insert(wall.name.clone(), sides);
+        self.group(&wall.name, first) && new
+    }
+
+    /// Adds the bodies of an import.
+    fn add_import(&mut self, name: &str, imported: Option<&Imported>) {
+        let first = self.count;
+        let mut brought = Brought {
+            unread: imported.is_none(),
+            ..Brought::default()
+        };
+        if let Some(imported) = imported {
+            self.count += imported.faces.len();
+            let place = |&(body, face): &Part| Place {
+                body: first + body,
+                face,
+            };
+            let places = |of: &Vec<_>| of.iter().map(place).collect();
+            let sets = imported.sets.iter();
+            brought.sets = sets
+                .map(|(set, of)| (set.clone(), of.each_ref().map(places)))
+                .collect();
+            brought.names = imported.names();
+        }
+        brought.bodies = first..self.count;
+        self.names.push(name.to_owned());
+        self.imports.insert(name.to_owned(), brought);
+    }
+
+    /// Bodies and faces that a set of an import, or the whole import, denotes.
+    fn of_import(
+        &self,
+        deck: &Deck,
+        path: &str,
+        name: &str,
+        faces: bool,
+    ) -> Option<Result<Vec<Place>, ModelError>> {
+        let (import, set) = name.split_once('.').unwrap_or((name, ""));
+        let brought = self.imports.get(import)?;
+        if brought.unread {
+            return Some(Ok(Vec::new()));
+        }
+        let known = || brought.names.iter().map(String::as_str);
+        if set.is_empty() {
+            let all = brought
+                .bodies
+                .clone()
+                .map(|body| Place { body, face: None });
+            return Some(if faces {
+                let some: Vec<&str> = known().take(8).collect();
+                let help = format!("say which of its sets: {}", some.join(", "));
+                Err(deck.error(path, format!("`{name}` is no face"), &help))
+            } else {
+                Ok(all.collect())
+            });
+        }
+        let Some(places) = brought.sets.get(set) else {
+            let help = keys::nearest(set, known()).map_or_else(
+                || format!("it has {}", known().take(8).collect::<Vec<_>>().join(", ")),
+                |near| format!("did you mean `{import}.{near}`?"),
+            );
+            let message = format!("`{name}`: the file of {import} has no set named `{set}`");
+            return Some(Err(deck.error(path, message, &help)));
+        };
+        let places = &places[usize::from(faces)];
+        Some(if places.is_empty() {
+            let what = if faces {
+                "no side of an element outside"
+            } else {
+                "no node of an element"
+            };
+            Err(deck.error(
+                path,
+                format!("`{name}`: there is {what} in this set"),
+                "take a surface, or a set of all nodes of a face",
+            ))
+        } else {
+            Ok(places.clone())
+        })
+    }
+
+    /// Adds a body; returns false if its name is taken.
+    fn add(&mut self, name: String) -> bool {
+        let here = self.count..self.count + 1;
+        self.count += 1;
+        self.names.push(name.clone());
+        self.bodies.insert(name, here).is_none()
+    }
+
+    /// Adds a name for all bodies from `first` on; returns false if it is taken.
+    fn group(&mut self, name: &str, first: usize) -> bool {
+        self.names.push(name.to_owned());
+        let all = first..self.count;
+        self.bodies.insert(name.to_owned(), all).is_none()
+    }
+
+    /// Bodies or faces that the names at `path` denote. `faces`: only faces are accepted.
+    ///
+    /// # Errors
+    /// Unknown block or face.
+    pub(super) fn places(
+        &self,
+        deck: &Deck,
+        path: &str,
+        names: &Names,
+        faces: bool,
+    ) -> Result<Vec<Place>, ModelError> {
+        let mut places = Vec::new();
+        // A repeated name counts once.
+        let (mut said, mut known) = (HashSet::new(), HashSet::new());
+        for name in names.0.iter().filter(|name| said.insert(name.as_str())) {
+            let new = self.place(deck, path, name, faces)?;
+            places.extend(
+                new.into_iter()
+                    .filter(|at| known.insert((at.body, at.face))),
+            );
+        }
+        Ok(places)
+    }
+
+    /// Bodies or faces that one name at `path` denotes. A side of a wall denotes the faces of the units that lie in
+    /// it.
+    ///
+    /// # Errors
+    /// Unknown body or face.
+    pub(super) fn place(
+        &self,
+        deck: &Deck,
+        path: &str,
+        name: &str,
+        faces: bool,
+    ) -> Result<Vec<Place>, ModelError> {
+        if let Some(places) = self.of_import(deck, path, name, faces) {
+            return places;
+        }
+        let (body, face) = match name.rsplit_once('.') {
+            None if faces => {
+                return Err(deck.error(
+                    path,
+                    format!("`{name}` is no face"),
+                    &format!("say which: {name}.top, {name}.left, ..."),
+                ));
+            }
+            None => (name, None),
+            Some((body, face)) => {
+                let known = Face::ALL.iter().find(|(known, _)| *known == face);
+                let Some((_, known)) = known else {
+                    return Err(deck.error(
+                        path,
+                        format!("`{name}`: a block has no face `{face}`"),
+                        "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
+                    ));
+                };
+                (body, Some(*known as usize))
+            }
+        };
+        let place = |body: usize| Place { body, face };
+        if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
+            if sides[face].is_empty() {
+                return Err(deck.error(
+                    path,
+                    format!(
+                        "`{name}` is not there: a plane of symmetry cuts the wall at this side"
+                    ),
+                    "leave it out: the plane holds what is cut there, see [[symmetry]]",
+                ));
+            }
+            return Ok(sides[face].iter().copied().map(place).collect());
+        }
+        let range = self.bodies.get(body).cloned();
+        let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
+        Ok(range.map(place).collect())
+    }
+
+    fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {
+        let known = self.names.iter().map(String::as_str);
+        let help = keys::nearest(name, known.clone()).map_or_else(
+            || {
+                let some: Vec<&str> = known.take(8).collect();
+                format!("the deck has {}", some.join(", "))
+            },
+            |near| format!("did you mean `{near}`?"),
+        );
+        deck.error(path, format!("there is no block named `{name}`"), &help)
+    }
+}
+
+/// NAME, or NAME-0-0-0, NAME-1-0-0, …, along x first.
+fn names_of_copies(name: &str, copies: Option<[u32; 3]>) -> Vec<String> {
+    let Some([nx, ny, nz]) = copies else {
+        return vec![name.to_owned()];
+    };
+    let planes = (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k)));
+    let all = planes.flat_map(|(j, k)| (0..nx).map(move |i| (i, j, k)));
+    all.map(|(i, j, k)| format!("{name}-{i}-{j}-{k}")).collect()
+}

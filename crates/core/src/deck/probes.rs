@@ -1,0 +1,118 @@
+//! Probes: places whose motion is a column of the history.
+
+use super::bodies::Bodies;
+use super::keys;
+use super::quantity::Quantity;
+use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Names};
+use crate::element::hexahedron::{difference, norm};
+use crate::error::{Errors, ModelError};
+use crate::model::Mesh;
+use crate::model::probes::Probe;
+use crate::model::probes::ProbeQuantity;
+use crate::model::scene::Control;
+
+/// The displacement that controls a step, if it has displacement control.
+///
+/// # Errors
+/// Unknown probe, or a probe of velocity.
+pub(super) fn control(
+    deck: &Deck,
+    index: usize,
+    step: &DeckStep,
+) -> Result<Option<Control>, ModelError> {
+    let Some(control) = &step.control else {
+        return Ok(None);
+    };
+    let path = format!("steps.{index}.control.probe");
+    let name = &control.probe;
+    let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
+        let help = keys::example("probes");
+        return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
+    };
+    if deck.probes[probe].quantity != ProbeQuantity::Displacement {
+        return Err(deck.error(
+            &path,
+            format!("the probe `{name}` measures a velocity"),
+            "a displacement steers the load: name a probe of one",
+        ));
+    }
+    Ok(Some(Control {
+        probe,
+        displacement: control.displacement.get(),
+    }))
+}
+
+/// Resolves the names at a path to nodes.
+type Named<'a> = dyn Fn(&str, &Names) -> Result<Vec<u32>, ModelError> + 'a;
+
+/// Probes of a deck.
+///
+/// # Errors
+/// Unknown names, points far from all nodes.
+pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, ModelError> {
+    let named = |path: &str, names: &Names| {
+        let places = bodies.places(path, names, false)?;
+        Ok(bodies.nodes(&places))
+    };
+    let (mesh, named): (&Mesh, &Named<'_>) = (&bodies.mesh, &named);
+    let probe = |(i, probe): (usize, &DeckProbe)| {
+        let path = format!("probes.{i}");
+        let DeckProbe { on, near, .. } = probe.clone();
+        let (axis, sign) = probe.direction.axis();
+        let minus = probe.minus.as_ref().map_or(Ok(Vec::new()), |place| {
+            nodes(deck, mesh, named, &format!("{path}.minus"), place)
+        })?;
+        Ok(Probe {
+            column: probe.column(),
+            nodes: nodes(deck, mesh, named, &path, &DeckPlace { on, near })?,
+            minus,
+            axis,
+            sign,
+            quantity: probe.quantity,
+        })
+    };
+    let mut errors = Errors::default();
+    let all = deck.probes.iter().enumerate();
+    let all = all.filter_map(|one| errors.keep(probe(one))).collect();
+    errors.end(all)
+}
+
+/// Nodes of a place, ascending: those of its names, or the one of these (or of all) nearest to its point. Of
+/// several equally near nodes the first is taken.
+fn nodes(
+    deck: &Deck,
+    mesh: &Mesh,
+    named: &Named<'_>,
+    path: &str,
+    place: &DeckPlace,
+) -> Result<Vec<u32>, ModelError> {
+    let nodes = match &place.on {
+        // `minus = "base"` has no key `on`; an error then points at the table above.
+        Some(names) => named(&format!("{path}.on"), names)?,
+        None => mesh.nodes_of_solids(),
+    };
+    let Some(near) = place.near else {
+        return Ok(nodes);
+    };
+    let near = near.map(Quantity::get);
+    let away = |n: &u32| norm(difference(mesh.nodes[*n as usize], near));
+    let nearest = nodes
+        .iter()
+        .map(|n| (away(n), *n))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let size = mesh.diagonal();
+    match nearest {
+        Some((distance, node)) if distance <= size => Ok(vec![node]),
+        _ => {
+            let distance = nearest.map_or(f64::INFINITY, |n| n.0);
+            Err(deck.error(
+                &format!("{path}.near"),
+                format!(
+                    "the nearest node is {distance:.4} mm away, farther than the model is large \
+                     ({size:.4} mm)"
+                ),
+                "see that the unit of length is right: bare numbers are in mm",
+            ))
+        }
+    }
+}

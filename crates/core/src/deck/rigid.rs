@@ -1,0 +1,91 @@
+//! Rigid-like bodies: walls, blocks and arches with `rigid = true`.
+//!
+//! Such a body is elastic and a hundred times as stiff as the stiffest joint, so that joints deform instead. The
+//! deck must give the stiffness of the joints. Units of walls have as few elements as their neighbours allow;
+//! blocks and voussoirs have those of their `mesh`, by default one.
+
+use super::quantity::{Number, Pressure, Quantity};
+use super::schema::{Deck, DeckArch, DeckBlock, Material};
+use crate::element::hexahedron::range;
+
+/// Stiffness E/h of a rigid-like body over that of the stiffest joint: bodies add a hundredth to the compliance of
+/// joints.
+const STIFFER: f64 = 100.0;
+
+/// Stiffness of rigid-like bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stiffness {
+    /// Young's modulus [MPa].
+    pub(super) modulus: f64,
+    /// Normal stiffness of the stiffest interface of the deck, used or not [N/mm³].
+    pub(super) joint: f64,
+    /// Longest side of a rigid-like body [mm]; of a voussoir, its arc along the centre line counts.
+    pub(super) side: f64,
+}
+
+/// Returns whether a deck has rigid-like bodies.
+pub(super) fn any(deck: &Deck) -> bool {
+    deck.walls().any(|(_, _, wall)| wall.rigid)
+        || deck.blocks.iter().any(|b| b.rigid)
+        || arch(deck).is_some()
+}
+
+fn arch(deck: &Deck) -> Option<&DeckArch> {
+    deck.arch.as_ref().filter(|arch| arch.rigid)
+}
+
+/// Stiffness of the rigid-like bodies of a deck; none if there are no such bodies, or if no joint has an explicit
+/// stiffness.
+pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
+    if !any(deck) {
+        return None;
+    }
+    let said = deck.interfaces.values().filter_map(|i| i.normal_stiffness);
+    let joint = said.map(Quantity::get).fold(0.0, f64::max);
+    let walls = deck.walls().filter(|(_, _, wall)| wall.rigid);
+    let units = walls.flat_map(|(_, _, wall)| wall.unit.map(Quantity::get));
+    let blocks = deck.blocks.iter().filter(|b| b.rigid).flat_map(sides);
+    let stones = arch(deck).into_iter().flat_map(|arch| {
+        let arc = arch.centre_line() * arch.embrace() / f64::from(arch.voussoirs);
+        [arch.thickness.get(), arch.width.get(), arc]
+    });
+    let side = units.chain(blocks).chain(stones).fold(0.0, f64::max);
+    (joint > 0.0).then_some(Stiffness {
+        modulus: STIFFER * joint * side,
+        joint,
+        side,
+    })
+}
+
+/// Sides of the bounding box of a block [mm]; 0 for a grid of nodes.
+fn sides(block: &DeckBlock) -> [f64; 3] {
+    let of_corners = block.corners.map(|corners| {
+        [0, 1, 2].map(|d| {
+            let [low, high] = range(corners.map(|c| c[d].get()));
+            high - low
+        })
+    });
+    let of_size = block.size.map(|size| size.map(Quantity::get));
+    of_size.or(of_corners).unwrap_or_default()
+}
+
+/// Name of the material of rigid-like bodies whose material is `name`.
+pub(super) fn name_of(name: &str) -> String {
+    format!("{name}{RIGID}")
+}
+
+/// Name of the material of the deck from which a rigid-like one was made.
+pub(super) fn base(name: &str) -> &str {
+    name.strip_suffix(RIGID).unwrap_or(name)
+}
+
+const RIGID: &str = " (rigid)";
+
+/// Material of rigid-like bodies: density of the deck's material, without tables.
+pub(super) fn material(of: &Material, stiffness: Stiffness) -> Material {
+    Material::elastic(
+        Pressure::new(stiffness.modulus),
+        Number::new(0.0),
+        of.density,
+    )
+}

@@ -1,0 +1,169 @@
+//! `[[blocks]]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`: scenes of single blocks.
+
+use super::Direction;
+use crate::deck::quantity::{Angle, Length, SpringStiffness, Velocity};
+use crate::model::axis::Axis;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{self, Deserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
+use std::fmt;
+
+/// A block of hex8: a box by its size, any hexahedron by its eight corners, or a grid of nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeckBlock {
+    /// Name, by which faces, supports and springs call it.
+    pub name: String,
+    /// Length (x), thickness (y), height (z) of a box [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[Length; 3]>,
+    /// Where its lowest corner lies, or by how much `corners` and `nodes` are moved [mm].
+    #[serde(default)]
+    pub at: [Length; 3],
+    /// Turned about the point `at`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotate: Option<Rotation>,
+    /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corners: Option<[[Length; 3]; 8]>,
+    /// File of the nodes of its grid: x, y, z a line [mm], along x first, then y, then z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<String>,
+    /// Its material.
+    pub material: String,
+    /// Elements along x, y, z.
+    #[serde(default = "one_element")]
+    pub mesh: [u32; 3],
+    /// Rigid-like: a hundred times as stiff as the stiffest joint of the deck, of the elements of `mesh`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rigid: bool,
+    /// Velocity when the first step with inertia begins [mm/s].
+    #[serde(default)]
+    pub velocity: [Velocity; 3],
+    /// How many of it stand on each other as a column, named `NAME-0` (the lowest), `NAME-1`, …
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stack: Option<u32>,
+    /// Interface of the joints of a column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interface: Option<String>,
+    /// How many of it stand along x, y, z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub copies: Option<[u32; 3]>,
+    /// Distances of the copies [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<[Length; 3]>,
+}
+
+/// A turn about an axis, right-handed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// The axis.
+    pub axis: Direction,
+    /// The angle [deg].
+    pub angle: Angle,
+}
+
+/// Faces that may meet: points on slaves against masters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeckContact {
+    /// Slave faces, the finer side; all faces that touch at rest if neither side is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slave: Option<Names>,
+    /// Master faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub master: Option<Names>,
+    /// The interface.
+    pub interface: String,
+}
+
+/// Blocks or faces that are held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeckSupport {
+    /// Blocks (`"base"`) or faces (`"base.bottom"`).
+    pub on: Names,
+    /// Only nodes in this box: lower and upper corner at rest [mm].
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub within: Option<[[Length; 3]; 2]>,
+    /// Held directions.
+    #[serde(default = "all_axes")]
+    pub fixed: Vec<Axis>,
+}
+
+/// A spring to the ground, whose far end a drive may move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeckSpring {
+    /// Name, by which a drive calls it.
+    pub name: String,
+    /// Blocks or faces whose mean displacement it follows.
+    pub on: Names,
+    /// Stiffness along x, y, z [N/mm].
+    pub stiffness: [SpringStiffness; 3],
+}
+
+/// One name or a list of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names(pub Vec<String>);
+
+impl Serialize for Names {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0[..] {
+            [one] => one.serialize(serializer),
+            many => many.serialize(serializer),
+        }
+    }
+}
+
+impl JsonSchema for Names {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Names".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["string", "array"], "items": { "type": "string" } })
+    }
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Names;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a name or a list of names")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<Names, E> {
+        Ok(Names(vec![name.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Names, A::Error> {
+        let mut names = Vec::new();
+        while let Some(name) = seq.next_element()? {
+            names.push(name);
+        }
+        Ok(Names(names))
+    }
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
+    }
+}
+
+fn one_element() -> [u32; 3] {
+    [1; 3]
+}
+
+fn all_axes() -> Vec<Axis> {
+    vec![Axis::X, Axis::Y, Axis::Z]
+}

@@ -1,0 +1,56 @@
+//! `[[imports]]`: meshes of other programs, whose bodies stand in the scene.
+
+use super::{Deck, Names, Rotation};
+use crate::deck::quantity::{Length, Velocity};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A mesh of Abaqus (`.inp`) or Gmsh (`.msh`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeckImport {
+    /// Name, by which its bodies, sets and surfaces are called: `NAME.SET`.
+    pub name: String,
+    /// The file, in the deck's folder.
+    pub file: String,
+    /// Units of force, length and time in it.
+    #[serde(default = "of_wythe")]
+    pub units: String,
+    /// By how much it is moved [mm].
+    #[serde(default)]
+    pub at: [Length; 3],
+    /// Turned about its origin, before it is moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotate: Option<Rotation>,
+    /// Materials of the deck by sets of elements of the file; what is in none has that of the file.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, String>,
+    /// Velocity when the first step with inertia begins [mm/s].
+    #[serde(default)]
+    pub velocity: [Velocity; 3],
+}
+
+fn of_wythe() -> String {
+    "N, mm, s".to_owned()
+}
+
+impl Deck {
+    /// Every name of a body, a face or a set that the deck mentions.
+    pub fn mentions(&self) -> impl Iterator<Item = &str> {
+        let contacts = self.contacts.iter().flat_map(|c| [&c.slave, &c.master]);
+        let contacts = contacts.flatten();
+        let held = self.supports.iter().map(|s| &s.on);
+        let sprung = self.springs.iter().map(|s| &s.on);
+        let probed = self.probes.iter().filter_map(|p| p.on.as_ref());
+        let taken_off = self
+            .probes
+            .iter()
+            .filter_map(|p| p.minus.as_ref()?.on.as_ref());
+        let moved = self.steps.iter().filter_map(|s| s.face.as_ref());
+        let all = contacts.chain(held).chain(sprung).chain(probed);
+        let laid = self.beams.iter().map(|b| &b.on);
+        let all = all.chain(taken_off).chain(moved).chain(laid);
+        all.flat_map(|Names(names)| names.iter().map(String::as_str))
+    }
+}

@@ -1,0 +1,36 @@
+//! The files that a deck is made of.
+
+use std::path::PathBuf;
+
+use super::{Deck, DeckAmplitude};
+use crate::deck::import::included;
+
+impl Deck {
+    /// The deck's own file, if it was read from one, and the files that it names; those that its meshes include, too.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let named = self.named_files();
+        let included = named.iter().flat_map(|file| included(file));
+        let mut inputs = vec![PathBuf::from(&self.source.file)];
+        inputs.extend(included);
+        inputs.extend(named);
+        inputs
+    }
+
+    /// The files that the deck names, in the folder that they are relative to.
+    pub fn named_files(&self) -> Vec<PathBuf> {
+        let grounds = self.steps.iter().filter_map(|step| step.ground.as_ref());
+        let grounds = grounds.flat_map(|ground| ground.files().into_iter().flatten());
+        let amplitudes = self.steps.iter().filter_map(|step| match &step.amplitude {
+            Some(DeckAmplitude::File(file)) => Some(file.as_str()),
+            _ => None,
+        });
+        let nodes = self.blocks.iter().filter_map(|of| of.nodes.as_deref());
+        let imports = self.imports.iter().map(|of| of.file.as_str());
+        let names = grounds
+            .chain(amplitudes)
+            .chain(nodes)
+            .chain(imports)
+            .chain(self.output.experiment.as_deref());
+        names.map(|name| self.folder().join(name)).collect()
+    }
+}

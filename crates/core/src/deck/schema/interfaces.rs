@@ -1,0 +1,241 @@
+//! `[interfaces.NAME]`: the law of a joint, by its kind (theory/joint.md, theory/joint-cap.md).
+
+use super::JointKind;
+use crate::deck::quantity::{
+    FractureEnergy, InterfaceStiffness, InverseLength, Length, Number, Pressure, Quantity,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use wythe_contact::softening::Softening;
+use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
+
+/// An interface as written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    non_snake_case,
+    reason = "energies and weights are spelt in the deck as in the theory"
+)]
+pub struct Interface {
+    /// The law of the joint.
+    #[serde(default)]
+    pub kind: JointKind,
+    /// Tensile strength f_t [MPa].
+    pub f_t: Pressure,
+    /// Cohesion c [MPa].
+    pub c: Pressure,
+    /// Initial friction tan φ [-].
+    pub tan_phi: Number,
+    /// Residual friction μ [-].
+    pub mu: Number,
+    /// Brittleness in tension ζ [-]; not needed by a dry joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zeta: Option<Number>,
+    /// Brittleness in shear ξ [-]; not needed by a dry joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xi: Option<Number>,
+    /// Ultimate opening u_k [mm]; or `G_I`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub u_k: Option<Length>,
+    /// Fracture energy in tension G_I [N/mm]; or `u_k`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_I: Option<FractureEnergy>,
+    /// Ultimate slip δ_k [mm]; or `G_II`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delta_k: Option<Length>,
+    /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_II: Option<FractureEnergy>,
+    /// Compressive strength f_m [MPa]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_m: Option<Pressure>,
+    /// Energy of crushing above the residual strength f_m/7, G_fc [N/mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_fc: Option<FractureEnergy>,
+    /// Plastic closing at the compressive strength κ_p [mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_p: Option<Length>,
+    /// Weight of the normal traction in the cap C_nn [-]; of `cap`, 1 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_nn: Option<Number>,
+    /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_ss: Option<Number>,
+    /// Dilatancy tan ψ₀ at the begin of slip, without normal stress [-]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tan_psi: Option<Number>,
+    /// Pressure from which on nothing dilates σ_u [MPa]; of `cap`, none if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_u: Option<Pressure>,
+    /// Decay of the dilatancy with plastic slip δ [1/mm]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delta: Option<InverseLength>,
+    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
+    /// nothing is in general contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penalty_factor: Option<Number>,
+    /// Explicit normal stiffness k_n [N/mm³].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_stiffness: Option<InterfaceStiffness>,
+    /// Explicit shear stiffness k_s [N/mm³].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness: Option<InterfaceStiffness>,
+    /// Coupling of the modes.
+    #[serde(default)]
+    #[schemars(with = "CouplingSchema")]
+    pub coupling: Coupling,
+    /// Scatter of the bond strength from unit to unit; none if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
+}
+
+/// `[interfaces.NAME.scatter]`: every unit has a bond strength of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Coefficient of variation of the strengths [-].
+    pub cv: Number,
+    /// What the draws begin from: another one, other strengths.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+// `Coupling` as the schema of decks tells it: its crate knows no schemas.
+/// How opening and slip damage the same bond.
+#[derive(JsonSchema)]
+#[schemars(rename = "Coupling")]
+#[serde(rename_all = "kebab-case")]
+#[expect(dead_code, reason = "its schema is what counts")]
+enum CouplingSchema {
+    /// The larger of both damages.
+    Max,
+    /// Damages add up.
+    Additive,
+}
+
+/// Theory C.8: 500 × E/h.
+const PENALTY: f64 = 500.0;
+
+impl Interface {
+    /// Stiffness over that of the facing elements [-].
+    pub fn penalty(&self) -> f64 {
+        self.penalty_factor.map_or(PENALTY, Number::get)
+    }
+
+    /// Without bond: a dry joint, damaged from the start (theory/joint.md, eq. 19).
+    pub fn is_dry(&self) -> bool {
+        self.f_t.get() == 0.0 && self.c.get() == 0.0
+    }
+
+    /// ζ, or 1 where a dry joint leaves it out (it is not used there).
+    fn zeta(&self) -> f64 {
+        self.zeta.map_or(1.0, Number::get)
+    }
+
+    /// ξ, or 1 where a dry joint leaves it out (it is not used there).
+    fn xi(&self) -> f64 {
+        self.xi.map_or(1.0, Number::get)
+    }
+
+    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq. 30).
+    /// Zero for a dry joint, which does not use it.
+    pub fn ultimate_opening(&self) -> f64 {
+        match (self.u_k, self.G_I) {
+            (Some(u_k), _) => u_k.get(),
+            (None, Some(g)) if self.f_t.get() > 0.0 => {
+                g.get() / (self.f_t.get() * Softening::shape_integral(self.zeta()))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Ultimate slip δ_k [mm], given or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without
+    /// normal stress (theory/joint.md, eq. 30). Zero for a dry joint, which does not use it.
+    pub fn ultimate_slip(&self) -> f64 {
+        match (self.delta_k, self.G_II) {
+            (Some(delta_k), _) => delta_k.get(),
+            (None, Some(g)) if self.c.get() > 0.0 => {
+                g.get() / (self.c.get() * Softening::shape_integral(self.xi()))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The curve of the cap; none where `f_m`, `kappa_p` and `G_fc` are not all there, or do not fit.
+    pub fn cap_curve(&self) -> Option<CapCurve> {
+        let [strength, peak] = [self.f_m?.get(), self.kappa_p?.get()];
+        CapCurve::with_energy(strength, peak, self.G_fc?.get())
+    }
+
+    /// C_nn and C_ss [-].
+    pub fn cap_weights(&self) -> [f64; 2] {
+        [(self.C_nn, 1.0), (self.C_ss, 9.0)].map(|(given, own)| given.map_or(own, Number::get))
+    }
+
+    /// The law of `kind = "cap"`. Of a deck that was read its keys are there.
+    pub(super) fn cap(&self, normal_stiffness: f64, shear_stiffness: f64) -> Cap {
+        let energy = |given: Option<FractureEnergy>| given.map_or(1.0, Quantity::get);
+        let [c_nn, c_ss] = self.cap_weights();
+        Cap {
+            normal_stiffness,
+            shear_stiffness,
+            f_t: self.f_t.get(),
+            mode_1: energy(self.G_I),
+            c: self.c.get(),
+            mode_2: energy(self.G_II),
+            tan_phi: self.tan_phi.get(),
+            mu: self.mu.get(),
+            tan_psi: self.tan_psi.map_or(0.0, Number::get),
+            sigma_u: self.sigma_u.map_or(f64::INFINITY, Quantity::get),
+            decay: self.delta.map_or(0.0, Quantity::get),
+            curve: self.cap_curve().unwrap_or(CapCurve {
+                strength: f64::INFINITY,
+                peak: 1.0,
+                middle: 2.0,
+            }),
+            c_nn,
+            c_ss,
+        }
+    }
+
+    /// Fracture energy in tension G_I [N/mm] (theory/joint.md, eq. 30).
+    pub fn mode_1_energy(&self) -> f64 {
+        self.curves().mode_1_energy()
+    }
+
+    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the
+    /// residual friction (theory/joint.md, eq. 30).
+    pub fn mode_2_energy(&self, sigma: f64) -> f64 {
+        self.curves().mode_2_energy(sigma)
+    }
+
+    /// The law for what does not depend on its stiffnesses.
+    fn curves(&self) -> CohesiveFrictional {
+        self.cohesive_frictional(f64::INFINITY, f64::INFINITY)
+    }
+
+    /// The law with these stiffnesses [N/mm³]; of mean strength, if it scatters.
+    pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
+        self.kind.law(self, normal_stiffness, shear_stiffness)
+    }
+
+    pub(super) fn cohesive_frictional(
+        &self,
+        normal_stiffness: f64,
+        shear_stiffness: f64,
+    ) -> CohesiveFrictional {
+        CohesiveFrictional {
+            f_t: self.f_t.get(),
+            c: self.c.get(),
+            tan_phi: self.tan_phi.get(),
+            mu: self.mu.get(),
+            u_k: self.ultimate_opening(),
+            delta_k: self.ultimate_slip(),
+            zeta: self.zeta(),
+            xi: self.xi(),
+            normal_stiffness,
+            shear_stiffness,
+            coupling: self.coupling,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory/damage-plasticity.md).
+
+use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
+use crate::material::{
+    CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, MaterialParameters,
+    TableRow,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A material as written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    non_snake_case,
+    reason = "E and K_c are spelt in the deck as in the theory"
+)]
+pub struct Material {
+    /// Young's modulus E [MPa].
+    pub E: Pressure,
+    /// Poisson's ratio ν [-].
+    pub nu: Number,
+    /// Density [tonne/mm³]; 0 = without mass.
+    #[serde(default)]
+    pub density: Density,
+    /// Uniaxial tension; empty = linear elastic.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tension: Vec<Row>,
+    /// Uniaxial compression; empty = linear elastic.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compression: Vec<Row>,
+    /// Dilation angle ψ [deg].
+    #[serde(default = "dilation_angle")]
+    pub dilation_angle: Angle,
+    /// Eccentricity of the flow potential [-].
+    #[serde(default = "eccentricity")]
+    pub eccentricity: Number,
+    /// f_b0/f_c0 [-].
+    #[serde(default = "fb0_fc0")]
+    pub fb0_fc0: Number,
+    /// Shape of the deviatoric section K_c, the paper's ρ [-].
+    #[serde(default = "k_c")]
+    pub K_c: Number,
+    /// Stiffness recovery on going into tension w_t [-].
+    #[serde(default)]
+    pub tension_recovery: Number,
+    /// Stiffness recovery on going into compression w_c [-].
+    #[serde(default = "one")]
+    pub compression_recovery: Number,
+    /// Viscosity in step time [s]; 0 = none.
+    #[serde(default)]
+    pub viscosity: Time,
+    /// Length for which the tables hold l_ref [mm]; none = no scaling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_length: Option<Length>,
+    /// What is set against it: the cube root of an element's volume, or its length across the crack.
+    #[serde(default)]
+    pub crack_band: CrackBand,
+    /// Interpolation between rows.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+}
+
+/// A row of a uniaxial table: stress [MPa], inelastic strain [-], damage [-].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(expecting = "a row [stress, inelastic strain, damage]")]
+pub struct Row(pub Pressure, pub Number, pub Number);
+
+// General parameters of quasi-brittle materials: the paper's Table 2.
+fn dilation_angle() -> Angle {
+    Angle::new(10.0)
+}
+fn eccentricity() -> Number {
+    Number::new(0.1)
+}
+fn fb0_fc0() -> Number {
+    Number::new(1.16)
+}
+fn k_c() -> Number {
+    Number::new(2.0 / 3.0)
+}
+fn one() -> Number {
+    Number::new(1.0)
+}
+
+impl Material {
+    /// A linear elastic material; all else as where a deck says nothing.
+    pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
+        Self {
+            E: modulus,
+            nu,
+            density,
+            tension: Vec::new(),
+            compression: Vec::new(),
+            dilation_angle: dilation_angle(),
+            eccentricity: eccentricity(),
+            fb0_fc0: fb0_fc0(),
+            K_c: k_c(),
+            tension_recovery: Number::default(),
+            compression_recovery: one(),
+            viscosity: Time::default(),
+            reference_length: None,
+            crack_band: CrackBand::default(),
+            interpolation: Interpolation::default(),
+        }
+    }
+
+    /// Parameters of the law: elastic without tables, else concrete damaged plasticity.
+    pub fn parameters(&self) -> MaterialParameters {
+        let elastic = ElasticParameters {
+            E: self.E.get(),
+            nu: self.nu.get(),
+            density: self.density.get(),
+        };
+        if self.tension.is_empty() || self.compression.is_empty() {
+            return MaterialParameters::Elastic(elastic);
+        }
+        let rows = |table: &[Row]| -> Vec<TableRow> {
+            let row = |r: &Row| TableRow {
+                stress: r.0.get(),
+                inelastic_strain: r.1.get(),
+                damage: r.2.get(),
+            };
+            table.iter().map(row).collect()
+        };
+        MaterialParameters::DamagePlasticity(DamagePlasticityParameters {
+            elastic,
+            tension: rows(&self.tension),
+            compression: rows(&self.compression),
+            dilation_angle: self.dilation_angle.get().to_radians(),
+            eccentricity: self.eccentricity.get(),
+            fb0_fc0: self.fb0_fc0.get(),
+            k_c: self.K_c.get(),
+            tension_recovery: self.tension_recovery.get(),
+            compression_recovery: self.compression_recovery.get(),
+            viscosity: self.viscosity.get(),
+            reference_length: self.reference_length.map(Length::get),
+            crack_band: self.crack_band,
+            interpolation: self.interpolation,
+        })
+    }
+}

@@ -1,0 +1,438 @@
+//! The deck: a TOML text as written, with its units resolved and its ranges checked.
+//!
+//! The structures here are the serde mirror of the file; `docs/reference/deck.md` explains every key.
+
+mod arch;
+mod beams;
+mod blocks;
+mod bounds;
+mod form;
+mod grid;
+mod ground;
+mod imports;
+mod inputs;
+mod interfaces;
+mod joint_kinds;
+mod loads;
+mod materials;
+mod output;
+mod probes;
+mod procedure;
+mod resumed;
+mod rows;
+mod stand_in;
+mod steps;
+mod symmetry;
+pub(super) mod validate;
+mod wall;
+
+pub use crate::model::axis::Axis;
+pub use crate::model::probes::ProbeQuantity;
+pub use arch::DeckArch;
+pub use beams::{DeckBeam, Turning};
+pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
+pub use bounds::MOST_BYTES;
+pub use imports::DeckImport;
+pub use interfaces::{Interface, Scatter};
+pub use joint_kinds::JointKind;
+pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
+pub use materials::{Material, Row};
+pub use probes::{DeckPlace, DeckProbe};
+pub use procedure::{
+    DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
+};
+pub use resumed::DeckChange;
+pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
+pub use symmetry::{DeckSymmetry, Keep};
+pub use wall::{
+    Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
+    Subdivision, Wall,
+};
+
+use super::overrides;
+use super::quantity::Length;
+use super::source::Source;
+use super::wall_defaults;
+use crate::element::Formulation;
+use crate::error::{DeckError, Errors, IoError, MOST_ERRORS, ModelError, printable};
+use crate::input;
+use crate::material::MaterialParameters;
+use crate::model::scene::{ContactPoints, Fidelity, Output};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+use wythe_contact::InterfaceLaw;
+
+/// Everything that a model file says.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Deck {
+    /// Version of the format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    pub format: u32,
+    /// Title; the name of the file if absent.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// How much of the scene is computed.
+    #[serde(default)]
+    pub fidelity: Fidelity,
+    /// Materials by name.
+    #[serde(default)]
+    pub materials: BTreeMap<String, Material>,
+    /// Interfaces by name.
+    #[serde(default)]
+    pub interfaces: BTreeMap<String, Interface>,
+    /// The wall. A deck without any scene serves only to drive single points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall: Option<Wall>,
+    /// Further walls, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<Wall>,
+    /// Single blocks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub blocks: Vec<DeckBlock>,
+    /// Meshes of other programs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub imports: Vec<DeckImport>,
+    /// An arch of voussoirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arch: Option<DeckArch>,
+    /// Faces of blocks that may meet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<DeckContact>,
+    /// Blocks and faces that are held.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<DeckSupport>,
+    /// Springs to the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<DeckSpring>,
+    /// Loading beams.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beams: Vec<DeckBeam>,
+    /// Planes of symmetry.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub symmetry: Vec<DeckSymmetry>,
+    /// Places that the history follows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<DeckProbe>,
+    /// Element formulation.
+    #[serde(default)]
+    pub element: Element,
+    /// Contact sampling.
+    #[serde(default)]
+    pub contact: Contact,
+    /// Steps, in order.
+    #[serde(default)]
+    pub steps: Vec<DeckStep>,
+    /// What is written, and how often.
+    #[serde(default)]
+    pub output: DeckOutput,
+    #[serde(skip)]
+    source: Source,
+}
+
+/// `[element]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Element {
+    /// How the hex8 interpolates strain.
+    pub formulation: Formulation,
+}
+
+/// `[contact]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Where an interface is sampled on a slave facet.
+    pub points: ContactPoints,
+    /// Parts along x, y and z that a slave facet is cut into, each with points of its own.
+    pub parts: [u32; 3],
+    /// How far a point looks for its master facet [mm]; the solver chooses if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search_radius: Option<Length>,
+    /// The dry interface by which any face of a body may meet any other body's; none but those that are
+    /// paired meet if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub general: Option<String>,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            points: ContactPoints::default(),
+            parts: [1; 3],
+            search_radius: None,
+            general: None,
+        }
+    }
+}
+
+/// `[output]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeckOutput {
+    /// A frame of fields every so many increments; the last one always.
+    pub every: usize,
+    /// Whether `run.mcap` is written.
+    pub mcap: bool,
+    /// A scene in `run.mcap` every so many frames of fields.
+    pub scene_every: usize,
+    /// A measured load-displacement curve: a CSV file in the deck's folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<String>,
+}
+
+impl Default for DeckOutput {
+    fn default() -> Self {
+        let own = Output::default();
+        Self {
+            every: own.every,
+            mcap: own.mcap,
+            scene_every: own.scene_every,
+            experiment: None,
+        }
+    }
+}
+
+impl Deck {
+    /// Reads a deck from a text. `file` names it in errors.
+    ///
+    /// # Errors
+    /// Syntax, unknown or missing keys, wrong types and units, values out of range, names of nothing: all
+    /// that can be found, in the order in which it is written.
+    pub fn from_str(text: &str, file: &str) -> Result<Self, ModelError> {
+        Self::from_str_with(text, file, &[])
+    }
+
+    /// Reads a deck from a text, then says the keys of `overrides` (dotted path, value) anew.
+    ///
+    /// A value is TOML, or else taken as a string (`2.12 MPa` needs no quotes). Of `u_k` and `G_I`,
+    /// and of `delta_k` and `G_II`, the override replaces whichever the file has.
+    ///
+    /// # Errors
+    /// As [`Deck::from_str`]; errors about an override name it.
+    pub fn from_str_with(
+        text: &str,
+        file: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Self, ModelError> {
+        bounds::judge_text(file, text)?;
+        let mut source = Source::new(file, text);
+        let padded: Vec<(usize, String)> = overrides
+            .iter()
+            .map(|(key, value)| {
+                let start = source.append_override(key, value);
+                (start, overrides::padded(value, start))
+            })
+            .collect();
+        let (mut root, syntax) = DeTable::parse_recoverable(text);
+        // What follows on a line that is no TOML is noise, and a whole file of such lines soon is.
+        let mut syntax = syntax;
+        syntax.dedup_by_key(|error| error.span().map(|span| source.line_of(span.start)));
+        syntax.truncate(MOST_ERRORS);
+        let mut errors: Vec<ModelError> = syntax.iter().map(|e| source.syntax_error(e)).collect();
+        let no_toml: Vec<_> = errors.iter().map(ModelError::line).collect();
+        for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
+            let set = bounds::judge_path(key).and_then(|()| {
+                let value = overrides::parse(padded, *start);
+                overrides::set(root.get_mut(), key, source.override_key(i).start, value)
+            });
+            errors.extend(set.err().map(|why| source.override_error(i, why)));
+        }
+        bounds::judge_keys(&source, root.get_ref())?;
+        source.locate(root.get_ref());
+        let form = form::read(&mut source, root, no_toml.is_empty());
+        let misread = form.errors.into_iter();
+        errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
+        if let Some(mut deck) = form.deck {
+            deck.source = source;
+            deck.title = printable(deck.title);
+            if deck.title.is_empty() {
+                deck.title = Path::new(file)
+                    .file_stem()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into();
+            }
+            if no_toml.is_empty() {
+                errors.extend(validate::validate(&deck, &form.broken));
+            }
+            if errors.is_empty() {
+                wall_defaults::choose(&mut deck);
+                return Ok(deck);
+            }
+        }
+        let nothing = || ModelError::new(file, text, None, "", "the deck cannot be read", "");
+        let mut all = Errors::default();
+        for error in errors {
+            all.push(error);
+        }
+        Err(all.end(()).err().unwrap_or_else(nothing))
+    }
+
+    /// Reads the deck in the file `path`, then says the keys of `overrides` anew.
+    ///
+    /// # Errors
+    /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
+    pub fn load(path: impl AsRef<Path>, overrides: &[(String, String)]) -> Result<Self, DeckError> {
+        let path = path.as_ref();
+        let text = input::text(path, MOST_BYTES as u64).map_err(|why| IoError {
+            path: path.to_owned(),
+            why,
+        })?;
+        Ok(Self::from_str_with(
+            &text,
+            &path.display().to_string(),
+            overrides,
+        )?)
+    }
+
+    /// Files that the deck names are relative to this folder, wherever the deck itself lies.
+    #[must_use]
+    pub fn in_folder(mut self, folder: PathBuf) -> Self {
+        self.source.folder = Some(folder);
+        self
+    }
+
+    /// The folder that files named by the deck are relative to.
+    pub fn folder(&self) -> &Path {
+        let beside = || Path::new(&self.source.file).parent();
+        let folder = self.source.folder.as_deref().or_else(beside);
+        folder.unwrap_or(Path::new(""))
+    }
+
+    /// The deck as TOML, in base units and with every default said.
+    ///
+    /// # Errors
+    /// None that a deck which was read can cause.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+
+    /// Parameters of the material `name`, its tables as given.
+    ///
+    /// # Errors
+    /// No such material.
+    pub fn material(&self, name: &str) -> Result<MaterialParameters, ModelError> {
+        match self.materials.get(name) {
+            Some(material) => Ok(material.parameters()),
+            None => Err(self.unknown("materials", "material", name, "materials")),
+        }
+    }
+
+    /// The law of the interface `name` at a single point. A point has no neighbours from which
+    /// stiffnesses could be derived: both must be explicit. Nor is it of a unit: strengths that scatter have
+    /// their mean.
+    ///
+    /// # Errors
+    /// No such interface, or stiffnesses not given.
+    pub fn interface(&self, name: &str) -> Result<InterfaceLaw, ModelError> {
+        let Some(interface) = self.interfaces.get(name) else {
+            return Err(self.unknown("interfaces", "interface", name, "interfaces"));
+        };
+        match (interface.normal_stiffness, interface.shear_stiffness) {
+            (Some(normal), Some(shear)) => Ok(interface.law(normal.get(), shear.get())),
+            _ => Err(self.error(
+                &format!("interfaces.{name}"),
+                "a single point needs explicit stiffnesses: a penalty factor multiplies the stiffness \
+                 of elements, and here are none",
+                "give both, e.g. normal_stiffness = 34000 and shear_stiffness = 14783 (N/mm^3), here \
+                 or by --set",
+            )),
+        }
+    }
+
+    /// An error about the key `path` of this deck.
+    pub fn error(&self, path: &str, message: impl Into<String>, help: &str) -> ModelError {
+        self.source.error(path, message, help)
+    }
+
+    /// A warning about the key `path` of this deck.
+    pub fn warning(&self, path: &str, message: impl Into<String>) -> crate::error::Warning {
+        self.source.warning(path, message)
+    }
+
+    /// Whether the key `path` is written, in the file or in an override.
+    pub(super) fn says(&self, path: &str) -> bool {
+        self.source.has(path)
+    }
+
+    /// Findings at `path`, or below, are told of the key `from`: the file has no such table.
+    pub(super) fn stands_for(&mut self, path: String, from: String) {
+        self.source.stands_for(path, from);
+    }
+
+    /// Whether there are blocks, imported bodies or an arch in the scene.
+    pub fn has_blocks(&self) -> bool {
+        !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()
+    }
+
+    /// Whether there is anything in the scene.
+    pub fn has_scene(&self) -> bool {
+        self.has_blocks() || self.has_walls()
+    }
+
+    /// Whether there are walls in the scene.
+    pub fn has_walls(&self) -> bool {
+        self.wall.is_some() || !self.walls.is_empty()
+    }
+
+    /// The walls, with the paths at which they stand and their names.
+    pub fn walls(&self) -> impl Iterator<Item = (String, &str, &Wall)> {
+        let one = self.wall.iter().map(|wall| ("wall".to_owned(), wall));
+        let more = self.walls.iter().enumerate();
+        one.chain(more.map(|(i, wall)| (format!("walls.{i}"), wall)))
+            .map(|(path, wall)| (path, wall.name.as_deref().unwrap_or("wall"), wall))
+    }
+
+    /// What is clamped of `[wall]`, if there is such a wall and anything is.
+    pub fn clamped(&self) -> Option<Clamped> {
+        match self.wall.as_ref()?.clamped {
+            Clamping::Unsaid => Some(Clamped::default()),
+            Clamping::Nothing => None,
+            Clamping::Courses(clamped) => Some(clamped),
+        }
+    }
+
+    /// `name` is asked for at `path`, but `[table.name]` is not there.
+    fn unknown(&self, path: &str, kind: &str, name: &str, table: &str) -> ModelError {
+        let names: Vec<&str> = if table == "materials" {
+            self.materials.keys().map(String::as_str).collect()
+        } else {
+            self.interfaces.keys().map(String::as_str).collect()
+        };
+        let help = match crate::deck::keys::nearest(name, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if names.is_empty() => format!("add a table [{table}.{name}]"),
+            None => format!("the deck has {}; or add [{table}.{name}]", names.join(", ")),
+        };
+        self.error(path, format!("there is no {kind} named `{name}`"), &help)
+    }
+}
+
+/// Two decks are equal if they say the same, wherever and however it is written.
+impl PartialEq for Deck {
+    fn eq(&self, other: &Self) -> bool {
+        self.format == other.format
+            && self.title == other.title
+            && self.materials == other.materials
+            && self.interfaces == other.interfaces
+            && self.wall == other.wall
+            && self.walls == other.walls
+            && self.blocks == other.blocks
+            && self.imports == other.imports
+            && self.arch == other.arch
+            && self.contacts == other.contacts
+            && self.supports == other.supports
+            && self.springs == other.springs
+            && self.beams == other.beams
+            && self.symmetry == other.symmetry
+            && self.probes == other.probes
+            && self.element == other.element
+            && self.contact == other.contact
+            && self.steps == other.steps
+            && self.output == other.output
+    }
+}

@@ -1,0 +1,378 @@
+//! Ranges of `[[blocks]]`, `[arch]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`.
+
+use super::Checks;
+use crate::deck::keys;
+use crate::deck::quantity::Quantity;
+use crate::deck::rigid;
+use crate::deck::schema::{DeckArch, DeckBlock, Names};
+use crate::error::ModelError;
+
+/// Rises that are rounded may be a little more than half the span.
+const ROUNDED: f64 = 1e-9;
+
+/// More copies of one block than this are a slip.
+const MOST_COPIES: f64 = 5e4;
+
+impl Checks<'_> {
+    /// A scene of blocks, or what stands where none is.
+    pub(super) fn scene(&mut self) {
+        let deck = self.deck;
+        for (name, given) in [
+            ("contacts", !deck.contacts.is_empty()),
+            ("supports", !deck.supports.is_empty()),
+            ("springs", !deck.springs.is_empty()),
+            ("symmetry", !deck.symmetry.is_empty()),
+            ("beams", !deck.beams.is_empty()),
+        ] {
+            self.demand(
+                deck.has_scene() || !given || !self.scene_is_known(),
+                name,
+                || format!("[[{name}]] belongs to a scene, and there is none"),
+                "add [wall], [[walls]], [[blocks]] or [arch]",
+            );
+        }
+        self.symmetry();
+        self.beams();
+        for (i, block) in deck.blocks.iter().enumerate() {
+            self.block(&format!("blocks.{i}"), block);
+        }
+        if let Some(arch) = &deck.arch {
+            self.arch(arch);
+        }
+        self.contacts();
+        self.supports();
+        self.springs();
+    }
+
+    fn beams(&mut self) {
+        let deck = self.deck;
+        for (i, beam) in deck.beams.iter().enumerate() {
+            let path = format!("beams.{i}");
+            let mut letters = beam.name.chars();
+            let plain = letters.next().is_some_and(char::is_alphabetic)
+                && letters.all(|c| c.is_alphanumeric() || "-_".contains(c));
+            self.demand(
+                plain,
+                &format!("{path}.name"),
+                || format!("`{}` is no name for a beam", beam.name),
+                "a letter, then letters, digits, - and _",
+            );
+            self.not_empty(&format!("{path}.on"), Some(&beam.on));
+            self.positive(&format!("{path}.depth"), beam.depth);
+            self.known_interface(&format!("{path}.interface"), &beam.interface);
+            if let Some(density) = beam.density {
+                self.not_negative(&format!("{path}.density"), density);
+            }
+        }
+    }
+
+    fn contacts(&mut self) {
+        let deck = self.deck;
+        for (i, contact) in deck.contacts.iter().enumerate() {
+            let path = format!("contacts.{i}");
+            let sides = [("slave", &contact.slave), ("master", &contact.master)];
+            for (name, side) in sides {
+                self.not_empty(&format!("{path}.{name}"), side.as_ref());
+            }
+            if let [Some(_), None] | [None, Some(_)] = sides.map(|(_, side)| side.as_ref()) {
+                let missing = sides[usize::from(contact.slave.is_some())].0;
+                self.require(
+                    false,
+                    &format!("{path}.{missing}"),
+                    || format!("the key `{missing}` is missing"),
+                    "give both sides, or neither: then all faces that touch at rest meet",
+                );
+            }
+            self.known_interface(&format!("{path}.interface"), &contact.interface);
+        }
+        // Whatever is rigid, its modulus follows from the joints': it tells nothing of theirs.
+        if rigid::any(deck) {
+            let of_contacts = deck.contacts.iter().map(|c| &c.interface);
+            let of_beams = deck.beams.iter().map(|beam| &beam.interface);
+            for name in of_contacts.chain(of_beams).chain(&deck.contact.general) {
+                self.stiffness_of_joints(name);
+            }
+        }
+    }
+
+    fn supports(&mut self) {
+        let deck = self.deck;
+        for (i, support) in deck.supports.iter().enumerate() {
+            self.not_empty(&format!("supports.{i}.on"), Some(&support.on));
+            self.demand(
+                !support.fixed.is_empty(),
+                &format!("supports.{i}.fixed"),
+                || "a support that holds no direction".to_owned(),
+                &keys::example("fixed"),
+            );
+        }
+    }
+
+    fn springs(&mut self) {
+        let deck = self.deck;
+        for (i, spring) in deck.springs.iter().enumerate() {
+            self.not_empty(&format!("springs.{i}.on"), Some(&spring.on));
+            for (d, stiffness) in spring.stiffness.into_iter().enumerate() {
+                self.not_negative(&format!("springs.{i}.stiffness.{d}"), stiffness);
+            }
+            self.demand(
+                spring.stiffness.iter().any(|k| k.get() > 0.0),
+                &format!("springs.{i}.stiffness"),
+                || "a spring without stiffness".to_owned(),
+                &keys::example_at("springs.stiffness"),
+            );
+        }
+    }
+
+    /// Planes of symmetry: at most one normal to each axis.
+    fn symmetry(&mut self) {
+        let planes = &self.deck.symmetry;
+        for (i, plane) in planes.iter().enumerate() {
+            let path = format!("symmetry.{i}.normal");
+            self.demand(
+                !planes[..i].iter().any(|other| other.normal == plane.normal),
+                &path,
+                || "there are two planes of symmetry with this normal".to_owned(),
+                "one plane for each of x, y and z; a second face may be held by [[supports]]",
+            );
+        }
+    }
+
+    fn block(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
+        let plain = !block.name.is_empty() && !block.name.contains('.');
+        self.demand(
+            plain,
+            &key("name"),
+            || format!("`{}` is no name for a block", block.name),
+            "letters, digits, - and _; a dot parts the block from its face",
+        );
+        let shapes = [
+            ("size", block.size.is_some()),
+            ("corners", block.corners.is_some()),
+            ("nodes", block.nodes.is_some()),
+        ];
+        let given: Vec<&str> = shapes.iter().filter(|s| s.1).map(|s| s.0).collect();
+        match (&block.size, &block.corners) {
+            _ if given.len() > 1 => self.require(
+                false,
+                &key(given[1]),
+                || format!("both `{}` and `{}` are given", given[0], given[1]),
+                "leave out one",
+            ),
+            (Some(size), _) => {
+                for (d, size) in size.iter().enumerate() {
+                    self.positive(&format!("{path}.size.{d}"), *size);
+                }
+            }
+            (_, Some(corners)) => {
+                let corners = corners.map(|x| x.map(Quantity::get));
+                self.demand(
+                    crate::element::hexahedron::is_upright(&corners),
+                    &key("corners"),
+                    || "the corners are not in order, or the block is flat or folded".to_owned(),
+                    "(-,-,-) (+,-,-) (+,+,-) (-,+,-), then the same four above them",
+                );
+            }
+            (None, None) => self.require(
+                block.nodes.is_some(),
+                &key("size"),
+                || "neither `size` nor `corners` nor `nodes` is given".to_owned(),
+                &keys::example("size"),
+            ),
+        }
+        self.require(
+            !block.rigid || block.nodes.is_none(),
+            &key("rigid"),
+            || "a grid of nodes is made to deform".to_owned(),
+            "rigid blocks have a `size` or `corners`",
+        );
+        self.column(path, block);
+        self.known_material(&key("material"), &block.material);
+        self.elements(&key("mesh"), block.mesh, "blocks.mesh");
+        let copies = block.copies.unwrap_or([1; 3]);
+        let count: f64 = copies.iter().map(|n| f64::from(*n)).product();
+        self.demand(
+            (1.0..=MOST_COPIES).contains(&count),
+            &key("copies"),
+            || format!("{count} copies of a block"),
+            "at least 1 along each axis, at most 5e4 in all",
+        );
+        self.require(
+            block.copies.is_some() || block.pitch.is_none(),
+            &key("pitch"),
+            || "there are no copies that would stand at this distance".to_owned(),
+            &keys::example("copies"),
+        );
+        if block.copies.is_some() {
+            let pitch = block.pitch.map_or([0.0; 3], |p| p.map(Quantity::get));
+            let apart = (0..3).all(|d| copies[d] < 2 || pitch[d] != 0.0);
+            self.require(
+                apart,
+                &key("pitch"),
+                || "copies would stand in the same place".to_owned(),
+                &keys::example("pitch"),
+            );
+        }
+    }
+
+    /// A column of blocks.
+    fn column(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
+        let Some(count) = block.stack else {
+            self.require(
+                block.interface.is_none(),
+                &key("interface"),
+                || "a single block has no joints".to_owned(),
+                "stack = 6 makes a column of it; [[contacts]] join blocks",
+            );
+            return;
+        };
+        self.demand(
+            (1.0..=MOST_COPIES).contains(&f64::from(count)),
+            &key("stack"),
+            || format!("{count} blocks are no column"),
+            "at least 1, at most 5e4",
+        );
+        self.require(
+            block.size.is_some() && block.copies.is_none(),
+            &key("stack"),
+            || "a column is of boxes, and stands once".to_owned(),
+            "give `size`, and leave out `corners`, `nodes` and `copies`",
+        );
+        self.require(
+            block.interface.is_some(),
+            &key("interface"),
+            || "the key `interface` is missing".to_owned(),
+            "the interface of the joints of the column: interface = \"dry\"",
+        );
+        if let Some(name) = &block.interface {
+            self.known_interface(&key("interface"), name);
+            if block.rigid {
+                self.stiffness_of_joints(name);
+            }
+        }
+    }
+
+    fn arch(&mut self, arch: &DeckArch) {
+        self.positive("arch.thickness", arch.thickness);
+        self.positive("arch.width", arch.width);
+        for (name, length) in [("radius", arch.radius), ("span", arch.span)] {
+            if let Some(length) = length {
+                self.positive(&format!("arch.{name}"), length);
+            }
+        }
+        self.require(
+            arch.radius.is_some() || arch.span.is_some(),
+            "arch.radius",
+            || "neither `radius` nor `span` is given".to_owned(),
+            &keys::example("radius"),
+        );
+        self.require(
+            arch.radius.is_none() || arch.span.is_none(),
+            "arch.span",
+            || "both `radius` and `span` are given".to_owned(),
+            "each follows from the other: leave out one",
+        );
+        if let Some(rise) = arch.rise {
+            self.positive("arch.rise", rise);
+            self.require(
+                arch.span.is_some(),
+                "arch.rise",
+                || "a rise belongs to a `span`".to_owned(),
+                "give span and rise, or radius and angle",
+            );
+            self.require(
+                arch.angle.is_none(),
+                "arch.angle",
+                || "both `rise` and `angle` are given".to_owned(),
+                "each follows from the other: leave out one",
+            );
+            let span = arch.span.map_or(f64::INFINITY, Quantity::get);
+            self.require(
+                rise.get() <= 0.5 * span * (1.0 + ROUNDED),
+                "arch.rise",
+                || {
+                    format!(
+                        "a rise of {} mm over a span of {span} mm is more than a semicircle's",
+                        rise.get()
+                    )
+                },
+                "at most half the span",
+            );
+        }
+        let angle = arch.angle.map_or(180.0, Quantity::get);
+        self.demand(
+            angle > 0.0 && angle <= 180.0,
+            "arch.angle",
+            || format!("an arch over {angle} degrees"),
+            "above 0, up to 180 (a semicircle)",
+        );
+        let (radius, thickness) = (arch.centre_line(), arch.thickness.get());
+        self.require(
+            angle <= 0.0 || thickness < radius || radius <= 0.0,
+            "arch.thickness",
+            || format!("{thickness} mm are no arch of {radius} mm radius"),
+            "a ring is thinner than its radius",
+        );
+        let count = arch.voussoirs;
+        self.demand(
+            (2..=10_000).contains(&count),
+            "arch.voussoirs",
+            || format!("{count} voussoirs are no arch"),
+            "2 to 10000",
+        );
+        self.known_material("arch.material", &arch.material);
+        self.known_interface("arch.interface", &arch.interface);
+        if arch.rigid {
+            self.stiffness_of_joints(&arch.interface);
+        }
+        self.elements("arch.mesh", arch.mesh, "arch.mesh");
+    }
+
+    fn elements(&mut self, path: &str, mesh: [u32; 3], example: &str) {
+        self.demand(
+            mesh.iter().all(|n| *n > 0),
+            path,
+            || format!("{mesh:?} leaves no element"),
+            &keys::example_at(example),
+        );
+    }
+
+    pub(super) fn not_empty(&mut self, path: &str, names: Option<&Names>) {
+        self.demand(
+            names.is_none_or(|names| !names.0.is_empty()),
+            path,
+            || "the list is empty".to_owned(),
+            "name a block or a face",
+        );
+    }
+
+    /// Whether it can be told if the scene is a wall or blocks.
+    pub(super) fn scene_is_known(&self) -> bool {
+        !["wall", "walls", "blocks", "arch"]
+            .iter()
+            .any(|name| self.broken.whole(name))
+    }
+
+    pub(super) fn known_material(&mut self, path: &str, name: &str) {
+        if !self.deck.materials.contains_key(name) && !self.is_full() {
+            let error = self.deck.unknown(path, "material", name, "materials");
+            self.refer("materials", path, error);
+        }
+    }
+
+    pub(super) fn known_interface(&mut self, path: &str, name: &str) {
+        if !self.deck.interfaces.contains_key(name) && !self.is_full() {
+            let error = self.deck.unknown(path, "interface", name, "interfaces");
+            self.refer("interfaces", path, error);
+        }
+    }
+
+    /// A name at `path` of nothing in the section `of`, unless that could not be read.
+    pub(super) fn refer(&mut self, of: &str, path: &str, error: ModelError) {
+        if !self.broken.whole(of) && !self.broken.holds(path) {
+            self.errors.push(error);
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Ranges of a deck, and what its keys demand of each other. Every error is found, not the first.
+
+mod blocks;
+mod imports;
+mod interfaces;
+mod loads;
+mod materials;
+mod probes;
+mod references;
+mod steps;
+mod wall;
+
+use super::form::Broken;
+use super::{Deck, Material};
+use crate::deck::amount;
+use crate::deck::quantity::{Number, Quantity};
+use crate::error::{MOST_ERRORS, ModelError};
+pub(in crate::deck) use loads::misfit;
+
+/// Parts of a facet along an axis: more than the joint of any mesh has use for.
+const MOST_PARTS: u32 = 16;
+
+/// Errors found so far.
+struct Checks<'a> {
+    deck: &'a Deck,
+    broken: &'a Broken,
+    errors: Vec<ModelError>,
+}
+
+/// Checks all that needs no mesh: values out of range, contradictions, names of nothing. What rests on
+/// something `broken` is let be.
+pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
+    let mut checks = Checks {
+        deck,
+        broken,
+        errors: Vec::new(),
+    };
+    checks.demand(
+        deck.format == 1,
+        "format",
+        || format!("format {} is not known", deck.format),
+        "this version reads format = 1",
+    );
+    if let Err(too_many) = amount::require_few(deck) {
+        checks.errors.push(too_many);
+        return checks.errors;
+    }
+    for (name, material) in &deck.materials {
+        checks.material(&format!("materials.{name}"), material);
+    }
+    for (name, interface) in &deck.interfaces {
+        checks.interface(&format!("interfaces.{name}"), interface);
+    }
+    for (path, _, wall) in deck.walls() {
+        checks.wall(&path, wall);
+    }
+    checks.walls();
+    checks.scene();
+    checks.imports();
+    checks.probes();
+    checks.loads();
+    for (i, step) in deck.steps.iter().enumerate() {
+        checks.step(&format!("steps.{i}"), step);
+    }
+    checks.require(
+        deck.output.every > 0,
+        "output.every",
+        || "a frame every 0 increments means nothing".to_owned(),
+        "1 writes every increment",
+    );
+    checks.require(
+        deck.output.scene_every > 0,
+        "output.scene_every",
+        || "a scene every 0 frames means nothing".to_owned(),
+        "1 shows every frame; mcap = false writes no run.mcap at all",
+    );
+    if let Some(radius) = deck.contact.search_radius {
+        checks.positive("contact.search_radius", radius);
+    }
+    checks.demand(
+        deck.contact
+            .parts
+            .iter()
+            .all(|n| (1..=MOST_PARTS).contains(n)),
+        "contact.parts",
+        || format!("a facet is cut into 1 to {MOST_PARTS} parts along each axis"),
+        "parts = [1, 3, 1] has six points through the thickness of one element",
+    );
+    checks.general_contact();
+    checks.references();
+    checks.errors
+}
+
+/// Checks a material that a file brings, as if it stood at `path` of the deck.
+pub(in crate::deck) fn imported_material(
+    deck: &Deck,
+    path: &str,
+    material: &Material,
+) -> Vec<ModelError> {
+    let broken = Broken::default();
+    let mut checks = Checks {
+        deck,
+        broken: &broken,
+        errors: Vec::new(),
+    };
+    checks.material(path, material);
+    checks.errors
+}
+
+impl Checks<'_> {
+    /// What the key at `path` and others of its section must be to each other.
+    fn require(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
+        if !self.broken.section(path) {
+            self.demand(ok, path, message, help);
+        }
+    }
+
+    /// Whether so many errors are known that no more are looked for.
+    fn is_full(&self) -> bool {
+        self.errors.len() > 5 * MOST_ERRORS
+    }
+
+    /// What the value at `path` must be by itself.
+    fn demand(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
+        if !ok && !self.is_full() && !self.broken.holds(path) {
+            self.errors.push(self.deck.error(path, message(), help));
+        }
+    }
+
+    fn positive<const L: i8, const M: i8, const T: i8, const A: i8>(
+        &mut self,
+        path: &str,
+        value: Quantity<L, M, T, A>,
+    ) {
+        let value = value.get();
+        self.demand(
+            value > 0.0,
+            path,
+            || format!("{value} is not positive"),
+            "give a value above 0",
+        );
+    }
+
+    fn not_negative<const L: i8, const M: i8, const T: i8, const A: i8>(
+        &mut self,
+        path: &str,
+        value: Quantity<L, M, T, A>,
+    ) {
+        let value = value.get();
+        self.demand(
+            value >= 0.0,
+            path,
+            || format!("{value} is negative"),
+            "give 0 or more",
+        );
+    }
+
+    fn within(&mut self, path: &str, value: Number, range: std::ops::RangeInclusive<f64>) {
+        let value = value.get();
+        let (low, high) = (*range.start(), *range.end());
+        self.demand(
+            range.contains(&value),
+            path,
+            || format!("{value} is not between {low} and {high}"),
+            &format!("give a value from {low} to {high}"),
+        );
+    }
+
+    /// The interface of general contact: one that is there, and dry.
+    fn general_contact(&mut self) {
+        let deck = self.deck;
+        let (path, Some(name)) = ("contact.general", &deck.contact.general) else {
+            return;
+        };
+        self.known_interface(path, name);
+        let bonded = deck.interfaces.get(name).is_some_and(|f| !f.is_dry());
+        let broken = self.broken.holds(&format!("interfaces.{name}.f_t"))
+            || self.broken.holds(&format!("interfaces.{name}.c"));
+        self.demand(
+            !bonded || broken,
+            path,
+            || format!("{name} is bonded, and bodies that meet later have nothing between them that could bond"),
+            "name an interface with f_t = 0 and c = 0; bonds are those of joints that touch at rest: \
+             [[contacts]], the joints of a wall or of an arch",
+        );
+    }
+}

@@ -1,0 +1,436 @@
+//! Ranges of `[[steps]]`.
+
+use super::Checks;
+use crate::deck::keys;
+use crate::deck::quantity::Quantity;
+use crate::deck::schema::{DeckProcedure, DeckStep, Direction, StepKind, Turning};
+use crate::model::scene::Tangent;
+
+/// More iterations of an increment than this find nothing.
+const MOST_ITERATIONS: usize = 10_000;
+
+/// Most cycles of a step: with ten increments each a run of days.
+const MOST_CYCLES: f64 = 1e4;
+
+/// Who may say a key of a step, and who must.
+struct Rule<'a> {
+    name: &'a str,
+    given: bool,
+    /// Kinds of steps that know it.
+    kinds: &'a [StepKind],
+    /// Whether what the step moves knows it.
+    here: bool,
+    needed: bool,
+}
+
+impl Checks<'_> {
+    pub(super) fn step(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        self.positive(&key("duration"), step.duration);
+        self.keys_of_kind(path, step);
+        let drive = step.kind == StepKind::Drive;
+        let horizontal = !matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
+        self.require(
+            step.vertical.is_none() || !drive || horizontal,
+            &key("vertical"),
+            || "the vertical motion is the one that is driven".to_owned(),
+            "leave out `vertical`, or drive in x or y",
+        );
+        for (name, pressure) in [
+            ("top_pressure", step.top_pressure),
+            ("pressure", step.pressure),
+        ] {
+            let value = pressure.map_or(0.0, Quantity::get);
+            self.demand(
+                value >= 0.0,
+                &key(name),
+                || format!("the pressure {value} MPa pulls"),
+                "compression is positive here; to pull, drive in z",
+            );
+        }
+        if let Some(gravity) = step.gravity {
+            self.positive(&key("gravity"), gravity);
+        }
+        if let (Some(free), Some(direction), true) = (&step.free, step.direction, drive) {
+            let driven = direction.axis().0;
+            self.require(
+                free.iter().all(|axis| axis.index() != driven),
+                &key("free"),
+                || "the direction that is driven cannot be free".to_owned(),
+                "name the other directions only",
+            );
+        }
+        self.demand(
+            !matches!(step.axis, Some(Direction::Z | Direction::MinusZ)),
+            &key("axis"),
+            || "a turn about z tilts nothing".to_owned(),
+            &keys::example("axis"),
+        );
+        if let Some(angle) = step.angle.map(Quantity::get) {
+            self.demand(
+                angle.abs() <= 180.0,
+                &key("angle"),
+                || format!("{angle} degrees are more than half a turn"),
+                &keys::example("angle"),
+            );
+        }
+        if let Some(cycles) = &step.cycles {
+            let count = cycles.amplitudes.len() as f64 * f64::from(cycles.repeat);
+            self.demand(
+                count <= MOST_CYCLES,
+                &key("cycles.repeat"),
+                || format!("{count} cycles are too many for one step"),
+                "at most 1e4 in one step: amplitudes times repeat",
+            );
+        }
+        self.require(
+            step.cycles.is_none() || step.displacement.is_none(),
+            &key("displacement"),
+            || "`cycles` say how far the step drives".to_owned(),
+            "leave out `displacement`, or `cycles`",
+        );
+        if let Some(displacement) = step.displacement {
+            self.demand(
+                displacement.get() != 0.0,
+                &key("displacement"),
+                || "the displacement is 0".to_owned(),
+                &keys::example("displacement"),
+            );
+        }
+        self.inertia(path, step);
+        self.course(path, step);
+        self.procedure(path, step);
+        self.stop(path, step);
+        let sizes = step.increments();
+        let ok = sizes.min > 0.0 && sizes.min <= sizes.initial && sizes.initial <= sizes.max;
+        self.require(
+            ok && sizes.max <= 1.0,
+            &key("increments"),
+            || {
+                let (initial, max, min) = (sizes.initial, sizes.max, sizes.min);
+                format!("initial = {initial}, max = {max}, min = {min} are not in order")
+            },
+            "fractions of the step: 0 < min <= initial <= max <= 1",
+        );
+        if let Some(peak) = step.increments.peak {
+            self.positive(&key("increments.peak"), peak);
+        }
+        self.demand(
+            step.viscosity.get() >= 0.0,
+            &key("viscosity"),
+            || format!("{} is negative", step.viscosity.get()),
+            "step time, 0 for none",
+        );
+        if let Some(residual) = step.tolerance.residual {
+            self.positive(&key("tolerance.residual"), residual);
+        }
+        self.demand(
+            step.tolerance.max_iterations > 0,
+            &key("tolerance.max_iterations"),
+            || "no iteration is allowed".to_owned(),
+            "max_iterations = 25",
+        );
+        let iterations = step.tolerance.max_iterations;
+        self.demand(
+            iterations <= MOST_ITERATIONS,
+            &key("tolerance.max_iterations"),
+            || format!("{iterations} iterations are too many for one increment"),
+            "max_iterations = 25; shorter increments find what many iterations do not",
+        );
+    }
+
+    /// Keys of inertia: those that its kind knows, in their ranges, and mass to act on.
+    fn inertia(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        let dynamic = step.procedure == DeckProcedure::Dynamic;
+        for (name, given) in [
+            ("alpha", step.alpha.is_some()),
+            ("rayleigh", step.rayleigh.is_some()),
+            ("ground", step.ground.is_some()),
+        ] {
+            self.require(
+                dynamic || !given,
+                &key(name),
+                || format!("`{name}` belongs to a dynamic step"),
+                "say procedure = \"dynamic\", or leave it out",
+            );
+        }
+        self.require(
+            step.ground_unit.is_none() || step.ground.is_some(),
+            &key("ground_unit"),
+            || "there is no record whose unit this would be".to_owned(),
+            &keys::example("ground"),
+        );
+        for (name, given) in [
+            ("ground_factor", step.ground_factor.is_some()),
+            ("ground_start", step.ground_start.is_some()),
+        ] {
+            self.require(
+                !given || step.ground.is_some(),
+                &key(name),
+                || "there is no record that it could change".to_owned(),
+                &keys::example("ground"),
+            );
+        }
+        if let Some(alpha) = step.alpha {
+            let value = alpha.get();
+            self.demand(
+                (-1.0 / 3.0..=0.0).contains(&value),
+                &key("alpha"),
+                || format!("{value} is not between -1/3 and 0"),
+                "0 keeps all energy, -0.05 takes out what the increments do not resolve",
+            );
+        }
+        if let Some(rayleigh) = step.rayleigh {
+            self.not_negative(&key("rayleigh.mass"), rayleigh.mass);
+            self.not_negative(&key("rayleigh.stiffness"), rayleigh.stiffness);
+        }
+        if matches!(
+            step.procedure,
+            DeckProcedure::QuasiStatic | DeckProcedure::Dynamic
+        ) {
+            let materials = self.deck.materials.iter();
+            let massless = materials
+                .filter(|(name, m)| {
+                    m.density.get() <= 0.0 && !self.broken.section(&format!("materials.{name}"))
+                })
+                .map(|(name, _)| name.clone());
+            for name in massless.collect::<Vec<_>>() {
+                self.require(
+                    false,
+                    &key("procedure"),
+                    || format!("the step has inertia and the material `{name}` has no mass"),
+                    &format!("add to [materials.{name}]: {}", keys::example("density")),
+                );
+            }
+        }
+    }
+
+    /// What the procedures ask of each other's keys.
+    fn procedure(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        self.require(
+            step.procedure != DeckProcedure::Implex || step.tangent == Tangent::Secant,
+            &key("tangent"),
+            || "extrapolated solids have a secant stiffness and no other".to_owned(),
+            "leave `tangent` out, or take another procedure",
+        );
+        let controlled = step.procedure == DeckProcedure::DisplacementControl;
+        self.require(
+            controlled == step.control.is_some(),
+            &key("control"),
+            || {
+                if controlled {
+                    "the key `control` is missing: which displacement steers the load?".to_owned()
+                } else {
+                    "`control` belongs to the procedure \"displacement_control\"".to_owned()
+                }
+            },
+            &if controlled {
+                keys::example("control")
+            } else {
+                "say procedure = \"displacement_control\", or leave it out".to_owned()
+            },
+        );
+        if let Some(control) = &step.control {
+            self.demand(
+                control.displacement.get() != 0.0,
+                &key("control.displacement"),
+                || "the displacement is 0".to_owned(),
+                &keys::example("displacement"),
+            );
+            self.require(
+                step.kind != StepKind::Free,
+                &key("control"),
+                || "a free step has no load to steer".to_owned(),
+                "steer a preload, gravity, a tilt, a drive, or a load",
+            );
+        }
+    }
+
+    /// What ends a driven step early must be able to happen.
+    fn stop(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.stop{name}");
+        let Some(stop) = step.stop else { return };
+        self.require(
+            stop.below_peak.is_some() || stop.displacement.is_some(),
+            &key(""),
+            || "`stop` does not say at what".to_owned(),
+            &keys::example("stop"),
+        );
+        if let Some(part) = stop.below_peak.map(Quantity::get) {
+            self.require(
+                part > 0.0 && part < 1.0,
+                &key(".below_peak"),
+                || format!("{part} is not between 0 and 1"),
+                "the part of its peak to which the force falls: below_peak = 0.8",
+            );
+        }
+        if let Some(by) = stop.displacement
+            && step.kind == StepKind::Drive
+        {
+            let (by, whole) = (by.get(), step.drive().abs());
+            self.require(
+                by > 0.0 && (by <= whole || step.amplitude.is_some()),
+                &key(".displacement"),
+                || format!("{by} mm is not above 0 and within the {whole} mm of the step"),
+                "how far this step drives, without sign: displacement = \"3 mm\"",
+            );
+        }
+    }
+
+    /// Keys that the kind of the step, and of the scene, knows; and those that it needs.
+    fn keys_of_kind(&mut self, path: &str, step: &DeckStep) {
+        if !self.scene_is_known() {
+            return;
+        }
+        use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
+        let key = |name: &str| format!("{path}.{name}");
+        let kind = step.kind;
+        // Steps of a clamped wall that name no face or spring mean the level beam on its top.
+        let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
+        let of_spring = step.spring.is_some();
+        // A beam of [[beams]] is pressed and driven as a face is.
+        let of_face = step.face.is_some() || step.beam.is_some();
+        let of_beam = clamped && !of_face && !of_spring;
+        let rule = |name, given, kinds, here, needed| Rule {
+            name,
+            given,
+            kinds,
+            here,
+            needed,
+        };
+        let pushes: &[StepKind] = &[Preload, Drive];
+        let weighs: &[StepKind] = &[Gravity, Tilt, Free];
+        let given = |name: &str| match name {
+            "top_pressure" => step.top_pressure.is_some(),
+            "pressure" => step.pressure.is_some(),
+            "direction" => step.direction.is_some(),
+            "displacement" => step.displacement.is_some(),
+            "stop" => step.stop.is_some(),
+            "vertical" => step.vertical.is_some(),
+            "free" => step.free.is_some(),
+            "gravity" => step.gravity.is_some(),
+            "angle" => step.angle.is_some(),
+            "axis" => step.axis.is_some(),
+            _ => false,
+        };
+        let rules = [
+            rule(
+                "top_pressure",
+                given("top_pressure"),
+                &[Preload],
+                of_beam,
+                of_beam,
+            ),
+            rule(
+                "pressure",
+                given("pressure"),
+                &[Preload],
+                !of_beam,
+                !of_beam,
+            ),
+            rule("direction", given("direction"), &[Drive], true, true),
+            rule(
+                "displacement",
+                given("displacement"),
+                &[Drive],
+                true,
+                step.cycles.is_none(),
+            ),
+            rule("cycles", step.cycles.is_some(), &[Drive], true, false),
+            rule("stop", given("stop"), &[Drive, Load], true, false),
+            rule("vertical", given("vertical"), &[Drive], of_beam, false),
+            rule(
+                "face",
+                step.face.is_some(),
+                pushes,
+                true,
+                !of_beam && !of_spring && step.beam.is_none(),
+            ),
+            rule("beam", step.beam.is_some(), pushes, true, false),
+            rule("free", given("free"), pushes, !of_beam, false),
+            rule("spring", of_spring, &[Drive], true, false),
+            rule("gravity", given("gravity"), &[Gravity, Free], true, false),
+            rule("angle", given("angle"), weighs, true, kind == Tilt),
+            rule("axis", given("axis"), weighs, true, false),
+        ];
+        for Rule {
+            name,
+            given,
+            kinds,
+            here,
+            needed,
+        } in rules
+        {
+            let known = kinds.contains(&kind);
+            self.require(
+                !given || known,
+                &key(name),
+                || {
+                    let own: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
+                    let (own, kind) = (own.join(" or "), kind.name());
+                    format!("`{name}` belongs to a {own}, and this step is a {kind}")
+                },
+                "leave it out here, or make it a step of its own",
+            );
+            self.require(
+                !given || !known || here,
+                &key(name),
+                || {
+                    let other = if of_beam {
+                        "a face, and this step is of the level beam of the wall"
+                    } else {
+                        "the level beam of a clamped wall"
+                    };
+                    format!("`{name}` is of {other}")
+                },
+                if of_beam {
+                    "of the beam: `top_pressure`, `vertical`; or name a `face`"
+                } else {
+                    "of faces: `face`, `pressure`, `free`"
+                },
+            );
+            self.require(
+                !(needed && known && here) || given,
+                &key(name),
+                || format!("the key `{name}` is missing"),
+                &keys::example(name),
+            );
+        }
+        self.beam(path, step);
+        self.require(
+            !of_spring || (step.face.is_none() && step.free.is_none()),
+            &key("spring"),
+            || "a drive moves either a face or a spring".to_owned(),
+            "make the other a step of its own",
+        );
+    }
+
+    /// A step of a beam of `[[beams]]`.
+    fn beam(&mut self, path: &str, step: &DeckStep) {
+        let Some(name) = &step.beam else { return };
+        let key = |name: &str| format!("{path}.{name}");
+        self.require(
+            step.face.is_none() && step.spring.is_none(),
+            &key("beam"),
+            || "a step moves either a beam, a face or a spring".to_owned(),
+            "make the other a step of its own",
+        );
+        let mut beams = self.deck.beams.iter();
+        let turns = beams.any(|beam| beam.name == *name && beam.rotation == Turning::Free);
+        self.require(
+            !turns || step.free.is_none(),
+            &key("free"),
+            || format!("`{name}` turns and moves freely but for what drives it"),
+            "leave it out; `free` is of beams that stay level",
+        );
+        let upright = matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
+        self.require(
+            !(turns && upright && step.kind == StepKind::Drive),
+            &key("direction"),
+            || format!("`{name}` turns: driven upwards it would be held where its load is"),
+            "press it by a preload, drive it along x or y; rotation = \"level\" may be driven along z",
+        );
+    }
+}

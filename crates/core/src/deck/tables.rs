@@ -1,0 +1,224 @@
+//! Checks the tables of a material in the elements of a mesh: errors and warnings of the laws, with their place in
+//! the deck.
+
+use super::schema::Deck;
+use crate::error::{ModelError, Warning};
+use crate::material::{
+    Branch, Curve, Curves, DamagePlasticityParameters, Material, MaterialParameters, TableError,
+    TableWarning,
+};
+
+impl Deck {
+    /// The law of the material `name` in elements of equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1).
+    /// `None` is a single point, which has no size: its tables are not scaled.
+    ///
+    /// # Errors
+    /// Unknown material, or tables from which no law can be made.
+    pub fn law(
+        &self,
+        name: &str,
+        l_eq: Option<f64>,
+    ) -> Result<(Material, Vec<Warning>), ModelError> {
+        let parameters = self.material(name)?;
+        let lengths: Vec<f64> = l_eq.into_iter().collect();
+        let warnings = match &parameters {
+            MaterialParameters::Elastic(_) => Vec::new(),
+            MaterialParameters::DamagePlasticity(p) => judge(self, name, p, &lengths)?,
+        };
+        let (law, _) = Material::new(&parameters, l_eq)
+            .map_err(|error| refusal(self, name, &parameters, &error))?;
+        Ok((law, warnings))
+    }
+}
+
+/// Builds both curves for elements of these equivalent lengths [mm], as a run does; without lengths the tables are
+/// not scaled.
+///
+/// # Errors
+/// Those of the curves; on each branch the first one of the longest element.
+pub(super) fn judge(
+    deck: &Deck,
+    name: &str,
+    p: &DamagePlasticityParameters,
+    lengths: &[f64],
+) -> Result<Vec<Warning>, ModelError> {
+    let scalings: Vec<Option<(f64, f64)>> = match p.reference_length {
+        Some(l_ref) if !lengths.is_empty() => lengths.iter().map(|l| Some((l_ref, *l))).collect(),
+        _ => vec![None],
+    };
+    let (mut warnings, mut errors) = (Vec::new(), Vec::new());
+    for (branch, rows) in [
+        (Branch::Tension, &p.tension),
+        (Branch::Compression, &p.compression),
+    ] {
+        let mut capped = Vec::new();
+        let mut refused = None;
+        for scaling in &scalings {
+            match Curve::new(branch, rows, p.elastic.E, *scaling, p.interpolation) {
+                Ok((_, said)) => capped.extend(said),
+                // Of several lengths the longest is the most critical.
+                Err(error) => refused = Some(error),
+            }
+        }
+        let parameters = MaterialParameters::DamagePlasticity(p.clone());
+        errors.extend(refused.map(|error| refusal(deck, name, &parameters, &error)));
+        warnings.extend(caps(deck, name, &capped));
+    }
+    ModelError::gather(errors).map_or(Ok(warnings), Err)
+}
+
+/// Builds the curves of crack bands from the least to the largest of `widths` [mm], as a run does.
+///
+/// # Errors
+/// Those of the curves.
+pub(super) fn judge_bands(
+    deck: &Deck,
+    name: &str,
+    p: &DamagePlasticityParameters,
+    widths: [f64; 2],
+) -> Result<Vec<Warning>, ModelError> {
+    let parameters = MaterialParameters::DamagePlasticity(p.clone());
+    let (_, said) =
+        Curves::of_bands(p, widths).map_err(|error| refusal(deck, name, &parameters, &error))?;
+    let mut warnings = Vec::new();
+    for branch in [Branch::Tension, Branch::Compression] {
+        warnings.extend(narrowed(deck, name, branch, &said));
+    }
+    warnings.extend(caps(deck, name, &said));
+    Ok(warnings)
+}
+
+/// Warning: crack bands are taken narrower than they are.
+fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Option<Warning> {
+    said.iter().find_map(|warning| match *warning {
+        TableWarning::BandNarrowed {
+            branch,
+            row,
+            width,
+            limit,
+        } if branch == of => Some(deck.warning(
+            &cell(name, branch, row, None),
+            format!(
+                "elements are up to {width:.1} mm wide across a crack; beyond {limit:.1} mm the softening to row \
+                 {row} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} times its \
+                 energy: finer elements, or a larger inelastic strain, would mend it",
+                width / limit
+            ),
+        )),
+        _ => None,
+    })
+}
+
+/// One warning for each row whose damage had to be capped (theory/damage-plasticity.md, eq. 11), for all lengths
+/// together.
+fn caps(deck: &Deck, name: &str, warnings: &[TableWarning]) -> Vec<Warning> {
+    let mut rows: Vec<(Branch, usize)> = Vec::new();
+    for warning in warnings {
+        if let TableWarning::DamageCapped { branch, row, .. } = warning
+            && !rows.contains(&(*branch, *row))
+        {
+            rows.push((*branch, *row));
+        }
+    }
+    rows.into_iter()
+        .map(|(branch, row)| {
+            let of_row = warnings.iter().filter_map(|warning| match warning {
+                TableWarning::DamageCapped {
+                    branch: b,
+                    row: r,
+                    from,
+                    to,
+                    l_eq,
+                } => (*b == branch && *r == row).then_some((*from, *to, *l_eq)),
+                TableWarning::BandNarrowed { .. } => None,
+            });
+            let place = |(_, to, l_eq): (f64, f64, Option<f64>)| match l_eq {
+                Some(l_eq) => format!("{to:.4} in elements of {l_eq:.1} mm"),
+                None => format!("{to:.4}"),
+            };
+            let least = of_row.clone().reduce(|a, b| if b.1 < a.1 { b } else { a });
+            let most = of_row.reduce(|a, b| if b.1 > a.1 { b } else { a });
+            let (from, to) = match least.zip(most) {
+                Some((least, most)) if most.1 - least.1 > 5e-5 => {
+                    (least.0, format!("{} to {}", place(least), place(most)))
+                }
+                Some((least, _)) => (least.0, place(least)),
+                None => (0.0, String::new()),
+            };
+            let message = format!(
+                "row {row}: the damage {from} is inadmissible with this E, stress and strain (the \
+                 plastic strain would fall); capped to {to}, the stress is kept"
+            );
+            deck.warning(&cell(name, branch, row, Some(2)), message)
+        })
+        .collect()
+}
+
+/// Path of a row, counted from 1, or of a cell in it.
+fn cell(name: &str, branch: Branch, row: usize, column: Option<usize>) -> String {
+    let row = format!("materials.{name}.{branch}.{}", row - 1);
+    column.map_or(row.clone(), |column| format!("{row}.{column}"))
+}
+
+/// Converts the error of a law to one at its place in the deck, with advice.
+pub(super) fn refusal(
+    deck: &Deck,
+    name: &str,
+    parameters: &MaterialParameters,
+    error: &TableError,
+) -> ModelError {
+    let table = |branch: Branch| format!("materials.{name}.{branch}");
+    match error {
+        TableError::TooShort { branch } => deck.error(
+            &table(*branch),
+            "the table has one row: first yield, and nothing after it",
+            &format!("add rows, e.g. {}", crate::deck::keys::example(&branch.to_string())),
+        ),
+        TableError::Row { branch, row, what } => deck.error(
+            &cell(name, *branch, *row, None),
+            format!("row {row}: {what}"),
+            "give this row a larger inelastic strain (total strain minus stress/E), or E a larger \
+             value",
+        ),
+        TableError::Inadmissible {
+            branch,
+            row,
+            damage,
+            capped,
+        } => deck.error(
+            &cell(name, *branch, *row, Some(2)),
+            format!(
+                "row {row}: the damage {damage} is inadmissible with this E, stress and strain (the \
+                 plastic strain would fall), and the largest admissible one, {capped:.4}, is below \
+                 that of row {}",
+                row - 1
+            ),
+            "lower the damage of the rows before it, or give this row a larger inelastic strain",
+        ),
+        TableError::SnapBack {
+            branch,
+            row,
+            l_eq,
+            l_max,
+        } => {
+            let l_ref = match parameters {
+                MaterialParameters::DamagePlasticity(p) => p.reference_length,
+                MaterialParameters::Elastic(_) => None,
+            };
+            let of = l_ref.map_or_else(String::new, |l| format!(" (for {l} mm)"));
+            deck.error(
+                &table(*branch),
+                format!(
+                    "elements of {l_eq:.1} mm (cube root of the volume) are over the limit of \
+                     {l_max:.1} mm: beyond it the softening of this table{of} to row {row} snaps \
+                     back within an element"
+                ),
+                if deck.has_walls() {
+                    "refine wall.mesh, or give the last row a larger inelastic strain"
+                } else {
+                    "refine `mesh` of its blocks, or give the last row a larger inelastic strain"
+                },
+            )
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Collapse: `auto` changed to inertia because statics found no equilibrium, and bodies fall (docs/theory/inertia.md,
+//! eq. 11).
+//!
+//! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
+//! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
+//! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
+//! then ends: it seeks an equilibrium, and there is none. A step that drives continues until falling bodies have more
+//! than half of the mass of all bodies without support, because stones may fall off a wall that still carries load.
+//! Procedures with inertia that the deck names are never ended, because their motion is the result.
+
+use serde::{Deserialize, Serialize};
+
+use crate::assembly::System;
+use crate::assembly::dofs::HELD;
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Procedure};
+use crate::solve::Recorder;
+use crate::solve::stepping::history_row::drives;
+use crate::solve::stepping::run::Run;
+use crate::solve::stepping::step_run::StepRun;
+use crate::state::Method;
+use crate::state::QUIET;
+use crate::state::State;
+use crate::state::{Fall, FallenBody, Status};
+
+/// Part of the unsupported mass that must fall before a step that drives ends.
+const MOST: f64 = 0.5;
+/// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run.
+const AT_END: f64 = 0.1;
+/// Part of the largest displacement from which further bodies are named.
+const NAMED: f64 = 0.5;
+
+/// The last equilibrium before inertia took over.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in crate::solve) struct LastEquilibrium {
+    step: usize,
+    load_factor: f64,
+    /// Displacements at this equilibrium [mm]. `[slot]`
+    q: Vec<f64>,
+    /// Positions of the spring ends [mm]. `[spring][xyz]`
+    spring_ends: Vec<[f64; 3]>,
+    /// Whether the kinetic energy grew in the last increment.
+    hastens: bool,
+}
+
+impl LastEquilibrium {
+    /// Whether the equilibrium belongs to the model of a state.
+    pub(in crate::solve) fn fits(&self, state: &State) -> bool {
+        self.q.len() == state.q.len() && self.spring_ends.len() == state.spring_ends.len()
+    }
+}
+
+/// Displacement of a body since the last equilibrium, with its size and mass.
+struct Moved {
+    /// Mean displacement [mm].
+    by: [f64; 3],
+    /// Smallest edge of the box around it at rest [mm].
+    edge: f64,
+    /// Number of its nodes.
+    count: f64,
+    /// Mass [tonne].
+    mass: f64,
+    /// Whether one of its nodes is held in all directions.
+    held: bool,
+}
+
+impl Moved {
+    fn way(&self) -> f64 {
+        length(self.by)
+    }
+}
+
+impl Run<'_> {
+    /// Notes the present equilibrium, from which inertia takes over.
+    pub(in crate::solve) fn depart(&mut self, step: usize, load_factor: f64) {
+        self.last_equilibrium = Some(LastEquilibrium {
+            step,
+            load_factor,
+            q: self.state.q.clone(),
+            spring_ends: self.state.spring_ends.clone(),
+            hastens: false,
+        });
+    }
+
+    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `before`: kinetic
+    /// energy at the start of the increment [N mm].
+    pub(in crate::solve) fn collapses(
+        &mut self,
+        step_run: &StepRun,
+        method: Method,
+        before: f64,
+    ) -> bool {
+        let is_auto = step_run.step.procedure == Procedure::Auto;
+        if !is_auto || method != Method::QuasiStatic {
+            return false;
+        }
+        let energies = self.state.energies;
+        let Some(last_equilibrium) = &mut self.last_equilibrium else {
+            return false;
+        };
+        last_equilibrium.hastens = energies.kinetic > before;
+        if energies.moving() <= QUIET {
+            return false;
+        }
+        let Some((bodies, driven)) = self.moved(step_run.index) else {
+            return false;
+        };
+        let falls = |body: &Moved| body.way() > body.edge + driven;
+        let mass = |of: &dyn Fn(&Moved) -> bool| -> f64 {
+            let bodies = bodies.iter().filter(|body| of(body));
+            bodies.map(|body| body.mass).sum()
+        };
+        let fallen = mass(&falls);
+        let collapsed = if drives(step_run.step) {
+            fallen > MOST * mass(&|body| !body.held)
+        } else {
+            fallen > 0.0
+        };
+        if collapsed {
+            self.summary.status = Status::Collapsed;
+            self.summary.fall = self.fall(step_run.index, &bodies, driven);
+        }
+        collapsed
+    }
+
+    /// Reports a collapse during the run.
+    pub(in crate::solve) fn report_collapse(
+        &mut self,
+        step_run: &StepRun,
+        recorder: &mut dyn Recorder,
+    ) {
+        let text = format!(
+            "step {} ({}) ends at {}: no equilibrium is left, bodies fall",
+            step_run.index,
+            step_run.step.name,
+            step_run.progress()
+        );
+        recorder.note(&text);
+        self.summary.log.push(text);
+    }
+
+    /// Reports bodies that still fall or move at the end of the last step.
+    pub(in crate::solve) fn report_moving_bodies(&mut self) {
+        let Some(last) = self.model.steps.len().checked_sub(1) else {
+            return;
+        };
+        let energies = self.state.energies;
+        if self.summary.status != Status::Completed || energies.moving() <= QUIET {
+            return;
+        }
+        let (Some(last_equilibrium), Some((bodies, driven))) =
+            (&self.last_equilibrium, self.moved(last))
+        else {
+            return;
+        };
+        let drives = drives(&self.model.steps[last]);
+        let part = if drives { 1.0 } else { AT_END };
+        let falls = |body: &Moved| body.way() > part * body.edge + driven;
+        let any = bodies.iter().any(falls);
+        if drives && !any {
+            return;
+        }
+        if !drives && any && last_equilibrium.hastens {
+            self.summary.status = Status::Collapsed;
+        }
+        self.summary.fall = self.fall(last, &bodies, driven);
+    }
+
+    /// Motion of the bodies since the last equilibrium `[unit]`, and the largest displacement of a drive meanwhile
+    /// [mm]; none if inertia did not take over.
+    fn moved(&self, step: usize) -> Option<(Vec<Moved>, f64)> {
+        let last_equilibrium = self.last_equilibrium.as_ref()?;
+        let (state, dofs) = (&self.state, &self.system.dofs);
+        let ways = state.q.iter().zip(&last_equilibrium.q);
+        let dq: Vec<f64> = ways.map(|(now, then)| now - then).collect();
+        let mut u = vec![[0.0; 3]; self.model.mesh.nodes.len()];
+        dofs.spread(&dq, &mut u);
+        let mut driven = 0.0_f64;
+        for (b, motion) in self.model.steps[step].motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                if matches!(motion, BeamMotion::Driven(_)) {
+                    driven = driven.max(dq[dofs.beam_slot(b, i)].abs());
+                }
+            }
+        }
+        for (now, then) in state.spring_ends.iter().zip(&last_equilibrium.spring_ends) {
+            driven = driven.max(length([0, 1, 2].map(|i| now[i] - then[i])));
+        }
+        Some((moved(self.model, &self.system, &u), driven))
+    }
+
+    /// Fall of the bodies with the largest displacements: at least half of the largest one, and that of the drive.
+    fn fall(&self, step: usize, bodies: &[Moved], driven: f64) -> Option<Fall> {
+        let last_equilibrium = self.last_equilibrium.as_ref()?;
+        let most = bodies.iter().map(Moved::way).fold(0.0, f64::max);
+        let named = |body: &Moved| body.way() >= (NAMED * most).max(driven) && body.way() > 0.0;
+        let down = self.down(step);
+        let named = bodies.iter().enumerate().filter(|(_, body)| named(body));
+        let mut named: Vec<FallenBody> = named
+            .map(|(unit, body)| FallenBody {
+                name: self.model.mesh.called(unit as u32),
+                moved_mm: body.way(),
+                fall_mm: (0..3).map(|i| body.by[i] * down[i]).sum(),
+                unit: unit as u32,
+            })
+            .collect();
+        named.sort_by(|a, b| b.moved_mm.total_cmp(&a.moved_mm));
+        Some(Fall {
+            step: last_equilibrium.step,
+            step_name: self.model.steps[last_equilibrium.step].name.clone(),
+            load_factor: last_equilibrium.load_factor,
+            kinetic_energy_J: 1e-3 * self.state.energies.kinetic,
+            bodies: named,
+        })
+    }
+
+    /// Unit vector of the gravity of a step; zero without gravity.
+    fn down(&self, step: usize) -> [f64; 3] {
+        let gravity = self.model.steps[step].gravity.at(1.0);
+        let size = length(gravity);
+        gravity.map(|g| if size > 0.0 { g / size } else { 0.0 })
+    }
+}
+
+/// Mean displacement, size and mass of each body. `[unit]`
+fn moved(model: &Model, system: &System, u: &[[f64; 3]]) -> Vec<Moved> {
+    let mesh = &model.mesh;
+    let units = mesh.unit.iter().max().map_or(0, |unit| *unit as usize + 1);
+    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; units];
+    let mut bodies: Vec<Moved> = (0..units)
+        .map(|_| Moved {
+            by: [0.0; 3],
+            edge: 0.0,
+            count: 0.0,
+            mass: 0.0,
+            held: false,
+        })
+        .collect();
+    // Bodies share no nodes.
+    let mut seen = vec![false; mesh.nodes.len()];
+    for (nodes, unit) in mesh.elements.iter().zip(&mesh.unit) {
+        let (body, own) = (&mut bodies[*unit as usize], &mut boxes[*unit as usize]);
+        for n in nodes.map(|n| n as usize) {
+            if std::mem::replace(&mut seen[n], true) {
+                continue;
+            }
+            body.count += 1.0;
+            body.mass += system.mass.node[n];
+            body.held |= system.dofs.slot[n] == [HELD; 3];
+            for i in 0..3 {
+                body.by[i] += u[n][i];
+                own[0][i] = own[0][i].min(mesh.nodes[n][i]);
+                own[1][i] = own[1][i].max(mesh.nodes[n][i]);
+            }
+        }
+    }
+    for (body, [low, high]) in bodies.iter_mut().zip(boxes) {
+        if body.count > 0.0 {
+            body.by = body.by.map(|sum| sum / body.count);
+            let edges = (0..3).map(|i| high[i] - low[i]);
+            body.edge = edges.fold(f64::INFINITY, f64::min);
+        }
+    }
+    bodies
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}

@@ -1,0 +1,5 @@
+//! Inertia: time integration, onset and end of motion, collapse.
+
+pub(in crate::solve) mod collapse;
+pub(in crate::solve) mod integration;
+pub(in crate::solve) mod onset;

@@ -1,0 +1,180 @@
+//! Search direction of an iterate: assembly, ordering, factorisation and solution of the linear equations.
+
+use super::convergence::largest;
+use super::newton::{Newton, timed};
+use super::outcome::Rejection;
+use crate::assembly::{System, Trial};
+use crate::linear::{Backend, LinearError, LinearSolver};
+use crate::model::scene::{Fidelity, Tangent};
+
+/// Growth of the mean nodal force since the last factorisation beyond which that factorisation does not prove
+/// stability.
+const GROWTH: f64 = 1.02;
+
+/// Factors at hand, of a matrix of this increment.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct Factors {
+    /// Mean nodal force at the factorisation [N].
+    force: f64,
+    /// Whether they served a later iterate.
+    served: bool,
+}
+
+impl Newton<'_> {
+    /// Linear solver that the tangent needs.
+    pub(in crate::solve) fn backend(&self) -> Backend {
+        if self.tangent == Tangent::Secant {
+            Backend::MixedLlt
+        } else {
+            Backend::MultifrontalLu
+        }
+    }
+
+    /// Whether matrices of this increment needed factors in double precision.
+    pub(in crate::solve) fn wanted_double(&self) -> bool {
+        let linear = self.linear.as_ref();
+        linear.is_some_and(LinearSolver::distrusts_single)
+    }
+
+    /// d = −K⁻¹ r.
+    pub(in crate::solve) fn solve(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+    ) -> Result<(), Rejection> {
+        self.by_load.clear();
+        self.solve_both(system, trial, &[])
+    }
+
+    /// Solves d = −K⁻¹ r and, if `by_load` is not empty, `by_load` ← K⁻¹ `by_load`, with the first guess `guess`.
+    pub(in crate::solve) fn solve_both(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+        guess: &[f64],
+    ) -> Result<(), Rejection> {
+        self.fill(system, trial)?;
+        for (d, r) in self.direction.iter_mut().zip(&self.residual) {
+            *d = -r;
+        }
+        for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
+            *d += pull;
+        }
+        // Both right-hand sides are solved together, while each part of the factors is in the cache.
+        let n = self.direction.len();
+        self.direction.extend_from_slice(&self.by_load);
+        let solved = match self.solve_near(guess) {
+            Ok(false) => self.factorise(trial).and_then(|()| {
+                let Self {
+                    linear,
+                    direction,
+                    clock,
+                    ..
+                } = self;
+                let solver = linear.as_mut().ok_or(LinearError::NotFactorised)?;
+                timed(&mut clock.solve, || solver.solve(direction)).map(drop)
+            }),
+            other => other.map(drop),
+        };
+        self.by_load.copy_from_slice(&self.direction[n..]);
+        self.direction.truncate(n);
+        solved.map_err(|why| self.rejection(system, why))
+    }
+
+    /// Solves with factors of an earlier matrix of the increment, where they apply. Returns whether they served.
+    fn solve_near(&mut self, guess: &[f64]) -> Result<bool, LinearError> {
+        let applies = self.model.fidelity == Fidelity::Auto && self.motion.is_none();
+        let (Some(linear), Some(factors)) = (&mut self.linear, &mut self.factors) else {
+            return Ok(false);
+        };
+        if !applies {
+            return Ok(false);
+        }
+        let served = timed(&mut self.clock.solve, || {
+            linear.solve_near(&self.values, &mut self.direction, guess)
+        })?;
+        factors.served |= served;
+        Ok(served)
+    }
+
+    /// Proves that the matrix at the end of an increment is positive definite. Only a factorisation detects loss of
+    /// stability, such as the buckling of a wall. If the last one was made at smaller forces, or if the step ends
+    /// here, the matrix is factorised once more.
+    pub(in crate::solve) fn prove(
+        &mut self,
+        system: &mut System,
+        trial: &mut Trial,
+        ends: bool,
+    ) -> Result<(), Rejection> {
+        let open = |factors: Factors| {
+            factors.served && (ends || trial.mean_nodal_force > GROWTH * factors.force)
+        };
+        if self.factors.is_some_and(open) {
+            self.fill(system, trial)?;
+            let proven = self.factorise(trial);
+            proven.map_err(|why| self.rejection(system, why))?;
+        }
+        Ok(())
+    }
+
+    /// Orders the matrix if its pattern is new, and assembles its values.
+    fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Rejection> {
+        let backend = self.backend();
+        if self.linear.is_none() || system.pattern_changed() {
+            let (gather, mut linear) = timed(&mut self.clock.factorise, || {
+                system.analyse(&self.equations, backend)
+            })
+            .map_err(|why| Rejection::Linear { why, dof: None })?;
+            self.values = vec![0.0; gather];
+            self.filled = None;
+            linear.trust_single(!self.wants_double);
+            self.linear = Some(linear);
+            self.factors = None;
+        }
+        timed(&mut self.clock.assembly, || {
+            system.refill(trial, &mut self.filled, &mut self.values);
+            if let Some(motion) = &self.motion {
+                self.filled = None;
+                system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
+            }
+            if let Some(dashpots) = &self.dashpots {
+                self.filled = None;
+                dashpots.add_to(system, &self.equations, &mut self.values);
+            }
+        });
+        Ok(())
+    }
+
+    /// Factorises the present matrix.
+    fn factorise(&mut self, trial: &Trial) -> Result<(), LinearError> {
+        let linear = self.linear.as_mut().ok_or(LinearError::NotFactorised)?;
+        self.clock.factorisations += 1;
+        self.factors = None;
+        let stats = timed(&mut self.clock.factorise, || linear.factorise(&self.values))?;
+        self.clock.reused += stats.reused;
+        self.factors = Some(Factors {
+            force: trial.mean_nodal_force,
+            served: false,
+        });
+        Ok(())
+    }
+
+    /// Rejection for linear equations without a solution, with the node and direction of the equation.
+    fn rejection(&self, system: &System, why: LinearError) -> Rejection {
+        let equation = match why {
+            LinearError::Singular { equation }
+            | LinearError::NotPositiveDefinite { equation }
+            | LinearError::NotFinite { equation } => Some(equation),
+            _ => None,
+        };
+        let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+        // A beam that moves no free node has none.
+        let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
+        Rejection::Linear { why, dof }
+    }
+
+    /// Whether the direction moves a node farther than the search reach of contact.
+    pub(in crate::solve) fn flies(&self, system: &System) -> bool {
+        largest(&self.direction).0 > system.contact.reach()
+    }
+}

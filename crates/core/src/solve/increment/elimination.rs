@@ -1,0 +1,128 @@
+//! Nonlinear elimination: concentrated residuals are balanced in a region first.
+//!
+//! Where a crack runs or a unit loosens, most of the out-of-balance force r of an iterate acts at few nodes, and the
+//! next global solves would serve these nodes only. A region Ω is taken around them, and
+//!
+//! ```text
+//! K_ΩΩ d = −r_Ω,   q_Ω ← q_Ω + η d
+//! ```
+//!
+//! is repeated with all other unknowns fixed. It costs Ω alone: only cells that touch it are evaluated. The next
+//! global solve starts from there (Lanzkron, Rose and Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai and Li, 33, 2011).
+//! Equations and convergence criteria are those of the whole, so only the way to equilibrium changes.
+
+use super::line_search::{LineSearch, dot};
+use super::newton::{Newton, along, timed};
+use super::outcome::Rejection;
+use crate::assembly::{Evaluation, Solids, System, Trial};
+use crate::linear::Region;
+use crate::model::scene::Fidelity;
+use crate::state::State;
+
+/// Part of the sum of squared out-of-balance forces that must act at few nodes.
+const SHARE: f64 = 0.8;
+/// At most one in `FEW` of all nodes counts as few.
+const FEW: usize = 50;
+/// Rings of neighbours in the region around these nodes, so that they are not pushed against fixed nodes close by.
+const RINGS: usize = 3;
+/// The region has at most one in `PART` of all nodes; a larger one is hardly cheaper than the whole.
+const PART: usize = 6;
+/// Most solves of a region between two global solves.
+const SOLVES: usize = 6;
+/// The region is done when its out-of-balance force falls below this part of the force outside it.
+const ENOUGH: f64 = 0.5;
+
+impl Newton<'_> {
+    /// Balances the region in which the out-of-balance forces are concentrated, if there is one. Returns true if
+    /// something moved; forces and stiffness are then those of all equations at `self.q`. `scale`: scale of the
+    /// tolerance [N].
+    ///
+    /// # Errors
+    /// A local failure of a law.
+    pub(in crate::solve) fn eliminate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+        scale: f64,
+    ) -> Result<bool, Rejection> {
+        let Some(region) = self.region(system, setting) else {
+            return Ok(false);
+        };
+        let equations = region.equations().iter();
+        let slots = equations.map(|&e| self.equations.slot_of[e as usize]);
+        system.watch(trial, slots);
+        let enough = self.enough(&region, scale);
+        let solves = self.balance(system, state, trial, setting, region, enough);
+        trial.awake = None;
+        solves.map(|solves| solves > 0)
+    }
+
+    /// Region in which the out-of-balance forces are concentrated; none if they are spread, or where regions do not
+    /// apply.
+    fn region(&mut self, system: &System, setting: Evaluation) -> Option<Region> {
+        let secant = matches!(setting.solids, Solids::Secant | Solids::Softened);
+        let applies = self.model.fidelity == Fidelity::Auto
+            && secant
+            && self.motion.is_none()
+            && self.dashpots.is_none()
+            && system.general.is_absent()
+            && !system.pattern_changed();
+        let pattern = self.linear.as_ref().filter(|_| applies)?.pattern();
+        let nodes = pattern.n_groups();
+        timed(&mut self.clock.factorise, || {
+            let few = pattern.concentrated(&self.residual, SHARE, nodes / FEW)?;
+            let inside = pattern.around(few, RINGS, nodes / PART)?;
+            // A region that cannot be analysed is left to the global solve.
+            Region::new(pattern, &inside).ok()
+        })
+    }
+
+    /// Out-of-balance force below which the region is done [N].
+    fn enough(&self, region: &Region, scale: f64) -> f64 {
+        let outside = dot(&self.residual, &self.residual) - region.square(&self.residual);
+        (ENOUGH * outside.max(0.0).sqrt()).max(scale * self.step.tolerance.residual)
+    }
+
+    /// Solves the region until its out-of-balance force is at most `enough` [N]. Returns the number of solves.
+    fn balance(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+        mut region: Region,
+        enough: f64,
+    ) -> Result<usize, Rejection> {
+        for solves in 0..SOLVES {
+            if region.square(&self.residual).sqrt() <= enough {
+                return Ok(solves);
+            }
+            timed(&mut self.clock.assembly, || {
+                system.refill(trial, &mut self.filled, &mut self.values);
+            });
+            let direction = timed(&mut self.clock.solve, || {
+                region.direction(&self.values, &self.residual)
+            });
+            // A region that cannot be solved by itself is left to the global solve.
+            let Ok(direction) = direction else {
+                return Ok(solves);
+            };
+            self.clock.local_solves += 1;
+            let slot = |e: &u32| self.equations.slot_of[*e as usize] as usize;
+            let slots: Vec<usize> = region.equations().iter().map(slot).collect();
+            let origin: Vec<f64> = slots.iter().map(|&slot| self.q[slot]).collect();
+            LineSearch::new(region.dot(&direction, &self.residual)).run(|eta| {
+                for ((&slot, from), d) in slots.iter().zip(&origin).zip(&direction) {
+                    self.q[slot] = from + eta * d;
+                }
+                self.evaluate(system, state, trial, along(setting))?;
+                Ok(region.dot(&direction, &self.residual))
+            })?;
+            trial.keep_tractions();
+            self.evaluate(system, state, trial, setting)?;
+        }
+        Ok(SOLVES)
+    }
+}

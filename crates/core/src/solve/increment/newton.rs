@@ -1,0 +1,560 @@
+//! One increment: equilibrium by Newton's method with an energy line search (docs/theory/equilibrium.md).
+//!
+//! With the shifted penalty (eq. 6 there) the interface law uses the tractions of the last iterate. Each iteration is
+//! therefore one step of that fixed point and one Newton step of equilibrium at once. The increment has converged
+//! when the out-of-balance force is below the tolerance after the tractions were taken over. The nodal forces of the
+//! traction change are then below the tolerance too.
+//!
+//! With secant stiffness the solids are treated alike: each iterate is linear about the last update of viscous strain
+//! and damage, and the out-of-balance force is that of the law.
+
+pub use super::convergence::IMBALANCE;
+use super::convergence::{Balance, NEGLIGIBLE, WORK, largest, least_scale, root_mean_square};
+use super::direction::Factors;
+use super::energy_balance::pursuit;
+use super::external_forces::Loads;
+use super::line_search::{LineSearch, dot};
+use super::outcome::{Attempt, Outcome, Rejection, Report, Solves};
+use super::traction_patterns::Pause;
+use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use crate::linear::LinearSolver;
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
+use crate::solve::dynamics::integration::Motion;
+use crate::solve::stepping::fallback::MethodChoice;
+use crate::solve::stepping::path::Advance;
+use crate::solve::stepping::relaxation::Dashpots;
+use crate::solve::stepping::step_size::Increment;
+use crate::state::Clock;
+use crate::state::Method;
+use crate::state::State;
+use std::ops::Range;
+use std::time::Instant;
+
+/// The equations of one step, their solver and the present iterate.
+pub struct Newton<'m> {
+    pub(in crate::solve) model: &'m Model,
+    pub(in crate::solve) step: &'m Step,
+    pub(in crate::solve) method: Method,
+    pub(in crate::solve) tangent: Tangent,
+    pub(in crate::solve) equations: Equations,
+    pub(in crate::solve) linear: Option<LinearSolver>,
+    /// The factors at hand, if they belong to a matrix of this increment. Factors of earlier increments are not used,
+    /// so that a resumed run, which knows the state alone, finds the same results.
+    pub(in crate::solve) factors: Option<Factors>,
+    /// [`State::wants_double`] at the start of the increment.
+    pub(in crate::solve) wants_double: bool,
+    pub(in crate::solve) values: Vec<f64>,
+    /// Identifier of the assembly that filled `values`; none if their content is unknown.
+    pub(in crate::solve) filled: Option<u64>,
+    pub(in crate::solve) direction: Vec<f64>,
+    pub(in crate::solve) residual: Vec<f64>,
+    /// Out-of-balance forces at the last commit [N]. `[equation]`
+    pub(in crate::solve) left: Vec<f64>,
+    /// Forces added to −r on the right-hand side of the next solve [N] `[equation]`; empty if there are none.
+    pub(in crate::solve) pull: Vec<f64>,
+    /// −K⁻¹ ∂r/∂λ [mm] `[equation]`, where the load factor is an unknown.
+    pub(in crate::solve) by_load: Vec<f64>,
+    /// λ, the part of the step's loads that acts at the last iterate.
+    pub(in crate::solve) load_factor: f64,
+    /// Part of the step's time at the end of the increment.
+    pub(in crate::solve) moment: f64,
+    /// dλ/ds, the change of λ with the part of the step's time, where λ is prescribed.
+    pub(in crate::solve) slope: f64,
+    pub(in crate::solve) q: Vec<f64>,
+    pub(in crate::solve) q_start: Vec<f64>,
+    /// Internal forces that the first tangent predicts at the end of the increment, if the increment started from
+    /// that tangent [N]. `[slot]`
+    pub(in crate::solve) linear_forces: Option<Vec<f64>>,
+    /// Positions of the spring ends at the start of the step [mm]. `[spring][xyz]`
+    pub(in crate::solve) ends_start: Vec<[f64; 3]>,
+    /// Loads at the end of the increment.
+    pub(in crate::solve) loads: Loads,
+    /// Loads at the start of the increment.
+    pub(in crate::solve) loads_start: Loads,
+    /// Smallest force by which residuals are scaled [N], see [`least_scale`].
+    pub(in crate::solve) least_scale: f64,
+    /// State of the time integration, if inertia acts.
+    pub(in crate::solve) motion: Option<Motion>,
+    /// Dashpots of a relaxation, if one is in progress.
+    pub(in crate::solve) dashpots: Option<Dashpots>,
+    /// Increments in which traction patterns are not settled.
+    pub(in crate::solve) pause: Pause,
+    /// Wall time by phase.
+    pub clock: Clock,
+}
+
+pub(in crate::solve) fn timed<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *clock += start.elapsed().as_secs_f64();
+    result
+}
+
+impl<'m> Newton<'m> {
+    /// Prepares a step that begins at `state`.
+    pub fn new(model: &'m Model, step: &'m Step, system: &System, state: &State) -> Self {
+        let equations = Equations::new(&system.dofs, step);
+        let n = equations.len();
+        let loads = Loads::new(step, system, state);
+        Self {
+            model,
+            step,
+            least_scale: least_scale(step, system, &loads),
+            method: Method::Static,
+            tangent: step.tangent,
+            equations,
+            linear: None,
+            factors: None,
+            wants_double: false,
+            values: Vec::new(),
+            filled: None,
+            direction: vec![0.0; n],
+            residual: vec![0.0; n],
+            left: vec![0.0; n],
+            pull: Vec::new(),
+            by_load: Vec::new(),
+            load_factor: 0.0,
+            moment: 0.0,
+            slope: step.branch(0).slope(),
+            q: state.q.clone(),
+            q_start: state.q.clone(),
+            linear_forces: None,
+            ends_start: state.spring_ends.clone(),
+            loads_start: loads.clone(),
+            loads,
+            motion: None,
+            dashpots: None,
+            pause: Pause::default(),
+            clock: Clock::default(),
+        }
+    }
+
+    /// Changes to the method of `choice`. With inertia the state gets the velocities and accelerations of the drives
+    /// from now on.
+    pub fn adopt(
+        &mut self,
+        choice: MethodChoice,
+        system: &mut System,
+        state: &mut State,
+        trial: &mut Trial,
+    ) {
+        let before = self.backend();
+        (self.method, self.tangent) = (choice.method, choice.tangent);
+        if self.backend() != before {
+            self.linear = None;
+        }
+        self.motion = Motion::new(self.step, self.method, system, &self.equations, self.slope);
+        if let Some(motion) = &mut self.motion {
+            system.search(trial, &state.q);
+            motion.begin(system, state, trial);
+        }
+    }
+
+    /// Changes the rate of the loads and drives. With inertia, driven unknowns jump to their new velocity.
+    pub fn turn(&mut self, slope: f64, system: &mut System, state: &mut State, trial: &mut Trial) {
+        self.slope = slope;
+        if let Some(motion) = &mut self.motion {
+            motion.drive_at(self.step, system, slope);
+            system.search(trial, &state.q);
+            motion.begin(system, state, trial);
+        }
+    }
+
+    /// The present method.
+    pub(in crate::solve) fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Number of unknowns of this step.
+    pub fn unknowns(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// Internal forces that the first tangent predicted at the end of the last increment, if it started from that
+    /// tangent [N]. `[slot]`
+    pub(in crate::solve) fn linear_forces(&self) -> Option<&[f64]> {
+        self.linear_forces.as_deref()
+    }
+
+    /// State of the time integration, if inertia acts.
+    pub fn motion(&mut self) -> Option<&mut Motion> {
+        self.motion.as_mut()
+    }
+
+    /// Whether the penalty is shifted.
+    fn shifted(&self) -> bool {
+        self.tangent != Tangent::Direct
+    }
+
+    /// Sets loads, prescribed displacements and spring ends to part `s` of their change in the step.
+    pub(in crate::solve) fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
+        self.load_factor = s;
+        for (b, motion) in self.step.motion.iter().enumerate() {
+            for (i, motion) in motion.iter().enumerate() {
+                let slot = system.dofs.beam_slot(b, i);
+                match *motion {
+                    BeamMotion::Locked => self.q[slot] = self.q_start[slot],
+                    BeamMotion::Driven(by) => self.q[slot] = self.q_start[slot] + s * by,
+                    BeamMotion::Force(_) => {}
+                }
+            }
+        }
+        self.drive_springs(trial, s);
+        self.loads.at(self.step, system, s, self.moment);
+        trial.loads.clone_from(&self.loads.values);
+    }
+
+    /// Treatment of follower pressures in the tangent. Secant tangents omit their stiffness and so stay symmetric and
+    /// positive definite; the line search makes up for it.
+    pub(in crate::solve) fn turning(&self) -> Turning {
+        if self.tangent == Tangent::Secant {
+            Turning::Ignored
+        } else {
+            Turning::Exact
+        }
+    }
+
+    /// Moves the spring ends to part `s` of the step.
+    fn drive_springs(&self, trial: &mut Trial, s: f64) {
+        trial.spring_ends.clone_from(&self.ends_start);
+        for (end, by) in trial.spring_ends.iter_mut().zip(&self.step.springs) {
+            for i in 0..3 {
+                end[i] += s * by[i];
+            }
+        }
+    }
+
+    /// Forces of the dashpots at the last iterate [N]. `[equation]`
+    pub(in crate::solve) fn dashpot_forces(&self) -> Vec<f64> {
+        let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
+        slots
+            .map(|slot| {
+                let dashpots = self.dashpots.as_ref();
+                dashpots.map_or(0.0, |dashpots| dashpots.force(slot, self.q[slot]))
+            })
+            .collect()
+    }
+
+    /// Generalised displacements at the last iterate [mm]. `[slot]`
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Seeks equilibrium at the end of an increment and reports each linear solve.
+    pub fn converge(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        mut solves: Solves,
+    ) -> Outcome {
+        // Rejected attempts leave nothing behind: a resumed run knows the state alone.
+        self.wants_double = state.wants_double;
+        self.factors = None;
+        if let Some(linear) = &mut self.linear {
+            linear.trust_single(!self.wants_double);
+        }
+        let found = self
+            .iterate(system, state, trial, attempt, &mut solves)
+            .and_then(|mut report| {
+                if self.method == Method::Implex {
+                    (report.out_of_balance, report.extrapolation_error) =
+                        self.correct(system, state, trial, attempt.increment)?;
+                }
+                Ok(report)
+            });
+        match found {
+            Ok(report) => Outcome::Converged(report),
+            Err(rejection) => Outcome::Rejected(rejection, solves.count),
+        }
+    }
+
+    fn iterate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+    ) -> Result<Report, Rejection> {
+        // Damage must not lag behind at the end of a relaxation, so the full duration of the step is available to it.
+        let dt = if self.dashpots.is_some() {
+            self.step.duration
+        } else {
+            attempt.increment.size * self.step.duration
+        };
+        let solids = if self.method == Method::Implex {
+            // Without a last increment no rate is known, and nothing is extrapolated.
+            let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
+            Solids::Extrapolated { ratio }
+        } else if self.tangent == Tangent::Secant {
+            Solids::Secant
+        } else {
+            Solids::Implicit
+        };
+        let setting = Evaluation {
+            dt,
+            solids,
+            shifted: self.shifted(),
+            tangent: true,
+            turning: self.turning(),
+        };
+        self.predict(system, state, trial, attempt, setting, solves)?;
+        let most = match &self.dashpots {
+            // A relaxation with stiffer dashpots is cheaper than one that converges slowly.
+            Some(_) => self.step.tolerance.max_iterations.min(RELAXING),
+            None => self.step.tolerance.max_iterations,
+        };
+        let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
+        if !setting.shifted || self.method == Method::Implex {
+            return Ok(report);
+        }
+        self.settle(system, state, trial, attempt, solves, setting, report)
+    }
+
+    /// Iterates until the increment is in balance. `iterations` is the range from the iterations done to the most
+    /// allowed.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
+    pub(in crate::solve) fn equilibrate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+        mut setting: Evaluation,
+        iterations: Range<usize>,
+    ) -> Result<Report, Rejection> {
+        let (solids, tolerance) = (setting.solids, self.step.tolerance);
+        let (mut iteration, mut pursued) = (iterations.start, 0);
+        // Whether only a region was solved, and led to balance, since the last solve of the whole.
+        let mut alone = false;
+        // Whether the residual grew with a tangent that includes softening; the secant stiffness is then taken.
+        let (mut misled, mut before) = (false, f64::INFINITY);
+        // Where the path prescribes the advance, a balanced start has not advanced and needs a solve.
+        let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
+        loop {
+            timed(&mut self.clock.contact, || system.search(trial, &self.q));
+            if solids == Solids::Secant && attempt.repeat {
+                setting.solids = if iteration < SOFTENED && !misled {
+                    Solids::Softened
+                } else {
+                    Solids::Secant
+                };
+            }
+            self.evaluate(system, state, trial, setting)?;
+            let scale = self.scale(system, state, trial);
+            let balance = Balance::new(&self.residual, scale);
+            if !balance.largest.is_finite() {
+                return Err(Rejection::NotFinite);
+            }
+            let farther = balance.root_mean_square > before;
+            misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
+            before = balance.root_mean_square;
+            // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
+            let part = if solves.count == 0 { START } else { 1.0 };
+            let mut work = 0.0;
+            let mut balanced = balance.holds(part, tolerance.residual);
+            // The tractions of the last iterate were just taken over, so the residual contains the nodal forces of
+            // their change. The predictor has taken over no tractions yet.
+            let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
+            // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
+            let loaded = scale > self.least_scale;
+            if balanced && loaded && attempt.advance == Advance::Load {
+                let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+                let [lost, turned] = self.works(system, state, trial, &way);
+                work = lost.abs() / turned.max(f64::MIN_POSITIVE);
+                balanced =
+                    work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
+            }
+            let ends = settled && balanced && on_path;
+            if ends && (pursued == pursuit(self.method) || self.closes(system, state, trial)) {
+                self.prove(system, trial, attempt.increment.ends_step())?;
+                return Ok(Report {
+                    iterations: solves.count,
+                    residual: balance.largest,
+                    out_of_balance: balance.largest,
+                    extrapolation_error: 0.0,
+                    load_factor: self.load_factor,
+                });
+            }
+            pursued += usize::from(ends);
+            let hopeless = self.step.procedure == Procedure::Auto
+                && self.motion.is_none()
+                && iteration >= PATIENCE
+                && balance.root_mean_square > FAR_OFF * IMBALANCE;
+            if hopeless || iteration >= iterations.end + pursued {
+                let (node, _) = system
+                    .dofs
+                    .node_of(self.equations.slot_of[balance.worst] as usize);
+                return Err(Rejection::Iterations {
+                    residual: balance.largest,
+                    root_mean_square: balance.root_mean_square,
+                    work,
+                    node,
+                });
+            }
+            // Solving a region may balance the whole. In that case all criteria are checked once more from the top.
+            let asks = iteration > 0 && on_path && !balanced;
+            if asks && self.eliminate(system, state, trial, setting, scale)? && !alone {
+                alone = Balance::new(&self.residual, scale).holds(1.0, tolerance.residual);
+                if alone {
+                    continue;
+                }
+            }
+            alone = false;
+            // A balanced start needs no solve, only its tractions taken over.
+            if !balanced || !on_path {
+                self.pull_along(system, state, attempt.advance);
+                if attempt.advance == Advance::Load {
+                    self.solve(system, trial)?;
+                    solves.one_more();
+                    self.search_line(system, state, trial, setting)?;
+                } else {
+                    let force = self.solve_with_load(system, trial)?;
+                    solves.one_more();
+                    // The first iterate takes the full prescribed advance.
+                    let searches = on_path && self.method == Method::DisplacementControl;
+                    self.follow(
+                        system,
+                        state,
+                        trial,
+                        setting,
+                        attempt.advance,
+                        &force,
+                        searches,
+                    )?;
+                    on_path = true;
+                }
+            }
+            trial.keep_tractions();
+            iteration += 1;
+        }
+    }
+
+    /// Evaluates forces (and tangents) at `self.q` and forms the residual of the unknowns.
+    pub(in crate::solve) fn evaluate(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+    ) -> Result<(), Rejection> {
+        self.clock.evaluations += 1;
+        system
+            .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
+            .map_err(|(element, why)| Rejection::Local { element, why })?;
+        self.loads.follow(system, &trial.x);
+        let loads = &self.loads.total;
+        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            *r = trial.force[slot as usize] - loads[slot as usize];
+        }
+        if let Some(dashpots) = &self.dashpots {
+            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+                *r += dashpots.force(slot as usize, self.q[slot as usize]);
+            }
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.update(system, state, trial, &self.q, setting.tangent);
+            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+                *r += motion.residual(&system.mass, slot as usize);
+            }
+        }
+        Ok(())
+    }
+
+    /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
+    fn search_line(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+    ) -> Result<(), Rejection> {
+        let setting = along(setting);
+        let mut search = LineSearch::new(dot(&self.direction, &self.residual));
+        if trial.may_meet() || self.flies(system) {
+            search = search.to_impact();
+        }
+        if self.dashpots.is_some() {
+            search = search.no_further_than(1.0);
+        }
+        let slots = self.equations.slot_of.iter();
+        let origin: Vec<f64> = slots.map(|&slot| self.q[slot as usize]).collect();
+        search.run(|eta| {
+            let from = origin.iter().zip(&self.direction);
+            for ((q, d), &slot) in from.zip(&self.equations.slot_of) {
+                self.q[slot as usize] = q + eta * d;
+            }
+            self.evaluate(system, state, trial, setting)?;
+            Ok(dot(&self.direction, &self.residual))
+        })
+    }
+
+    /// Updates extrapolated solids implicitly at the converged displacements (docs/theory/equilibrium.md, eqs 14 and
+    /// 21). Returns the largest true out-of-balance force and the root mean square of the force change caused by the
+    /// update, both over the mean nodal force. The second value is the error of the extrapolation alone, without the
+    /// residual that the tolerance allows.
+    ///
+    /// # Errors
+    /// A local failure of a law.
+    fn correct(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        increment: Increment,
+    ) -> Result<(f64, f64), Rejection> {
+        let setting = Evaluation {
+            dt: increment.size * self.step.duration,
+            solids: Solids::Implicit,
+            shifted: self.shifted(),
+            tangent: false,
+            turning: Turning::Ignored,
+        };
+        let solved = trial.force.clone();
+        let mut left = self.residual.clone();
+        self.evaluate(system, state, trial, setting)?;
+        let scale = self.scale(system, state, trial);
+        let (largest, _) = largest(&self.residual);
+        for (left, r) in left.iter_mut().zip(&self.residual) {
+            *left -= r;
+        }
+        // Reactions belong to the equilibrium that was solved.
+        trial.force = solved;
+        Ok((largest / scale, root_mean_square(&left) / scale))
+    }
+}
+
+/// Number of first iterates whose tangent includes the softening of the solids. Later iterates, and all iterates
+/// after a cut, use the secant stiffness. It converges more slowly but does not cycle where a unit snaps.
+const SOFTENED: usize = 6;
+
+/// Iterations after which `auto` gives up an increment if the root mean square of the out-of-balance forces still
+/// exceeds `FAR_OFF` times its bound. A smaller increment or a relaxation is cheaper.
+const PATIENCE: usize = 12;
+const FAR_OFF: f64 = 10.0;
+
+/// Most iterations of a sub-increment of a relaxation.
+const RELAXING: usize = 14;
+
+/// Evaluation along a search direction: the histories of secant solids are held, their law is evaluated at the
+/// accepted point.
+pub(in crate::solve) fn along(setting: Evaluation) -> Evaluation {
+    Evaluation {
+        tangent: false,
+        solids: match setting.solids {
+            Solids::Secant => Solids::Held,
+            solids => solids,
+        },
+        ..setting
+    }
+}
+
+/// Factor on the tolerances for a start that is accepted without a solve.
+const START: f64 = 0.1;

@@ -1,0 +1,77 @@
+//! Settles traction patterns without nodal forces at the end of an increment (docs/theory/equilibrium.md, eq. 10; see
+//! `assembly::traction_patterns`).
+
+use serde::{Deserialize, Serialize};
+
+use super::newton::{Newton, timed};
+use super::outcome::{Attempt, Rejection, Report, Solves};
+use crate::assembly::{Evaluation, System, Trial};
+use crate::state::State;
+
+/// Largest change of the work of sliding points by unsettled patterns, over the work that the increment turns over.
+const PATTERNS: f64 = 5e-3;
+
+/// Most iterations for balance with settled tractions.
+const PATIENCE: usize = 10;
+
+/// Increments in which patterns are not settled: the next 1, 2, 4 … after no balance was found with them.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(in crate::solve) struct Pause {
+    left: usize,
+    next: usize,
+}
+
+impl Newton<'_> {
+    /// Settles the patterns of an increment in balance and balances it again. Stiff penalties may ask for patterns
+    /// that find no balance; the increment then stays as it was.
+    ///
+    /// # Errors
+    /// A local failure of a law where it succeeded before.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the increment, and how it is evaluated"
+    )]
+    pub(in crate::solve) fn settle(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        trial: &mut Trial,
+        attempt: Attempt,
+        solves: &mut Solves,
+        setting: Evaluation,
+        report: Report,
+    ) -> Result<Report, Rejection> {
+        if self.pause.left > 0 {
+            self.pause.left -= 1;
+            return Ok(report);
+        }
+        let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        let [_, turned] = self.works(system, state, trial, &way);
+        let model = self.model;
+        let settled = timed(&mut self.clock.contact, || {
+            system.settled_tractions(model, state, trial, &way, PATTERNS * turned)
+        });
+        let Some(settled) = settled else {
+            return Ok(report);
+        };
+        let (kept, q) = (trial.without_stiffness(), self.q.clone());
+        trial.take_tractions(settled);
+        // The balanced iterate counts as the first one.
+        let iterations = 1..1 + PATIENCE;
+        let again = self.equilibrate(system, state, trial, attempt, solves, setting, iterations);
+        if let Ok(report) = again {
+            self.pause = Pause::default();
+            return Ok(report);
+        }
+        let next = (2 * self.pause.next).max(1);
+        self.pause = Pause { left: next, next };
+        trial.go_back(kept);
+        self.load_to(report.load_factor, system, trial);
+        self.q = q;
+        self.evaluate(system, state, trial, setting)?;
+        Ok(Report {
+            iterations: solves.count,
+            ..report
+        })
+    }
+}

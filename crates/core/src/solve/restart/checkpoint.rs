@@ -1,0 +1,359 @@
+//! Checkpoint: the data between two increments from which a run continues with the same bits.
+//!
+//! | Data that survive an increment | Place |
+//! |---|---|
+//! | displacements, rates, histories, pairs, energies | [`State`] |
+//! | positions at the last search for contact candidates, which decide the matrix pattern and its ordering | `searched_at` |
+//! | progress of the step, size of the next increment | `Schedule`, `row` of its amplitude |
+//! | method, and counters by which it is left | `Fallback` |
+//! | measure of the path | `PathMeasure` |
+//! | state at the start of the step, for loads and drives | `StepStart` |
+//! | residuals and open energies of the last commit | `CarriedOver`, energies of [`State`] |
+//! | equilibrium beyond a snap, early end of the step, peaks | `beyond`, `Watch`, `stopped`, `PeakWatch` |
+//! | last equilibrium, while inertia acts in place of statics | `LastEquilibrium` |
+//! | reports at the end | summary, clock, snaps, swings, energies |
+//!
+//! All other data follow from the model or are temporary: trial, factors, iterates. A commit resets the counts of
+//! solves and rejections, and no impact lasts longer than its increment.
+
+use std::cell::OnceCell;
+
+use serde::{Deserialize, Serialize};
+
+use super::fingerprint::Fingerprint;
+use super::restart_data::{CarriedOver, StepStart};
+use crate::assembly::Trial;
+use crate::model::Model;
+use crate::model::scene::{Fidelity, Step};
+use crate::solve::Recorder;
+use crate::solve::dynamics::collapse::LastEquilibrium;
+use crate::solve::fidelity::{Part, Reached, Reduction};
+use crate::solve::increment::newton::Newton;
+use crate::solve::stepping::counts::{Snaps, Swings};
+use crate::solve::stepping::energy_watch::EnergyWatch;
+use crate::solve::stepping::fallback::Fallback;
+use crate::solve::stepping::path::PathMeasure;
+use crate::solve::stepping::peak_control::PeakWatch;
+use crate::solve::stepping::run::{Run, RunError, steered};
+use crate::solve::stepping::step_run::StepRun;
+use crate::solve::stepping::step_size::Schedule;
+use crate::solve::stepping::stop::Watch;
+use crate::state::Clock;
+use crate::state::State;
+use crate::state::Summary;
+
+/// Data for [`resume`], taken after a commit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checkpoint {
+    model: Fingerprint,
+    state: State,
+    /// Positions at the last search for contact candidates [mm]. `[node]`
+    searched_at: Vec<[f64; 3]>,
+    step_run: Mark,
+    summary: Summary,
+    clock: Clock,
+    output_seconds: f64,
+    snaps: Snaps,
+    swings: Swings,
+    energy_watch: EnergyWatch,
+    last_equilibrium: Option<LastEquilibrium>,
+    /// Largest stress of solids that are solved as elastic.
+    pub(in crate::solve) reached: Reached,
+}
+
+/// Progress of a step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Mark {
+    index: usize,
+    starts: StepStart,
+    carried: CarriedOver,
+    schedule: Schedule,
+    fallback: Fallback,
+    path_measure: PathMeasure,
+    row: usize,
+    load: f64,
+    beyond: Option<f64>,
+    watch: Option<Watch>,
+    peak: PeakWatch,
+    relaxations: usize,
+    damage_rate: f64,
+    stopped: bool,
+}
+
+impl Mark {
+    /// Whether `step` still has the condition that ended it early.
+    fn is_stopped_in(&self, step: &Step) -> bool {
+        let same = self.watch.as_ref().is_none_or(|watch| watch.stops_as(step));
+        self.stopped && same
+    }
+}
+
+/// A checkpoint from which a model cannot continue.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CheckpointError {
+    /// The checkpoint was taken from another model.
+    #[error("the checkpoint was taken from another model: {0} differ")]
+    OtherModel(String),
+    /// The checkpoint does not fit the model that it names, so it was not written by a run.
+    #[error("the checkpoint does not fit its model: {0}")]
+    Unfit(&'static str),
+}
+
+/// Continues from a checkpoint through the rest of the model's steps. The recorder gets the results that
+/// [`crate::solve::run`] would have given after that commit, to the last bit.
+///
+/// # Errors
+/// [`RunError::Checkpoint`] if the checkpoint belongs to another model, else those of [`crate::solve::run`].
+pub fn resume(
+    model: &Model,
+    checkpoint: Checkpoint,
+    recorder: &mut dyn Recorder,
+) -> Result<Summary, RunError> {
+    resume_part(model, &Part::default(), checkpoint, recorder).map(Summary::in_words)
+}
+
+/// Continues with a model that is the given part of the scene shown.
+fn resume_part(
+    model: &Model,
+    part: &Part,
+    checkpoint: Checkpoint,
+    recorder: &mut dyn Recorder,
+) -> Result<Summary, RunError> {
+    if let Some(instead) = checkpoint.instead_of(model) {
+        let reached = checkpoint.reached;
+        return instead.show(model, part, recorder, reached, |model, part, recorder| {
+            resume_part(model, part, checkpoint, recorder)
+        });
+    }
+    checkpoint.check(model)?;
+    // Work on a thread of the pool, as a run from the start does.
+    rayon::scope(|_| {
+        let (run, step_run) = Run::rejoin(model, part, checkpoint)?;
+        run.finish(Some(step_run), recorder)
+    })
+}
+
+impl Checkpoint {
+    /// Number of increments done, which is that of the history rows.
+    pub fn increments(&self) -> usize {
+        self.state.increments
+    }
+
+    /// Index of the step of the last increment, from 0.
+    pub fn step(&self) -> usize {
+        self.step_run.index
+    }
+
+    /// Step time since the start of the run [s].
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Whether `model` has nothing left to solve.
+    pub fn is_the_end_of(&self, model: &Model) -> bool {
+        let (step_run, last) = (&self.step_run, model.steps.last());
+        let stopped = last.is_some_and(|step| step_run.is_stopped_in(step));
+        step_run.index + 1 == model.steps.len() && (stopped || step_run.schedule.next().is_none())
+    }
+
+    /// Reduction that was solved instead of `model`; none if the run solved the whole.
+    fn instead_of(&self, model: &Model) -> Option<Reduction> {
+        let whole = model.fidelity == Fidelity::Auto && self.model.is_but_for_steps(model);
+        if whole { None } else { Reduction::of(model) }
+    }
+
+    /// Checks whether `model` can continue from this checkpoint.
+    ///
+    /// # Errors
+    /// [`CheckpointError`], with the part that differs.
+    pub fn check(&self, model: &Model) -> Result<(), CheckpointError> {
+        if let Some(instead) = self.instead_of(model) {
+            return self.check(instead.model());
+        }
+        match self.model.difference(&Fingerprint::of(model)) {
+            Some(what) => Err(CheckpointError::OtherModel(what)),
+            None => Ok(()),
+        }
+    }
+
+    /// Rescales the checkpoint for a longer last step of `model`, of which the step so far is `part`.
+    pub fn lengthen(&mut self, model: &Model, part: f64) {
+        if let Some(instead) = self.instead_of(model) {
+            return self.lengthen(instead.model(), part);
+        }
+        if let Some(last) = model.steps.last() {
+            self.model.end_with(last);
+        }
+        if self.step_run.index + 1 != model.steps.len() {
+            return;
+        }
+        let step_run = &mut self.step_run;
+        step_run.load *= part;
+        step_run.beyond = step_run.beyond.map(|load| part * load);
+        step_run.schedule.lengthen(part);
+        step_run.fallback.lengthen(part);
+        step_run.path_measure.lengthen(part);
+        step_run.peak.lengthen(part);
+        if let Some(last) = &mut self.state.last {
+            last.load *= part;
+        }
+    }
+}
+
+impl<'m> Run<'m> {
+    /// Offers the recorder a checkpoint between two increments. `last` is true if no increment follows.
+    pub(in crate::solve) fn offer(
+        &mut self,
+        step_run: &StepRun<'m>,
+        last: bool,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), RunError> {
+        let start = std::time::Instant::now();
+        recorder.checkpoint(last, &|| self.checkpoint(step_run))?;
+        self.output_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn checkpoint(&self, step_run: &StepRun<'m>) -> Checkpoint {
+        let model = self.fingerprint.get_or_init(|| Fingerprint::of(self.model));
+        Checkpoint {
+            model: model.clone(),
+            state: self.state.clone(),
+            searched_at: self.system.contact.searched_at().to_vec(),
+            step_run: Mark {
+                index: step_run.index,
+                starts: step_run.newton.starts(),
+                carried: step_run.newton.carried(),
+                schedule: step_run.schedule.clone(),
+                fallback: step_run.fallback.clone(),
+                path_measure: step_run.path_measure.clone(),
+                row: step_run.row,
+                load: step_run.load,
+                beyond: step_run.beyond,
+                watch: step_run.watch.clone(),
+                peak: step_run.peak,
+                relaxations: step_run.relaxations,
+                damage_rate: step_run.damage_rate,
+                stopped: step_run.stopped,
+            },
+            summary: self.summary.clone(),
+            clock: self.clock + step_run.newton.clock,
+            output_seconds: self.output_seconds,
+            snaps: self.snaps,
+            swings: self.swings,
+            energy_watch: self.energy_watch,
+            last_equilibrium: self.last_equilibrium.clone(),
+            reached: Reached::default(),
+        }
+    }
+
+    /// Restores the run and its step from a checkpoint.
+    fn rejoin(
+        model: &'m Model,
+        part: &Part,
+        checkpoint: Checkpoint,
+    ) -> Result<(Self, StepRun<'m>), RunError> {
+        let mut run = Self::new(model, part)?;
+        let Checkpoint {
+            state,
+            searched_at,
+            step_run: mark,
+            ..
+        } = checkpoint;
+        let unfit = |what| Err(CheckpointError::Unfit(what).into());
+        if !same_sizes(&state, &run.state) {
+            return unfit("the state has other sizes");
+        }
+        let masters = model.contact.master_facets.len();
+        let faces_nothing = |facet: Option<u32>| facet.is_some_and(|f| f as usize >= masters);
+        if state.pairs.iter().any(|pair| faces_nothing(pair.facet)) {
+            return unfit("a contact point faces a facet that is not there");
+        }
+        let finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
+        if searched_at.len() != model.mesh.nodes.len() || !searched_at.iter().all(finite) {
+            return unfit("the search of contact was at no place");
+        }
+        run.system.contact.search_from(&searched_at);
+        let Some(step) = model.steps.get(mark.index) else {
+            return unfit("there is no such step");
+        };
+        let slots = run.system.dofs.slots;
+        run.state = state;
+        run.system.bulk.stabilise(step.viscosity, mark.damage_rate);
+        run.system.steered = steered(model, step);
+        let mut newton = Newton::new(model, step, &run.system, &run.state);
+        let stopped = mark.is_stopped_in(step);
+        if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {
+            return unfit("the step began with other sizes");
+        }
+        let has_mass = run.massless(step).is_none();
+        let Some(fallback) = mark.fallback.of_step(model, step, has_mass) else {
+            return unfit("the step has other methods");
+        };
+        if mark.row >= step.branches() {
+            return unfit("the amplitude of the step has fewer rows");
+        }
+        let branch = step.branch(mark.row);
+        newton.rejoin(fallback.choice(), branch.slope(), &run.system, &run.state);
+        let mut step_run = StepRun::new(newton, fallback, mark.index, step);
+        step_run.steer(model, &run.system);
+        step_run.schedule = mark.schedule.within(step.increments);
+        let Some(path_measure) = mark.path_measure.of_step(&step_run.path_measure, slots) else {
+            return unfit("the path is measured by other sizes");
+        };
+        step_run.path_measure = path_measure;
+        (step_run.load, step_run.beyond) = (mark.load, mark.beyond);
+        (step_run.row, step_run.branch) = (mark.row, branch);
+        step_run.peak = mark.peak;
+        step_run.relaxations = mark.relaxations;
+        step_run.damage_rate = mark.damage_rate;
+        step_run.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
+        match (&mut step_run.watch, &mark.watch) {
+            (Some(watch), Some(earlier)) => watch.go_on(earlier),
+            (None, None) => {}
+            _ => return unfit("the step drives something else"),
+        }
+        step_run.stopped = stopped;
+        run.summary = Summary {
+            threads: run.summary.threads,
+            mirror_planes: run.summary.mirror_planes,
+            ..checkpoint.summary
+        };
+        run.clock = checkpoint.clock;
+        run.output_seconds = checkpoint.output_seconds;
+        (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
+        run.energy_watch = checkpoint.energy_watch;
+        run.last_equilibrium = checkpoint.last_equilibrium;
+        if run
+            .last_equilibrium
+            .as_ref()
+            .is_some_and(|from| !from.fits(&run.state))
+        {
+            return unfit("the last equilibrium has other sizes");
+        }
+        run.trial = Trial::default();
+        run.fingerprint = OnceCell::from(checkpoint.model);
+        Ok((run, step_run))
+    }
+}
+
+/// Whether two states have the same sizes, as states of one model do.
+fn same_sizes(a: &State, b: &State) -> bool {
+    let sizes = |s: &State| {
+        let slots = [
+            &s.q,
+            &s.velocity,
+            &s.acceleration,
+            &s.force,
+            &s.applied,
+            &s.damping,
+        ];
+        let springs = [s.spring_ends.len(), s.spring_forces.len(), s.loads.len()];
+        let points = [s.material.len(), s.interface.len(), s.pairs.len()];
+        (slots.map(Vec::len), springs, points)
+    };
+    let fits = |last: &crate::state::LastIncrement| {
+        last.dq.len() == b.q.len() && last.dtraction.len() == b.interface.len()
+    };
+    sizes(a) == sizes(b) && a.last.as_ref().is_none_or(fits)
+}

@@ -1,0 +1,77 @@
+//! Counters of increments that a run reports when it ends.
+
+use serde::{Deserialize, Serialize};
+
+use crate::state::HistoryRow;
+
+/// Counts increments with extrapolated solids, in which a unit snapped.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Snaps {
+    count: usize,
+    step: usize,
+    first: f64,
+    worst: f64,
+}
+
+impl Snaps {
+    /// Counts a committed increment.
+    pub fn add(&mut self, row: &HistoryRow) {
+        if self.count == 0 {
+            (self.step, self.first) = (row.step, row.displacement_mm);
+        }
+        self.count += 1;
+        self.worst = self.worst.max(row.out_of_balance);
+    }
+
+    /// Warning, if an increment was counted.
+    pub fn warning(&self) -> Option<String> {
+        (self.count > 0).then(|| {
+            format!(
+                "units snap, first in steps.{} at {:.3} mm: {} increments found no equilibrium and \
+                 extrapolate the solids; up to {:.2} of the mean nodal force is out of balance there",
+                self.step, self.first, self.count, self.worst
+            )
+        })
+    }
+}
+
+/// Kinetic energy over the energy taken, above which a motion is not quasi-static.
+const QUASI_STATIC: f64 = 0.05;
+
+/// Counts increments in which a quasi-static step was not quasi-static.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Swings {
+    count: usize,
+    step: usize,
+    time: f64,
+    worst: f64,
+}
+
+impl Swings {
+    /// Counts a committed increment if it was not quasi-static.
+    pub fn add(&mut self, row: &HistoryRow) {
+        let ratio = row.kinetic_energy_J / row.taken_J();
+        if ratio > QUASI_STATIC {
+            self.count += 1;
+            if ratio > self.worst {
+                (self.step, self.time, self.worst) = (row.step, row.time, ratio);
+            }
+        }
+    }
+
+    /// Warning, if an increment was counted.
+    pub fn warning(&self) -> Option<String> {
+        (self.count > 0).then(|| {
+            format!(
+                "the kinetic energy of quasi-static steps is above {:.0} % of what the solids and \
+                 interfaces have taken in {} increments, most ({:.0} %) in steps.{} at {:.3e} s: a \
+                 longer duration moves more slowly",
+                100.0 * QUASI_STATIC,
+                self.count,
+                100.0 * self.worst,
+                self.step,
+                self.time
+            )
+        })
+    }
+}

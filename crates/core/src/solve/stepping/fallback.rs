@@ -1,0 +1,330 @@
+//! Fallback: the order in which `auto` tries the methods (docs/theory/procedures.md, Algorithm).
+//!
+//! `auto` starts with the cheapest safe method and changes to the next where that finds no equilibrium:
+//!
+//! ```text
+//! static ──▶ static with consistent tangents (secant ones converge too slowly at any size)
+//!        ──▶ dissipation (snap-back: the load must fall before it rises; with consistent tangents
+//!            where secant ones fail on the path)
+//!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
+//!        ──▶ direct (points on meshes that do not match converge too slowly with the shifted penalty)
+//!        ──▶ quasi_static (bodies without support, falls: inertia; only where everything has mass)
+//!        ──▶ static (no method follows the path: jump to the equilibrium found beyond, or take the
+//!            largest increments)
+//! ```
+//!
+//! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
+//! once. Every other procedure has a single method.
+
+use serde::{Deserialize, Serialize};
+
+use crate::material::MaterialParameters;
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step, Tangent};
+use crate::solve::increment::newton::IMBALANCE;
+use crate::solve::increment::outcome::{Rejection, Report};
+use crate::state::Method;
+
+/// Size, as a part of the first increment, below which static increments are not cut before another method is tried.
+pub const FLOOR: f64 = 0.1;
+/// The same for extrapolated solids and the direct method, as a part of that floor.
+const SECOND_FLOOR: f64 = 0.1;
+/// Number of increments without trouble after which statics is tried again; doubled each time.
+const PATIENCE: usize = 3;
+/// A path that failed is skipped in the next 2·2ⁿ troubles; largest n, for at most 128.
+const MOST_LOST: u32 = 6;
+/// Rejections in a row after which secant tangents are given up, whatever the increment size.
+const STALLS: usize = 2;
+/// Most solves of an increment with consistent tangents after which secant ones may be tried again.
+const EASY: usize = 2;
+/// Increments in which the load must rise before a path is left for statics; doubled each time.
+const RISING: usize = 2;
+
+/// Answer to a rejection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Try a smaller increment.
+    Cut,
+    /// Try the next method.
+    NextMethod,
+    /// Give up.
+    GiveUp,
+}
+
+/// A method and its tangents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MethodChoice {
+    /// Method of the increments.
+    pub method: Method,
+    /// Matrices of the increments.
+    pub tangent: Tangent,
+}
+
+/// Methods of a step, the present one, and the counters by which it is left.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Fallback {
+    choices: Vec<MethodChoice>,
+    at: usize,
+    /// Increment size below which statics is given up.
+    floor: f64,
+    /// Increments in a row without the trouble for which the first method was left.
+    calm: usize,
+    patience: usize,
+    rising: usize,
+    /// Part of the loads at which the first method was left.
+    left_at: f64,
+    /// Number of paths that failed, and number of further troubles in which paths are skipped.
+    lost: u32,
+    passed_over: usize,
+    /// Whether statics was left because of a snap.
+    snaps: bool,
+    /// Number of leading static choices, and rejections in a row by a static choice other than the last of them.
+    statics: usize,
+    stalls: usize,
+}
+
+impl Fallback {
+    /// Fallback of a step; `all_has_mass` if inertia can act.
+    pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
+        let softens = model
+            .materials
+            .iter()
+            .any(|m| matches!(m.parameters, MaterialParameters::DamagePlasticity(_)));
+        let own = |method| MethodChoice {
+            method,
+            // Extrapolated solids are linear: their tangent is their secant.
+            tangent: if method == Method::Implex {
+                Tangent::Secant
+            } else {
+                step.tangent
+            },
+        };
+        let mut choices = vec![own(Method::of(step.procedure))];
+        if step.procedure == Procedure::Auto {
+            let path = own(Method::Dissipation);
+            if softens {
+                if step.tangent == Tangent::Secant {
+                    choices.push(MethodChoice {
+                        method: Method::Static,
+                        tangent: Tangent::Consistent,
+                    });
+                }
+                choices.push(path);
+                if step.tangent == Tangent::Secant {
+                    choices.push(MethodChoice {
+                        tangent: Tangent::Consistent,
+                        ..path
+                    });
+                }
+                choices.push(own(Method::Implex));
+            }
+            if step.tangent != Tangent::Direct {
+                choices.push(MethodChoice {
+                    method: Method::Direct,
+                    tangent: Tangent::Direct,
+                });
+            }
+            if !softens {
+                choices.push(path);
+            }
+            if all_has_mass {
+                choices.push(own(Method::QuasiStatic));
+            }
+            choices.push(own(Method::Static));
+        }
+        let statics = choices.iter().take_while(|r| r.method == Method::Static);
+        Self {
+            statics: statics.count().max(1),
+            stalls: 0,
+            choices,
+            at: 0,
+            floor: FLOOR * step.increments.initial,
+            calm: 0,
+            patience: PATIENCE,
+            rising: RISING,
+            left_at: 0.0,
+            lost: 0,
+            passed_over: 0,
+            snaps: false,
+        }
+    }
+
+    /// Takes over this fallback in a resumed step; none if the step has other methods.
+    pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
+        let Self { choices, floor, .. } = Self::new(model, step, all_has_mass);
+        let fits = self.choices == choices
+            && self.at < choices.len()
+            && (1..=choices.len()).contains(&self.statics);
+        fits.then_some(Self { floor, ..self })
+    }
+
+    /// Rescales the fallback for a longer step, of which the present one is `part`.
+    pub fn lengthen(&mut self, part: f64) {
+        self.floor *= part;
+        self.left_at *= part;
+    }
+
+    /// Returns from a path to the first method, where the loads reverse: the path does not lead back. True if the
+    /// method changed.
+    pub fn turn(&mut self) -> bool {
+        let leaves = self.at > 0 && self.method().follows_path();
+        if leaves {
+            (self.at, self.calm) = (0, 0);
+        }
+        leaves
+    }
+
+    /// Starts with inertia, if available, because bodies already move.
+    pub fn start_moving(&mut self) {
+        self.at = self.inertia().unwrap_or(0);
+    }
+
+    /// The present method.
+    pub fn method(&self) -> Method {
+        self.choice().method
+    }
+
+    /// The present method with its tangents.
+    pub fn choice(&self) -> MethodChoice {
+        self.choices[self.at]
+    }
+
+    /// Whether only the last choice of `auto` is left.
+    pub fn is_last(&self) -> bool {
+        self.at > 0 && self.at + 1 == self.choices.len()
+    }
+
+    /// Whether statics is still in use and solids may snap.
+    pub fn may_snap(&self) -> bool {
+        self.at < self.statics && self.place(Method::Implex).is_some()
+    }
+
+    /// Increment size below which errors are reported but no longer reduced.
+    pub fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    /// Answer to the rejection of an increment of this size. `spent`: its path cannot be cut further.
+    pub fn rejected(&mut self, rejection: &Rejection, size: f64, spent: bool) -> Answer {
+        let higher = self.at + 1 < self.choices.len();
+        let free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
+        let enough = match self.method() {
+            _ if spent => true,
+            Method::Static if self.at + 1 < self.statics => {
+                self.stalls += 1;
+                self.stalls >= STALLS || self.is_small(size) || free
+            }
+            Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
+            Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
+            _ => false,
+        };
+        match (enough, higher) {
+            (true, true) => Answer::NextMethod,
+            (true, false) if spent => Answer::GiveUp,
+            _ => Answer::Cut,
+        }
+    }
+
+    /// Whether a smaller increment is not worth an attempt.
+    pub fn is_small(&self, size: f64) -> bool {
+        size <= self.floor
+    }
+
+    /// Whether a snap should be followed along its path instead of jumped over.
+    pub fn prefers_paths(&self) -> bool {
+        self.at < self.statics && self.place(Method::Dissipation).is_some()
+    }
+
+    /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
+    pub fn take_next(&mut self, rejection: &Rejection, load: f64) {
+        self.stalls = 0;
+        if self.at < self.statics {
+            self.left_at = load;
+            self.snaps = *rejection == Rejection::Snap;
+        }
+        let wanted = match rejection {
+            Rejection::Linear { dof: Some(_), .. } => self.inertia(),
+            // If secant tangents failed before, take the path with consistent ones.
+            Rejection::Snap => self
+                .place(Method::Dissipation)
+                .map(|path| path + usize::from(self.at > 0)),
+            _ => None,
+        };
+        if self.method() == Method::Dissipation {
+            let again = self
+                .choices
+                .get(self.at + 1)
+                .is_some_and(|choice| choice.method == Method::Dissipation);
+            // No path leads to equilibrium once a body is without support.
+            let comes_loose = wanted.is_some() && *rejection != Rejection::Snap;
+            if self.snaps && !comes_loose {
+                // If no tangent works along the path, accept the equilibrium that statics found beyond the snap.
+                self.at = if again {
+                    self.at + 1
+                } else {
+                    self.choices.len() - 1
+                };
+                self.calm = 0;
+                return;
+            }
+            self.passed_over = 2 << self.lost.min(MOST_LOST);
+            self.lost += 1;
+        }
+        let last = self.choices.len() - 1;
+        let mut next = (self.at + 1).min(last);
+        if self.choices[next].method == Method::Dissipation
+            && wanted.is_none()
+            && self.passed_over > 0
+        {
+            self.passed_over -= 1;
+            next += 1;
+        }
+        // A path with consistent tangents is for snaps only: otherwise extrapolation is cheaper.
+        while self.choices[next].method == Method::Dissipation
+            && self.choices[next - 1].method == Method::Dissipation
+        {
+            next += 1;
+        }
+        self.at = wanted.map_or(next, |choice| choice.max(next));
+        self.calm = 0;
+    }
+
+    /// Index of the choice with inertia.
+    fn inertia(&self) -> Option<usize> {
+        self.place(Method::QuasiStatic)
+    }
+
+    /// Index of the first choice with a method.
+    fn place(&self, method: Method) -> Option<usize> {
+        self.choices
+            .iter()
+            .position(|choice| choice.method == method)
+    }
+
+    /// Returns to the first method if the increment shows that the trouble has passed; true if it does. `moves`:
+    /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
+    pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
+        self.stalls = 0;
+        if self.at == 0 {
+            return false;
+        }
+        let (passed, needed) = match self.method() {
+            Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
+            Method::QuasiStatic => (!moves, self.patience),
+            Method::Direct => (true, self.patience),
+            Method::Static => (report.iterations <= EASY, self.patience),
+            _ => (added > 0.0 && load >= self.left_at, self.rising),
+        };
+        self.calm = if passed { self.calm + 1 } else { 0 };
+        if self.calm < needed {
+            return false;
+        }
+        match self.method() {
+            Method::QuasiStatic | Method::Direct | Method::Static => self.patience *= 2,
+            Method::Dissipation => self.rising *= 2,
+            _ => {}
+        }
+        (self.at, self.calm) = (0, 0);
+        true
+    }
+}

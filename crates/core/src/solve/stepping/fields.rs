@@ -1,0 +1,161 @@
+//! Fields of a commit, as they are written to files.
+
+use nalgebra::Vector6;
+
+use super::run::Run;
+use crate::material::{ElasticParameters, MaterialHistory};
+use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState};
+use crate::tensor;
+use wythe_contact::{InterfaceHistory, JointLaw};
+
+impl Run<'_> {
+    /// Fields of the last commit, whose row is `row`.
+    pub(in crate::solve) fn frame(&self, row: &HistoryRow) -> Frame {
+        let (model, state) = (self.model, &self.state);
+        let (mesh, dofs) = (&model.mesh, &self.system.dofs);
+        let spread = |of: &[f64]| {
+            let mut field = vec![[0.0; 3]; mesh.nodes.len()];
+            dofs.spread(of, &mut field);
+            field
+        };
+        let mut frame = Frame {
+            time: state.time,
+            increment: state.increments,
+            step: row.step,
+            displacement: spread(&state.q),
+            velocity: if model.may_move() {
+                spread(&state.velocity)
+            } else {
+                Vec::new()
+            },
+            interfaces: self.interface_frame(),
+            reactions: row.reactions.clone(),
+            probes: row.probes.clone(),
+            ..Frame::default()
+        };
+        for (e, points) in state.material.chunks_exact(8).enumerate() {
+            let mean = |of: fn(&MaterialHistory) -> Vector6<f64>| {
+                let sum: Vector6<f64> = points.iter().map(of).sum();
+                (sum / 8.0).into()
+            };
+            let most = |of: fn(&MaterialHistory) -> f64| points.iter().map(of).fold(0.0, f64::max);
+            frame.stress.push(mean(|h| h.stress));
+            frame.plastic_strain.push(mean(|h| h.plastic_strain));
+            frame.tensile_damage.push(most(|h| h.tensile_damage));
+            frame
+                .compressive_damage
+                .push(most(|h| h.compressive_damage));
+            frame.yielded.push(points.iter().any(has_yielded));
+            let elastic = model.materials[mesh.material[e] as usize]
+                .parameters
+                .elastic();
+            let l_eq = mesh.volume(e).cbrt();
+            let width = |h: &MaterialHistory| {
+                let band = if h.crack_band > 0.0 {
+                    h.crack_band
+                } else {
+                    l_eq
+                };
+                band * crack_strain(h, elastic)
+            };
+            frame
+                .crack_width
+                .push(points.iter().map(width).sum::<f64>() / 8.0);
+        }
+        frame
+    }
+
+    fn interface_frame(&self) -> InterfaceFrame {
+        let mut frame = InterfaceFrame::default();
+        for (p, history) in self.state.interface.iter().enumerate() {
+            let law = self.system.contact.law(self.model, p);
+            frame.opening.push(history.opening);
+            frame.slip.push(history.slip);
+            frame.traction.push(history.traction);
+            frame.damage.push(history.damage);
+            frame.state.push(InterfaceState::of(law, history));
+        }
+        for output in self.model.contact.outputs() {
+            let histories = self.state.interface.iter().enumerate();
+            let value = |(p, history): (usize, &InterfaceHistory)| {
+                let law = self.system.contact.law(self.model, p);
+                let own = law.outputs().iter().find(|own| own.name == output.name);
+                own.map_or(f64::NAN, |own| own.of(history))
+            };
+            frame
+                .outputs
+                .push((output.name.to_owned(), histories.map(value).collect()));
+        }
+        frame
+    }
+
+    /// Forces on the model [N]: external forces on the beams, then reactions of the supports without gravity, ground
+    /// motion and loads on their own nodes, then resultants of the named loads. `load_factor`: part of the step's
+    /// loads, at part `moment` of its time.
+    pub(in crate::solve) fn reactions(
+        &self,
+        step: usize,
+        load_factor: f64,
+        moment: f64,
+    ) -> Vec<[f64; 3]> {
+        let (model, state, dofs) = (self.model, &self.state, &self.system.dofs);
+        let step = &model.steps[step];
+        let gravity = step.gravity.at(load_factor);
+        let ground = step.ground.at(moment * step.duration);
+        let (outside, nodes) = (&self.system.outside, model.mesh.nodes.len());
+        let mut loaded = vec![[0.0; 3]; if outside.is_empty() { 0 } else { nodes }];
+        let mut resultants = Vec::with_capacity(model.loads.len());
+        for (l, value) in state.loads.iter().enumerate() {
+            let mut own = vec![[0.0; 3]; nodes];
+            outside.add(l, *value, &self.trial.x, &mut own);
+            let mut resultant = [0.0; 3];
+            for (all, own) in loaded.iter_mut().zip(own) {
+                for i in 0..3 {
+                    all[i] += own[i];
+                    resultant[i] += own[i];
+                }
+            }
+            resultants.push(resultant);
+        }
+        let held = |n: usize, i: usize| {
+            let body = self.system.mass.node[n] * (gravity[i] - ground[i]);
+            let own = self.trial.node_force[n][i] - body;
+            loaded.get(n).map_or(own, |loaded| own - loaded[i])
+        };
+        let beams =
+            (0..model.beams.len()).map(|b| [0, 1, 2].map(|i| state.applied[dofs.beam_slot(b, i)]));
+        let supports = model.supports.iter().map(|support| {
+            let sum = |i: usize| support.nodes.iter().map(|&n| held(n as usize, i)).sum();
+            [0, 1, 2].map(|i| if support.fixed[i] { sum(i) } else { 0.0 })
+        });
+        beams.chain(supports).chain(resultants).collect()
+    }
+}
+
+fn has_yielded(history: &MaterialHistory) -> bool {
+    history.damage > 0.0 || history.plastic_strain != Vector6::zeros()
+}
+
+/// Largest principal inelastic strain of a cracked point [-]: viscous (plastic) strain and the part of the strain due
+/// to damage, which an elastic point under the same stress would not have (docs/theory/damage-plasticity.md, eq. 14).
+fn crack_strain(history: &MaterialHistory, elastic: &ElasticParameters) -> f64 {
+    let whole = 1.0 - history.viscous_damage;
+    if history.tensile_damage <= 0.0 || whole <= 0.0 {
+        return 0.0;
+    }
+    let stress = &history.stress;
+    let trace = 3.0 * tensor::mean(stress);
+    let strain = Vector6::from_fn(|i, _| {
+        if i < 3 {
+            ((1.0 + elastic.nu) * stress[i] - elastic.nu * trace) / elastic.E
+        } else {
+            stress[i] / elastic.shear_modulus()
+        }
+    });
+    let mut inelastic = history.viscous_strain + history.viscous_damage / whole * strain;
+    // From engineering shear to tensor components.
+    for i in 3..6 {
+        inelastic[i] *= 0.5;
+    }
+    tensor::principal_values(&inelastic)[0].max(0.0)
+}

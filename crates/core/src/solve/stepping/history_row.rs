@@ -1,0 +1,260 @@
+//! Values of a history row: displacement and force of the drive or load, probes, loads.
+
+use super::probes::probes;
+use super::run::Run;
+use super::step_run::StepRun;
+use crate::assembly::dofs::HELD;
+use crate::model::Model;
+use crate::model::scene::{BeamMotion, HeldBy, Step};
+
+/// Whether a step drives a face or the end of a spring.
+pub(in crate::solve) fn drives(step: &Step) -> bool {
+    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
+    let springs = step.springs.iter().flatten();
+    step.motion.iter().flatten().any(driven) || springs.into_iter().any(|by| *by != 0.0)
+}
+
+/// Sign of the direction in which beam displacements and forces are counted: that of the first step that drives the
+/// beam in this direction.
+pub(in crate::solve) fn sense_of_beam(steps: &[Step], beam: usize, direction: usize) -> f64 {
+    let mut by = steps.iter().filter_map(|step| step.motion.get(beam));
+    let sense = by.find_map(|motion| match motion[direction] {
+        BeamMotion::Driven(by) if by != 0.0 => Some(by.signum()),
+        _ => None,
+    });
+    sense.unwrap_or(1.0)
+}
+
+/// The same for the driven end of a spring.
+pub(in crate::solve) fn sense_of_spring(steps: &[Step], spring: usize, direction: usize) -> f64 {
+    let by = steps.iter().filter_map(|step| step.springs.get(spring));
+    by.map(|by| by[direction])
+        .find(|by| *by != 0.0)
+        .map_or(1.0, f64::signum)
+}
+
+/// The same for a displacement that steers a load.
+pub(in crate::solve) fn sense_of_control(steps: &[Step]) -> f64 {
+    let by = steps.iter().filter_map(|step| step.control);
+    by.map(|control| control.displacement)
+        .find(|by| *by != 0.0)
+        .map_or(1.0, f64::signum)
+}
+
+/// A value along the drive, without negative zeros.
+fn along(sense: f64, value: f64) -> f64 {
+    if sense < 0.0 { 0.0 - value } else { value }
+}
+
+/// The load that the history shows in a step: the first one that the step changes, else one of a later step, else one
+/// of an earlier step.
+fn shown_load(model: &Model, step: usize) -> Option<usize> {
+    let steps = model.steps[step..].iter().chain(&model.steps);
+    let mut loads = steps.filter_map(|step| step.loads.iter().position(Option::is_some));
+    loads.next()
+}
+
+impl Run<'_> {
+    /// Displacement of the drive [mm] and its force [N], both along the drive, and the force normal to its face,
+    /// compression positive [N], at the last commit. For models with loads and without drive: displacement and force
+    /// of a load, and 0.
+    pub(in crate::solve) fn driven(&self, step: usize) -> (f64, f64, f64) {
+        if !self.model.steps.iter().any(drives)
+            && let Some([displacement, force]) = self.loaded(step)
+        {
+            return (displacement, force, 0.0);
+        }
+        let (state, dofs) = (&self.state, &self.system.dofs);
+        let Some((beam, direction)) = self.driven_beam(step) else {
+            return self.driven_spring(step);
+        };
+        let slot = dofs.beam_slot(beam, direction);
+        let normal = self.model.beams[beam].normal;
+        let normal: f64 = (0..3)
+            .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
+            .sum();
+        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        (
+            along(sense, state.q[slot]),
+            along(sense, state.applied[slot]),
+            -normal,
+        )
+    }
+
+    /// Force of a step's drive along itself in the increment that ends at the trial [N].
+    pub(in crate::solve) fn driving_force(&self, step_run: &StepRun) -> f64 {
+        let (system, trial) = (&self.system, &self.trial);
+        match self.driven_beam(step_run.index) {
+            Some((beam, direction)) => {
+                let slot = system.dofs.beam_slot(beam, direction);
+                let sense = sense_of_beam(&self.model.steps, beam, direction);
+                along(sense, step_run.newton.applied(system, trial, slot))
+            }
+            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
+                let sense = sense_of_spring(&self.model.steps, s, i);
+                along(sense, system.spring_forces(trial)[s][i])
+            }),
+        }
+    }
+
+    /// Displacement of a step's drive along itself in the increment that ends at the trial [mm].
+    pub(in crate::solve) fn driven_way(&self, step_run: &StepRun) -> f64 {
+        let (system, trial, steps) = (&self.system, &self.trial, &self.model.steps);
+        match self.driven_beam(step_run.index) {
+            Some((beam, direction)) => {
+                let slot = system.dofs.beam_slot(beam, direction);
+                let sense = sense_of_beam(steps, beam, direction);
+                along(sense, step_run.newton.q()[slot] - self.state.q[slot])
+            }
+            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
+                let way = trial.spring_ends[s][i] - self.state.spring_ends[s][i];
+                along(sense_of_spring(steps, s, i), way)
+            }),
+        }
+    }
+
+    /// Rise of the driving force that the first tangent predicts for the increment that ends at the trial [N]; none
+    /// if the increment did not start from that tangent or no face is driven.
+    pub(in crate::solve) fn linear_rise(&self, step_run: &StepRun) -> Option<f64> {
+        let (beam, direction) = self.driven_beam(step_run.index)?;
+        let slot = self.system.dofs.beam_slot(beam, direction);
+        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        let forces = step_run.newton.linear_forces()?;
+        Some(along(sense, forces[slot]))
+    }
+
+    /// Beam whose motion the history shows, and its direction: that of the step, else of another step.
+    fn driven_beam(&self, step: usize) -> Option<(usize, usize)> {
+        let steps = &self.model.steps;
+        steps[step]
+            .driven
+            .or_else(|| steps.iter().find_map(|s| s.driven))
+    }
+
+    /// Spring whose end is driven in the step, else in another, and its direction.
+    fn driven_end(&self, step: usize) -> Option<(usize, usize)> {
+        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
+        steps
+            .flat_map(|step| step.springs.iter().enumerate())
+            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)))
+    }
+
+    /// Displacement of the driven end of a spring [mm], its force along the drive [N], and 0, where a step drives a
+    /// spring and no face.
+    fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
+        self.driven_end(step).map_or((0.0, 0.0, 0.0), |(s, i)| {
+            let sense = sense_of_spring(&self.model.steps, s, i);
+            (
+                along(sense, self.state.spring_ends[s][i]),
+                along(sense, self.state.spring_forces[s][i]),
+                0.0,
+            )
+        })
+    }
+
+    /// Displacement [mm] and force [kN] of the drive, or of the load, for the watch of a step.
+    pub(in crate::solve) fn watched(&self, step: usize) -> [f64; 2] {
+        let [displacement, force] = match self.loaded(step) {
+            Some(loaded) if !drives(&self.model.steps[step]) => loaded,
+            _ => {
+                let (displacement, force, _) = self.driven(step);
+                [displacement, force]
+            }
+        };
+        [displacement, 1e-3 * force]
+    }
+
+    /// Displacement [mm] of the load that the history shows, and force along its direction [N]; none without loads.
+    /// Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
+    /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
+    fn loaded(&self, step: usize) -> Option<[f64; 2]> {
+        let (model, state) = (self.model, &self.state);
+        let told = shown_load(model, step)?;
+        let load = &model.loads[told];
+        let outside = &self.system.outside;
+        let force_of = |value: [f64; 3], x: &[[f64; 3]]| {
+            let mut force = vec![[0.0; 3]; x.len()];
+            outside.add(told, value, x, &mut force);
+            force
+        };
+        let sum = |force: &[[f64; 3]]| {
+            let all = force
+                .iter()
+                .fold([0.0; 3], |sum, f| [0, 1, 2].map(|i| sum[i] + f[i]));
+            load.along(all)
+        };
+        let around = load.direction == [0.0; 3];
+        let one = if load.is_pressure() {
+            [1.0, 0.0, 0.0]
+        } else {
+            load.direction
+        };
+        let mut weights = force_of(one, &model.mesh.nodes);
+        self.system.dofs.fold(&mut weights);
+        if around {
+            self.level(&mut weights);
+        }
+        // A pressure on all sides has no direction; it is measured by its area.
+        let size = |f: &[f64; 3]| f.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let whole = if around {
+            weights.iter().map(size).sum()
+        } else {
+            sum(&weights)
+        };
+        let force = if around {
+            load.told(state.loads[told]) * whole
+        } else {
+            let mut x = vec![[0.0; 3]; model.mesh.nodes.len()];
+            self.system.dofs.spread(&state.q, &mut x);
+            for (x, rest) in x.iter_mut().zip(&model.mesh.nodes) {
+                *x = [0, 1, 2].map(|i| rest[i] + x[i]);
+            }
+            sum(&force_of(state.loads[told], &x))
+        };
+        let steered = model.steps[step..]
+            .iter()
+            .chain(&model.steps)
+            .find_map(|s| s.control);
+        let displacement = if let Some(control) = steered {
+            let value = probes(model, &self.system.dofs, state)[control.probe];
+            along(sense_of_control(&model.steps), value)
+        } else {
+            let slots = self.system.dofs.slot.iter();
+            let work = |(weight, slots): (&[f64; 3], &[u32; 3])| -> f64 {
+                let moved = |i: usize| match slots[i] {
+                    HELD => 0.0,
+                    slot => weight[i] * state.q[slot as usize],
+                };
+                (0..3).map(moved).sum()
+            };
+            weights.iter().zip(slots).map(work).sum::<f64>() / whole
+        };
+        Some([displacement, force])
+    }
+
+    /// Removes the forces normal to symmetry planes at nodes in them: the other half cancels these.
+    fn level(&self, forces: &mut [[f64; 3]]) {
+        for support in &self.model.supports {
+            if let HeldBy::Plane { axis, .. } = support.by {
+                for n in &support.nodes {
+                    forces[*n as usize][axis] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Additional columns of the last commit: probes, then the value of each load and its resultant, which is the
+    /// last part of `reactions` [N].
+    pub(in crate::solve) fn columns(&self, reactions: &[[f64; 3]]) -> Vec<f64> {
+        let (model, state) = (self.model, &self.state);
+        let mut columns = probes(model, &self.system.dofs, state);
+        let first = reactions.len() - model.loads.len();
+        for (l, load) in model.loads.iter().enumerate() {
+            if load.columns.len() > 1 {
+                columns.push(load.told(state.loads[l]));
+            }
+            columns.push(1e-3 * load.along(reactions[first + l]));
+        }
+        columns
+    }
+}

@@ -1,0 +1,19 @@
+//! The steps of a run: increment sizes, procedures and their fallback, acceptance, peaks, history rows.
+
+pub(in crate::solve) mod acceptance;
+pub(in crate::solve) mod commit;
+pub(in crate::solve) mod counts;
+pub(in crate::solve) mod energy_watch;
+pub(in crate::solve) mod explain;
+pub(in crate::solve) mod fallback;
+pub(in crate::solve) mod fields;
+pub(in crate::solve) mod history_row;
+pub(in crate::solve) mod path;
+pub(in crate::solve) mod peak_control;
+pub(in crate::solve) mod probes;
+pub(in crate::solve) mod rejection;
+pub(in crate::solve) mod relaxation;
+pub(in crate::solve) mod run;
+pub(in crate::solve) mod step_run;
+pub(in crate::solve) mod step_size;
+pub(in crate::solve) mod stop;

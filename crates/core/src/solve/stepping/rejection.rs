@@ -1,0 +1,176 @@
+//! Answer to a rejected increment: a smaller one, another method, or the end of the run.
+
+use super::explain;
+use super::fallback::Answer;
+use super::run::{CUT, Run, RunError};
+use super::step_run::{IncrementRequest, StepRun};
+use crate::solve::Recorder;
+use crate::solve::increment::outcome::Rejection;
+use crate::state::Method;
+use crate::state::Status;
+use wythe_contact::{InterfaceLaw, JointLaw};
+
+/// First increment along a path, as a part of the rejected increment.
+const GUESS: f64 = 0.1;
+
+impl Run<'_> {
+    /// Checks that the joint laws of users gave finite results in the last iterate.
+    ///
+    /// # Errors
+    /// [`RunError::JointLaw`] for the first contact point with a number that is not finite.
+    pub(super) fn check_custom_laws(&self) -> Result<(), RunError> {
+        let laws = &self.model.contact.laws;
+        if !laws
+            .iter()
+            .any(|law| matches!(law, InterfaceLaw::Custom(_)))
+        {
+            return Ok(());
+        }
+        for (point, history) in self.trial.interface.iter().enumerate() {
+            let mut numbers = history.traction.iter().chain(&history.slots);
+            if numbers.all(|n| n.is_finite()) && history.damage.is_finite() {
+                continue;
+            }
+            let law = self.system.contact.law(self.model, point).name();
+            let [slip_1, slip_2] = history.slip;
+            let gap = [self.state.interface[point].opening, slip_1, slip_2];
+            return Err(RunError::JointLaw { law, point, gap });
+        }
+        Ok(())
+    }
+
+    /// Chooses the next attempt after a rejection; false if none is left.
+    pub(in crate::solve) fn reject(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        rejection: &Rejection,
+        recorder: &mut dyn Recorder,
+    ) -> bool {
+        let on_path = request.method.follows_path();
+        let method = step_run.fallback.method();
+        if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
+            // The rest of the step was tried in one increment; the path continues instead.
+            step_run.end_rejected = true;
+            return true;
+        }
+        let spent = if on_path {
+            !step_run.path_measure.cut(CUT)
+        } else {
+            false
+        };
+        let size = request.increment.size;
+        if *rejection == Rejection::Snap {
+            step_run.beyond = Some(request.increment.end());
+        }
+        if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
+            // The jump beyond the snap fails too: use the largest increments.
+            step_run.schedule.resume(step_run.step.increments.max);
+            return true;
+        }
+        let mut answer = step_run.fallback.rejected(rejection, size, spent);
+        if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
+            // Without dissipation so far, no path is known. Learn it from the rejected increment.
+            if self.guess(step_run, method, size) {
+                return true;
+            }
+        }
+        if answer == Answer::Cut
+            && !on_path
+            && step_run.schedule.cut(request.increment, CUT).is_err()
+        {
+            answer = step_run.fallback.rejected(rejection, size, true);
+        }
+        match answer {
+            Answer::Cut => true,
+            Answer::NextMethod => {
+                let why = format!(
+                    "{}: {}",
+                    request.method.name(),
+                    explain::why(self.model, &self.part, step_run.step, rejection)
+                );
+                loop {
+                    step_run
+                        .fallback
+                        .take_next(rejection, step_run.sense() * step_run.load);
+                    let next = step_run.fallback.method();
+                    // Constant loads have no path.
+                    let stays = step_run.branch.slope() == 0.0;
+                    if !next.follows_path()
+                        || (!stays && step_run.path_measure.leads(next))
+                        || (!stays && self.guess(step_run, next, size))
+                    {
+                        break;
+                    }
+                }
+                self.adopt(step_run);
+                match step_run.fallback.method() {
+                    Method::QuasiStatic => {
+                        self.depart(step_run.index, step_run.load);
+                        self.carry_momentum(step_run.sense());
+                        self.state.last = None;
+                        step_run
+                            .schedule
+                            .resume(size.min(step_run.fallback.floor()));
+                    }
+                    // The equations are linear, so the trouble that cut the increment does not affect them.
+                    Method::Implex => step_run
+                        .schedule
+                        .resume(size.max(step_run.fallback.floor())),
+                    // No method follows the path: jump over it, to the equilibrium found beyond or else by the
+                    // largest increment.
+                    Method::Static if step_run.fallback.is_last() => {
+                        let beyond = step_run.beyond.map(|at| at - step_run.schedule.done());
+                        let jump = beyond.unwrap_or(step_run.step.increments.max);
+                        step_run.schedule.resume(jump);
+                    }
+                    method if method.follows_path() => step_run.path_measure.mend(),
+                    _ => {}
+                }
+                self.note(step_run, &why, recorder);
+                true
+            }
+            Answer::GiveUp => {
+                self.summary.iterations += step_run.solves;
+                self.tally(&step_run.newton);
+                self.summary.status = Status::NotConverged;
+                let done = match step_run.step.amplitude {
+                    None => step_run.load,
+                    Some(_) => step_run.schedule.done(),
+                };
+                let told = explain::explain(
+                    self.model,
+                    &self.part,
+                    step_run.index,
+                    request,
+                    done,
+                    rejection,
+                );
+                (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
+                false
+            }
+        }
+    }
+
+    /// Measures the path by the rejected increment for lack of a better one; false if it did not dissipate.
+    pub(in crate::solve) fn guess(
+        &mut self,
+        step_run: &mut StepRun,
+        method: Method,
+        size: f64,
+    ) -> bool {
+        let q = step_run.newton.q();
+        let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
+        let (system, trial) = (&self.system, &self.trial);
+        step_run
+            .path_measure
+            .learn(method, system, trial, &dq, (size, 0.0), GUESS)
+    }
+
+    /// Counts a rejected or repeated increment.
+    pub(in crate::solve) fn cut_back(&mut self, step_run: &mut StepRun) {
+        step_run.cutbacks += 1;
+        step_run.repeat = false;
+        self.summary.cutbacks += 1;
+    }
+}

@@ -1,0 +1,249 @@
+//! Relaxation of a snap: dashpots at the nodes carry the structure to its next equilibrium
+//! (docs/theory/procedures.md, eqs 10 and 11).
+//!
+//! Where a unit cracks through or a joint parts, the next equilibrium is far away and Newton's method does not find
+//! it. The relevant equilibrium is that of vanishing viscosity. With internal forces p, loads F, a dashpot at every
+//! degree of freedom and constant loads and drives, the motion obeys
+//!
+//! ```text
+//! C u̇ + p(u) = F
+//! ```
+//!
+//! It ends in an equilibrium. Its path depends on the distribution of C only, not on its size. Backward Euler in a
+//! pseudo-time τ gives sub-increments
+//!
+//! ```text
+//! p(u₁) − F + κ c (u₁ − u₀) = 0,   κ = 1/Δτ
+//! ```
+//!
+//! The coefficient c of a node is the mean of E h of its elements (Young's modulus times size), so that dashpots with
+//! κ = 1 are about as stiff as the elements around the node. κ falls while the sub-increments converge and grows
+//! where one fails. The first sub-increment applies the loads of the rejected increment; its dashpots act on the
+//! difference to the predicted displacements and so do not resist the drive. The relaxation ends when the dashpot
+//! forces are below the tolerance of equilibrium: the state is then static. The work of the dashpots is the energy
+//! that the snap releases, and counts as damping.
+
+use super::path::Advance;
+use super::run::Run;
+use super::step_run::{IncrementRequest, StepRun};
+use super::step_size::Increment;
+use crate::assembly::{Equations, System};
+use crate::model::Model;
+use crate::model::scene::Procedure;
+use crate::solve::Recorder;
+use crate::solve::increment::convergence::Balance;
+use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
+use crate::state::Method;
+
+/// Dashpots of one sub-increment.
+#[derive(Clone, Debug)]
+pub(in crate::solve) struct Dashpots {
+    /// c, the mean of E h of the elements around each node, summed over the nodes of a beam [N/mm]. `[slot]`
+    coefficient: Vec<f64>,
+    /// κ [-].
+    pub(in crate::solve) factor: f64,
+    /// Displacements u₀ at which the dashpot forces vanish [mm]. `[slot]`
+    anchor: Vec<f64>,
+    /// Whether the sub-increment changes loads; the anchor is then the predicted displacement.
+    pub(in crate::solve) loads: bool,
+}
+
+impl Dashpots {
+    /// Dashpots of a model; [`Self::anchor_at`] must be called before they act.
+    pub(in crate::solve) fn new(model: &Model, system: &System) -> Self {
+        let mesh = &model.mesh;
+        let mut node = vec![0.0; mesh.nodes.len()];
+        for (e, nodes) in mesh.elements.iter().enumerate() {
+            let parameters = &model.materials[mesh.material[e] as usize].parameters;
+            let stiffness = parameters.elastic().E * system.bulk.shape(e).volume.cbrt();
+            for &n in nodes {
+                node[n as usize] += 0.125 * stiffness;
+            }
+        }
+        let mut coefficient = vec![0.0; system.dofs.slots];
+        for (c, slots) in node.iter().zip(&system.dofs.slot) {
+            for &slot in slots {
+                if let Some(sum) = coefficient.get_mut(slot as usize) {
+                    *sum += c;
+                }
+            }
+        }
+        Self {
+            anchor: vec![0.0; coefficient.len()],
+            coefficient,
+            factor: 1.0,
+            loads: false,
+        }
+    }
+
+    /// Sets the displacements u₀ at which the dashpot forces vanish [mm]. `[slot]`
+    pub(in crate::solve) fn anchor_at(&mut self, q: &[f64]) {
+        self.anchor.copy_from_slice(q);
+    }
+
+    /// Dashpot force κ c (q − u₀) [N].
+    pub(in crate::solve) fn force(&self, slot: usize, q: f64) -> f64 {
+        self.factor * self.coefficient[slot] * (q - self.anchor[slot])
+    }
+
+    /// Adds κ c to the diagonal of the matrix of `equations`.
+    pub(in crate::solve) fn add_to(
+        &self,
+        system: &System,
+        equations: &Equations,
+        values: &mut [f64],
+    ) {
+        system.add_diagonal(equations, self.factor, &self.coefficient, values);
+    }
+}
+
+/// κ of the first sub-increment.
+const FIRST: f64 = 1.0;
+/// Largest κ; stiffer dashpots do not help.
+const STIFFEST: f64 = 1e3;
+/// Smallest κ; forces that remain below it have no equilibrium.
+const SOFTEST: f64 = 1e-9;
+/// Part of the tolerance of equilibrium below which the structure is at rest.
+const AT_REST: f64 = 0.3;
+/// Most sub-increments of a relaxation.
+const MOST: usize = 80;
+/// Growth of κ after a sub-increment that failed.
+const STIFFER: f64 = 5.0;
+/// Most solves for a quick fall of κ, and for a slow one.
+const EASY: usize = 5;
+const FAIR: usize = 9;
+/// Most solves for a fall of κ if the motion does not slow down.
+const AT_ONCE: usize = 2;
+/// Factors of κ in a quick and in a slow fall.
+const QUICKLY: f64 = 0.1;
+const SLOWLY: f64 = 0.3;
+/// Number of sub-increments after a failed one in which κ does not fall quickly.
+const CAUTIOUS: usize = 2;
+/// Ratio of dashpot forces to those of the last sub-increment below which the motion slows down.
+const FALLS: f64 = 0.9;
+
+impl Run<'_> {
+    /// Carries the structure from the last commit, over a snap within the rejected increment of `request`, to the
+    /// next equilibrium. Returns the request by which the trial, which then holds this equilibrium, is to be
+    /// committed. Returns none and restores the state if no equilibrium is near.
+    pub(in crate::solve) fn relax(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        recorder: &mut dyn Recorder,
+    ) -> Option<(IncrementRequest, Report)> {
+        let (saved, carried) = (self.state.clone(), step_run.newton.carried());
+        let (load, increments) = (step_run.load, self.state.increments);
+        step_run.newton.dashpots = Some(Dashpots::new(self.model, &self.system));
+        let found = self.relax_in_steps(step_run, request, recorder);
+        if found.is_some() {
+            self.state.increments = increments;
+        } else {
+            self.state = saved;
+            step_run.newton.carry_on(carried);
+            step_run.newton.dashpots = None;
+            step_run.load = load;
+        }
+        found
+    }
+
+    fn relax_in_steps(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        recorder: &mut dyn Recorder,
+    ) -> Option<(IncrementRequest, Report)> {
+        let mut request = IncrementRequest {
+            method: Method::Relaxation,
+            ..request
+        };
+        let reach = self.system.contact.reach();
+        let mut start = self.state.q.clone();
+        let (mut factor, mut loads, mut slowly) = (FIRST, true, 0_usize);
+        let mut last_force = f64::INFINITY;
+        for _ in 0..MOST {
+            let (before, time, index) = (step_run.solves, self.state.time, step_run.index);
+            let mut tell = |count| recorder.progress(index, time, before + count);
+            let newton = &mut step_run.newton;
+            if let Some(dashpots) = &mut newton.dashpots {
+                (dashpots.factor, dashpots.loads) = (factor, loads);
+            }
+            let load_end = if loads {
+                step_run.branch.factor(request.increment.end())
+            } else {
+                step_run.load
+            };
+            let part = if loads { step_run.part(&request) } else { 0.0 };
+            let steers = step_run.step.procedure == Procedure::DisplacementControl;
+            let control = step_run.control.as_ref().filter(|_| steers);
+            let attempt = Attempt {
+                increment: request.increment,
+                load: step_run.load,
+                load_end,
+                repeat: true,
+                advance: control.map_or(Advance::Load, |control| control.along(part)),
+            };
+            let outcome = step_run.newton.converge(
+                &mut self.system,
+                &self.state,
+                &mut self.trial,
+                attempt,
+                Solves::new(&mut tell),
+            );
+            let report = match outcome {
+                Outcome::Converged(report) => report,
+                Outcome::Rejected(_, spent) => {
+                    step_run.solves += spent;
+                    factor *= STIFFER;
+                    slowly = CAUTIOUS;
+                    if factor > STIFFEST {
+                        return None;
+                    }
+                    continue;
+                }
+            };
+            let forces = step_run.newton.dashpot_forces();
+            let scale = step_run
+                .newton
+                .scale(&self.system, &self.state, &self.trial);
+            let balance = Balance::new(&forces, scale);
+            if balance.holds(AT_REST, step_run.step.tolerance.residual) {
+                return Some((request, report));
+            }
+            step_run.solves += report.iterations;
+            let added = report.load_factor - step_run.load;
+            self.commit(
+                &mut step_run.newton,
+                step_run.step,
+                request.increment.size,
+                added,
+            );
+            step_run.load = report.load_factor;
+            if loads {
+                self.state.last = None;
+                start.clone_from(&self.state.q);
+            } else if let Some(last) = &mut self.state.last {
+                last.dt = 1.0 / factor;
+            }
+            request.increment = Increment {
+                start: request.increment.end(),
+                size: 0.0,
+            };
+            loads = false;
+            slowly = slowly.saturating_sub(1);
+            let falls = balance.root_mean_square < FALLS * last_force;
+            last_force = balance.root_mean_square;
+            if report.iterations <= EASY && slowly == 0 && falls {
+                factor *= QUICKLY;
+            } else if report.iterations <= FAIR && (falls || report.iterations <= AT_ONCE) {
+                factor *= SLOWLY;
+            }
+            let way = self.state.q.iter().zip(&start);
+            let falls_apart = way.into_iter().any(|(q, s)| (q - s).abs() > reach);
+            if falls_apart || factor < SOFTEST {
+                return None;
+            }
+        }
+        None
+    }
+}

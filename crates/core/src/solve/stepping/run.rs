@@ -1,0 +1,608 @@
+//! A run: its steps, increments and commits.
+
+use std::cell::OnceCell;
+
+use super::acceptance::{GROW, growth, resolving};
+use super::counts::{Snaps, Swings};
+use super::energy_watch::EnergyWatch;
+use super::fallback::Fallback;
+use super::step_run::{IncrementRequest, StepRun};
+use super::stop::Watch;
+use crate::assembly::bulk::BulkError;
+use crate::assembly::{Steered, System, Trial};
+use crate::model::Model;
+use crate::model::scene::{Procedure, Step, Tangent};
+use crate::model::sizes::Sizes;
+use crate::solve::Recorder;
+use crate::solve::dynamics::collapse::LastEquilibrium;
+use crate::solve::fidelity::{Part, Reached, Reduction};
+use crate::solve::increment::newton::Newton;
+use crate::solve::increment::outcome::{Attempt, Outcome, Rejection, Report, Solves};
+use crate::solve::restart::checkpoint::CheckpointError;
+use crate::solve::restart::fingerprint::Fingerprint;
+use crate::state::Clock;
+use crate::state::Method;
+use crate::state::QUIET;
+use crate::state::State;
+use crate::state::{Status, Summary};
+
+/// Error of a run that could not start or could not be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// An element or a material cannot be prepared.
+    #[error(transparent)]
+    Bulk(#[from] BulkError),
+    /// Results could not be written.
+    #[error("results could not be written: {0}")]
+    Output(#[from] std::io::Error),
+    /// A checkpoint does not fit the model.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// A joint law gives a traction or a history that is not finite.
+    #[error(
+        "the joint law {law} gives a traction or a history that is not finite at contact point {point}, \
+         for the opening {} and the slip {}, {} mm: see what it does there, and whether its parameters are finite",
+        gap[0], gap[1], gap[2]
+    )]
+    JointLaw {
+        /// Name of the law.
+        law: &'static str,
+        /// Index of the contact point.
+        point: usize,
+        /// Opening and slip at the last commit [mm].
+        gap: [f64; 3],
+    },
+    /// A step with inertia has parts without mass.
+    #[error(
+        "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
+    )]
+    NoMass {
+        /// Index of the step.
+        step: usize,
+        /// Its name in the deck.
+        name: String,
+        /// Place without mass.
+        place: String,
+    },
+}
+
+/// Factor of a rejected increment (docs/theory/procedures.md, eq. 13).
+pub(in crate::solve) const CUT: f64 = 0.4;
+
+/// Runs a model from rest through all its steps.
+///
+/// # Errors
+/// [`RunError`]. Lost convergence is not an error but a [`Status`]; all results before it are kept.
+pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    run_part(model, &Part::default(), recorder).map(Summary::in_words)
+}
+
+/// Runs a model that is the given part of the scene shown.
+fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    if let Some(instead) = Reduction::of(model) {
+        return instead.show(model, part, recorder, Reached::default(), run_part);
+    }
+    if let Some(told) = part.told() {
+        recorder.note(&told);
+    }
+    // Work on a thread of the pool. From outside it, each of the hundreds of small parallel tasks of an iteration
+    // would put this thread to sleep and wake it again.
+    rayon::scope(|_| Run::new(model, part)?.finish(None, recorder))
+}
+
+/// A run in progress.
+pub(in crate::solve) struct Run<'m> {
+    pub(in crate::solve) model: &'m Model,
+    pub(in crate::solve) part: Part,
+    pub(in crate::solve) system: System,
+    pub(in crate::solve) state: State,
+    pub(in crate::solve) trial: Trial,
+    pub(in crate::solve) summary: Summary,
+    pub(in crate::solve) clock: Clock,
+    pub(in crate::solve) output_seconds: f64,
+    pub(in crate::solve) snaps: Snaps,
+    pub(in crate::solve) swings: Swings,
+    pub(in crate::solve) energy_watch: EnergyWatch,
+    /// The last equilibrium, while inertia acts in place of statics.
+    pub(in crate::solve) last_equilibrium: Option<LastEquilibrium>,
+    /// Fingerprint of the model, computed for the first checkpoint.
+    pub(in crate::solve) fingerprint: OnceCell<Fingerprint>,
+}
+
+impl<'m> Run<'m> {
+    pub(in crate::solve) fn new(model: &'m Model, part: &Part) -> Result<Self, RunError> {
+        let numbered = |why: BulkError| why.with_number(|e| part.element(e));
+        let mut system = System::new(model).map_err(numbered)?;
+        let state = system.initial_state(model);
+        let units = model.mesh.unit.iter().max().map_or(0, |u| *u as usize + 1);
+        let sizes = Sizes {
+            units,
+            elements: model.mesh.elements.len(),
+            nodes: model.mesh.nodes.len(),
+            dofs: 0,
+            contact_points: system.contact.points.len(),
+        };
+        // Warnings of the model were reported when it was built.
+        let mut summary = Summary::begun(sizes, rayon::current_num_threads());
+        summary.mirror_planes.clone_from(&part.planes);
+        summary.log.extend(part.told());
+        let (clock, trial) = (Clock::default(), Trial::default());
+        Ok(Self {
+            model,
+            part: part.clone(),
+            system,
+            state,
+            trial,
+            summary,
+            clock,
+            output_seconds: 0.0,
+            snaps: Snaps::default(),
+            swings: Swings::default(),
+            energy_watch: EnergyWatch::default(),
+            last_equilibrium: None,
+            fingerprint: OnceCell::new(),
+        })
+    }
+
+    /// Runs all steps, or the rest of a step in progress and the steps after it.
+    pub(in crate::solve) fn finish(
+        mut self,
+        step_run: Option<StepRun<'m>>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Summary, RunError> {
+        // A collapsed status means that an earlier run was killed between its collapse and its summary.
+        let (mut next, mut go_on) = (0, self.summary.status != Status::Collapsed);
+        if let (Some(step_run), true) = (step_run, go_on) {
+            next = step_run.index + 1;
+            go_on = self.walk(step_run, recorder)?;
+        }
+        while go_on && next < self.model.steps.len() {
+            let step_run = self.begin(next)?;
+            next += 1;
+            go_on = self.walk(step_run, recorder)?;
+        }
+        self.report_moving_bodies();
+        self.summary.warnings.extend(self.snaps.warning());
+        self.summary.warnings.extend(self.swings.warning());
+        self.summary.warnings.extend(self.energy_watch.warning());
+        Ok(self.summary)
+    }
+
+    /// Runs a step to its end; false if the run ends there.
+    fn walk(
+        &mut self,
+        mut step_run: StepRun<'m>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        while let Some(request) = step_run.next() {
+            let (before, time) = (step_run.solves, self.state.time);
+            let index = step_run.index;
+            let part = step_run.part(&request);
+            let mut tell = |count| recorder.progress(index, time, before + count);
+            let outcome = step_run.newton.converge(
+                &mut self.system,
+                &self.state,
+                &mut self.trial,
+                Attempt {
+                    increment: request.increment,
+                    load: step_run.load,
+                    load_end: step_run.branch.factor(request.increment.end()),
+                    repeat: step_run.repeat,
+                    advance: request.advance(
+                        &step_run.path_measure,
+                        step_run.control.as_ref(),
+                        part,
+                    ),
+                },
+                Solves::new(&mut tell),
+            );
+            let go_on = match outcome {
+                Outcome::Converged(report)
+                    if self.try_as_shock(&mut step_run, request)
+                        || self.repeat_for_peak(&mut step_run, request, report) =>
+                {
+                    step_run.solves += report.iterations;
+                    self.cut_back(&mut step_run);
+                    true
+                }
+                Outcome::Converged(report) => match self.jump(&step_run, request) {
+                    None => self.accept(&mut step_run, request, report, recorder)?,
+                    Some(rejection) => {
+                        step_run.solves += report.iterations;
+                        self.cut_back(&mut step_run);
+                        self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
+                    }
+                },
+                Outcome::Rejected(rejection, spent) => {
+                    step_run.solves += spent;
+                    self.cut_back(&mut step_run);
+                    self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
+                }
+            };
+            if !go_on {
+                return Ok(false);
+            }
+        }
+        self.clock = self.clock + step_run.newton.clock;
+        Ok(self.keeps_symmetry(&step_run, recorder))
+    }
+
+    /// Relaxes the structure over a snap, or chooses the next attempt after a rejection; false if the run ends.
+    fn relax_or_reject(
+        &mut self,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        rejection: &Rejection,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        step_run.rejections += 1;
+        self.check_custom_laws()?;
+        let size = request.increment.size;
+        let unsolved = !matches!(rejection, Rejection::Snap | Rejection::Linear { .. });
+        if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {
+            self.bound_damage(step_run);
+        }
+        if may_relax(step_run, request, rejection) {
+            match self.relax(step_run, request, recorder) {
+                Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
+                None => step_run.relaxes_below = RELAX_AGAIN * size,
+            }
+        }
+        Ok(self.reject(step_run, request, rejection, recorder))
+    }
+
+    /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
+    fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
+        let step = step_run.step;
+        if step.viscosity == 0.0 {
+            step_run.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
+            self.system.bulk.stabilise(0.0, step_run.damage_rate);
+        }
+    }
+
+    /// Removes the bound on the rate of damage when no damage lags behind any more.
+    fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
+        if step_run.damage_rate.is_infinite() {
+            return;
+        }
+        let points = self.state.material.iter();
+        let lag = points
+            .map(|h| h.damage - h.viscous_damage)
+            .fold(0.0, f64::max);
+        if lag <= SETTLED {
+            step_run.damage_rate = f64::INFINITY;
+            self.system
+                .bulk
+                .stabilise(step_run.step.viscosity, f64::INFINITY);
+        }
+    }
+
+    /// Commits the end of a relaxation that started at `request`.
+    fn accept_relaxed(
+        &mut self,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        (last, report): (IncrementRequest, Report),
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        step_run.resumes_at = Some(GROW * request.increment.size);
+        let go_on = self.accept(step_run, last, report, recorder)?;
+        step_run.newton.dashpots = None;
+        Ok(go_on)
+    }
+
+    /// Prepares a step.
+    fn begin(&mut self, index: usize) -> Result<StepRun<'m>, RunError> {
+        let model = self.model;
+        let step = &model.steps[index];
+        self.system.steered = steered(model, step);
+        let newton = Newton::new(model, step, &self.system, &self.state);
+        self.summary.sizes.dofs = self.summary.sizes.dofs.max(newton.unknowns());
+        self.system.bulk.stabilise(step.viscosity, f64::INFINITY);
+        let massless = self.massless(step);
+        if let (true, Some(place)) = (step.procedure.has_inertia(), &massless) {
+            return Err(RunError::NoMass {
+                step: index,
+                name: step.name.clone(),
+                place: place.clone(),
+            });
+        }
+        let mut fallback = Fallback::new(model, step, massless.is_none());
+        if self.state.energies.moving() > QUIET {
+            // Bodies that `auto` set in motion continue to move.
+            fallback.start_moving();
+            if self.last_equilibrium.is_none() {
+                self.depart(index, 0.0);
+            }
+        }
+        let mut step_run = StepRun::new(newton, fallback, index, step);
+        step_run.steer(model, &self.system);
+        let [displacement, force] = self.watched(index);
+        step_run.watch = Watch::new(&model.steps, step, displacement, self.part.wholes());
+        step_run.see(force);
+        if step.procedure.has_inertia() {
+            self.set_in_motion(index);
+        } else if !step_run.fallback.method().has_inertia() {
+            self.bring_to_rest();
+        }
+        self.adopt(&mut step_run);
+        // The boundary conditions change, so the last increment does not predict the next.
+        (self.state.last, self.state.moved) = (None, None);
+        self.state.wants_double = false;
+        Ok(step_run)
+    }
+
+    /// Sets the method and tangents of the fallback.
+    pub(in crate::solve) fn adopt(&mut self, step_run: &mut StepRun) {
+        let choice = step_run.fallback.choice();
+        step_run
+            .newton
+            .adopt(choice, &mut self.system, &mut self.state, &mut self.trial);
+    }
+
+    /// Commits an increment and chooses the next; false if the run should stop.
+    fn accept(
+        &mut self,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        report: Report,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        let solves = step_run.solves + report.iterations;
+        let size = request.increment.size;
+        let added = report.load_factor - step_run.load;
+        let before = self.state.energies;
+        if let Some(motion) = step_run.newton.motion() {
+            motion.end_shock();
+        }
+        let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
+        step_run.load = report.load_factor;
+        let (index, cuts) = (step_run.index, step_run.cutbacks);
+        let row = self.row(
+            index,
+            request.method,
+            report,
+            request.increment.end(),
+            solves,
+            cuts,
+        );
+        self.energy_watch.add(&row);
+        match request.method {
+            // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
+            Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
+                self.swings.add(&row);
+            }
+            Method::Implex if step_run.step.procedure == Procedure::Auto => self.snaps.add(&row),
+            Method::QuasiStatic => self.mark_fallen(),
+            _ => {}
+        }
+        let collapsed = self.collapses(step_run, request.method, before.kinetic);
+        let growth = growth(request, report, step_run.fallback.floor());
+        if request.method.follows_path() {
+            step_run.schedule.reach(step_run.branch.time(step_run.load));
+        } else if request.method == Method::QuasiStatic
+            && step_run.step.procedure == Procedure::Auto
+        {
+            let hurry = self.state.energies.kinetic / before.kinetic;
+            step_run
+                .schedule
+                .accept(request.increment, growth.min(resolving(hurry)));
+        } else {
+            step_run.schedule.accept(request.increment, growth);
+        }
+        self.free_damage(step_run);
+        step_run.relaxations = if request.method == Method::Relaxation {
+            step_run.relaxations + 1
+        } else {
+            0
+        };
+        if let Some(size) = step_run.resumes_at.take() {
+            // Motion in pseudo-time does not predict the next increment.
+            step_run.schedule.resume(size);
+            step_run.path_measure.forget();
+            step_run.peak.forget();
+            self.state.last = None;
+        } else if let Some(measure) = step_run.measured_by() {
+            let share = self.state.energies.dissipated_share(&before);
+            let dissipates = measure == Method::ArcLength || share > SHARE;
+            let (system, trial) = (&self.system, &self.trial);
+            if !dissipates
+                || !step_run
+                    .path_measure
+                    .learn(measure, system, trial, &dq, (size, added), growth)
+            {
+                step_run.path_measure.forget();
+            }
+        }
+        let seen = self.watched(step_run.index);
+        let carried =
+            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
+        let moves = self.state.energies.moves_on(&before);
+        let swings = carried && moves;
+        let why = step_run
+            .watch
+            .as_mut()
+            .and_then(|watch| watch.take(seen, swings));
+        step_run.see(seen[1]);
+        step_run.resolve_peak();
+        let whole = step_run.is_whole();
+        let end = whole || why.is_some() || collapsed;
+        if let (Some(why), false) = (&why, whole) {
+            self.stop(step_run, why, recorder);
+        }
+        let keep = self.record(&row, recorder, end)?;
+        self.summary.increments += 1;
+        self.summary.iterations += solves;
+        (step_run.cutbacks, step_run.solves) = (0, 0);
+        (step_run.rejections, step_run.relaxes_below) = (0, f64::INFINITY);
+        (step_run.repeat, step_run.end_rejected, step_run.tried) = (true, false, None);
+        let done = step_run.schedule.done();
+        if request.method == Method::Static || step_run.beyond.is_some_and(|beyond| beyond <= done)
+        {
+            step_run.beyond = None;
+        }
+        let sense = step_run.sense();
+        let forth = (sense * added, sense * step_run.load);
+        if step_run
+            .fallback
+            .take_first_again(report, moves, forth.0, forth.1)
+        {
+            if request.method.has_inertia() {
+                self.bring_to_rest();
+                // The last increment does not predict the next one, but its motion may continue.
+                self.state.moved = self.state.last.take();
+            }
+            if request.method.follows_path() {
+                // Increments along the path may be of another size than those of the load.
+                let pace = forth.0 / step_run.branch.slope().abs();
+                step_run
+                    .schedule
+                    .resume(pace.max(step_run.fallback.floor()));
+                self.state.last = None;
+            }
+            self.adopt(step_run);
+            let why = format!("{} has passed the trouble", request.method.name());
+            self.note(step_run, &why, recorder);
+        }
+        let mut keeps_symmetry = true;
+        if collapsed {
+            self.report_collapse(step_run, recorder);
+        }
+        if !end && step_run.is_at_row() {
+            keeps_symmetry = self.keeps_symmetry(step_run, recorder);
+            self.turn(step_run);
+        }
+        self.tally(&step_run.newton);
+        let all_done = collapsed || (end && step_run.index + 1 == self.model.steps.len());
+        self.offer(step_run, all_done || !keep || !keeps_symmetry, recorder)?;
+        self.tally(&step_run.newton);
+        if !keep && !collapsed {
+            self.summary.status = Status::Interrupted;
+            "stopped by the user".clone_into(&mut self.summary.message);
+        }
+        Ok(keep && keeps_symmetry && !collapsed)
+    }
+
+    /// Continues along the next branch of the amplitude.
+    fn turn(&mut self, step_run: &mut StepRun<'m>) {
+        let before = step_run.branch.slope();
+        self.state.moved = None;
+        step_run.row += 1;
+        step_run.branch = step_run.step.branch(step_run.row);
+        step_run.schedule.turn(step_run.branch);
+        let slope = step_run.branch.slope();
+        step_run
+            .newton
+            .turn(slope, &mut self.system, &mut self.state, &mut self.trial);
+        if before * slope > 0.0 {
+            // The direction stays and the rate changes.
+            if let Some(last) = &mut self.state.last {
+                last.dt *= before / slope;
+            }
+            return;
+        }
+        // Where loads reverse, the last increment does not predict the next.
+        self.state.last = None;
+        step_run.path_measure.forget();
+        step_run.peak.forget();
+        step_run.see(self.watched(step_run.index)[1]);
+        step_run.schedule.begin_small();
+        step_run.beyond = None;
+        if step_run.fallback.turn() {
+            self.adopt(step_run);
+        }
+    }
+
+    /// Reports a change of method.
+    pub(in crate::solve) fn note(
+        &mut self,
+        step_run: &StepRun,
+        why: &str,
+        recorder: &mut dyn Recorder,
+    ) {
+        let text = format!(
+            "step {} ({}), {}: {why}; goes on by {}",
+            step_run.index,
+            step_run.step.name,
+            step_run.progress(),
+            step_run.fallback.method().name()
+        );
+        recorder.note(&text);
+        self.summary.log.push(text);
+    }
+
+    /// Ends a step early by its `stop` table.
+    fn stop(&mut self, step_run: &mut StepRun, why: &str, recorder: &mut dyn Recorder) {
+        step_run.stopped = true;
+        let text = format!(
+            "step {} ({}) ends at {}: {why}",
+            step_run.index,
+            step_run.step.name,
+            step_run.progress()
+        );
+        recorder.note(&text);
+        self.summary.log.push(text);
+    }
+
+    /// Enters counts and wall times so far into the summary.
+    pub(in crate::solve) fn tally(&mut self, newton: &Newton) {
+        let c = self.clock + newton.clock;
+        self.summary.factorisations = c.factorisations;
+        self.summary.reused = c.reused;
+        self.summary.local_solves = c.local_solves;
+        self.summary.evaluations = c.evaluations;
+        self.summary.seconds_by_phase = [
+            c.elements,
+            c.contact,
+            c.assembly,
+            c.factorise,
+            c.solve,
+            self.output_seconds,
+        ];
+    }
+}
+
+/// Largest lag of damage behind its law at which a snap is over [-].
+const SETTLED: f64 = 0.02;
+
+/// Least number of the largest increments in which the damage of a point may rise from 0 to 1
+/// (docs/theory/procedures.md, eq. 9).
+const SNAPS_TAKE: f64 = 4.0;
+
+/// Stiffness along the displacement that steers the load of a step, for secant tangents (docs/theory/procedures.md,
+/// eq. 6).
+pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
+    let controls = step.procedure == Procedure::DisplacementControl;
+    let control = step
+        .control
+        .filter(|_| controls && step.tangent == Tangent::Secant)?;
+    Steered::new(model, control)
+}
+
+/// Whether a relaxation may help where an increment was rejected.
+fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) -> bool {
+    let applies = match step_run.step.procedure {
+        Procedure::Auto => step_run.fallback.may_snap(),
+        Procedure::DisplacementControl => true,
+        _ => false,
+    };
+    let size = request.increment.size;
+    let stuck = match rejection {
+        // The path of a clear snap-back is followed where that is possible.
+        Rejection::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
+        Rejection::Linear { .. } => false,
+        // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
+        // as many solves.
+        _ => {
+            step_run.relaxations == 0
+                && (step_run.rejections > 1 || step_run.fallback.is_small(size))
+        }
+    };
+    applies && stuck && size < step_run.relaxes_below
+}
+
+/// Size over that of a failed relaxation, below which another one is tried.
+const RELAX_AGAIN: f64 = 0.2;
+
+/// Dissipation of an increment over the energy that it takes or releases, above which it measures the path.
+const SHARE: f64 = 0.02;

@@ -1,0 +1,277 @@
+//! One step in progress: chooses the next increment and its method.
+
+use super::explain::progress;
+use super::fallback::Fallback;
+use super::history_row::drives;
+use super::path::{Advance, PathMeasure};
+use super::peak_control::PeakWatch;
+use super::step_size::{Increment, Schedule};
+use super::stop::Watch;
+use crate::assembly::System;
+use crate::model::Model;
+use crate::model::amplitude::Branch;
+use crate::model::scene::{Procedure, Step};
+use crate::solve::increment::newton::Newton;
+use crate::state::Method;
+
+/// A step in progress.
+pub(in crate::solve) struct StepRun<'m> {
+    pub(in crate::solve) index: usize,
+    pub(in crate::solve) step: &'m Step,
+    pub(in crate::solve) newton: Newton<'m>,
+    pub(in crate::solve) schedule: Schedule,
+    pub(in crate::solve) fallback: Fallback,
+    pub(in crate::solve) path_measure: PathMeasure,
+    pub(in crate::solve) control: Option<Steering>,
+    /// Index of the branch of the amplitude, and the branch.
+    pub(in crate::solve) row: usize,
+    pub(in crate::solve) branch: Branch,
+    /// Part of the step's loads that acts now.
+    pub(in crate::solve) load: f64,
+    /// Linear solves and rejected attempts since the last commit.
+    pub(in crate::solve) solves: usize,
+    pub(in crate::solve) cutbacks: usize,
+    /// Whether the next increment starts by repeating the last one.
+    pub(in crate::solve) repeat: bool,
+    /// Whether the rest of the step was tried in one static increment and rejected; the path then continues.
+    pub(in crate::solve) end_rejected: bool,
+    /// Conditions that end the step early, if it drives or loads.
+    pub(in crate::solve) watch: Option<Watch>,
+    /// Whether the step ended early.
+    pub(in crate::solve) stopped: bool,
+    /// Watches for peaks between the increments.
+    pub(in crate::solve) peak: PeakWatch,
+    /// Largest rise of the force per part of the step among the attempts at the present increment.
+    pub(in crate::solve) tried: Option<f64>,
+    /// Part of the step at which a static increment found equilibrium beyond a snap.
+    pub(in crate::solve) beyond: Option<f64>,
+    /// Rejections since the last commit.
+    pub(in crate::solve) rejections: usize,
+    /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
+    pub(in crate::solve) damage_rate: f64,
+    /// Number of relaxations in a row.
+    pub(in crate::solve) relaxations: usize,
+    /// Size of the increment after a relaxation that is about to be committed.
+    pub(in crate::solve) resumes_at: Option<f64>,
+    /// Size below which a relaxation is tried again after one that failed.
+    pub(in crate::solve) relaxes_below: f64,
+}
+
+/// A displacement c·q that steers the load factor.
+pub(in crate::solve) struct Steering {
+    /// c. `[slot]`
+    gradient: Vec<f64>,
+    /// Displacement of the whole step [mm].
+    way: f64,
+}
+
+impl Steering {
+    /// Advance by `part` of the displacement of the whole step.
+    pub(in crate::solve) fn along(&self, part: f64) -> Advance<'_> {
+        Advance::Along {
+            gradient: &self.gradient,
+            by: part * self.way,
+        }
+    }
+}
+
+/// Next increment to attempt.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct IncrementRequest {
+    pub(in crate::solve) method: Method,
+    /// Part of the step's time, which is that of its loads where these are prescribed.
+    pub(in crate::solve) increment: Increment,
+}
+
+impl IncrementRequest {
+    /// Advance of the increment. A displacement that steers the load advances by `part` of its way in the step.
+    pub(in crate::solve) fn advance<'a>(
+        &self,
+        path_measure: &'a PathMeasure,
+        control: Option<&'a Steering>,
+        part: f64,
+    ) -> Advance<'a> {
+        match (self.method, control) {
+            (Method::DisplacementControl, Some(control)) => control.along(part),
+            (method, _) if method.follows_path() => path_measure.advance(),
+            _ => Advance::Load,
+        }
+    }
+}
+
+impl<'m> StepRun<'m> {
+    /// Step before its first increment.
+    pub(in crate::solve) fn new(
+        newton: Newton<'m>,
+        fallback: Fallback,
+        index: usize,
+        step: &'m Step,
+    ) -> Self {
+        Self {
+            index,
+            step,
+            newton,
+            schedule: Schedule::new(step.increments, step.branch(0).to[0]),
+            fallback,
+            path_measure: PathMeasure::new(
+                step.increments.max * step.steepest() * longest_drive(step),
+                step.increments.max,
+            ),
+            control: None,
+            row: 0,
+            branch: step.branch(0),
+            load: 0.0,
+            solves: 0,
+            cutbacks: 0,
+            repeat: true,
+            end_rejected: false,
+            watch: None,
+            peak: PeakWatch::default(),
+            tried: None,
+            stopped: false,
+            beyond: None,
+            rejections: 0,
+            damage_rate: f64::INFINITY,
+            relaxations: 0,
+            resumes_at: None,
+            relaxes_below: f64::INFINITY,
+        }
+    }
+
+    /// Sets the displacement that steers the load, if the step has one.
+    pub(in crate::solve) fn steer(&mut self, model: &Model, system: &System) {
+        let Some(control) = self.step.control else {
+            return;
+        };
+        let probe = &model.probes[control.probe];
+        let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
+        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+            for &n in nodes {
+                nodal[n as usize][probe.axis] += sign / nodes.len() as f64;
+            }
+        }
+        let mut gradient = vec![0.0; system.dofs.slots];
+        system.dofs.collect(&nodal, &mut gradient);
+        self.control = Some(Steering {
+            gradient,
+            way: control.displacement,
+        });
+    }
+
+    /// Part of the step's drives and loads that the increment adds, where these are prescribed.
+    pub(in crate::solve) fn part(&self, request: &IncrementRequest) -> f64 {
+        let (start, size) = (request.increment.start, request.increment.size);
+        match self.step.amplitude {
+            None => size,
+            Some(_) => self.branch.factor(start + size) - self.branch.factor(start),
+        }
+    }
+
+    /// Records a point of the curve for peak control: the load factor where a displacement steers it, else the
+    /// `force` of the drive. Steps that neither drive nor steer record nothing.
+    pub(in crate::solve) fn see(&mut self, force: f64) {
+        let force = match (&self.control, drives(self.step)) {
+            (Some(_), _) => self.load,
+            (None, true) => force,
+            (None, false) => return,
+        };
+        self.peak.take(self.schedule.done(), force);
+    }
+
+    /// Shortens the next increment where it would pass a peak.
+    pub(in crate::solve) fn resolve_peak(&mut self) {
+        let method = self.fallback.method();
+        // Paths have their own measure, and motion has peaks of its own.
+        if method.follows_path() || method.has_inertia() {
+            return;
+        }
+        let (next, part) = (self.schedule.size(), self.step.increments.peak);
+        if let Some(size) = self.peak.shortens(next, part) {
+            self.schedule.shorten(size);
+        }
+    }
+
+    /// 1 where loads and drives grow, −1 where they decrease.
+    pub(in crate::solve) fn sense(&self) -> f64 {
+        self.branch.slope().signum()
+    }
+
+    /// Whether the last increment reached the end of its branch of the amplitude.
+    pub(in crate::solve) fn is_at_row(&self) -> bool {
+        self.schedule.next().is_none()
+    }
+
+    /// Whether the step is complete.
+    pub(in crate::solve) fn is_whole(&self) -> bool {
+        self.is_at_row() && self.row + 1 == self.step.branches()
+    }
+
+    /// Progress of the step, in words.
+    pub(in crate::solve) fn progress(&self) -> String {
+        let done = match self.step.amplitude {
+            None => self.load,
+            Some(_) => self.schedule.done(),
+        };
+        progress(self.step, done)
+    }
+
+    /// The next increment; none when the step is done.
+    pub(in crate::solve) fn next(&self) -> Option<IncrementRequest> {
+        if self.stopped {
+            return None;
+        }
+        let increment = self.schedule.next()?;
+        let method = self.fallback.method();
+        if !method.follows_path() {
+            return Some(IncrementRequest { method, increment });
+        }
+        if !self.path_measure.leads(method) {
+            return Some(IncrementRequest {
+                method: Method::Static,
+                increment,
+            });
+        }
+        let start = self.branch.time(self.load);
+        let (size, adds) = self.path_measure.next();
+        let (sense, [end, most]) = (self.sense(), self.branch.to);
+        // If the path would pass the end of the step or branch, prescribe the loads there, so that it ends exactly.
+        if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_rejected {
+            return Some(IncrementRequest {
+                method: Method::Static,
+                increment: Increment {
+                    start,
+                    size: end - start,
+                },
+            });
+        }
+        Some(IncrementRequest {
+            method,
+            increment: Increment { start, size },
+        })
+    }
+
+    /// Method by whose measure the last increment is taken, if any.
+    pub(in crate::solve) fn measured_by(&self) -> Option<Method> {
+        match (self.fallback.method(), self.step.procedure) {
+            (Method::ArcLength, _) => Some(Method::ArcLength),
+            (Method::Dissipation, _) | (_, Procedure::Auto) => Some(Method::Dissipation),
+            _ => None,
+        }
+    }
+}
+
+/// Largest displacement of a drive in a step [mm]; infinite without drive.
+fn longest_drive(step: &Step) -> f64 {
+    use crate::model::scene::BeamMotion;
+    let beams = step.motion.iter().flatten().map(|motion| match motion {
+        BeamMotion::Driven(by) => by.abs(),
+        _ => 0.0,
+    });
+    let springs = step.springs.iter().flatten().map(|by| by.abs());
+    let longest = beams.chain(springs).fold(0.0, f64::max);
+    if longest > 0.0 {
+        longest
+    } else {
+        f64::INFINITY
+    }
+}

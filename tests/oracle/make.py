@@ -1,0 +1,34 @@
+"""Writes the golden curves of the oracle.
+
+    python tests/oracle/make.py [NAME ...] [--out FOLDER]
+
+Without names it writes all of them; without a folder to tests/data/golden.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from golden import FOLDER, text
+from paths import JOINT_CASES, MATERIAL_CASES
+
+
+def main() -> None:
+    """Runs the command."""
+    cases = {case.name: case for case in [*MATERIAL_CASES, *JOINT_CASES]}
+    parser = argparse.ArgumentParser(description="Writes the golden curves of the oracle.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"some of: {', '.join(cases)}")
+    parser.add_argument("--out", type=Path, default=FOLDER, help="folder; tests/data/golden by default")
+    arguments = parser.parse_args()
+    for name in arguments.names:
+        if name not in cases:
+            parser.error(f"no such curve: {name}")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for name in arguments.names or cases:
+        (arguments.out / f"{name}.csv").write_text(text(cases[name]))
+        print(name)
+
+
+if __name__ == "__main__":
+    main()
