@@ -144,6 +144,35 @@ def test_files_that_pages_name_are_there() -> None:
     assert not missing
 
 
+def test_sources_and_tests_that_the_theory_names_are_there() -> None:
+    """Short names too, as the tables of a page write them: `path.rs`, `../assembly/matrix.rs`."""
+    sources = [
+        path
+        for folder in ("crates", "tests", "benches", "examples")
+        for path in (ROOT / folder).rglob("*.*")
+        if path.suffix in {".rs", ".py"} and "target" not in path.parts
+    ]
+    files = ["/" + path.relative_to(ROOT).as_posix() for path in sources]
+    functions = set()
+    for path in sources:
+        functions |= set(re.findall(r"\b(?:fn|def) (\w+)", path.read_text(encoding="utf-8")))
+    missing, found = [], 0
+    for page in (ROOT / "docs" / "theory").glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        for name in re.findall(r"`([\w./]+\.rs)`", text):
+            found += 1
+            if not any(file.endswith("/" + re.sub(r"^(\.\./)+", "", name)) for file in files):
+                missing.append(f"{page.name}: {name}")
+        for part in text.split("\n## ")[1:]:
+            if part.startswith("Verification"):
+                # A test's name is long; shorter words in code marks are keys of a deck.
+                tests = re.findall(r"`([a-z][a-z0-9]*(?:_[a-z0-9]+){3,})`", part)
+                found += len(tests)
+                missing += [f"{page.name}: {name}" for name in tests if name not in functions]
+    assert found > 200
+    assert not missing, "\n".join(missing)
+
+
 CITATION = re.compile(r"theory/([a-z-]+)\.md(?:, eqs?\. ?(\d+)|, eqs (\d+)(?: (?:to|and) (\d+))?)?")
 
 

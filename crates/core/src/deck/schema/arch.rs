@@ -4,7 +4,7 @@ use crate::deck::quantity::{Angle, Length};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// An arch in the plane x, z about the origin, its crown on the z axis.
+/// An arch in the plane x, z about the origin, with its crown on the z axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckArch {
@@ -20,7 +20,7 @@ pub struct DeckArch {
     pub width: Length,
     /// Number of voussoirs.
     pub voussoirs: u32,
-    /// Angle of embrace [deg]; that of `span` and `rise`, else a semicircle's.
+    /// Angle of embrace [deg]; if absent, it follows from `span` and `rise`, or the arch is a semicircle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Angle>,
     /// Clear rise of the intrados over its feet [mm], with `span`; or `angle`.
@@ -30,17 +30,18 @@ pub struct DeckArch {
     pub material: String,
     /// Interface of the radial joints.
     pub interface: String,
-    /// Rigid-like: a hundred times as stiff as the stiffest joint of the deck, of the elements of `mesh`.
+    /// Whether the stones are rigid-like: a hundred times as stiff as the stiffest joint of the deck, with the
+    /// elements of `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
-    /// Elements of a voussoir along the arch, its width, its thickness.
+    /// Number of elements of a voussoir along the arch, its width and its thickness.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
 }
 
 impl DeckArch {
-    /// Angle of embrace [rad]: given, or from clear span s and rise f as 4 atan(2 f/s), which the angles at foot
-    /// and crown over the chord give; else π.
+    /// Angle of embrace [rad]: the given one; or 4 atan(2 f/s) for clear span s and rise f, from the angles at foot
+    /// and crown over the chord; else π.
     pub fn embrace(&self) -> f64 {
         match (self.angle, self.rise, self.span) {
             (Some(angle), ..) => angle.get().to_radians(),
@@ -49,7 +50,7 @@ impl DeckArch {
         }
     }
 
-    /// Radius of the centre line [mm]: given, or from the clear span s = 2 (R − t/2) sin(α/2).
+    /// Radius of the centre line [mm]: the given one, or that of the clear span s = 2 (R − t/2) sin(α/2).
     pub fn centre_line(&self) -> f64 {
         match (self.radius, self.span) {
             (Some(radius), _) => radius.get(),

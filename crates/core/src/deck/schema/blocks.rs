@@ -13,69 +13,70 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckBlock {
-    /// Name, by which faces, supports and springs call it.
+    /// Name, used by faces, supports and springs.
     pub name: String,
     /// Length (x), thickness (y), height (z) of a box [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[Length; 3]>,
-    /// Where its lowest corner lies, or by how much `corners` and `nodes` are moved [mm].
+    /// Position of its lowest corner, or displacement of `corners` and `nodes` [mm].
     #[serde(default)]
     pub at: [Length; 3],
-    /// Turned about the point `at`.
+    /// Rotation about the point `at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate: Option<Rotation>,
     /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<[[Length; 3]; 8]>,
-    /// File of the nodes of its grid: x, y, z a line [mm], along x first, then y, then z.
+    /// File of the nodes of its grid: x, y, z per line [mm], along x first, then y, then z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<String>,
-    /// Its material.
+    /// Material.
     pub material: String,
-    /// Elements along x, y, z.
+    /// Number of elements along x, y, z.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
-    /// Rigid-like: a hundred times as stiff as the stiffest joint of the deck, of the elements of `mesh`.
+    /// Whether it is rigid-like: a hundred times as stiff as the stiffest joint of the deck, with the elements of
+    /// `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
-    /// Velocity when the first step with inertia begins [mm/s].
+    /// Velocity at the start of the first step with inertia [mm/s].
     #[serde(default)]
     pub velocity: [Velocity; 3],
-    /// How many of it stand on each other as a column, named `NAME-0` (the lowest), `NAME-1`, …
+    /// Number of blocks in a column, named `NAME-0` (the lowest), `NAME-1`, …
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stack: Option<u32>,
     /// Interface of the joints of a column.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interface: Option<String>,
-    /// How many of it stand along x, y, z.
+    /// Number of copies along x, y, z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub copies: Option<[u32; 3]>,
-    /// Distances of the copies [mm].
+    /// Distances between copies [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch: Option<[Length; 3]>,
 }
 
-/// A turn about an axis, right-handed.
+/// A rotation about an axis, right-handed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
-    /// The axis.
+    /// Axis.
     pub axis: Direction,
-    /// The angle [deg].
+    /// Angle [deg].
     pub angle: Angle,
 }
 
-/// Faces that may meet: points on slaves against masters.
+/// Contact between faces: points on slave faces against master faces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckContact {
-    /// Slave faces, the finer side; all faces that touch at rest if neither side is given.
+    /// Slave faces, the finer side. Without slave and master all faces that touch at rest are paired.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slave: Option<Names>,
     /// Master faces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub master: Option<Names>,
-    /// The interface.
+    /// Interface.
     pub interface: String,
 }
 
@@ -85,7 +86,7 @@ pub struct DeckContact {
 pub struct DeckSupport {
     /// Blocks (`"base"`) or faces (`"base.bottom"`).
     pub on: Names,
-    /// Only nodes in this box: lower and upper corner at rest [mm].
+    /// Holds only nodes in this box: lower and upper corner at rest [mm].
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     pub within: Option<[[Length; 3]; 2]>,
     /// Held directions.
@@ -93,11 +94,11 @@ pub struct DeckSupport {
     pub fixed: Vec<Axis>,
 }
 
-/// A spring to the ground, whose far end a drive may move.
+/// A spring to the ground; a drive may move its far end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckSpring {
-    /// Name, by which a drive calls it.
+    /// Name, used by drives.
     pub name: String,
     /// Blocks or faces whose mean displacement it follows.
     pub on: Names,
@@ -105,7 +106,7 @@ pub struct DeckSpring {
     pub stiffness: [SpringStiffness; 3],
 }
 
-/// One name or a list of them.
+/// One name or a list of names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(pub Vec<String>);
 

@@ -1,5 +1,5 @@
-//! How much a deck may say: bounds that hold before anything is read of it, so that whatever stands in a file, it is
-//! judged in bounded time and memory.
+//! Bounds on the size of a deck, checked before its keys are read: any file is then checked in bounded time and
+//! memory.
 
 use crate::deck::source::Source;
 use crate::error::{ModelError, is_hidden};
@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 /// Longest text of a deck [bytes]: some 100,000 blocks.
 pub const MOST_BYTES: usize = 1 << 24;
 
-/// Tables and lists within each other; the deepest key of a deck, a unit of a pattern, has seven.
+/// Largest depth of nested tables and lists; the deepest key of a deck, a unit of a pattern, has depth seven.
 const DEEPEST: usize = 16;
 
 /// Longest name of a key, a material or an interface [bytes].
@@ -19,10 +19,10 @@ const LONGEST_KEY: usize = 200;
 /// Longest name, quantity or path of a file [bytes].
 const LONGEST_TEXT: usize = 1000;
 
-/// Bytes of the paths of all values together: each is kept, so that an error can point at it.
+/// Largest total length of the paths of all values [bytes]: all are stored, so that errors can point at them.
 const MOST_PATHS: usize = 1 << 26;
 
-/// Refuses a text that is too long.
+/// Rejects a text that is too long.
 pub(super) fn judge_text(file: &str, text: &str) -> Result<(), ModelError> {
     if text.len() <= MOST_BYTES {
         return Ok(());
@@ -33,7 +33,7 @@ pub(super) fn judge_text(file: &str, text: &str) -> Result<(), ModelError> {
     Err(ModelError::new(file, "", None, "", message, help))
 }
 
-/// Refuses the path of an override that leads deeper than any key.
+/// Rejects the path of an override that is deeper than any key.
 pub(super) fn judge_path(path: &str) -> Result<(), String> {
     if path.len() <= DEEPEST * LONGEST_KEY && path.split('.').count() <= DEEPEST {
         return Ok(());
@@ -41,7 +41,7 @@ pub(super) fn judge_path(path: &str) -> Result<(), String> {
     Err(format!("the path has more than {DEEPEST} parts"))
 }
 
-/// Refuses keys that are too long, too deep or too many.
+/// Rejects keys that are too long, too deep or too many.
 pub(super) fn judge_keys(source: &Source, root: &DeTable<'_>) -> Result<(), ModelError> {
     let mut judge = Judge {
         source,
@@ -53,14 +53,14 @@ pub(super) fn judge_keys(source: &Source, root: &DeTable<'_>) -> Result<(), Mode
 
 struct Judge<'a> {
     source: &'a Source,
-    /// Of what is judged.
+    /// Path of the current value.
     path: String,
-    /// Bytes of paths that may still come.
+    /// Remaining length of paths [bytes].
     left: usize,
 }
 
 impl Judge<'_> {
-    /// The keys of the table at the path, which is the `depth`-th.
+    /// Checks the keys of the table at the current path, which has the depth `depth`.
     fn table(&mut self, table: &DeTable<'_>, depth: usize) -> Result<(), ModelError> {
         let above = self.path.len();
         for (key, value) in table {
@@ -72,7 +72,7 @@ impl Judge<'_> {
                 );
                 return Err(self.wrong(key.span(), message, &help));
             }
-            // A title is any text; what is hidden in it is written as escapes.
+            // A title may be any text; hidden characters in it are written as escapes.
             if above == 0 && name == "title" && value.get_ref().is_str() {
                 continue;
             }
@@ -84,7 +84,7 @@ impl Judge<'_> {
         Ok(())
     }
 
-    /// Goes to a key or an entry below.
+    /// Appends a key or an index to the path.
     fn below(&mut self, name: &str) {
         if !self.path.is_empty() {
             self.path.push('.');
@@ -131,7 +131,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Refuses a text that a terminal would obey: names come in messages, columns and files.
+    /// Rejects a text with control characters that a terminal would obey: names appear in messages, columns and
+    /// files.
     fn plain(&self, text: &str, bytes: Range<usize>) -> Result<(), ModelError> {
         if text.len() > LONGEST_TEXT {
             let message = format!("a text of {} bytes", text.len());

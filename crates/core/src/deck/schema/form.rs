@@ -1,8 +1,8 @@
-//! The form of a deck: every key that cannot be read, and not the first.
+//! Reads a deck and finds all keys that cannot be read, not only the first.
 //!
-//! serde stops at the first key that it cannot take. So that key is noted, an example of what would be
-//! right stands in for it, and the deck is read again, until there is nothing left to say. What rests on
-//! a stand-in is not judged ([`Broken`]).
+//! serde stops at the first key that it cannot read. That error is stored, a valid example replaces the value, and
+//! the deck is read again until there is no error. Checks that depend on a replaced value are left out
+//! ([`Broken`]).
 
 use super::Deck;
 use super::stand_in;
@@ -14,16 +14,16 @@ use std::collections::BTreeSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// More readings than these help nobody.
+/// Largest number of readings.
 const MOST_READINGS: usize = 200;
 
-/// Readings that even the longest deck gets.
+/// Smallest number of readings, even of the longest deck.
 const LEAST_READINGS: usize = 3;
 
-/// Bytes that are read in all: a long deck is read less often, so that its errors come within seconds.
+/// Total number of bytes that are read: long decks are read less often, so that errors appear within seconds.
 const MOST_BYTES_READ: usize = 10_000_000;
 
-/// Paths whose values are not known, because what is written there could not be read.
+/// Paths whose values are unknown because they could not be read.
 #[derive(Debug, Default)]
 pub(super) struct Broken(BTreeSet<String>);
 
@@ -32,41 +32,41 @@ impl Broken {
         self.0.insert(path.to_owned());
     }
 
-    /// Nothing can be said of the value at `path`: it, or what it lies in, or a part of it is broken.
+    /// Returns whether the value at `path` is unknown: it, a part of it, or a table above it is broken.
     pub(super) fn holds(&self, path: &str) -> bool {
         self.0
             .iter()
             .any(|broken| lies_in(path, broken) || lies_in(broken, path))
     }
 
-    /// Something is broken in the section (material, step, wall …) in which `path` lies.
+    /// Returns whether a part of the section (material, step, wall, …) that contains `path` is broken.
     pub(super) fn section(&self, path: &str) -> bool {
         self.holds(section_of(path))
     }
 
-    /// The section `name` as a whole is broken, so that it is not known what stands in it.
+    /// Returns whether the section `name` as a whole is broken, so that its contents are unknown.
     pub(super) fn whole(&self, name: &str) -> bool {
         self.0.contains(name)
     }
 }
 
-/// `path` is `above` or lies below it.
+/// Returns whether `path` is `above` or lies below it.
 fn lies_in(path: &str, above: &str) -> bool {
     path.strip_prefix(above)
         .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// What could be read of a deck.
+/// Result of reading a deck.
 pub(super) struct Form {
-    /// The deck, with stand-ins for what could not be read.
+    /// The deck, with examples in place of values that could not be read.
     pub(super) deck: Option<Deck>,
-    /// What could not be read.
+    /// Errors of values that could not be read.
     pub(super) errors: Vec<ModelError>,
-    /// Where.
+    /// Paths of these values.
     pub(super) broken: Broken,
 }
 
-/// Reads all that can be read. `whole`: the text was TOML throughout, so that a key that is not there is
+/// Reads a deck with all its errors. `whole`: the whole text was valid TOML, so that an absent key is really
 /// missing.
 pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: bool) -> Form {
     let mut form = Form {
@@ -94,7 +94,7 @@ pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: b
                 if let Some(meant) = meant {
                     form.broken.add(&join(above, &meant));
                 }
-                // Whatever it was to say, the keys beside it may rest on it.
+                // Keys in the same table may depend on the unknown key.
                 form.broken.add(&path);
                 stand_in::take_away(root.get_mut(), &path)
             }
@@ -104,7 +104,7 @@ pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: b
                 value.is_some_and(|value| stand_in::set(root.get_mut(), &path, value))
             }
             Trouble::Value => {
-                // A stand-in that will not do either gives way to one of what it lies in.
+                // If an example was tried here before, the value that contains it is replaced.
                 while form.broken.0.contains(&path) {
                     let Some((above, _)) = path.rsplit_once('.') else {
                         break;
@@ -129,7 +129,7 @@ pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: b
     form
 }
 
-/// Sees that the sections are tables and lists of tables, as their headers make them.
+/// Checks that the sections are tables or lists of tables, as their headers make them.
 fn sections(source: &mut Source, root: &mut DeTable<'_>, form: &mut Form) {
     for (names, is_list) in [
         (&TABLES[..], false),
@@ -143,7 +143,7 @@ fn sections(source: &mut Source, root: &mut DeTable<'_>, form: &mut Form) {
             let right = match value.get_ref() {
                 DeValue::Table(_) => !is_list,
                 DeValue::Array(items) => {
-                    // No entry says nothing, in whatever list.
+                    // An empty list is allowed.
                     is_list && items.iter().all(|item| item.get_ref().is_table())
                 }
                 _ => false,

@@ -1,7 +1,7 @@
-//! Blocks with nodes of their own: a file of the coordinates of a structured grid.
+//! Blocks with a grid of nodes from a file.
 //!
-//! A CSV file: `#` comments, perhaps a line of names, then x, y, z [mm] of a node a line; along x first,
-//! then along y, then along z. Its name is relative to the deck's folder.
+//! The file is CSV: `#` comments, an optional line of column names, then x, y, z [mm] of one node per line, along x
+//! first, then along y, then along z. Its name is relative to the folder of the deck.
 
 use super::Deck;
 use super::rows::{Row, rows};
@@ -10,11 +10,11 @@ use crate::error::ModelError;
 use crate::input;
 
 impl Deck {
-    /// Reads the nodes of the block `index`, if it has a file of them [mm]. `[node][xyz]`
+    /// Reads the nodes of the block `index` [mm], if it has a file of nodes. `[node][xyz]`
     ///
     /// # Errors
-    /// A file that cannot be read or is none of nodes, another number of them than `mesh` says, an
-    /// element that is flat or folded: the key, the file, its line and what is wrong.
+    /// A file that cannot be read or has another format, a number of nodes that differs from `mesh`, an element
+    /// that is flat or folded: key, file, line and reason.
     pub fn block_nodes(&self, index: usize) -> Result<Option<Vec<[f64; 3]>>, ModelError> {
         let block = &self.blocks[index];
         let Some(file) = &block.nodes else {

@@ -1,8 +1,9 @@
-//! Records of the ground: a file of times and accelerations a direction.
+//! Ground motion: files of times and accelerations, one for each direction.
 //!
-//! A record is a CSV file: `#` comments, perhaps a line of names, then a time [s] and an acceleration
-//! a line, times ascending. What 1 in it means is the step's `ground_unit`; `ground_factor` multiplies it, and
-//! the step begins at its time `ground_start`. Its name is relative to the deck's folder.
+//! A record is a CSV file: `#` comments, an optional line of column names, then a time [s] and an acceleration per
+//! line, with ascending times. `ground_unit` of the step is the unit of the accelerations, `ground_factor`
+//! multiplies them, and the step begins at the time `ground_start` of the record. File names are relative to the
+//! folder of the deck.
 
 use super::Deck;
 use super::rows::rows;
@@ -15,7 +16,7 @@ impl Deck {
     /// Reads the records of a step.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no record: the key, the file, its line and what is wrong.
+    /// A file that cannot be read or is no record: key, file, line and reason.
     pub fn ground_motion(&self, step: usize) -> Result<GroundMotion, ModelError> {
         let mut motion = GroundMotion::default();
         let of = &self.steps[step];
@@ -53,7 +54,7 @@ impl Deck {
     }
 }
 
-/// Rows of a record, or the line (from 1) that is none.
+/// Rows of a record, or the first invalid line (from 1) and the reason.
 fn record(text: &str, unit: f64) -> Result<Vec<[f64; 2]>, (usize, String)> {
     let rows = rows(text, "not a time and an acceleration")?;
     if let Some(pair) = rows.windows(2).find(|pair| pair[1].1[0] <= pair[0].1[0]) {

@@ -10,23 +10,23 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckImport {
-    /// Name, by which its bodies, sets and surfaces are called: `NAME.SET`.
+    /// Name; its bodies, sets and surfaces are called `NAME.SET`.
     pub name: String,
-    /// The file, in the deck's folder.
+    /// File, relative to the folder of the deck.
     pub file: String,
-    /// Units of force, length and time in it.
+    /// Units of force, length and time in the file.
     #[serde(default = "of_wythe")]
     pub units: String,
-    /// By how much it is moved [mm].
+    /// Displacement of the mesh [mm].
     #[serde(default)]
     pub at: [Length; 3],
-    /// Turned about its origin, before it is moved.
+    /// Rotation about its origin, before the displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate: Option<Rotation>,
-    /// Materials of the deck by sets of elements of the file; what is in none has that of the file.
+    /// Materials of the deck by sets of elements of the file; other elements have the material of the file.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, String>,
-    /// Velocity when the first step with inertia begins [mm/s].
+    /// Velocity at the start of the first step with inertia [mm/s].
     #[serde(default)]
     pub velocity: [Velocity; 3],
 }

@@ -1,4 +1,4 @@
-//! The files that a deck is made of.
+//! Files that belong to a deck.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,8 @@ use super::{Deck, DeckAmplitude};
 use crate::deck::import::included;
 
 impl Deck {
-    /// The deck's own file, if it was read from one, and the files that it names; those that its meshes include, too.
+    /// The file of the deck itself, if it was read from one, the files that it names, and the files that its meshes
+    /// include.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let named = self.named_files();
         let included = named.iter().flat_map(|file| included(file));
@@ -16,7 +17,7 @@ impl Deck {
         inputs
     }
 
-    /// The files that the deck names, in the folder that they are relative to.
+    /// Files that the deck names, with the folder to which they are relative.
     pub fn named_files(&self) -> Vec<PathBuf> {
         let grounds = self.steps.iter().filter_map(|step| step.ground.as_ref());
         let grounds = grounds.flat_map(|ground| ground.files().into_iter().flatten());

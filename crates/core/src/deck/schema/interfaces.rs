@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
 use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
 
-/// An interface as written.
+/// Parameters of an interface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -17,7 +17,7 @@ use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
     reason = "energies and weights are spelt in the deck as in the theory"
 )]
 pub struct Interface {
-    /// The law of the joint.
+    /// Law of the joint.
     #[serde(default)]
     pub kind: JointKind,
     /// Tensile strength f_t [MPa].
@@ -61,17 +61,17 @@ pub struct Interface {
     /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub C_ss: Option<Number>,
-    /// Dilatancy tan ψ₀ at the begin of slip, without normal stress [-]; of `cap`, 0 if absent.
+    /// Dilatancy tan ψ₀ at the start of slip, without normal stress [-]; of `cap`, 0 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tan_psi: Option<Number>,
-    /// Pressure from which on nothing dilates σ_u [MPa]; of `cap`, none if absent.
+    /// Pressure σ_u above which slip does not dilate [MPa]; of `cap`, unlimited if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma_u: Option<Pressure>,
     /// Decay of the dilatancy with plastic slip δ [1/mm]; of `cap`, 0 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delta: Option<InverseLength>,
-    /// Stiffness over the representative stiffness of the facing elements [-]; 500, or 50 if a wall with mortar has it and
-    /// nothing is in general contact.
+    /// Stiffness over the representative stiffness of the facing elements [-]. The default is 500, or 50 for joints
+    /// of walls with mortar in decks without general contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub penalty_factor: Option<Number>,
     /// Explicit normal stiffness k_n [N/mm³].
@@ -80,7 +80,7 @@ pub struct Interface {
     /// Explicit shear stiffness k_s [N/mm³].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_stiffness: Option<InterfaceStiffness>,
-    /// Coupling of the modes.
+    /// Coupling of opening and slip.
     #[serde(default)]
     #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
@@ -89,56 +89,56 @@ pub struct Interface {
     pub scatter: Option<Scatter>,
 }
 
-/// `[interfaces.NAME.scatter]`: every unit has a bond strength of its own.
+/// `[interfaces.NAME.scatter]`: every unit has its own bond strength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Coefficient of variation of the strengths [-].
     pub cv: Number,
-    /// What the draws begin from: another one, other strengths.
+    /// Seed of the random numbers; another seed gives other strengths.
     #[serde(default)]
     pub seed: u64,
 }
 
-// `Coupling` as the schema of decks tells it: its crate knows no schemas.
-/// How opening and slip damage the same bond.
+// Schema of `Coupling`, whose crate does not depend on schemars.
+/// Combination of the damage by opening and by slip.
 #[derive(JsonSchema)]
 #[schemars(rename = "Coupling")]
 #[serde(rename_all = "kebab-case")]
 #[expect(dead_code, reason = "its schema is what counts")]
 enum CouplingSchema {
-    /// The larger of both damages.
+    /// The larger one of the two.
     Max,
-    /// Damages add up.
+    /// Their sum.
     Additive,
 }
 
-/// Theory C.8: 500 × E/h.
+/// Penalty factor of the paper: k_n = 500 E/h (theory/joint.md, eq. 32).
 const PENALTY: f64 = 500.0;
 
 impl Interface {
-    /// Stiffness over that of the facing elements [-].
+    /// Stiffness over the representative stiffness E/h of the facing elements [-].
     pub fn penalty(&self) -> f64 {
         self.penalty_factor.map_or(PENALTY, Number::get)
     }
 
-    /// Without bond: a dry joint, damaged from the start (theory/joint.md, eq. 19).
+    /// Returns whether the joint has no bond: it is dry and has D = 1 from the start (theory/joint.md, eq. 19).
     pub fn is_dry(&self) -> bool {
         self.f_t.get() == 0.0 && self.c.get() == 0.0
     }
 
-    /// ζ, or 1 where a dry joint leaves it out (it is not used there).
+    /// ζ, or 1 if a dry joint, which does not use it, leaves it out.
     fn zeta(&self) -> f64 {
         self.zeta.map_or(1.0, Number::get)
     }
 
-    /// ξ, or 1 where a dry joint leaves it out (it is not used there).
+    /// ξ, or 1 if a dry joint, which does not use it, leaves it out.
     fn xi(&self) -> f64 {
         self.xi.map_or(1.0, Number::get)
     }
 
-    /// Ultimate opening u_k [mm], given or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq. 30).
-    /// Zero for a dry joint, which does not use it.
+    /// Ultimate opening u_k [mm]: the given one, or from G_I = f_t u_k (1/ζ − 1/(e^ζ − 1)) (theory/joint.md, eq.
+    /// 30). Zero for a dry joint, which does not use it.
     pub fn ultimate_opening(&self) -> f64 {
         match (self.u_k, self.G_I) {
             (Some(u_k), _) => u_k.get(),
@@ -149,8 +149,8 @@ impl Interface {
         }
     }
 
-    /// Ultimate slip δ_k [mm], given or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without
-    /// normal stress (theory/joint.md, eq. 30). Zero for a dry joint, which does not use it.
+    /// Ultimate slip δ_k [mm]: the given one, or from G_II = c δ_k (1/ξ − 1/(e^ξ − 1)), the energy without normal
+    /// stress (theory/joint.md, eq. 31). Zero for a dry joint, which does not use it.
     pub fn ultimate_slip(&self) -> f64 {
         match (self.delta_k, self.G_II) {
             (Some(delta_k), _) => delta_k.get(),
@@ -161,7 +161,7 @@ impl Interface {
         }
     }
 
-    /// The curve of the cap; none where `f_m`, `kappa_p` and `G_fc` are not all there, or do not fit.
+    /// The curve of the cap; `None` if `f_m`, `kappa_p` or `G_fc` is missing or they do not fit together.
     pub fn cap_curve(&self) -> Option<CapCurve> {
         let [strength, peak] = [self.f_m?.get(), self.kappa_p?.get()];
         CapCurve::with_energy(strength, peak, self.G_fc?.get())
@@ -172,7 +172,7 @@ impl Interface {
         [(self.C_nn, 1.0), (self.C_ss, 9.0)].map(|(given, own)| given.map_or(own, Number::get))
     }
 
-    /// The law of `kind = "cap"`. Of a deck that was read its keys are there.
+    /// The law of `kind = "cap"`. A deck that was read has its keys.
     pub(super) fn cap(&self, normal_stiffness: f64, shear_stiffness: f64) -> Cap {
         let energy = |given: Option<FractureEnergy>| given.map_or(1.0, Quantity::get);
         let [c_nn, c_ss] = self.cap_weights();
@@ -203,22 +203,23 @@ impl Interface {
         self.curves().mode_1_energy()
     }
 
-    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the
-    /// residual friction (theory/joint.md, eq. 30).
+    /// Fracture energy in shear G_II [N/mm] under the normal stress `sigma` ≤ 0 [MPa], above the residual friction
+    /// (theory/joint.md, eq. 31).
     pub fn mode_2_energy(&self, sigma: f64) -> f64 {
         self.curves().mode_2_energy(sigma)
     }
 
-    /// The law for what does not depend on its stiffnesses.
+    /// The law for quantities that do not depend on its stiffnesses.
     fn curves(&self) -> CohesiveFrictional {
         self.cohesive_frictional(f64::INFINITY, f64::INFINITY)
     }
 
-    /// The law with these stiffnesses [N/mm³]; of mean strength, if it scatters.
+    /// The law with these stiffnesses [N/mm³]; of mean strength, if its strength scatters.
     pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
         self.kind.law(self, normal_stiffness, shear_stiffness)
     }
 
+    /// The law of `kind = "cohesive-frictional"`.
     pub(super) fn cohesive_frictional(
         &self,
         normal_stiffness: f64,

@@ -1,4 +1,4 @@
-//! The kinds of joint laws that a deck may name, and the law that each of them makes: one line per kind.
+//! Kinds of joint laws in a deck, and the law of each: one line per kind.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use wythe_contact::InterfaceLaw;
 
 use super::Interface;
 
-/// The law of a joint.
+/// Law of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointKind {
@@ -18,7 +18,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// The name of the kind in a deck.
+    /// Name of the kind in a deck.
     pub fn name(self) -> &'static str {
         match self {
             Self::CohesiveFrictional => "cohesive-frictional",

@@ -1,5 +1,4 @@
-//! `[[steps.loads]]`, `amplitude` and `cycles` of a step: what is loaded, and how it and the drive go
-//! with time.
+//! `[[steps.loads]]`, `amplitude` and `cycles` of a step: loads, and how they and the drive change with time.
 
 use super::Names;
 use super::rows::rows;
@@ -16,37 +15,37 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
-/// A load with a name: where it acts, said when it is named first, and its value at the end of the step.
+/// A named load: its place, given where it is named first, and its value at the end of the step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLoad {
-    /// Name, by which later steps say its value anew, and from which its columns have theirs.
+    /// Name, by which later steps change its value; its columns in the history begin with it.
     pub name: String,
-    /// Faces, or for a force blocks, too.
+    /// Faces; for a force also blocks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
-    /// A point at rest [mm]: the node nearest to it, of those of `on` if given.
+    /// A point at rest [mm]: the load acts on the nearest node, of those of `on` if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
-    /// A line at rest begins here [mm]: the nodes along it, of those of `on` if given.
+    /// Start of a line at rest [mm]: the load acts on the nodes along it, of those of `on` if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<[Length; 3]>,
-    /// And ends here [mm].
+    /// End of the line [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<[Length; 3]>,
-    /// How far from the line a node may lie [mm].
+    /// Largest distance of these nodes from the line [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<Length>,
     /// Pressure on faces [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
-    /// Whether the pressure turns with the faces, as that of an airbag does; so if absent.
+    /// Whether the pressure turns with the faces, like that of an airbag; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub follower: Option<bool>,
     /// Force over the area of faces at rest [MPa].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<[Pressure; 3]>,
-    /// Force in all [N].
+    /// Total force [N].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<[Force; 3]>,
     /// Force over the length of the line at rest [N/mm].
@@ -54,13 +53,13 @@ pub struct DeckLoad {
     pub line_force: Option<[LineForce; 3]>,
 }
 
-/// `amplitude` of a step: rows of (part of the step's time, factor), or a CSV file of them.
+/// `amplitude` of a step: rows of (fraction of the duration, factor), or a CSV file of them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum DeckAmplitude {
-    /// As they stand.
+    /// Rows in the deck.
     Rows(Vec<[Number; 2]>),
-    /// A file in the deck's folder.
+    /// A file in the folder of the deck.
     File(String),
 }
 
@@ -68,9 +67,9 @@ pub enum DeckAmplitude {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckCycles {
-    /// How far forth and back [mm], one after the other.
+    /// Amplitudes [mm], one after the other, each in both directions.
     pub amplitudes: Vec<Length>,
-    /// How often each.
+    /// Number of cycles of each amplitude.
     #[serde(default = "once")]
     pub repeat: u32,
 }
@@ -80,7 +79,7 @@ fn once() -> u32 {
 }
 
 impl DeckLoad {
-    /// Name of its kind and value: MPa, N or N/mm; a pressure has one number. None if it says no value.
+    /// Kind of the load and its value [MPa, N or N/mm]; a pressure has one number. None if the load gives no value.
     pub fn value(&self) -> Option<(&'static str, [f64; 3])> {
         let pressure = self.pressure.map(|p| ("pressure", [p.get(), 0.0, 0.0]));
         let traction = self.traction.map(|t| ("traction", t.map(Pressure::get)));
@@ -91,7 +90,7 @@ impl DeckLoad {
         pressure.or(traction).or(force).or(line)
     }
 
-    /// Names of its columns in the history: its value, where that is no force, and the force in all.
+    /// Names of its columns in the history: its value, if that is not a force, and the total force.
     pub fn columns(&self) -> Vec<String> {
         let name = &self.name;
         let value = match self.value() {
@@ -104,7 +103,7 @@ impl DeckLoad {
 }
 
 impl DeckStep {
-    /// How far a drive goes, along its direction [mm]: its displacement, or the largest of its cycles.
+    /// Length of a drive along its direction [mm]: its displacement, or the largest amplitude of its cycles.
     pub fn drive(&self) -> f64 {
         let largest = |cycles: &DeckCycles| {
             let ways = cycles.amplitudes.iter().map(|a| a.get());
@@ -116,7 +115,7 @@ impl DeckStep {
 }
 
 impl Deck {
-    /// Columns of the history beside those that every history has: the probes, then the loads.
+    /// Additional columns of the history: probes, then loads.
     pub fn columns(&self) -> Vec<String> {
         let probes = self
             .probes
@@ -129,7 +128,7 @@ impl Deck {
         probes.chain(loads).collect()
     }
 
-    /// The loads in order, each where it is named first, with its path.
+    /// Loads in order, each at its first occurrence, with its path.
     pub(in crate::deck) fn loads(&self) -> Vec<(String, &DeckLoad)> {
         let mut loads: Vec<(String, &DeckLoad)> = Vec::new();
         let mut known = HashSet::new();
@@ -146,7 +145,7 @@ impl Deck {
     /// Reads the amplitude of a step, if it has one.
     ///
     /// # Errors
-    /// A file that cannot be read, or rows that are none: the key, the file, its line and what is wrong.
+    /// A file that cannot be read, or invalid rows: key, file, line and reason.
     pub fn amplitude(&self, step: usize) -> Result<Option<Amplitude>, ModelError> {
         let read = self.read_amplitude(step)?;
         let of = &self.steps[step];
@@ -155,7 +154,7 @@ impl Deck {
         {
             return Err(self.error(&format!("steps.{step}.amplitude"), why, help));
         }
-        // Along a path the load is an unknown: it rises as it can.
+        // Along a path the load factor is an unknown and the amplitude is not used.
         let follows = matches!(
             of.procedure,
             DeckProcedure::ArcLength | DeckProcedure::Dissipation
@@ -203,7 +202,7 @@ impl Deck {
     }
 }
 
-/// The amplitude of a file, or the line (from 1) to blame. Its last time is the end of the step.
+/// The amplitude of a file, or the invalid line (from 1) and the reason. Its last time is the end of the step.
 fn record(text: &str) -> Result<Amplitude, (usize, String)> {
     let rows = rows(text, "no time and factor")?;
     let whole = rows.last().map_or(1.0, |row| row.1[0]);

@@ -1,4 +1,5 @@
-//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity (theory/damage-plasticity.md).
+//! `[materials.NAME]`: elastic constants, and the tables of concrete damaged plasticity
+//! (theory/damage-plasticity.md).
 
 use crate::deck::quantity::{Angle, Density, Length, Number, Pressure, Time};
 use crate::material::{
@@ -8,7 +9,7 @@ use crate::material::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A material as written.
+/// Parameters of a material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -20,13 +21,13 @@ pub struct Material {
     pub E: Pressure,
     /// Poisson's ratio ν [-].
     pub nu: Number,
-    /// Density [tonne/mm³]; 0 = without mass.
+    /// Density [tonne/mm³]; 0: no mass.
     #[serde(default)]
     pub density: Density,
-    /// Uniaxial tension; empty = linear elastic.
+    /// Uniaxial tension; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tension: Vec<Row>,
-    /// Uniaxial compression; empty = linear elastic.
+    /// Uniaxial compression; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compression: Vec<Row>,
     /// Dilation angle ψ [deg].
@@ -35,28 +36,29 @@ pub struct Material {
     /// Eccentricity of the flow potential [-].
     #[serde(default = "eccentricity")]
     pub eccentricity: Number,
-    /// f_b0/f_c0 [-].
+    /// Ratio f_b0/f_c0 of the biaxial to the uniaxial compressive strength [-].
     #[serde(default = "fb0_fc0")]
     pub fb0_fc0: Number,
     /// Shape of the deviatoric section K_c, the paper's ρ [-].
     #[serde(default = "k_c")]
     pub K_c: Number,
-    /// Stiffness recovery on going into tension w_t [-].
+    /// Stiffness recovery w_t on reversal to tension [-].
     #[serde(default)]
     pub tension_recovery: Number,
-    /// Stiffness recovery on going into compression w_c [-].
+    /// Stiffness recovery w_c on reversal to compression [-].
     #[serde(default = "one")]
     pub compression_recovery: Number,
-    /// Viscosity in step time [s]; 0 = none.
+    /// Viscosity in step time [s]; 0: none.
     #[serde(default)]
     pub viscosity: Time,
-    /// Length for which the tables hold l_ref [mm]; none = no scaling.
+    /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_length: Option<Length>,
-    /// What is set against it: the cube root of an element's volume, or its length across the crack.
+    /// Length of an element that is compared with `reference_length`: the cube root of its volume, or its length
+    /// across the crack.
     #[serde(default)]
     pub crack_band: CrackBand,
-    /// Interpolation between rows.
+    /// Interpolation between rows of the tables.
     #[serde(default)]
     pub interpolation: Interpolation,
 }
@@ -66,7 +68,7 @@ pub struct Material {
 #[serde(expecting = "a row [stress, inelastic strain, damage]")]
 pub struct Row(pub Pressure, pub Number, pub Number);
 
-// General parameters of quasi-brittle materials: the paper's Table 2.
+// Parameters of quasi-brittle materials in Table 2 of the paper.
 fn dilation_angle() -> Angle {
     Angle::new(10.0)
 }
@@ -84,7 +86,7 @@ fn one() -> Number {
 }
 
 impl Material {
-    /// A linear elastic material; all else as where a deck says nothing.
+    /// A linear elastic material; all other keys have their defaults.
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
             E: modulus,

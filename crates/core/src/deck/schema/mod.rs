@@ -1,6 +1,6 @@
-//! The deck: a TOML text as written, with its units resolved and its ranges checked.
+//! The deck as written in TOML, with units converted and ranges checked.
 //!
-//! The structures here are the serde mirror of the file; `docs/reference/deck.md` explains every key.
+//! The structures here mirror the file for serde; `docs/reference/deck.md` explains every key.
 
 mod arch;
 mod beams;
@@ -65,7 +65,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use wythe_contact::InterfaceLaw;
 
-/// Everything that a model file says.
+/// A deck: the whole of a model file.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Deck {
@@ -75,7 +75,7 @@ pub struct Deck {
     /// Title; the name of the file if absent.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// How much of the scene is computed.
+    /// Extent of the computation: with reductions, in full, or with elastic solids.
     #[serde(default)]
     pub fidelity: Fidelity,
     /// Materials by name.
@@ -84,7 +84,7 @@ pub struct Deck {
     /// Interfaces by name.
     #[serde(default)]
     pub interfaces: BTreeMap<String, Interface>,
-    /// The wall. A deck without any scene serves only to drive single points.
+    /// The wall. A deck without a scene serves only to drive single points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<Wall>,
     /// Further walls, by name.
@@ -99,7 +99,7 @@ pub struct Deck {
     /// An arch of voussoirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<DeckArch>,
-    /// Faces of blocks that may meet.
+    /// Contact between faces of blocks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<DeckContact>,
     /// Blocks and faces that are held.
@@ -114,7 +114,7 @@ pub struct Deck {
     /// Planes of symmetry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub symmetry: Vec<DeckSymmetry>,
-    /// Places that the history follows.
+    /// Quantities recorded in the history.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<DeckProbe>,
     /// Element formulation.
@@ -126,7 +126,7 @@ pub struct Deck {
     /// Steps, in order.
     #[serde(default)]
     pub steps: Vec<DeckStep>,
-    /// What is written, and how often.
+    /// Output of fields and scenes.
     #[serde(default)]
     pub output: DeckOutput,
     #[serde(skip)]
@@ -137,7 +137,7 @@ pub struct Deck {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Element {
-    /// How the hex8 interpolates strain.
+    /// Interpolation of strain in the hex8.
     pub formulation: Formulation,
 }
 
@@ -145,15 +145,14 @@ pub struct Element {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Where an interface is sampled on a slave facet.
+    /// Positions of the contact points on a slave facet.
     pub points: ContactPoints,
-    /// Parts along x, y and z that a slave facet is cut into, each with points of its own.
+    /// Number of parts along x, y and z into which a slave facet is divided, each with its own points.
     pub parts: [u32; 3],
-    /// How far a point looks for its master facet [mm]; the solver chooses if absent.
+    /// Largest distance between a point and its master facet [mm]; chosen by the solver if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search_radius: Option<Length>,
-    /// The dry interface by which any face of a body may meet any other body's; none but those that are
-    /// paired meet if absent.
+    /// Dry interface of contact between any faces of different bodies; if absent, only paired faces are in contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub general: Option<String>,
 }
@@ -173,13 +172,13 @@ impl Default for Contact {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
-    /// A frame of fields every so many increments; the last one always.
+    /// Number of increments between frames of fields; the last increment always has a frame.
     pub every: usize,
     /// Whether `run.mcap` is written.
     pub mcap: bool,
-    /// A scene in `run.mcap` every so many frames of fields.
+    /// Number of frames of fields between scenes in `run.mcap`.
     pub scene_every: usize,
-    /// A measured load-displacement curve: a CSV file in the deck's folder.
+    /// Measured load-displacement curve: a CSV file in the folder of the deck.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
 }
@@ -197,19 +196,19 @@ impl Default for DeckOutput {
 }
 
 impl Deck {
-    /// Reads a deck from a text. `file` names it in errors.
+    /// Reads a deck from a text. `file` is its name in errors.
     ///
     /// # Errors
-    /// Syntax, unknown or missing keys, wrong types and units, values out of range, names of nothing: all
-    /// that can be found, in the order in which it is written.
+    /// Syntax, unknown or missing keys, wrong types and units, values out of range, unknown names: all errors that
+    /// can be found, in the order of the text.
     pub fn from_str(text: &str, file: &str) -> Result<Self, ModelError> {
         Self::from_str_with(text, file, &[])
     }
 
-    /// Reads a deck from a text, then says the keys of `overrides` (dotted path, value) anew.
+    /// Reads a deck from a text and then sets the keys of `overrides` (dotted path, value).
     ///
-    /// A value is TOML, or else taken as a string (`2.12 MPa` needs no quotes). Of `u_k` and `G_I`,
-    /// and of `delta_k` and `G_II`, the override replaces whichever the file has.
+    /// A value is TOML, or else a string (`2.12 MPa` needs no quotes). An override of one of `u_k` and `G_I`, or of
+    /// `delta_k` and `G_II`, replaces either.
     ///
     /// # Errors
     /// As [`Deck::from_str`]; errors about an override name it.
@@ -228,7 +227,8 @@ impl Deck {
             })
             .collect();
         let (mut root, syntax) = DeTable::parse_recoverable(text);
-        // What follows on a line that is no TOML is noise, and a whole file of such lines soon is.
+        // One error per line is enough: further ones on the same line follow from the first. Their number is
+        // limited.
         let mut syntax = syntax;
         syntax.dedup_by_key(|error| error.span().map(|span| source.line_of(span.start)));
         syntax.truncate(MOST_ERRORS);
@@ -272,7 +272,7 @@ impl Deck {
         Err(all.end(()).err().unwrap_or_else(nothing))
     }
 
-    /// Reads the deck in the file `path`, then says the keys of `overrides` anew.
+    /// Reads the deck in the file `path`, then sets the keys of `overrides`.
     ///
     /// # Errors
     /// [`DeckError::Io`] if the file cannot be read, else as [`Deck::from_str_with`].
@@ -289,32 +289,32 @@ impl Deck {
         )?)
     }
 
-    /// Files that the deck names are relative to this folder, wherever the deck itself lies.
+    /// Sets the folder to which file names in the deck are relative, wherever the deck itself lies.
     #[must_use]
     pub fn in_folder(mut self, folder: PathBuf) -> Self {
         self.source.folder = Some(folder);
         self
     }
 
-    /// The folder that files named by the deck are relative to.
+    /// The folder to which file names in the deck are relative.
     pub fn folder(&self) -> &Path {
         let beside = || Path::new(&self.source.file).parent();
         let folder = self.source.folder.as_deref().or_else(beside);
         folder.unwrap_or(Path::new(""))
     }
 
-    /// The deck as TOML, in base units and with every default said.
+    /// The deck as TOML, in base units and with every default written out.
     ///
     /// # Errors
-    /// None that a deck which was read can cause.
+    /// None are expected from a deck that was read.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// Parameters of the material `name`, its tables as given.
+    /// Parameters of the material `name`, with its tables as given.
     ///
     /// # Errors
-    /// No such material.
+    /// Unknown material.
     pub fn material(&self, name: &str) -> Result<MaterialParameters, ModelError> {
         match self.materials.get(name) {
             Some(material) => Ok(material.parameters()),
@@ -322,12 +322,13 @@ impl Deck {
         }
     }
 
-    /// The law of the interface `name` at a single point. A point has no neighbours from which
-    /// stiffnesses could be derived: both must be explicit. Nor is it of a unit: strengths that scatter have
-    /// their mean.
+    /// The law of the interface `name` at a single point.
+    ///
+    /// A point has no neighbouring elements from which stiffnesses follow: both must be explicit. It belongs to no
+    /// unit: strengths that scatter have their mean.
     ///
     /// # Errors
-    /// No such interface, or stiffnesses not given.
+    /// Unknown interface, or stiffnesses that are not given.
     pub fn interface(&self, name: &str) -> Result<InterfaceLaw, ModelError> {
         let Some(interface) = self.interfaces.get(name) else {
             return Err(self.unknown("interfaces", "interface", name, "interfaces"));
@@ -354,32 +355,32 @@ impl Deck {
         self.source.warning(path, message)
     }
 
-    /// Whether the key `path` is written, in the file or in an override.
+    /// Returns whether the key `path` is written, in the file or in an override.
     pub(super) fn says(&self, path: &str) -> bool {
         self.source.has(path)
     }
 
-    /// Findings at `path`, or below, are told of the key `from`: the file has no such table.
+    /// Errors and warnings at `path` or below refer to the key `from`: the file has no such table.
     pub(super) fn stands_for(&mut self, path: String, from: String) {
         self.source.stands_for(path, from);
     }
 
-    /// Whether there are blocks, imported bodies or an arch in the scene.
+    /// Returns whether the scene has blocks, imported bodies or an arch.
     pub fn has_blocks(&self) -> bool {
         !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()
     }
 
-    /// Whether there is anything in the scene.
+    /// Returns whether there is a scene.
     pub fn has_scene(&self) -> bool {
         self.has_blocks() || self.has_walls()
     }
 
-    /// Whether there are walls in the scene.
+    /// Returns whether the scene has walls.
     pub fn has_walls(&self) -> bool {
         self.wall.is_some() || !self.walls.is_empty()
     }
 
-    /// The walls, with the paths at which they stand and their names.
+    /// The walls, with their paths in the deck and their names.
     pub fn walls(&self) -> impl Iterator<Item = (String, &str, &Wall)> {
         let one = self.wall.iter().map(|wall| ("wall".to_owned(), wall));
         let more = self.walls.iter().enumerate();
@@ -387,7 +388,7 @@ impl Deck {
             .map(|(path, wall)| (path, wall.name.as_deref().unwrap_or("wall"), wall))
     }
 
-    /// What is clamped of `[wall]`, if there is such a wall and anything is.
+    /// Clamped courses of `[wall]`, if there is such a wall and it is clamped.
     pub fn clamped(&self) -> Option<Clamped> {
         match self.wall.as_ref()?.clamped {
             Clamping::Unsaid => Some(Clamped::default()),
@@ -396,7 +397,7 @@ impl Deck {
         }
     }
 
-    /// `name` is asked for at `path`, but `[table.name]` is not there.
+    /// An error: `path` refers to `name`, but `[table.name]` does not exist.
     fn unknown(&self, path: &str, kind: &str, name: &str, table: &str) -> ModelError {
         let names: Vec<&str> = if table == "materials" {
             self.materials.keys().map(String::as_str).collect()
@@ -412,7 +413,7 @@ impl Deck {
     }
 }
 
-/// Two decks are equal if they say the same, wherever and however it is written.
+/// Two decks are equal if their values are equal, wherever and however they are written.
 impl PartialEq for Deck {
     fn eq(&self, other: &Self) -> bool {
         self.format == other.format

@@ -1,6 +1,6 @@
-//! What is written, and the experiment that a run is compared with.
+//! Output of a run, and the experiment with which it is compared.
 //!
-//! The name of its file is relative to the deck's folder.
+//! The name of the experiment's file is relative to the folder of the deck.
 
 use super::Deck;
 use crate::error::ModelError;
@@ -9,10 +9,10 @@ use crate::input;
 use crate::model::scene::{MeasuredCurve, Output};
 
 impl Deck {
-    /// What `[output]` says, the experiment read.
+    /// Reads `[output]`, including the file of the experiment.
     ///
     /// # Errors
-    /// The experiment cannot be read, or is none: the key, the file, its line and what is wrong.
+    /// A file of the experiment that cannot be read or has another format: key, file, line and reason.
     pub fn output(&self) -> Result<Output, ModelError> {
         let of = &self.output;
         Ok(Output {

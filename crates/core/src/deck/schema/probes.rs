@@ -10,24 +10,24 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A number a row of the history: the motion of a place, or of two relative to each other.
+/// A column of the history: the motion of a place, or of two places relative to each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckProbe {
-    /// Name, from which the column has its own.
+    /// Name; the name of the column begins with it.
     pub name: String,
-    /// Blocks or faces: their nodes, on the mean.
+    /// Blocks or faces: the probe measures the mean of their nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
-    /// A point at rest [mm]: the node nearest to it, of those of `on` if given.
+    /// A point at rest [mm]: the probe measures the nearest node, of those of `on` if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
-    /// A place whose motion is taken off.
+    /// A place whose motion is subtracted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minus: Option<DeckPlace>,
     /// Positive direction.
     pub direction: Direction,
-    /// What is followed.
+    /// Measured quantity.
     #[serde(default)]
     pub quantity: ProbeQuantity,
 }
@@ -64,8 +64,8 @@ impl JsonSchema for DeckPlace {
     }
 }
 
-// The table that `DeckPlace` may be.
-/// Nodes of a scene: those of `on`, or of these the one nearest to `near`.
+// The table form of `DeckPlace`.
+/// Nodes of a scene: those of `on`, or the one of these nearest to `near`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PlaceTable {

@@ -1,4 +1,4 @@
-//! How the steps of a deck are solved, and what they say of inertia.
+//! Procedures of steps, and their keys of inertia.
 
 use crate::deck::quantity::{Frequency, Length, Number, Time};
 use crate::model::scene::{Procedure, Rayleigh};
@@ -9,43 +9,43 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DeckProcedure {
-    /// The cheapest that finds equilibrium, from increment to increment.
+    /// The cheapest procedure that finds equilibrium, chosen in each increment.
     #[default]
     Auto,
-    /// Newton's method; the duration has no meaning but for viscosity.
+    /// Newton's method; the duration matters for viscosity only.
     Static,
-    /// Solids extrapolated within the increment.
+    /// Static, with extrapolated solids.
     Implex,
-    /// Inertia by backward Euler: it carries a wall over a snap and takes the motion out.
+    /// Inertia by backward Euler: it carries a wall over a snap and damps the motion.
     QuasiStatic,
-    /// HHT-α.
+    /// Dynamics by HHT-α.
     Dynamic,
-    /// Arc length: the load is an unknown.
+    /// Arc length: the load factor is an unknown.
     ArcLength,
-    /// Dissipated energy: the load is an unknown.
+    /// Dissipated energy: the load factor is an unknown.
     Dissipation,
-    /// A displacement steers the load.
+    /// A prescribed displacement; the load factor is an unknown.
     DisplacementControl,
 }
 
-/// `control` of a step: a displacement that steers the load.
+/// `control` of a step: the displacement that controls the load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckControl {
-    /// The probe that measures it.
+    /// Probe that measures it.
     pub probe: String,
-    /// How far it goes during the step [mm].
+    /// Displacement during the step [mm].
     pub displacement: Length,
 }
 
-/// `stop` of a driven step: what ends it before its displacement is whole.
+/// `stop` of a driven step: conditions that end it before its full displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckStop {
-    /// The force falls to this part of the largest of the step [-].
+    /// The force falls to this fraction of the largest one of the step [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub below_peak: Option<Number>,
-    /// The step has driven this far [mm].
+    /// The step has driven this distance [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Length>,
 }
@@ -54,36 +54,36 @@ pub struct DeckStop {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckRayleigh {
-    /// Factor of the masses [1/s].
+    /// Factor of the mass matrix [1/s].
     pub mass: Frequency,
     /// Factor of the elastic stiffness of the solids [s].
     pub stiffness: Time,
 }
 
-/// `ground` of a step: a record of acceleration a direction.
+/// `ground` of a step: a record of acceleration for each direction.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckGround {
     /// File with the acceleration along the wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<String>,
-    /// Through the wall.
+    /// File with the acceleration through the wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<String>,
-    /// Upwards.
+    /// File with the upward acceleration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<String>,
 }
 
-/// `ground_factor` of a step: by what the records are multiplied.
+/// `ground_factor` of a step: factors of the records.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckGroundFactor {
-    /// That of the record along the wall.
+    /// Factor of the record along the wall.
     pub x: Number,
-    /// Through the wall.
+    /// Factor of the record through the wall.
     pub y: Number,
-    /// Upwards.
+    /// Factor of the upward record.
     pub z: Number,
 }
 
@@ -98,8 +98,8 @@ impl Default for DeckGroundFactor {
     }
 }
 
-/// α where the deck says none: enough to quiet what the increments do not resolve, 0.1 % of damping
-/// at ten increments a period.
+/// Default of α: it damps vibrations that the increments do not resolve, with a damping ratio of 0.1 % at ten
+/// increments per period.
 const ALPHA: f64 = -0.05;
 
 impl DeckProcedure {
@@ -126,7 +126,7 @@ impl DeckProcedure {
 }
 
 impl DeckGround {
-    /// The files. `[xyz]`
+    /// Names of the files. `[xyz]`
     pub fn files(&self) -> [Option<&str>; 3] {
         [&self.x, &self.y, &self.z].map(Option::as_deref)
     }

@@ -1,8 +1,8 @@
-//! The deck of a run that goes on: what of it may differ from the one that the run began with.
+//! The deck of a resumed run: keys that may differ from those of the deck with which the run began.
 //!
-//! The title, what is written, where the last step ends early, and its length. A longer one keeps its speed and its
-//! increments [mm, s, deg]: duration and sizes, which are said for the whole step or in parts of it,
-//! follow its length.
+//! These are the title, the output, `stop` and the length of the last step. A longer step keeps its speed and its
+//! increments [mm, s, deg]: the duration and the increment sizes, which belong to the whole step or are fractions
+//! of it, follow its length.
 
 use miette::Diagnostic;
 use toml::{Table, Value};
@@ -10,10 +10,10 @@ use toml::{Table, Value};
 use super::{Deck, DeckIncrements, DeckStep, StepKind};
 use crate::deck::quantity::{Number, Time};
 
-/// Something that decides the numbers is not what it was.
+/// A change of the deck that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Diagnostic)]
 pub enum DeckChange {
-    /// A key says something else.
+    /// A key with another value.
     #[error("{key} was {was} when the run began, and is {is} now")]
     #[diagnostic(help(
         "a run goes on with the deck that it began with; only `output`, the title, and the length and `stop` of \
@@ -22,12 +22,12 @@ pub enum DeckChange {
     Key {
         /// Dotted path of the key.
         key: String,
-        /// What it said.
+        /// Value when the run began.
         was: String,
-        /// What it says.
+        /// Present value.
         is: String,
     },
-    /// The last step cannot go on so.
+    /// A last step that cannot be continued in this way.
     #[error("{key}: {why}")]
     #[diagnostic(help(
         "the last step may become longer in the way it goes: the `displacement` of a drive, the `angle` of \
@@ -36,17 +36,17 @@ pub enum DeckChange {
     Length {
         /// Dotted path of the key.
         key: String,
-        /// Why not.
+        /// Reason.
         why: String,
     },
 }
 
-/// Roundings that a length which was divided and multiplied again may have.
+/// Relative rounding error of a length that was divided and multiplied again.
 const ROUNDING: f64 = 1e-12;
 
 impl Deck {
-    /// This deck for a run that began with `before`, and which part of its last step the whole one was
-    /// then: 1 if that has not become longer.
+    /// Returns this deck for a run that began with `before`, and the old length of the last step as a fraction of
+    /// the new one: 1 if it has not become longer.
     ///
     /// # Errors
     /// [`DeckChange`]: the first key that may not differ.
@@ -74,11 +74,12 @@ impl Deck {
     }
 
     fn as_table(&self) -> Table {
-        // None that a deck which was read can cause.
+        // Fails for no deck that was read.
         Table::try_from(self).unwrap_or_default()
     }
 
-    /// Takes the new length of the last step, if that is all that is new of it.
+    /// Accepts a new length of the last step if its other keys are unchanged; returns the old length over the new
+    /// one.
     fn take_length(&mut self, before: &Self) -> Result<f64, DeckChange> {
         let last = self.steps.len().wrapping_sub(1);
         if self.steps.len() != before.steps.len() {
@@ -144,7 +145,7 @@ impl Deck {
     }
 }
 
-/// What a step is as long as, and its key.
+/// Key and value that give the length of a step.
 fn length(step: &DeckStep) -> Option<(&'static str, f64)> {
     match step.kind {
         StepKind::Drive => step.displacement.map(|d| ("displacement", d.get())),
@@ -154,7 +155,7 @@ fn length(step: &DeckStep) -> Option<(&'static str, f64)> {
     }
 }
 
-/// Dotted paths at which two values differ, and what they say there.
+/// Dotted paths at which two values differ, with both values.
 fn differences(path: &str, was: &Value, is: &Value, found: &mut Vec<(String, String, String)>) {
     let below = |key: &str| {
         if path.is_empty() {
@@ -184,7 +185,7 @@ fn differences(path: &str, was: &Value, is: &Value, found: &mut Vec<(String, Str
             let entries = |array: &[Value]| format!("of {} entries", array.len());
             found.push((path.to_owned(), entries(was), entries(is)));
         }
-        // Bits of numbers: they decide those of the results.
+        // Numbers are compared bitwise, because their bits determine the results.
         (Value::Float(was), Value::Float(is)) if was.to_bits() == is.to_bits() => {}
         (was, is) if was == is => {}
         (was, is) => found.push((path.to_owned(), was.to_string(), is.to_string())),
@@ -259,7 +260,7 @@ mod tests {
         let step = &now.steps[1];
         assert_eq!(step.duration.get(), 2.0 * old.duration.get());
         assert_eq!(step.increments().max, 0.5 * old_sizes.max);
-        // What was written then is taken as it is.
+        // A deck that was written by `to_toml` is accepted unchanged.
         let text = now.to_toml().unwrap();
         let read = Deck::from_str(&text, "model.toml").unwrap();
         let (again, part) = read.clone().resumed_from(&before).unwrap();

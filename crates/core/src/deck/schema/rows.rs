@@ -1,11 +1,11 @@
-//! Files of numbers beside a deck: so many a line, with comments and a line of names.
+//! Files of numbers that belong to a deck: a fixed number per line, with comments and a line of column names.
 
 use crate::deck::quantity::is_sound;
 
-/// A row and its line (from 1).
+/// Line of a row (from 1), and its numbers.
 pub(super) type Row<const N: usize> = (usize, [f64; N]);
 
-/// Rows of `N` numbers, or the line that is none, which should have been `what`.
+/// Rows of `N` numbers, or the first invalid line and a message: it `is {what}`.
 pub(super) fn rows<const N: usize>(text: &str, what: &str) -> Result<Vec<Row<N>>, (usize, String)> {
     let mut rows = Vec::new();
     let mut named = false;

@@ -1,4 +1,4 @@
-//! What stands in for a value that cannot be read, so that the rest of the deck can.
+//! Replaces values that cannot be read, so that the rest of the deck can be read.
 
 use crate::deck::keys;
 use crate::deck::keys::{LISTS, NAMED};
@@ -7,8 +7,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// A value that would be right at `path`: that of the example of its key. Errors about it would point at
-/// `span`.
+/// A valid value for `path`: that of the example of its key. Errors about it point at `span`.
 pub(super) fn of(path: &str, span: &Range<usize>) -> Option<Spanned<DeValue<'static>>> {
     let mut named: Vec<&str> = path.split('.').collect();
     let mut indices = Vec::new();
@@ -40,7 +39,7 @@ pub(super) fn of(path: &str, span: &Range<usize>) -> Option<Spanned<DeValue<'sta
     Some(placed(value, span))
 }
 
-/// The value with everything in it at `span`.
+/// Gives a value and its parts the position `span`.
 fn placed(value: Spanned<DeValue<'static>>, span: &Range<usize>) -> Spanned<DeValue<'static>> {
     let value = match value.into_inner() {
         DeValue::Array(items) => {
@@ -58,7 +57,7 @@ fn placed(value: Spanned<DeValue<'static>>, span: &Range<usize>) -> Spanned<DeVa
     Spanned::new(span.clone(), value)
 }
 
-/// Puts a value at a dotted path, in place of what is there; false if the path leads nowhere.
+/// Sets the value at a dotted path; returns false if the path does not exist.
 pub(super) fn set<'a>(root: &mut DeTable<'a>, path: &str, value: Spanned<DeValue<'a>>) -> bool {
     let (above, name) = path.rsplit_once('.').unwrap_or(("", path));
     let span = value.span();
@@ -76,7 +75,7 @@ pub(super) fn set<'a>(root: &mut DeTable<'a>, path: &str, value: Spanned<DeValue
     }
 }
 
-/// Takes the key at a dotted path away; false if it is not there.
+/// Removes the key at a dotted path; returns false if it does not exist.
 pub(super) fn take_away(root: &mut DeTable<'_>, path: &str) -> bool {
     let (above, name) = path.rsplit_once('.').unwrap_or(("", path));
     match inside(root, above) {
@@ -85,7 +84,7 @@ pub(super) fn take_away(root: &mut DeTable<'_>, path: &str) -> bool {
     }
 }
 
-/// What a key lies in.
+/// Container of a key.
 enum Inside<'t, 'a> {
     Table(&'t mut DeTable<'a>),
     Array(&'t mut DeArray<'a>),

@@ -1,4 +1,4 @@
-//! `[[steps]]`: what is done to the wall, in order.
+//! `[[steps]]`: loads and drives of a scene, in order.
 
 use super::Names;
 use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
@@ -11,14 +11,14 @@ use crate::model::scene::{Increments, Tangent, Tolerance};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A step as written. Keys that belong to the other kind are refused when the deck is checked.
+/// A step. Keys that belong to another kind of step are rejected by the check.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckStep {
     /// Name; the kind if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// What the step does.
+    /// Kind of the step.
     pub kind: StepKind,
     /// Preload: pressure on the top [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -29,19 +29,19 @@ pub struct DeckStep {
     /// Drive: displacement of the top beam in this step [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Length>,
-    /// Drive in x or y: what the beam does vertically meanwhile; locked if absent.
+    /// Drive in x or y: vertical motion of the beam; locked if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical: Option<Vertical>,
-    /// Preload, drive of blocks: the faces that move as one.
+    /// Preload, drive of blocks: faces that move as one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face: Option<Names>,
-    /// Drive: how far forth and back, instead of `displacement`.
+    /// Drive: amplitudes in both directions, instead of `displacement`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycles: Option<DeckCycles>,
     /// Preload of blocks: pressure on the face [MPa], compression positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
-    /// Preload, drive of blocks: directions in which the face is free under what it carries.
+    /// Preload, drive of blocks: directions in which the face moves freely under its load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free: Option<Vec<Axis>>,
     /// Drive of blocks: the spring whose far end moves, instead of a face.
@@ -53,31 +53,31 @@ pub struct DeckStep {
     /// Gravity, free: acceleration of gravity [mm/s²].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Acceleration>,
-    /// Gravity, free: inclination of the ground. Tilt: that at its end [deg].
+    /// Gravity, free: inclination of the ground [deg]. Tilt: inclination at the end of the step [deg].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Angle>,
     /// Gravity, tilt, free: horizontal axis about which the ground is turned, right-handed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Direction>,
-    /// Loads with a name.
+    /// Named loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<DeckLoad>,
-    /// Part of what the step drives and loads over the parts of its time; evenly if absent.
+    /// Factor of the drive and the loads over the fraction of the step's duration; linear from 0 to 1 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<DeckAmplitude>,
-    /// Duration [s]; viscosity is measured in it.
+    /// Duration [s]; viscosity is measured in this time.
     #[serde(default = "one_second")]
     pub duration: Time,
-    /// Viscosity of all solids with tables in this step, where it is above their own [s].
+    /// Viscosity of all solids with tables in this step [s], where it is larger than their own.
     #[serde(default = "no_time")]
     pub viscosity: Time,
     /// Procedure.
     #[serde(default)]
     pub procedure: DeckProcedure,
-    /// Displacement control: the displacement that steers the load.
+    /// Displacement control: the displacement that controls the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<DeckControl>,
-    /// Drive: what ends the step before its displacement is whole.
+    /// Drive: conditions that end the step before its full displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop: Option<DeckStop>,
     /// Tangents.
@@ -89,46 +89,46 @@ pub struct DeckStep {
     /// Dynamic: Rayleigh damping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<DeckRayleigh>,
-    /// Dynamic: records of the ground's acceleration.
+    /// Dynamic: records of ground acceleration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<DeckGround>,
-    /// What 1 in these records means [mm/s²]; 1 mm/s² if absent.
+    /// Unit of the accelerations in these records [mm/s²]; 1 mm/s² if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_unit: Option<Acceleration>,
-    /// By what they are multiplied, direction by direction; 1 if absent.
+    /// Factors of these records in each direction; 1 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_factor: Option<DeckGroundFactor>,
-    /// Where in the records the step begins [s]; at their time 0 if absent.
+    /// Time in the records at which the step begins [s]; 0 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_start: Option<Time>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
     pub increments: DeckIncrements,
-    /// When an increment counts as converged.
+    /// Criteria of convergence.
     #[serde(default)]
     pub tolerance: DeckTolerance,
 }
 
-/// What a step does.
+/// Kind of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepKind {
-    /// Presses the top, free to move vertically and nowhere else.
+    /// Presses the top, which may move vertically only.
     Preload,
     /// Drives the top beam, a face of a block, or the far end of a spring.
     Drive,
-    /// Gravity grows from nothing.
+    /// Applies gravity.
     Gravity,
-    /// The ground is tilted: gravity turns.
+    /// Tilts the ground: gravity turns.
     Tilt,
-    /// Nothing changes but time: for motion under inertia.
+    /// Changes nothing but time: for motion under inertia.
     Free,
-    /// Nothing changes but the loads with a name.
+    /// Changes named loads only.
     Load,
 }
 
 impl StepKind {
-    /// As the deck spells it.
+    /// Name in the deck.
     pub fn name(self) -> &'static str {
         match self {
             Self::Preload => "preload",
@@ -165,7 +165,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Index of the axis and sign along it.
+    /// Index of the axis, and sign along it.
     pub fn axis(self) -> (usize, f64) {
         match self {
             Self::X => (0, 1.0),
@@ -178,31 +178,32 @@ impl Direction {
     }
 }
 
-/// What the level beam does vertically while it is driven sideways.
+/// Vertical motion of the level beam while it is driven sideways.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Vertical {
-    /// Held where the preload left it, as in the tests of the paper.
+    /// Held in the position after the preload, as in the tests of the paper.
     #[default]
     Locked,
     /// Free under the load of the preload.
     Free,
 }
 
-/// `increments`; what is not said depends on the kind of the step.
+/// `increments`; defaults depend on the kind of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckIncrements {
-    /// First.
+    /// First increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial: Option<Number>,
-    /// Largest.
+    /// Largest increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<Number>,
-    /// Smallest.
+    /// Smallest increment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<Number>,
-    /// Part of the largest force that may lie unseen between two increments at a peak, which are shortened there; 1 leaves them as they are.
+    /// Fraction of the largest force that may be missed at a peak between two increments; increments are shortened
+    /// there. 1: no peak control.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak: Option<Number>,
 }
@@ -211,10 +212,10 @@ pub struct DeckIncrements {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckTolerance {
-    /// Largest out-of-balance force over the mean nodal force [-]; by default that of the procedure.
+    /// Largest out-of-balance force over the mean nodal force [-]; the default depends on the procedure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<Number>,
-    /// Iterations before the increment is cut.
+    /// Number of iterations after which the increment is rejected.
     pub max_iterations: usize,
 }
 
@@ -235,27 +236,28 @@ fn no_time() -> Time {
     Time::new(0.0)
 }
 
-/// Bodies of masonry vibrate on their joints within a millisecond or less; inertia holds only in increments shorter than that [s].
+/// Largest default of the smallest increment [s]: units vibrate on their joints within a millisecond or less, and
+/// inertia stabilises only in increments shorter than that.
 const LEAST_INCREMENT: f64 = 1e-4;
 
-/// Part of the largest force that may lie unseen between two increments at a peak: well within the 1 % that a mesh
-/// leaves open, and nothing that increments of 1/80 of the paper's 4 mm do not see anyway.
+/// Default of `increments.peak`: well below the 1 % error of a mesh, and reached anyway by increments of 1/80 of
+/// the paper's 4 mm.
 const PEAK: f64 = 0.005;
 
 impl DeckStep {
-    /// Sizes of increments with the defaults of this kind of step.
+    /// Sizes of increments, with the defaults of this kind of step.
     ///
-    /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area
-    /// below the curve errs by 1.6 % at 1/80 of the paper's 4 mm. A preload is nearly elastic, and so
-    /// is gravity; what tilts or moves freely is to be seen in a hundred pictures. Loads may break what
-    /// they act on; where a displacement steers them they go on as a drive does.
+    /// A drive takes 80 increments or more: plasticity is extrapolated within each, and the area below the curve
+    /// has an error of 1.6 % at 1/80 of the paper's 4 mm. Preloads and gravity are nearly elastic. Tilts and free
+    /// motion have a hundred increments, for output. Loads may break bodies; under displacement control their
+    /// increments are those of a drive.
     pub fn increments(&self) -> Increments {
         self.increments_of(1.0, f64::INFINITY)
     }
 
-    /// The same where an amplitude moves up to so many times as fast as the step would without: what
-    /// the deck does not say goes as far in an increment as ever. Nor is it larger than `finest`, the part of the
-    /// step from row to row of the ground's records.
+    /// Sizes of increments where an amplitude changes at most `steepest` times as fast as the step would without
+    /// it. Default sizes are divided by this factor. They are at most `finest`, the spacing of the ground record as
+    /// a fraction of the step.
     pub fn increments_of(&self, steepest: f64, finest: f64) -> Increments {
         let steered = self.procedure == DeckProcedure::DisplacementControl;
         let [initial, max, min] = match self.kind {
@@ -264,12 +266,12 @@ impl DeckStep {
             StepKind::Drive | StepKind::Load => [0.005, 0.0125, 1e-6],
             StepKind::Tilt | StepKind::Free => [0.01, 0.01, 1e-6],
         };
-        // What comes loose is held by inertia, in long steps, too.
+        // Inertia must stabilise detached bodies in long steps, too.
         let min = f64::min(min, LEAST_INCREMENT / self.duration.get());
         let faster = steepest.max(1.0);
         let (initial, max) = (initial / faster, (max / faster).min(finest));
         let first = self.increments.initial.map(Number::get);
-        // A default yields to what is said: never a first increment above the largest.
+        // A default never contradicts a given value: the first increment is at most the largest.
         let max = match (self.increments.max, first) {
             (Some(max), _) => max.get(),
             (None, Some(first)) if steepest > 1.0 || finest < 1.0 => max.max(first),
@@ -277,7 +279,7 @@ impl DeckStep {
         };
         let initial = first.unwrap_or(initial.min(max));
         let min = self.increments.min.map_or(min.min(initial), Number::get);
-        // Records and amplitudes may make the first one shorter than what the deck says of the smallest.
+        // Records and amplitudes may make the first increment smaller than the smallest one of the deck.
         let min = if steepest > 1.0 || finest < 1.0 {
             min.min(initial)
         } else {
@@ -292,7 +294,7 @@ impl DeckStep {
         }
     }
 
-    /// Whether increments are shortened at a peak of its force.
+    /// Returns whether the step has peak control, which shortens increments at a peak of the force.
     pub fn sees_peaks(&self) -> bool {
         use DeckProcedure::{ArcLength, Dissipation, Dynamic, QuasiStatic};
         let driven = self.kind == StepKind::Drive || self.control.is_some();
@@ -303,8 +305,8 @@ impl DeckStep {
             )
     }
 
-    /// Tolerance of the model: 5e-3 of the mean nodal force (theory/equilibrium.md, eq. 16) with consistent tangents; with
-    /// the cheaper ones what measures as accurate (docs/decisions/convergence-criteria.md).
+    /// Tolerance of the residual: 5e-3 of the mean nodal force with consistent tangents (theory/equilibrium.md, eq.
+    /// 16); larger ones, measured to be as accurate, with secant tangents (theory/equilibrium.md, Decisions).
     pub fn tolerance(&self) -> Tolerance {
         let default = match (self.tangent, self.procedure) {
             (Tangent::Secant, DeckProcedure::Implex) => 2e-2,
@@ -317,7 +319,7 @@ impl DeckStep {
         }
     }
 
-    /// Name, or the kind where none is given.
+    /// Name of the step; its kind if it has none.
     pub fn name(&self) -> &str {
         match &self.name {
             Some(name) => name,

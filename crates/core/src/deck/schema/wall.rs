@@ -1,4 +1,4 @@
-//! `[wall]`, `[[walls]]`: what is built, of what, how finely, and how it is held.
+//! `[wall]`, `[[walls]]`: bond, materials, mesh and clamping of walls.
 
 use crate::deck::quantity::{Length, Number};
 use crate::model::axis::Axis;
@@ -8,52 +8,52 @@ use serde::{Deserialize, Serialize, Serializer};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A wall of representative elements: each a unit with the bed joint on top of it, the head joint at its
-/// far end and the collar joint behind it.
+/// A wall of representative elements. Each is a unit with the bed joint on top of it, the head joint at its far end
+/// and the collar joint behind it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// Name, by which supports, contacts and steps call it; `wall` if absent.
+    /// Name, used by supports, contacts and steps; `wall` if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Where its lowest corner lies [mm].
+    /// Position of its lowest corner [mm].
     #[serde(default, skip_serializing_if = "at_origin")]
     pub at: [Length; 3],
-    /// Along which axis it runs, x or y; the other one goes through it.
+    /// Axis along the wall, x or y; the other one goes through the wall.
     #[serde(default, skip_serializing_if = "along_x")]
     pub along: Axis,
     /// Length, thickness, height of a whole unit as a stretcher [mm].
     pub unit: [Length; 3],
-    /// Thickness of the bed joints [mm]; 0: the units lie dry on each other.
+    /// Thickness of the bed joints [mm]; 0: dry joints.
     pub bed_joint: Length,
-    /// Thickness of the head joints [mm]; 0: the units stand dry beside each other.
+    /// Thickness of the head joints [mm]; 0: dry joints.
     pub head_joint: Length,
     /// Thickness of the collar joints between leaves [mm]; that of the head joints if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub collar_joint: Option<Length>,
-    /// Part of the head joints that is filled with mortar [-].
+    /// Fraction of the head joints that is filled with mortar [-].
     #[serde(default = "filled", skip_serializing_if = "is_filled")]
     pub head_filling: Number,
-    /// From which face of the wall it is filled inwards.
+    /// Faces of the wall from which head joints are filled.
     #[serde(default, skip_serializing_if = "FilledFrom::is_both")]
     pub filled_from: FilledFrom,
     /// Length of the wall [mm].
     pub length: Length,
     /// Number of courses.
     pub courses: u32,
-    /// How the units overlap.
+    /// Bond of the units.
     #[serde(default)]
     pub bond: Bond,
-    /// Stretcher bond: distance of the head joints of a course from those of the next [mm].
+    /// Stretcher bond: distance between head joints of neighbouring courses [mm].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<Length>,
     /// Number of leaves, one behind the other.
     #[serde(default = "one_leaf", skip_serializing_if = "is_one_leaf")]
     pub leaves: u32,
-    /// Every so many courses one of headers through two leaves; none if absent.
+    /// Number of courses after which one is a course of headers through two leaves; none if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub header_courses: Option<u32>,
-    /// A bond written out: courses from the lowest one, then all over again.
+    /// A written bond: courses from the lowest one; the sequence repeats.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pattern: Vec<DeckCourse>,
     /// Openings.
@@ -61,67 +61,68 @@ pub struct Wall {
     pub openings: Vec<DeckOpening>,
     /// Material of the units.
     pub unit_material: String,
-    /// Material of the joints; a dry wall has none.
+    /// Material of the joints; absent in a dry wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mortar_material: Option<String>,
     /// Interface between representative elements.
     pub interface: String,
-    /// Interface at head joints, if it is another one.
+    /// Interface at head joints, if different.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub head_interface: Option<String>,
-    /// Interface at collar joints, if it is another one.
+    /// Interface at collar joints, if different.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub collar_interface: Option<String>,
-    /// Elements of a representative element.
+    /// Number of elements of a representative element.
     #[serde(default)]
     pub mesh: Subdivision,
-    /// Rigid-like: as few elements as may be, a hundred times as stiff as the stiffest joint of the deck.
+    /// Whether units are rigid-like: with as few elements as possible, and a hundred times as stiff as the stiffest
+    /// joint of the deck.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
-    /// Courses held as a whole; `false`: supports and steps say what holds and moves the wall, as they do
-    /// for all of `[[walls]]`.
+    /// Courses that are clamped as a whole. `false`: supports and steps hold and move the wall, as they do for all
+    /// of `[[walls]]`.
     #[serde(default, skip_serializing_if = "Clamping::is_unsaid")]
     pub clamped: Clamping,
 }
 
-/// How the units of a course lie on those below.
+/// Arrangement of the units in courses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bond {
     /// Stretchers; the last unit of a course is cut to the length, every second course is mirrored.
     #[default]
     Stretcher,
-    /// All courses alike: head joints run through.
+    /// All courses equal: head joints run through.
     Stack,
     /// Headers: units lie through the wall, every second course is shifted by half a unit.
     Header,
-    /// Courses of stretchers in two leaves and of headers by turns.
+    /// Courses of stretchers in two leaves alternate with courses of headers.
     English,
-    /// As English, every second course of stretchers shifted by half a unit.
+    /// As English, with every second course of stretchers shifted by half a unit.
     EnglishCross,
-    /// Stretchers in two leaves and headers by turns in every course.
+    /// Stretchers in two leaves and headers alternate in every course.
     Flemish,
-    /// As `pattern` says.
+    /// The bond of `pattern`.
     Pattern,
 }
 
 impl Bond {
-    /// Whether it is laid one whole unit thick, of two stretchers or a header.
+    /// Returns whether the wall is one whole unit thick, of two stretchers or a header.
     pub fn has_headers(self) -> bool {
         matches!(self, Self::English | Self::EnglishCross | Self::Flemish)
     }
 }
 
-/// From where partly filled head joints are filled.
+/// Faces from which partly filled head joints are filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FilledFrom {
-    /// Half from either face of the wall.
+    /// Half from each face of the wall.
     #[default]
     Both,
-    /// All from the front.
+    /// From the front only.
     Front,
-    /// All from the back.
+    /// From the back only.
     Back,
 }
 
@@ -135,10 +136,10 @@ impl FilledFrom {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckCourse {
-    /// Height of its units [mm]; that of the wall's unit if absent.
+    /// Height of its units [mm]; that of the wall's units if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<Length>,
-    /// Its leaves, from the front.
+    /// Leaves, from the front.
     pub leaves: Vec<DeckLeaf>,
 }
 
@@ -146,18 +147,18 @@ pub struct DeckCourse {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLeaf {
-    /// Its thickness [mm]; that of the wall's unit if absent.
+    /// Thickness [mm]; that of the wall's units if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<Length>,
-    /// Where its first unit begins [mm]; below 0 it is cut.
+    /// Start of its first unit [mm]; the part below 0 is cut off.
     #[serde(default)]
     pub offset: Length,
-    /// Lengths of its units one after the other, then all over again [mm].
+    /// Lengths of its units in order [mm]; the sequence repeats.
     pub units: Vec<Length>,
-    /// Which of them, from 0, go through all leaves behind this one.
+    /// Indices, from 0, of the units that go through all leaves behind this one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub headers: Vec<u32>,
-    /// Material of its units, if it is another one.
+    /// Material of its units, if different.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
@@ -166,15 +167,15 @@ pub struct DeckLeaf {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckOpening {
-    /// Where it begins along the wall [mm].
+    /// Start along the wall [mm].
     pub from: Length,
-    /// Where it ends along the wall [mm].
+    /// End along the wall [mm].
     pub to: Length,
-    /// Courses below it.
+    /// Number of courses below it.
     pub sill: u32,
-    /// Courses that it goes through.
+    /// Number of courses that it interrupts.
     pub courses: u32,
-    /// What spans it; the courses above span it by themselves if absent.
+    /// Lintel; if absent, the courses above span the opening.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lintel: Option<DeckLintel>,
 }
@@ -183,23 +184,23 @@ pub struct DeckOpening {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLintel {
-    /// How far it lies on the wall at either end [mm].
+    /// Length of the bearing on the wall at each end [mm].
     pub bearing: Length,
-    /// Courses that it is high.
+    /// Height in courses.
     #[serde(default = "one_course")]
     pub courses: u32,
-    /// Its material; that of the units if absent.
+    /// Material; that of the units if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
 
-/// Courses that a test's steel beams hold.
+/// Courses held by the steel beams of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Clamped {
-    /// Lowest courses held in x, y, z; 0: the bottom face is held.
+    /// Number of lowest courses held in x, y, z; 0: the bottom face is held.
     pub bottom_courses: u32,
-    /// Highest courses tied to the level beam; 0: the top face is tied.
+    /// Number of highest courses tied to the level beam; 0: the top face is tied.
     pub top_courses: u32,
 }
 
@@ -212,13 +213,13 @@ impl Default for Clamped {
     }
 }
 
-/// What is clamped of a wall.
+/// Clamped courses of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clamping {
-    /// One course at either end of `[wall]`, nothing of `[[walls]]`.
+    /// Default: one course at either end of `[wall]`, none of `[[walls]]`.
     #[default]
     Unsaid,
-    /// Nothing.
+    /// None.
     Nothing,
     /// These courses.
     Courses(Clamped),
@@ -310,13 +311,13 @@ fn one_course() -> u32 {
     1
 }
 
-/// Elements of a representative element along its length, height and thickness, one of them the
+/// Number of elements of a representative element along its length, height and thickness, including one of the
 /// joint in length and in height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subdivision {
-    /// Along x: those of the unit and one of the head joint.
+    /// Along x: elements of the unit and one of the head joint.
     pub length: u32,
-    /// Along z: those of the unit and one of the bed joint.
+    /// Along z: elements of the unit and one of the bed joint.
     pub height: u32,
     /// Along y.
     pub thickness: u32,
@@ -333,13 +334,13 @@ impl Wall {
 }
 
 impl Subdivision {
-    /// 20 hex8: the paper's coarse mesh.
+    /// 20 hex8: the coarse mesh of the paper.
     pub const COARSE: Self = Self {
         length: 5,
         height: 2,
         thickness: 2,
     };
-    /// 108 hex8: the paper's fine mesh.
+    /// 108 hex8: the fine mesh of the paper.
     pub const FINE: Self = Self {
         length: 9,
         height: 4,

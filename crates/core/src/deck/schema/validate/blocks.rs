@@ -7,14 +7,14 @@ use crate::deck::rigid;
 use crate::deck::schema::{DeckArch, DeckBlock, Names};
 use crate::error::ModelError;
 
-/// Rises that are rounded may be a little more than half the span.
+/// Rounded rises may exceed half the span by this fraction.
 const ROUNDED: f64 = 1e-9;
 
-/// More copies of one block than this are a slip.
+/// Largest number of copies of a block.
 const MOST_COPIES: f64 = 5e4;
 
 impl Checks<'_> {
-    /// A scene of blocks, or what stands where none is.
+    /// Checks the scene, and sections that need one.
     pub(super) fn scene(&mut self) {
         let deck = self.deck;
         for (name, given) in [
@@ -85,7 +85,7 @@ impl Checks<'_> {
             }
             self.known_interface(&format!("{path}.interface"), &contact.interface);
         }
-        // Whatever is rigid, its modulus follows from the joints': it tells nothing of theirs.
+        // The modulus of rigid-like bodies follows from the stiffness of joints, and not the reverse.
         if rigid::any(deck) {
             let of_contacts = deck.contacts.iter().map(|c| &c.interface);
             let of_beams = deck.beams.iter().map(|beam| &beam.interface);
@@ -124,7 +124,7 @@ impl Checks<'_> {
         }
     }
 
-    /// Planes of symmetry: at most one normal to each axis.
+    /// Checks planes of symmetry: at most one normal to each axis.
     fn symmetry(&mut self) {
         let planes = &self.deck.symmetry;
         for (i, plane) in planes.iter().enumerate() {
@@ -216,7 +216,7 @@ impl Checks<'_> {
         }
     }
 
-    /// A column of blocks.
+    /// Checks a column of blocks.
     fn column(&mut self, path: &str, block: &DeckBlock) {
         let key = |name: &str| format!("{path}.{name}");
         let Some(count) = block.stack else {
@@ -348,7 +348,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Whether it can be told if the scene is a wall or blocks.
+    /// Returns whether it is known if the scene consists of walls or blocks.
     pub(super) fn scene_is_known(&self) -> bool {
         !["wall", "walls", "blocks", "arch"]
             .iter()
@@ -369,7 +369,7 @@ impl Checks<'_> {
         }
     }
 
-    /// A name at `path` of nothing in the section `of`, unless that could not be read.
+    /// Adds the error of an unknown name of the section `of` at `path`, unless the section could not be read.
     pub(super) fn refer(&mut self, of: &str, path: &str, error: ModelError) {
         if !self.broken.whole(of) && !self.broken.holds(path) {
             self.errors.push(error);

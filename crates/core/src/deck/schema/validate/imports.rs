@@ -1,4 +1,4 @@
-//! Ranges of `[[imports]]`. What the files say is judged when the model is built.
+//! Ranges of `[[imports]]`. The files are checked when the model is built.
 
 use super::Checks;
 use crate::deck::import::Units;

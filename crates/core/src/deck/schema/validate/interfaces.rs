@@ -6,7 +6,7 @@ use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Interface, JointKind, Scatter};
 use wythe_contact::{CapCurve, Coupling};
 
-/// Largest coefficient of variation of bond strengths: those measured stay below 1.
+/// Largest coefficient of variation of bond strengths: measured ones are below 1.
 const MOST_SCATTER: f64 = 2.0;
 
 impl Checks<'_> {
@@ -84,7 +84,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Every key is one of the law.
+    /// Rejects keys of another law.
     fn keys_of_joint(&mut self, path: &str, f: &Interface) {
         let of_cap = [
             ("f_m", f.f_m.is_some()),
@@ -215,7 +215,7 @@ impl Checks<'_> {
         );
     }
 
-    /// An ultimate displacement or the energy below the curve: exactly one, unless the joint is dry.
+    /// Requires exactly one of an ultimate displacement and the energy below the curve, unless the joint is dry.
     fn either(
         &mut self,
         path: &str,

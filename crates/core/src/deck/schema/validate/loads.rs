@@ -7,7 +7,7 @@ use crate::deck::schema::{DeckAmplitude, DeckLoad, DeckProbe, DeckProcedure, Dec
 use crate::model::columns::FIXED;
 
 impl Checks<'_> {
-    /// Loads of all steps: each is said where it acts once, and stays of its kind.
+    /// Checks the loads of all steps: the place of a load is given once, and its kind does not change.
     pub(super) fn loads(&mut self) {
         let deck = self.deck;
         let first = deck.loads();
@@ -33,7 +33,7 @@ impl Checks<'_> {
         self.columns_of_loads(&first);
     }
 
-    /// Names make columns, each once.
+    /// Checks names of loads: they become column names and must be unique.
     fn columns_of_loads(&mut self, first: &[(String, &DeckLoad)]) {
         let mut taken: Vec<String> = self.deck.probes.iter().map(DeckProbe::column).collect();
         for (path, load) in first {
@@ -58,7 +58,7 @@ impl Checks<'_> {
         }
     }
 
-    /// One value, and what belongs to it.
+    /// Checks that a load has one value and only the keys of its kind.
     fn value(&mut self, path: &str, load: &DeckLoad) {
         let values = [
             load.pressure.is_some(),
@@ -84,7 +84,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Where a load acts, which depends on what it is.
+    /// Checks the place of a load, which depends on its kind.
     fn place(&mut self, path: &str, load: &DeckLoad) {
         let key = |name: &str| format!("{path}.{name}");
         let Some((kind, _)) = load.value() else {
@@ -146,7 +146,7 @@ impl Checks<'_> {
         }
     }
 
-    /// A load that an earlier step has named: the same again, with another value.
+    /// Checks a load that an earlier step has named: only its value may change.
     fn said_before(&mut self, path: &str, load: &DeckLoad, begin: &str, known: &DeckLoad) {
         let name = &load.name;
         let same = |a: Option<(&str, _)>, b: Option<(&str, _)>| match (a, b) {
@@ -177,7 +177,7 @@ impl Checks<'_> {
         );
     }
 
-    /// How the drive and the loads of a step go with time.
+    /// Checks the amplitude, cycles and loads of a step.
     pub(super) fn course(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
         self.require(
@@ -237,7 +237,7 @@ impl Checks<'_> {
     }
 }
 
-/// What a step cannot do with an amplitude, and what to do about it.
+/// Reason why a step cannot use an amplitude, and advice.
 pub(in crate::deck) fn misfit(
     step: &DeckStep,
     amplitude: &crate::model::amplitude::Amplitude,

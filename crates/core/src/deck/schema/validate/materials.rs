@@ -18,7 +18,8 @@ impl Checks<'_> {
         );
         self.not_negative(&key("density"), m.density);
         let psi = m.dilation_angle.get();
-        // ψ = 0 or eccentricity = 0 puts a vertex in the flow potential (a = ε σ_t0 tan ψ, theory/damage-plasticity.md, eq. 6)
+        // ψ = 0 or eccentricity = 0 gives the flow potential a vertex: a = ε σ_t0 tan ψ
+        // (theory/damage-plasticity.md, eq. 6).
         self.demand(
             psi > 0.0 && psi < 90.0,
             &key("dilation_angle"),
@@ -77,8 +78,8 @@ impl Checks<'_> {
         self.table(&key("compression"), &m.compression);
     }
 
-    /// Rows of (stress, inelastic strain, damage): what holds whatever the modulus. What depends on
-    /// it (theory/damage-plasticity.md, eqs 10 and 11) is checked where the law is built.
+    /// Checks rows of (stress, inelastic strain, damage) as far as they do not depend on the modulus. Other
+    /// conditions (theory/damage-plasticity.md, eqs 10 and 11) are checked when the law is built.
     fn table(&mut self, path: &str, rows: &[Row]) {
         if self.broken.holds(path) {
             return;
@@ -138,8 +139,9 @@ impl Checks<'_> {
         self.rises_to_its_peak(path, rows);
     }
 
-    /// What falls before the peak of a table would be hardening and softening at once: rows beyond
-    /// the peak are scaled to the element (theory/crack-band.md, eq. 4), those before it are not.
+    /// Requires that the stress rises up to the peak. Rows beyond the peak are scaled to the element
+    /// (theory/crack-band.md, eq. 4), those before it are not, so that a fall before the peak would be softening
+    /// that is not scaled.
     fn rises_to_its_peak(&mut self, path: &str, rows: &[Row]) {
         let stress = |i: usize| rows[i].0.get();
         let peak = (0..rows.len()).fold(0, |p, i| if stress(i) > stress(p) { i } else { p });

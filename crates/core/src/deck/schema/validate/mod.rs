@@ -1,4 +1,4 @@
-//! Ranges of a deck, and what its keys demand of each other. Every error is found, not the first.
+//! Checks ranges of a deck and conditions between its keys. All errors are found, not only the first.
 
 mod blocks;
 mod imports;
@@ -17,7 +17,7 @@ use crate::deck::quantity::{Number, Quantity};
 use crate::error::{MOST_ERRORS, ModelError};
 pub(in crate::deck) use loads::misfit;
 
-/// Parts of a facet along an axis: more than the joint of any mesh has use for.
+/// Largest number of parts of a facet along an axis: no joint needs more.
 const MOST_PARTS: u32 = 16;
 
 /// Errors found so far.
@@ -27,8 +27,8 @@ struct Checks<'a> {
     errors: Vec<ModelError>,
 }
 
-/// Checks all that needs no mesh: values out of range, contradictions, names of nothing. What rests on
-/// something `broken` is let be.
+/// Runs all checks that need no mesh: ranges, contradictions, unknown names. Checks that depend on a `broken` value
+/// are left out.
 pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     let mut checks = Checks {
         deck,
@@ -91,7 +91,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.errors
 }
 
-/// Checks a material that a file brings, as if it stood at `path` of the deck.
+/// Checks a material of an imported file as if it stood at `path` of the deck.
 pub(in crate::deck) fn imported_material(
     deck: &Deck,
     path: &str,
@@ -108,19 +108,19 @@ pub(in crate::deck) fn imported_material(
 }
 
 impl Checks<'_> {
-    /// What the key at `path` and others of its section must be to each other.
+    /// Adds an error unless `ok`: a condition between the key at `path` and others of its section.
     fn require(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
         if !self.broken.section(path) {
             self.demand(ok, path, message, help);
         }
     }
 
-    /// Whether so many errors are known that no more are looked for.
+    /// Returns whether enough errors are known.
     fn is_full(&self) -> bool {
         self.errors.len() > 5 * MOST_ERRORS
     }
 
-    /// What the value at `path` must be by itself.
+    /// Adds an error unless `ok`: a condition on the value at `path` alone.
     fn demand(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
         if !ok && !self.is_full() && !self.broken.holds(path) {
             self.errors.push(self.deck.error(path, message(), help));
@@ -166,7 +166,7 @@ impl Checks<'_> {
         );
     }
 
-    /// The interface of general contact: one that is there, and dry.
+    /// Checks that the interface of general contact exists and is dry.
     fn general_contact(&mut self) {
         let deck = self.deck;
         let (path, Some(name)) = ("contact.general", &deck.contact.general) else {

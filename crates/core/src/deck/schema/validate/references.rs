@@ -1,4 +1,4 @@
-//! Names in a deck of what is not there: blocks and their faces, springs, probes.
+//! Unknown names in a deck: blocks and their faces, springs, probes.
 
 use super::Checks;
 use crate::deck::keys;
@@ -7,7 +7,7 @@ use crate::deck::name_registry::NameRegistry;
 use crate::deck::schema::{DeckPlace, Names};
 
 impl Checks<'_> {
-    /// Names of blocks, faces, springs and probes, wherever they stand.
+    /// Checks all names of blocks, faces, springs and probes.
     pub(super) fn references(&mut self) {
         self.names_of_springs();
         self.names_of_beams();
@@ -27,14 +27,14 @@ impl Checks<'_> {
             || (0..deck.beams.len()).any(|i| broken(format!("beams.{i}.name")))
             || self.broken.holds("arch.voussoirs")
         {
-            return; // not all names are known
+            return; // some names are unknown
         }
-        // Walls that cannot be laid are refused elsewhere.
+        // Walls that cannot be built give their error elsewhere.
         let Ok(walls) = masonry::lay_all(deck) else {
             return;
         };
         let Some((roll, twice)) = NameRegistry::call(deck, &walls, None) else {
-            return; // far too many
+            return; // too many names
         };
         self.errors.extend(twice);
         for (i, contact) in deck.contacts.iter().enumerate() {
@@ -55,7 +55,7 @@ impl Checks<'_> {
             let path = format!("probes.{i}");
             self.places(&roll, &format!("{path}.on"), probe.on.as_ref(), false);
             if let Some(DeckPlace { on, .. }) = &probe.minus {
-                // `minus = "base"` has no key of its own below it; an error finds the table above.
+                // `minus = "base"` has no key `on`; the error then points at the table above.
                 self.places(&roll, &format!("{path}.minus.on"), on.as_ref(), false);
             }
         }

@@ -6,19 +6,19 @@ use crate::deck::quantity::Quantity;
 use crate::deck::schema::{DeckProcedure, DeckStep, Direction, StepKind, Turning};
 use crate::model::scene::Tangent;
 
-/// More iterations of an increment than this find nothing.
+/// Largest number of iterations of an increment.
 const MOST_ITERATIONS: usize = 10_000;
 
-/// Most cycles of a step: with ten increments each a run of days.
+/// Largest number of cycles of a step: with ten increments each they take days.
 const MOST_CYCLES: f64 = 1e4;
 
-/// Who may say a key of a step, and who must.
+/// Condition on a key of a step.
 struct Rule<'a> {
     name: &'a str,
     given: bool,
-    /// Kinds of steps that know it.
+    /// Kinds of steps that have the key.
     kinds: &'a [StepKind],
-    /// Whether what the step moves knows it.
+    /// Whether the key applies to the body or spring that the step moves.
     here: bool,
     needed: bool,
 }
@@ -139,7 +139,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Keys of inertia: those that its kind knows, in their ranges, and mass to act on.
+    /// Checks keys of inertia: procedure, ranges, and mass.
     fn inertia(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
         let dynamic = step.procedure == DeckProcedure::Dynamic;
@@ -206,7 +206,7 @@ impl Checks<'_> {
         }
     }
 
-    /// What the procedures ask of each other's keys.
+    /// Checks conditions between a procedure and other keys.
     fn procedure(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
         self.require(
@@ -248,7 +248,7 @@ impl Checks<'_> {
         }
     }
 
-    /// What ends a driven step early must be able to happen.
+    /// Checks `stop`: its conditions must be possible.
     fn stop(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.stop{name}");
         let Some(stop) = step.stop else { return };
@@ -279,7 +279,7 @@ impl Checks<'_> {
         }
     }
 
-    /// Keys that the kind of the step, and of the scene, knows; and those that it needs.
+    /// Checks which keys are allowed and required for the kind of the step and of the scene.
     fn keys_of_kind(&mut self, path: &str, step: &DeckStep) {
         if !self.scene_is_known() {
             return;
@@ -287,10 +287,10 @@ impl Checks<'_> {
         use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
         let key = |name: &str| format!("{path}.{name}");
         let kind = step.kind;
-        // Steps of a clamped wall that name no face or spring mean the level beam on its top.
+        // Steps of a clamped wall without face or spring move the level beam on its top.
         let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
         let of_spring = step.spring.is_some();
-        // A beam of [[beams]] is pressed and driven as a face is.
+        // A beam of `[[beams]]` is pressed and driven like a face.
         let of_face = step.face.is_some() || step.beam.is_some();
         let of_beam = clamped && !of_face && !of_spring;
         let rule = |name, given, kinds, here, needed| Rule {
@@ -407,7 +407,7 @@ impl Checks<'_> {
         );
     }
 
-    /// A step of a beam of `[[beams]]`.
+    /// Checks a step that moves a beam of `[[beams]]`.
     fn beam(&mut self, path: &str, step: &DeckStep) {
         let Some(name) = &step.beam else { return };
         let key = |name: &str| format!("{path}.{name}");

@@ -61,10 +61,10 @@ impl Checks<'_> {
         self.materials_of_wall(path, wall);
     }
 
-    /// Joints of rigid-like bodies have a stiffness of their own: the bodies take theirs from it.
+    /// Requires an explicit stiffness of joints of rigid-like bodies, whose modulus follows from it.
     pub(super) fn stiffness_of_joints(&mut self, name: &str) {
         let Some(interface) = self.deck.interfaces.get(name) else {
-            return; // refused where it is named
+            return; // rejected where it is named
         };
         let path = format!("interfaces.{name}");
         let told = self.errors.iter().any(|error| error.key() == path);
@@ -76,7 +76,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Walls of the list have names, and need them.
+    /// Checks names of walls: those of `[[walls]]` need one.
     fn name_of_wall(&mut self, path: &str, wall: &Wall) {
         let key = format!("{path}.name");
         let listed = path != "wall";
@@ -129,7 +129,7 @@ impl Checks<'_> {
         let (bottom, top) = (clamped.bottom_courses, clamped.top_courses);
         let courses = wall.courses;
         if courses > 0 {
-            // Held and driven nodes must differ: neither may be all of them, nor both overlap.
+            // Held and driven nodes must be different, and neither may be all nodes.
             let apart = u64::from(bottom) + u64::from(top) <= u64::from(courses);
             self.require(
                 apart && bottom < courses && top < courses,
@@ -140,7 +140,7 @@ impl Checks<'_> {
         }
     }
 
-    /// Keys that only some bonds know.
+    /// Checks keys that belong to some bonds only.
     fn bond(&mut self, path: &str, wall: &Wall) {
         let key = |name: &str| format!("{path}.{name}");
         let bond = wall.bond;
@@ -269,7 +269,7 @@ impl Checks<'_> {
         }
     }
 
-    /// Lays the walls, if their sizes can be.
+    /// Places the units of the walls, if their sizes allow it.
     pub(super) fn walls(&mut self) {
         let deck = self.deck;
         let mut sound = true;
@@ -298,7 +298,7 @@ impl Checks<'_> {
         }
     }
 
-    /// Whether an error of this section is known.
+    /// Returns whether an error of this section is known.
     fn blamed(&self, section: &str) -> bool {
         let within = |key: &str| {
             key.strip_prefix(section)
@@ -307,8 +307,8 @@ impl Checks<'_> {
         self.errors.iter().any(|error| within(error.key()))
     }
 
-    /// Refuses sizes of which no sound element can be made; false if it did. The key is that of the
-    /// size farthest from the others.
+    /// Rejects sizes that would give elements of extreme shape, and then returns false. The error names the size
+    /// farthest from the others.
     fn proportions(&mut self, path: &str, wall: &Wall) -> bool {
         let key = |name: &str| format!("{path}.{name}");
         let mut sizes = vec![
@@ -336,11 +336,11 @@ impl Checks<'_> {
                 );
             }
         }
-        sizes.retain(|(_, size)| *size > 0.0); // dry joints have none
+        sizes.retain(|(_, size)| *size > 0.0); // dry joints have no thickness
         sizes.sort_by(|a, b| a.1.total_cmp(&b.1));
         let middle = sizes[sizes.len() / 2].1;
         let ((lowest, smallest), (highest, largest)) = (&sizes[0], &sizes[sizes.len() - 1]);
-        // Divided one by one: the ratio of all may overflow.
+        // The two ratios are computed separately: their product may overflow.
         let (below, above) = (middle / smallest, largest / middle);
         let fine = below <= MOST_SLENDER && above <= MOST_SLENDER;
         let (path, size) = if below > above {
@@ -360,6 +360,6 @@ impl Checks<'_> {
     }
 }
 
-/// Largest ratio of the sizes of units and joints to the middle one: thin joints of stone blocks
-/// reach a hundred.
+/// Largest ratio between the median size of units and joints and the smallest or largest one: thin joints between
+/// stone blocks reach a hundred.
 const MOST_SLENDER: f64 = 1e3;
