@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::Vector6;
-use wythe::contact::{Coupling, InterfaceLaw};
+use wythe::contact::{CohesiveFrictional, Coupling};
 use wythe::deck::Deck;
 use wythe::material::{
     CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow,
@@ -112,8 +112,8 @@ pub fn mortar(e: f64) -> DamagePlasticityParameters {
 }
 
 /// Interface of Table 1 with the stiffnesses of the golden curves.
-pub fn table_1() -> InterfaceLaw {
-    InterfaceLaw {
+pub fn table_1() -> CohesiveFrictional {
+    CohesiveFrictional {
         f_t: 0.28,
         c: 0.87,
         tan_phi: 1.01,
@@ -129,8 +129,8 @@ pub fn table_1() -> InterfaceLaw {
 }
 
 /// Interface of Table 3, in plane.
-pub fn table_3() -> InterfaceLaw {
-    InterfaceLaw {
+pub fn table_3() -> CohesiveFrictional {
+    CohesiveFrictional {
         f_t: 0.2,
         c: 0.22,
         tan_phi: 0.75,

@@ -190,9 +190,9 @@ pub fn block(
 }
 
 /// Makes a face the slave side under `law`.
-pub fn slave(model: &mut Model, block: &Block, face: Face, law: InterfaceLaw) {
+pub fn slave(model: &mut Model, block: &Block, face: Face, law: impl Into<InterfaceLaw>) {
     let contact = &mut model.contact;
-    contact.laws.push(law);
+    contact.laws.push(law.into());
     contact.law_names.push("joint".to_owned());
     for facet in block.facets(face) {
         contact.slave_facets.push(facet);

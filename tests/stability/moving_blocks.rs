@@ -5,7 +5,7 @@ mod common;
 
 use common::blocks;
 use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
-use wythe::contact::InterfaceLaw;
+use wythe::contact::CohesiveFrictional;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
@@ -32,7 +32,7 @@ fn on_a_table(length: f64) -> (Model, Block) {
         &mut model,
         &slider,
         Face::Bottom,
-        InterfaceLaw::dry(MU, k, k / 2.4),
+        CohesiveFrictional::dry(MU, k, k / 2.4),
     );
     (model, slider)
 }
@@ -148,7 +148,7 @@ fn a_block_that_comes_from_the_side_is_not_caught_below_the_surface() {
         &mut model,
         &slider,
         Face::Bottom,
-        InterfaceLaw::dry(MU, k, k / 2.4),
+        CohesiveFrictional::dry(MU, k, k / 2.4),
     );
     let v0 = -1000.0;
     model.initial_velocity = vec![[0.0; 3]; model.mesh.nodes.len()];
@@ -204,7 +204,7 @@ fn tilted(theta: f64, points: ContactPoints) -> (Model, Block) {
         &mut model,
         &block,
         Face::Bottom,
-        InterfaceLaw::dry(1.0, k, k / 2.4),
+        CohesiveFrictional::dry(1.0, k, k / 2.4),
     );
     scene::points(&mut model, points);
     (model, block)

@@ -6,7 +6,7 @@ mod common;
 
 use common::scene::{self, Block, Face, How};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
-use wythe::contact::InterfaceLaw;
+use wythe::contact::CohesiveFrictional;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
 use wythe::state::{Clock, State};
@@ -51,7 +51,7 @@ fn compress(slave: usize, master: usize, nu: f64, how: (How, f64)) -> Errors {
         &solid,
     );
     let stiffness = 500.0 * E / (HEIGHT / 2.0);
-    let law = InterfaceLaw::dry(0.7, stiffness, stiffness / (2.0 * (1.0 + nu)));
+    let law = CohesiveFrictional::dry(0.7, stiffness, stiffness / (2.0 * (1.0 + nu)));
     scene::slave(&mut model, &upper, Face::Bottom, law);
     scene::master(&mut model, &lower, Face::Top);
     scene::hold(&mut model, lower.face(Face::Bottom), [true; 3]);

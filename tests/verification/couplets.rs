@@ -7,7 +7,7 @@ mod common;
 use std::path::Path;
 
 use common::scene::{self, Face, How, completed};
-use wythe::contact::InterfaceLaw;
+use wythe::contact::CohesiveFrictional;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
@@ -47,7 +47,7 @@ fn uniform_blocks() -> (Model, [scene::Block; 2]) {
     // No lateral strain, so that level platens leave the stress uniform.
     let solid = scene::elastic(2970.0, 0.0);
     let stiffness = 500.0 * 2970.0 / (HEIGHT / 2.0);
-    let law = InterfaceLaw {
+    let law = CohesiveFrictional {
         normal_stiffness: stiffness,
         shear_stiffness: stiffness / 2.0,
         ..common::table_1()

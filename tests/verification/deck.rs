@@ -4,7 +4,7 @@
 mod common;
 
 use common::examples::{load, path};
-use wythe::contact::Coupling;
+use wythe::contact::{Coupling, InterfaceLaw};
 use wythe::deck::schema::Subdivision;
 use wythe::deck::{Deck, keys};
 use wythe::element::Formulation;
@@ -225,6 +225,7 @@ fn overrides_reach_every_depth() {
             .contact
             .laws
             .iter()
+            .filter_map(InterfaceLaw::as_cohesive_frictional)
             .all(|l| l.coupling == Coupling::Additive)
     );
     assert_eq!(model.output.every, 1);
@@ -360,6 +361,7 @@ fn single_points_need_explicit_stiffnesses() {
         ],
     );
     let law = deck.interface("joint").unwrap();
+    let law = law.as_cohesive_frictional().unwrap();
     assert_eq!(
         [law.normal_stiffness, law.shear_stiffness],
         [34000.0, 14783.0]
@@ -429,6 +431,7 @@ fn dry_joints_need_no_softening() {
             .contact
             .laws
             .iter()
+            .filter_map(InterfaceLaw::as_cohesive_frictional)
             .all(|l| l.f_t == 0.0 && l.c == 0.0 && l.mu == 0.7)
     );
 }

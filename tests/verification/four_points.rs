@@ -10,7 +10,7 @@ use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
 use wythe::contact::pairs::stays_on;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
-    Anchor, FourPlaced, FourSeen, InterfaceLaw, Kinematics, Lanes, PointStiffness, Symmetric,
+    Anchor, CohesiveFrictional, FourPlaced, FourSeen, Kinematics, Lanes, PointStiffness, Symmetric,
     extend, write_stiffness, write_symmetric,
 };
 use wythe::model::Model;
@@ -250,7 +250,7 @@ fn two_blocks() -> Model {
     let lower = scene::block(&mut model, [0.0; 3], size, [2, 2, 1], &material);
     let upper = scene::block(&mut model, [0.0, 0.0, 20.0], size, [3, 2, 1], &material);
     scene::master(&mut model, &lower, Face::Top);
-    let law = InterfaceLaw::dry(0.6, 200.0, 90.0);
+    let law = CohesiveFrictional::dry(0.6, 200.0, 90.0);
     scene::slave(&mut model, &upper, Face::Bottom, law);
     model
 }

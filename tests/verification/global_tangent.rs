@@ -7,7 +7,7 @@ use common::Random;
 use common::scene::{self, Face};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
-use wythe::contact::{InterfaceLaw, PointStatus};
+use wythe::contact::{CohesiveFrictional, PointStatus};
 use wythe::element::Formulation;
 use wythe::material::MaterialParameters;
 use wythe::model::Model;
@@ -15,7 +15,7 @@ use wythe::model::scene::ContactPoints;
 use wythe::state::{Clock, State};
 
 /// Two blocks of 60 × 40 × 20 mm, one on the other, 2 × 2 facets below and 3 × 2 above.
-fn two_blocks(material: &MaterialParameters, law: InterfaceLaw) -> Model {
+fn two_blocks(material: &MaterialParameters, law: CohesiveFrictional) -> Model {
     let mut model = scene::empty();
     let size = [60.0, 40.0, 20.0];
     let lower = scene::block(&mut model, [0.0; 3], size, [2, 2, 1], material);
@@ -29,8 +29,8 @@ fn two_blocks(material: &MaterialParameters, law: InterfaceLaw) -> Model {
 const LOWER: usize = 18;
 
 /// Soft enough that differences of 1e-6 mm stay within a branch: f_t/k_n = 1e-3 mm.
-fn soft(law: InterfaceLaw) -> InterfaceLaw {
-    InterfaceLaw {
+fn soft(law: CohesiveFrictional) -> CohesiveFrictional {
+    CohesiveFrictional {
         mu: 0.8 * law.tan_phi,
         normal_stiffness: 200.0,
         shear_stiffness: 90.0,
@@ -255,7 +255,7 @@ fn direct_tangent_with_open_sticking_and_sliding_points_of_turned_bodies() {
 
 #[test]
 fn direct_tangent_with_cracked_and_crushed_solids_and_corner_points() {
-    let law = InterfaceLaw {
+    let law = CohesiveFrictional {
         f_t: 4.0,
         c: 8.0,
         ..soft(common::table_3())
@@ -289,7 +289,7 @@ fn direct_tangent_with_cracked_and_crushed_solids_and_corner_points() {
 
 #[test]
 fn a_point_that_crossed_to_the_next_facet_keeps_an_exact_tangent_for_its_own_motion() {
-    let law = InterfaceLaw::dry(0.6, 200.0, 90.0);
+    let law = CohesiveFrictional::dry(0.6, 200.0, 90.0);
     let mut rig = Rig::new(two_blocks(&scene::elastic(2000.0, 0.15), law));
     let mut random = Random(3);
     let shifted = Relative {
@@ -315,7 +315,7 @@ fn a_point_that_crossed_to_the_next_facet_keeps_an_exact_tangent_for_its_own_mot
 
 #[test]
 fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
-    let virgin = InterfaceLaw {
+    let virgin = CohesiveFrictional {
         f_t: 20.0,
         c: 20.0,
         // Softens too slowly to raise the numerical stiffness.
@@ -323,14 +323,14 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
         delta_k: 100.0,
         ..soft(common::table_3())
     };
-    let dry = InterfaceLaw::dry(0.6, 200.0, 90.0);
+    let dry = CohesiveFrictional::dry(0.6, 200.0, 90.0);
     for (name, law) in [
         ("dry", dry),
         ("virgin", virgin),
         ("damaged", soft(common::table_3())),
     ] {
         // The numerical stiffness is 2 E/h = 200 N/mm³: softer than the law only if the law is stiffer.
-        let law = InterfaceLaw {
+        let law = CohesiveFrictional {
             normal_stiffness: 4.0 * law.normal_stiffness,
             shear_stiffness: 4.0 * law.shear_stiffness,
             ..law

@@ -4,11 +4,11 @@
 mod common;
 
 use common::{Random, csv, table_1, table_3};
-use wythe::contact::{Coupling, InterfaceHistory, InterfaceLaw, Shift};
+use wythe::contact::{CohesiveFrictional, Coupling, InterfaceHistory, Shift};
 
-fn laws() -> Vec<InterfaceLaw> {
+fn laws() -> Vec<CohesiveFrictional> {
     let mut all = vec![table_1(), table_3()];
-    let hardening = InterfaceLaw {
+    let hardening = CohesiveFrictional {
         mu: 1.4,
         zeta: 0.2,
         xi: 6.0,
@@ -17,13 +17,13 @@ fn laws() -> Vec<InterfaceLaw> {
     all.push(hardening);
     let additive: Vec<_> = all
         .iter()
-        .map(|l| InterfaceLaw {
+        .map(|l| CohesiveFrictional {
             coupling: Coupling::Additive,
             ..*l
         })
         .collect();
     all.extend(additive);
-    all.push(InterfaceLaw::dry(0.65, 5000.0, 2000.0));
+    all.push(CohesiveFrictional::dry(0.65, 5000.0, 2000.0));
     all
 }
 
@@ -124,7 +124,7 @@ fn softening_curves_of_the_data() {
     }
 }
 
-fn walk(random: &mut Random, law: &InterfaceLaw, steps: usize) -> Vec<[f64; 3]> {
+fn walk(random: &mut Random, law: &CohesiveFrictional, steps: usize) -> Vec<[f64; 3]> {
     let unit = if law.is_dry() { 1e-3 } else { 0.05 * law.u_k };
     let mut gap = [0.0; 3];
     let mut drift = [0.0; 3];
@@ -330,23 +330,23 @@ fn every_walk_dissipates_and_balances() {
     let mut random = Random(12);
     let mut bonded = laws();
     // One mode only: no ultimate separation in the other.
-    bonded.push(InterfaceLaw {
+    bonded.push(CohesiveFrictional {
         f_t: 0.0,
         u_k: 0.0,
         ..table_1()
     });
-    bonded.push(InterfaceLaw {
+    bonded.push(CohesiveFrictional {
         c: 0.0,
         delta_k: 0.0,
         ..table_1()
     });
-    bonded.push(InterfaceLaw {
+    bonded.push(CohesiveFrictional {
         zeta: 1e-9,
         xi: 1e-9,
         ..table_3()
     });
     for law in bonded {
-        let size_of_walk = InterfaceLaw { u_k: 0.2, ..law };
+        let size_of_walk = CohesiveFrictional { u_k: 0.2, ..law };
         for _ in 0..100 {
             let mut old = law.virgin();
             let mut last = [0.0; 3];
@@ -389,7 +389,7 @@ fn every_walk_dissipates_and_balances() {
 #[test]
 fn a_bond_of_one_mode_lasts_until_the_other_moves() {
     // No tensile strength: cohesion holds while the joint is shut, any opening breaks it.
-    let shear = InterfaceLaw {
+    let shear = CohesiveFrictional {
         f_t: 0.0,
         u_k: 0.0,
         ..table_1()
@@ -401,7 +401,7 @@ fn a_bond_of_one_mode_lasts_until_the_other_moves() {
     let opened = shear.update([1e-6, 0.0, 0.0], &answer.history);
     assert_eq!((opened.history.damage, opened.traction[0]), (1.0, 0.0));
     // No cohesion: tensile strength holds until it slips.
-    let tension = InterfaceLaw {
+    let tension = CohesiveFrictional {
         c: 0.0,
         delta_k: 0.0,
         ..table_1()
@@ -515,7 +515,7 @@ fn the_shifted_law_converges_from_afar_at_the_solver_s_stiffness() {
 
 #[test]
 fn a_dry_joint_has_friction_and_nothing_else() {
-    let law = InterfaceLaw::dry(0.6, 1000.0, 400.0);
+    let law = CohesiveFrictional::dry(0.6, 1000.0, 400.0);
     let mut h: InterfaceHistory = law.virgin();
     assert_eq!(h.damage, 1.0);
     assert_eq!(law.update([0.01, 0.3, 0.0], &h).traction, [0.0; 3]);

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use common::blocks::{GRAVITY, HEAD, deck};
 use common::scene::completed;
+use wythe::contact::{CohesiveFrictional, InterfaceLaw};
 use wythe::deck::scatter::{factor, factors};
 use wythe::deck::{Deck, check};
 use wythe::model::Model;
@@ -26,7 +27,8 @@ fn strengths(model: &Model, f_t: f64) -> BTreeMap<u32, f64> {
     let contact = &model.contact;
     let mut found = BTreeMap::new();
     for (&unit, &law) in contact.slave_body.iter().zip(&contact.slave_law) {
-        let x = contact.laws[usize::from(law)].f_t / f_t;
+        let bond = contact.laws[usize::from(law)].as_cohesive_frictional();
+        let x = bond.unwrap().f_t / f_t;
         assert_eq!(*found.entry(unit).or_insert(x), x, "unit {unit}");
     }
     found
@@ -155,11 +157,12 @@ fn every_unit_of_a_wall_has_its_own_strength_and_nothing_else_of_its_own() {
     let (a, b) = (&plain.contact, &model.contact);
     assert_eq!(a.slave_facets, b.slave_facets);
     for (f, unit) in b.slave_body.iter().enumerate() {
-        let mean = a.laws[usize::from(a.slave_law[f])];
-        let own = b.laws[usize::from(b.slave_law[f])];
+        let bond = |law: &InterfaceLaw| *law.as_cohesive_frictional().unwrap();
+        let mean = bond(&a.laws[usize::from(a.slave_law[f])]);
+        let own = bond(&b.laws[usize::from(b.slave_law[f])]);
         let x = factor(0.3, 0, 0, *unit);
         assert_eq!((own.f_t, own.c), (x * mean.f_t, x * mean.c));
-        let as_mean = wythe::contact::InterfaceLaw {
+        let as_mean = CohesiveFrictional {
             f_t: mean.f_t,
             c: mean.c,
             ..own
@@ -187,7 +190,11 @@ fn the_same_seed_is_the_same_model_and_another_seed_another() {
     // Another cv stretches the same draws: the order of the units stays.
     let (one, other) = (contact("{ cv = 0.1 }").0, contact("{ cv = 0.5 }").0);
     for (a, b) in one.windows(2).zip(other.windows(2)) {
-        assert_eq!(a[0].f_t < a[1].f_t, b[0].f_t < b[1].f_t);
+        let [a, b] = [a, b].map(|pair| {
+            let f_t = |law: &InterfaceLaw| law.as_cohesive_frictional().unwrap().f_t;
+            f_t(&pair[0]) < f_t(&pair[1])
+        });
+        assert_eq!(a, b);
     }
 }
 

@@ -8,6 +8,7 @@ use std::path::Path;
 use common::blocks::{
     GRAVITY, HEAD, PAIR, ROUNDING, area_vector, deck, model, nodes, norm, normals_point_out, volume,
 };
+use wythe::contact::JointLaw;
 use wythe::deck::{Deck, check};
 use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Gravity};
@@ -34,8 +35,9 @@ fn boxes_have_their_sizes_faces_masses_and_velocities() {
     normals_point_out(&model);
     assert_eq!(contact.points, ContactPoints::Corner);
     // k_n = 500 min E/h (theory/joint.md, eq. 32): the softer side is the higher block.
-    near(contact.laws[0].normal_stiffness, 500.0 * 5000.0 / 80.0);
-    near(contact.laws[0].shear_stiffness, 500.0 * 5000.0 / 80.0 / 2.4);
+    let [normal, shear] = contact.laws[0].stiffness();
+    near(normal, 500.0 * 5000.0 / 80.0);
+    near(shear, 500.0 * 5000.0 / 80.0 / 2.4);
     // Velocities of the block alone.
     let of_block: Vec<bool> = (0..model.mesh.nodes.len())
         .map(|n| {

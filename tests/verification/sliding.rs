@@ -4,7 +4,7 @@
 mod common;
 
 use common::scene::{self, Face, How, Recording, completed};
-use wythe::contact::InterfaceLaw;
+use wythe::contact::CohesiveFrictional;
 use wythe::model::Model;
 use wythe::model::scene::{BeamMotion, ContactPoints, Step};
 
@@ -29,7 +29,7 @@ fn three_blocks(e: f64, k_n: f64, points: ContactPoints) -> Model {
         scene::master(&mut model, &base, Face::Top);
         scene::hold(&mut model, base.face(Face::Bottom), [true; 3]);
     }
-    let law = InterfaceLaw::dry(MU, k_n, k_n / 2.4);
+    let law = CohesiveFrictional::dry(MU, k_n, k_n / 2.4);
     scene::slave(&mut model, &slider, Face::Bottom, law);
     scene::points(&mut model, points);
     scene::beam(&mut model, slider.face(Face::Top));
@@ -276,12 +276,12 @@ fn a_point_that_opens_and_closes_again_carries_load_again() {
 fn a_bonded_block_that_was_torn_off_comes_back_without_its_bond() {
     for procedure in PROCEDURES {
         let mut model = three_blocks(1e4, 125e3, ContactPoints::Gauss);
-        let law = InterfaceLaw {
+        let law = CohesiveFrictional {
             normal_stiffness: 125e3,
             shear_stiffness: 125e3 / 2.4,
             ..common::table_1()
         };
-        model.contact.laws = vec![law];
+        model.contact.laws = vec![law.into()];
         let moves = [
             // Beyond u_k = 0.2 mm but in sight, and back; then beyond what is looked at, and back.
             ([0.0, 0.0, 0.5], 20),

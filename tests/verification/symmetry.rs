@@ -248,10 +248,10 @@ fn planes_cut_units_and_joints() {
         .find(|s| s.name == "mirror-x")
         .unwrap();
     assert_eq!((mirror.nodes.len(), mirror.fixed), (4, [true; 3]));
-    let is_mirrored = |law: &InterfaceLaw| law.delta_k.is_infinite();
-    let law = model.contact.laws.iter().position(is_mirrored).unwrap();
+    let laws = &model.contact.laws;
+    let law = laws.iter().position(InterfaceLaw::is_half).unwrap();
     assert_eq!(model.contact.law_names[law], "dry");
-    let own = &model.contact.laws[law];
+    let own = laws[law].as_cohesive_frictional().unwrap();
     // Half the opening at the same traction, and no friction.
     assert_eq!((own.normal_stiffness, own.mu, own.c), (100.0, 0.0, 0.0));
     let facets = model

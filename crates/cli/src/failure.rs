@@ -157,6 +157,10 @@ impl From<RunError> for Failure {
                 help = "begin anew with `wythe run`",
                 "{error}"
             )),
+            RunError::JointLaw { .. } => Self::Model(miette::miette!(
+                help = "check the law by `wythe_contact::checks`",
+                "{error}"
+            )),
             RunError::NoMass { .. } => Self::Model(miette::miette!(
                 help = "write it like this: density = \"1900 kg/m^3\"",
                 "{error}"

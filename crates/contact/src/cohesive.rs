@@ -1,6 +1,6 @@
 //! Damage and normal traction of an interface point (theory/joint.md, eqs 9 to 14).
 
-use crate::law::{Coupling, InterfaceHistory, InterfaceLaw};
+use crate::law::{CohesiveFrictional, Coupling, InterfaceHistory};
 
 /// Damage D and what drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub(crate) struct Normal {
     pub by_damage: f64,
 }
 
-impl InterfaceLaw {
+impl CohesiveFrictional {
     /// u₀ = f_t/k_n, the elastic opening [mm].
     pub(crate) fn elastic_opening(&self) -> f64 {
         self.f_t / self.normal_stiffness

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::cohesive::{Normal, Wholes};
-use crate::law::{InterfaceHistory, InterfaceLaw};
+use crate::law::{CohesiveFrictional, InterfaceHistory};
 
 /// The limit g(σ, D) of the shear traction with its slopes.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct Limit {
     pub by_damage: f64,
 }
 
-impl InterfaceLaw {
+impl CohesiveFrictional {
     /// g(σ, D) = (1−D)⟨c − tanφ σ⟩ + D μ ⟨−σ⟩ (theory/joint.md, eqs 15 and 25).
     #[inline(always)]
     pub(crate) fn limit(&self, sigma: f64, damage: f64) -> Limit {

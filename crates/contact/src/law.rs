@@ -17,9 +17,12 @@ pub enum Coupling {
     Additive,
 }
 
-/// Parameters of an interface point, stiffnesses resolved.
+/// Numbers of a history that a law has for itself.
+pub const SLOTS: usize = 4;
+
+/// Parameters of the cohesive-frictional law, stiffnesses resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InterfaceLaw {
+pub struct CohesiveFrictional {
     /// Tensile strength f_t [MPa].
     pub f_t: f64,
     /// Cohesion c [MPa].
@@ -61,6 +64,8 @@ pub struct InterfaceHistory {
     pub damage: f64,
     /// Traction [σ, τ₁, τ₂] at the end of the step [MPa].
     pub traction: [f64; 3],
+    /// Further numbers of a law, see [`Output`](crate::Output). Scalars: they do not turn with the frame.
+    pub slots: [f64; SLOTS],
 }
 
 /// What an interface point does.
@@ -94,7 +99,61 @@ pub struct InterfaceResponse {
     pub dissipation: f64,
 }
 
-impl InterfaceLaw {
+impl InterfaceResponse {
+    /// The answer of a law with one elastic stiffness: traction [MPa], tangent [N/mm³] at the total `gap` [mm], reached
+    /// with the plastic parts `plastic` `[u_p, δ_p1, δ_p2]` [mm] where they were `plastic_old`, damage of the bond and
+    /// the law's own `slots`. Slip and largest slip and opening, energies and status follow, for a law whose points
+    /// count as open beyond `opens_at` [mm] and whose elastic stiffness is `[k_n, k_s]` [N/mm³].
+    ///
+    /// The dissipation is that of the trapezoidal rule, ½ (t_n + t_{n+1})·Δp: with it the balance of energy closes.
+    pub fn new(
+        old: &InterfaceHistory,
+        gap: [f64; 3],
+        traction: [f64; 3],
+        tangent: Matrix3<f64>,
+        [plastic_old, plastic]: [[f64; 3]; 2],
+        damage: f64,
+        slots: [f64; SLOTS],
+        [normal, shear]: [f64; 2],
+        opens_at: f64,
+    ) -> Self {
+        let slides = plastic[1] != plastic_old[1] || plastic[2] != plastic_old[2];
+        let status = if gap[0] > opens_at && traction[0] >= 0.0 {
+            PointStatus::Open
+        } else if slides {
+            PointStatus::Slip
+        } else {
+            PointStatus::Stick
+        };
+        let mut dissipation = 0.0;
+        for i in 0..3 {
+            let mean = 0.5 * (traction[i] + old.traction[i]);
+            dissipation += mean * (plastic[i] - plastic_old[i]);
+        }
+        let reach = plastic[1].hypot(plastic[2]);
+        let [sigma, tau_1, tau_2] = traction;
+        Self {
+            traction,
+            tangent,
+            history: InterfaceHistory {
+                opening: gap[0],
+                opening_max: old.opening_max.max(gap[0]),
+                slip_max: old.slip_max.max(reach),
+                slip: [gap[1], gap[2]],
+                plastic_slip: [plastic[1], plastic[2]],
+                damage,
+                traction,
+                slots,
+            },
+            status,
+            elastic_energy: 0.5 * sigma * sigma / normal
+                + 0.5 * (tau_1 * tau_1 + tau_2 * tau_2) / shear,
+            dissipation,
+        }
+    }
+}
+
+impl CohesiveFrictional {
     /// A dry joint: friction only, D = 1 from the start (theory/joint.md, eq. 19).
     pub fn dry(mu: f64, normal_stiffness: f64, shear_stiffness: f64) -> Self {
         Self {
@@ -185,6 +244,7 @@ impl InterfaceLaw {
             plastic_slip: old.plastic_slip,
             damage: damage.value,
             traction: [0.0; 3],
+            slots: old.slots,
         };
         if size <= limit.value || size == 0.0 {
             // Stick: σ may still follow D(u).

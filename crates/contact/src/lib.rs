@@ -1,4 +1,4 @@
-//! Contact between faceted surfaces: broad phase, projection, and the cohesive-frictional law.
+//! Contact between faceted surfaces: broad phase, projection, and the laws of joints.
 //!
 //! A leaf: it receives positions, facets and history records and returns the force and stiffness
 //! of one point against one facet. It knows no mesh, no step and no solver.
@@ -6,16 +6,21 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod cap;
+pub mod checks;
 mod cohesive;
+mod cohesive_frictional;
 pub mod edges;
 pub mod four;
 mod friction;
+pub mod joint;
 pub mod lanes;
 pub mod law;
 pub mod pairs;
 pub mod part;
 pub mod path;
 pub mod projection;
+pub mod registry;
 pub mod shifted;
 pub mod softening;
 pub mod stencil;
@@ -23,14 +28,19 @@ pub mod surface;
 
 pub use aabb::Aabb;
 pub use bvh::Bvh;
+pub use cap::{Cap, CapCurve};
 pub use edges::EdgePair;
 pub use four::{FourPlaced, FourSeen, Symmetric, write_symmetric};
+pub use joint::{JointLaw, Output};
 pub use lanes::Lanes;
-pub use law::{Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse, PointStatus};
+pub use law::{
+    CohesiveFrictional, Coupling, InterfaceHistory, InterfaceResponse, PointStatus, SLOTS,
+};
 pub use pairs::{Candidates, PointPair, Search, pair_point, rim_point, to_frame};
 pub use part::Part;
 pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};
+pub use registry::InterfaceLaw;
 pub use shifted::{Loose, Shift};
 pub use stencil::{
     Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, write_stiffness,

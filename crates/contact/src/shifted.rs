@@ -20,7 +20,7 @@
 //! * shear: T is limited by the bound g(σ₋, D) of an earlier iterate's normal traction, so that the
 //!   tangent stays symmetric. Slip is implicit: δ_p = δ_p,n + (|T| − g)/k' T/|T|, and D follows it.
 //!
-//! At the fixed point every branch is that of [`InterfaceLaw::update`], because σ₋ = σ and both
+//! At the fixed point every branch is that of [`CohesiveFrictional::update`], because σ₋ = σ and both
 //! returns leave g − t/k. The tangent leaves out ∂D and negative stiffness; it is symmetric and
 //! positive semidefinite, and exact for the lagged problem otherwise.
 //!
@@ -32,7 +32,7 @@
 use nalgebra::{Matrix3, Vector2};
 
 use crate::cohesive::Wholes;
-use crate::law::{InterfaceHistory, InterfaceLaw, InterfaceResponse};
+use crate::law::{CohesiveFrictional, InterfaceHistory, InterfaceResponse};
 
 /// What the shifted law knows of the last iterate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +106,7 @@ impl InterfaceResponse {
     }
 }
 
-impl InterfaceLaw {
+impl CohesiveFrictional {
     /// One iterate of the shifted law at the total gap `[u, δ₁, δ₂]` [mm].
     #[inline(always)]
     pub fn update_shifted(
@@ -198,6 +198,7 @@ impl InterfaceLaw {
             plastic_slip: shear.plastic.into(),
             damage,
             traction: [0.0; 3],
+            slots: old.slots,
         };
         self.respond(
             normal.traction,
@@ -289,7 +290,11 @@ mod tests {
     /// Normal and shear stiffness of an iterate [N/mm³].
     const SOFT: [f64; 2] = [300.0, 130.0];
 
-    fn iterate(law: &InterfaceLaw, gap: [f64; 3], bounding: f64) -> (InterfaceResponse, Loose) {
+    fn iterate(
+        law: &CohesiveFrictional,
+        gap: [f64; 3],
+        bounding: f64,
+    ) -> (InterfaceResponse, Loose) {
         let shift = Shift {
             stiffness: SOFT,
             traction: [0.0; 3],
@@ -302,7 +307,7 @@ mod tests {
 
     #[test]
     fn a_point_is_held_only_where_it_has_no_stiffness() {
-        let law = InterfaceLaw {
+        let law = CohesiveFrictional {
             f_t: 0.2,
             c: 0.2,
             tan_phi: 0.75,
@@ -344,7 +349,7 @@ mod tests {
         assert!((sliding.tangent[(1, 1)] / across - 1.0).abs() < 1e-12);
         assert_eq!(sliding.tangent[(1, 2)], 0.0);
         // What has no bond and is open.
-        let dry = InterfaceLaw::dry(0.6, 150_000.0, 65_000.0);
+        let dry = CohesiveFrictional::dry(0.6, 150_000.0, 65_000.0);
         let (mut open, loose) = iterate(&dry, [1e-3, 0.0, 0.0], 0.0);
         assert_eq!(loose, [false, false, true]);
         open.hold(every, loose, SOFT[0]);

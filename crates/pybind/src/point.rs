@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use wythe_contact::JointLaw;
 use wythe_core::deck::Deck;
 use wythe_core::material::MaterialHistory;
 use wythe_core::point::{

@@ -9,7 +9,7 @@ use miette::Diagnostic;
 use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::input;
-use wythe_core::point::{self, INTERFACE, Layout, MATERIAL, PointFailure, Row, Walk};
+use wythe_core::point::{self, Layout, PointFailure, Row, Walk};
 
 use crate::arguments::{Drive, DrivePoint, Point};
 use crate::failure::Failure;
@@ -33,19 +33,12 @@ fn material(arguments: &DrivePoint) -> Result<(), Failure> {
     for warning in warnings {
         tell!("warning: {warning}");
     }
-    let outputs = law.law().outputs();
-    let more: Vec<&str> = outputs.iter().map(|output| output.name).collect();
     let follow = |rows: &[Row<6>]| point::material_path(&law, rows, arguments.substeps);
     walk(
         arguments,
-        &MATERIAL,
-        &more,
+        &point::material_layout(law.law()),
         follow,
-        |history| {
-            let outputs = outputs.iter().map(|output| output.slot.of(history));
-            let common = point::material_state(history).into_iter();
-            common.chain(outputs).collect()
-        },
+        |history| point::material_outputs(law.law(), history),
         deck.inputs(),
     )
 }
@@ -56,10 +49,9 @@ fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
     let follow = |rows: &[Row<3>]| point::interface_path(&law, rows, arguments.substeps);
     walk(
         arguments,
-        &INTERFACE,
-        &[],
+        &point::interface_layout(&law),
         follow,
-        |history| point::interface_state(history).to_vec(),
+        |history| point::interface_outputs(&law, history),
         deck.inputs(),
     )
 }
@@ -87,12 +79,10 @@ fn help<const N: usize>(failure: &PointFailure<N>) -> &'static str {
     }
 }
 
-/// Drives the point along its path, and writes the path and the response, with `more` columns of the state that only
-/// this law has.
+/// Drives the point along its path, and writes the path and the response.
 fn walk<const N: usize, H>(
     arguments: &DrivePoint,
     layout: &Layout<N>,
-    more: &[&str],
     follow: impl FnOnce(&[Row<N>]) -> Walk<N, H>,
     state: impl Fn(&H) -> Vec<f64>,
     mut inputs: Vec<PathBuf>,
@@ -106,7 +96,7 @@ fn walk<const N: usize, H>(
     let path = Path::read(&file, &text, layout, &arguments.stress)
         .map_err(|error| Failure::model(*error))?;
     let Walk { records, failure } = follow(&path.rows);
-    let mut table = table::Table::new(&path, layout, more);
+    let mut table = table::Table::new(&path, layout);
     for (index, record) in records.iter().enumerate() {
         table.push(&path, index, &record.state, &state(&record.state.history));
     }

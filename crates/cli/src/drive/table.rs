@@ -20,13 +20,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Writes the header for this path, with `more` columns after those of the state.
-    pub fn new<const N: usize>(path: &Path<N>, layout: &Layout<N>, more: &[&str]) -> Self {
+    /// Writes the header for this path.
+    pub fn new<const N: usize>(path: &Path<N>, layout: &Layout<N>) -> Self {
         let solved: Vec<usize> = (0..N).filter(|&i| path.by_stress[i]).collect();
         let said_anew = |name: &str| {
             layout.stresses.contains(&name)
                 || layout.state.contains(&name)
-                || more.contains(&name)
                 || solved.iter().any(|&i| layout.strains[i] == name)
         };
         let kept: Vec<usize> = (0..path.header.len())
@@ -40,8 +39,7 @@ impl Table {
                 layout
                     .stresses
                     .iter()
-                    .chain(layout.state)
-                    .chain(more)
+                    .chain(&*layout.state)
                     .map(|&name| name.to_owned()),
             )
             .collect();
@@ -111,7 +109,7 @@ mod tests {
     fn the_path_is_repeated_and_the_answer_said_anew() {
         let text = "note,sig_MPa,d1_mm,u_mm,d2_mm,D\n\"a,b\",-0.50,1e-3,9,0,7\n";
         let path = Path::read("p.csv", text, &INTERFACE, &["normal".to_owned()]).unwrap();
-        let mut table = Table::new(&path, &INTERFACE, &[]);
+        let mut table = Table::new(&path, &INTERFACE);
         let point = State {
             strain: Vector3::new(-5e-6, 1e-3, 0.0),
             stress: Vector3::new(-0.5, 0.1, 0.0),

@@ -36,6 +36,7 @@ fn frame(model: &Model, time: f64) -> Frame {
             traction: vec![[0.0; 3]; points],
             damage: vec![0.0; points],
             state: vec![InterfaceState::Intact; points],
+            ..InterfaceFrame::default()
         },
         ..Frame::default()
     }

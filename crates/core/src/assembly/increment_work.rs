@@ -13,6 +13,7 @@
 
 use nalgebra::Vector6;
 use rayon::prelude::*;
+use wythe_contact::JointLaw;
 
 use super::System;
 use super::bulk::Bulk;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
-use wythe_contact::frame_at;
+use wythe_contact::{JointLaw, frame_at};
 
 use crate::element::hex8::FACES;
 use crate::model::Model;
@@ -41,7 +41,7 @@ pub fn numerical_stiffness(model: &Model) -> (Vec<[f64; 2]>, Vec<f64>) {
             let mut key = *facet;
             key.sort_unstable();
             let Some(&e) = owner.get(&key) else {
-                return ([law.normal_stiffness, law.shear_stiffness], 0.0);
+                return (law.stiffness(), 0.0);
             };
             let corners = model.mesh.corners(e);
             let elastic = model.materials[model.mesh.material[e] as usize]

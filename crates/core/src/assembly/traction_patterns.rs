@@ -17,7 +17,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
-use wythe_contact::{PointStatus, Shift};
+use wythe_contact::{JointLaw, PointStatus, Shift};
 
 use super::contact::{Contact, Soft, total_gap};
 use super::{System, Trial};
@@ -309,8 +309,8 @@ impl Contact {
         f: usize,
         status: &[PointStatus],
     ) -> impl Iterator<Item = Pressed> {
-        let law = self.law(model, 4 * f);
-        let softness = (self.numerical[f][0] / law.normal_stiffness).min(1.0);
+        let [normal_stiffness, shear_stiffness] = self.law(model, 4 * f).stiffness();
+        let softness = (self.numerical[f][0] / normal_stiffness).min(1.0);
         let counts = status.contains(&PointStatus::Slip) && softness >= SOFTEST;
         let slave = self.slave.corners(f, &trial.x);
         let press = |p: usize| {
@@ -323,12 +323,12 @@ impl Contact {
             let (cell, kin) = self.see(point, &slave, anchor, pair, &trial.x)?;
             let [n, t_1, t_2] = kin.frame;
             let mut elastic = n * n.transpose();
-            let mut missing = n * (law.normal_stiffness * kin.gap - history.traction[0]);
+            let mut missing = n * (normal_stiffness * kin.gap - history.traction[0]);
             if status[p] == PointStatus::Stick {
                 elastic = Matrix3::identity();
                 for (i, t) in [t_1, t_2].into_iter().enumerate() {
                     let slip = history.slip[i] - history.plastic_slip[i];
-                    missing += t * (law.shear_stiffness * slip - history.traction[1 + i]);
+                    missing += t * (shear_stiffness * slip - history.traction[1 + i]);
                 }
             }
             Some(Pressed {
@@ -367,7 +367,7 @@ impl Contact {
         let respond = |traction: [f64; 3]| {
             let soft = Soft::of(state, trial);
             let shift = Shift {
-                stiffness: self.shifted_stiffness(f, law, &traction, old.damage, soft),
+                stiffness: self.shifted_stiffness(f, law, &traction, &old, soft),
                 traction,
                 bounding: traction[0],
             };

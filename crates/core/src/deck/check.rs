@@ -2,7 +2,7 @@
 
 use super::findings;
 use super::masonry::{self, Masonry};
-use super::schema::{Deck, DeckBeam, Interface, Subdivision, Turning};
+use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::symmetry::{self, Plane};
 use super::{rigid, scatter, wall_defaults};
 use crate::error::Warning;
@@ -17,6 +17,7 @@ use crate::model::sizes::sizes;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
+use wythe_contact::JointLaw;
 
 /// Findings about a deck without errors.
 #[derive(Clone, Debug)]
@@ -367,7 +368,16 @@ fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> O
 
 /// Parameters of an interface, and its stiffnesses in this model.
 fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
-    let kind = if f.is_dry() {
+    let kind = if let (JointKind::Cap, Some(curve)) = (f.kind, f.cap_curve()) {
+        format!(
+            "interface {name}: cap law, f_m = {} MPa at a plastic closing of {} mm, half of it at {:.4} mm <=> G_fc = \
+             {:.4} N/mm",
+            curve.strength,
+            curve.peak,
+            curve.middle,
+            curve.energy()
+        )
+    } else if f.is_dry() {
         format!("interface {name}: dry, friction {}", f.mu.get())
     } else {
         format!(
@@ -383,7 +393,7 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
     let contact = &model.contact;
     let laws = contact.laws.iter().zip(&contact.law_names);
     let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
-        let (normal, shear) = (law.normal_stiffness, law.shear_stiffness);
+        let [normal, shear] = law.stiffness();
         format!("{} / {}", rounded(normal), rounded(shear))
     });
     let mut pairs: Vec<String> = pairs.collect();

@@ -9,6 +9,7 @@ use crate::error::{Errors, ModelError, Warning};
 use crate::material::{Extent, MaterialParameters};
 use crate::model::Model;
 use std::collections::{HashMap, HashSet};
+use wythe_contact::JointLaw;
 
 /// Equivalent lengths l_eq = V^(1/3) of elements [mm] (α_h = 1 for hex8), ascending, each once.
 pub(super) fn equivalent_lengths(model: &Model, elements: &[usize]) -> Vec<f64> {
@@ -191,7 +192,7 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
             ));
         }
     }
-    let u_k = f.ultimate_opening();
+    let u_k = f.law(1.0, 1.0).ultimate_opening();
     if let Some(radius) = model.contact.search_radius.filter(|radius| *radius < u_k) {
         warnings.push(deck.warning(
             "contact.search_radius",
@@ -217,10 +218,9 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
 fn nearest_to_snap_back(model: &Model, name: &str, mode: usize) -> Option<[f64; 2]> {
     let contact = &model.contact;
     let laws = contact.laws.iter().zip(&contact.law_names);
-    let pairs = laws.filter(|(_, n)| *n == name).map(|(law, _)| {
-        let stiffness = [law.normal_stiffness, law.shear_stiffness];
-        [stiffness[mode], law.softening_slopes()[mode]]
-    });
+    let pairs = laws
+        .filter(|(_, n)| *n == name)
+        .map(|(law, _)| [law.stiffness()[mode], law.softening_slopes()[mode]]);
     pairs
         .filter(|[_, slope]| *slope > 0.0)
         .min_by(|[k, slope], [l, other]| (k / slope).total_cmp(&(l / other)))

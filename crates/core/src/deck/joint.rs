@@ -4,7 +4,7 @@ use super::scatter::MOST_LAWS;
 use super::schema::Interface;
 use crate::model::scene::ContactSurfaces;
 use crate::model::surfaces::{JointSide, joint_stiffness};
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// Index of the law between two elements; adds it if it is new.
 ///
@@ -24,10 +24,11 @@ pub(super) fn law_between(
         _ => interface.law(normal, shear),
     };
     // Sizes are differences of coordinates: equal ones may differ in their last bits.
+    let stiffness = law.stiffness();
     let alike = |l: &InterfaceLaw| {
-        (l.normal_stiffness - law.normal_stiffness).abs() <= 1e-9 * law.normal_stiffness
-            && (l.shear_stiffness - law.shear_stiffness).abs() <= 1e-9 * law.shear_stiffness
-            && l.delta_k == law.delta_k // differs for a joint that is cut at its middle
+        let same = |(a, b): (f64, f64)| (a - b).abs() <= 1e-9 * b;
+        // The law of a joint that is cut at its middle differs.
+        l.stiffness().into_iter().zip(stiffness).all(same) && l.is_half() == law.is_half()
     };
     // More laws are rejected in `scatter`; searching them would take too long.
     if contact.laws.len() > MOST_LAWS {

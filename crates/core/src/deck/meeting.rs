@@ -14,7 +14,7 @@ use crate::material::ElasticParameters;
 use crate::model::scene::ContactSurfaces;
 use crate::model::surfaces::JointSide;
 use std::collections::HashSet;
-use wythe_contact::{Aabb, Bvh};
+use wythe_contact::{Aabb, Bvh, JointLaw};
 
 /// Two bodies that touch at rest.
 pub(super) struct Touching {
@@ -315,7 +315,7 @@ fn gap(bodies: &Bodies<'_>, a: Patch, b: Patch) -> Option<f64> {
 /// at least 2 `u_k`.
 fn reach(deck: &Deck, interface: &Interface, bodies: &Bodies<'_>, slave: Patch) -> f64 {
     let chosen = 0.06 * mean_facet(bodies, slave).sqrt();
-    let least = 2.0 * interface.ultimate_opening();
+    let least = 2.0 * interface.law(1.0, 1.0).ultimate_opening();
     deck.contact
         .search_radius
         .map_or(chosen.max(least), Quantity::get)

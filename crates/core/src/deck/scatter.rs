@@ -101,12 +101,11 @@ pub(super) fn scatter(deck: &Deck, contact: &mut ContactSurfaces) -> Result<(), 
         let place = *places
             .entry((law, number.map(|_| unit)))
             .or_insert_with(|| {
-                let mut own = contact.laws[usize::from(law)];
+                let mut own = contact.laws[usize::from(law)].clone();
                 let scatter = deck.interfaces.get(name).and_then(|i| i.scatter);
                 if let Some((number, scatter)) = number.zip(scatter) {
                     let x = factor(scatter.cv.get(), scatter.seed, number as u64, unit);
-                    own.f_t *= x;
-                    own.c *= x;
+                    own.scale_bond(x);
                 }
                 laws.push(own);
                 law_names.push(name.to_owned());
@@ -176,7 +175,7 @@ mod tests {
         let mut shared = contact(&plain, 65537);
         scatter(&plain, &mut shared).unwrap();
         assert_eq!(shared.laws.len(), 1);
-        shared.laws = vec![shared.laws[0]; 65537];
+        shared.laws = vec![shared.laws[0].clone(); 65537];
         assert!(scatter(&plain, &mut shared).is_err());
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Displacements of the two sides are mirror images, so that displacements in the plane have no component normal to
 //! it. Where a joint lies in the plane (walls, `masonry::symmetry`), its middle stays in the plane: a mirror, which
-//! is a fixed facet, represents the other half, and the law of the joint opens by half as much ([`mirrored`]).
+//! is a fixed facet, represents the other half, and the law of the joint opens by half as much
+//! ([`InterfaceLaw::half`](wythe_contact::InterfaceLaw::half)).
 
 use super::bodies::Bodies;
 use super::overlap;

@@ -1,6 +1,6 @@
 //! General contact of all faces with other bodies.
 
-use wythe_contact::{InterfaceLaw, frame_at};
+use wythe_contact::{CohesiveFrictional, frame_at};
 
 use crate::element::hexahedron;
 use crate::material::ElasticParameters;
@@ -60,10 +60,10 @@ impl GeneralContact {
     }
 
     /// Law between two facets.
-    pub fn law(&self, a: u32, b: u32) -> InterfaceLaw {
+    pub fn law(&self, a: u32, b: u32) -> CohesiveFrictional {
         let [k, l] = [a, b].map(|f| self.stiffness[f as usize]);
         let [normal, shear] = if l[0] < k[0] { l } else { k };
-        InterfaceLaw::dry(self.mu, normal, shear)
+        CohesiveFrictional::dry(self.mu, normal, shear)
     }
 }
 

@@ -14,7 +14,6 @@ pub(crate) mod rounding;
 pub mod scene;
 pub mod sizes;
 pub mod surfaces;
-pub(crate) mod symmetry;
 
 pub use mesh::Mesh;
 pub use scene::Model;

@@ -3,7 +3,7 @@
 use super::general::GeneralContact;
 use crate::element::hexahedron::norm;
 use crate::material::ElasticParameters;
-use wythe_contact::{InterfaceLaw, Part, Surface};
+use wythe_contact::{InterfaceLaw, JointLaw, Output, Part, Surface};
 
 /// Where an interface is sampled on a slave facet.
 #[derive(
@@ -65,6 +65,17 @@ impl ContactSurfaces {
             facets: self.slave_facets.clone(),
             body: self.slave_body.clone(),
         }
+    }
+
+    /// Outputs of the laws, each name once, in the order of the laws.
+    pub fn outputs(&self) -> Vec<Output> {
+        let mut outputs: Vec<Output> = Vec::new();
+        for output in self.laws.iter().flat_map(JointLaw::outputs) {
+            if outputs.iter().all(|known| known.name != output.name) {
+                outputs.push(*output);
+            }
+        }
+        outputs
     }
 
     /// Sampled part of an entry of the slave facets.

@@ -3,11 +3,11 @@
 use std::num::NonZeroUsize;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
-use wythe_contact::{InterfaceHistory, InterfaceLaw};
+use wythe_contact::{InterfaceHistory, JointLaw};
 
 use super::search::{Answer, PointFailure, State, advance};
 use super::{Row, Target};
-use crate::material::{LocalFailure, Material, MaterialHistory};
+use crate::material::{LocalFailure, Material, MaterialHistory, SolidLaw};
 
 /// What a point answers to one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,7 +102,7 @@ pub fn follow_material(
 /// # Errors
 /// As [`follow`]; the law itself answers to everything finite.
 pub fn follow_interface(
-    law: &InterfaceLaw,
+    law: &(impl JointLaw + ?Sized),
     from: State<3, InterfaceHistory>,
     rows: &[Row<3>],
     substeps: NonZeroUsize,
@@ -136,7 +136,7 @@ pub fn material_path(
 
 /// A virgin interface point along a whole path.
 pub fn interface_path(
-    law: &InterfaceLaw,
+    law: &(impl JointLaw + ?Sized),
     rows: &[Row<3>],
     substeps: NonZeroUsize,
 ) -> Walk<3, InterfaceHistory> {
@@ -162,6 +162,22 @@ pub fn material_state(history: &MaterialHistory) -> [f64; 5] {
 /// What is told of an interface point, in the order of [`INTERFACE`](super::INTERFACE): damage D [-].
 pub fn interface_state(history: &InterfaceHistory) -> [f64; 1] {
     [history.damage]
+}
+
+/// The state of a material point with the outputs of its law, in the order of
+/// [`material_layout`](super::material_layout).
+pub fn material_outputs(law: &dyn SolidLaw, history: &MaterialHistory) -> Vec<f64> {
+    let outputs = law.outputs().iter().map(|output| output.slot.of(history));
+    material_state(history).into_iter().chain(outputs).collect()
+}
+
+/// The state of an interface point with the outputs of its law, in the order of [`interface_layout`](super::interface_layout).
+pub fn interface_outputs(law: &(impl JointLaw + ?Sized), history: &InterfaceHistory) -> Vec<f64> {
+    let outputs = law.outputs().iter().map(|output| output.of(history));
+    interface_state(history)
+        .into_iter()
+        .chain(outputs)
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,4 +1,10 @@
-//! How the components of a point and what it tells are called, in tables and on the command line.
+//! Names of the components and results of a point, in tables and on the command line.
+
+use std::borrow::Cow;
+
+use wythe_contact::JointLaw;
+
+use crate::material::SolidLaw;
 
 /// Names of the components of a point and of their columns.
 #[derive(Debug)]
@@ -9,8 +15,8 @@ pub struct Layout<const N: usize> {
     pub strains: [&'static str; N],
     /// Columns of stresses or tractions.
     pub stresses: [&'static str; N],
-    /// Columns of what else is told of the point.
-    pub state: &'static [&'static str],
+    /// Columns of its further results.
+    pub state: Cow<'static, [&'static str]>,
 }
 
 /// A material point: engineering Voigt. Its state is [`material_state`](super::material_state).
@@ -25,7 +31,7 @@ pub const MATERIAL: Layout<6> = Layout {
         "sig_yz_MPa",
         "sig_zx_MPa",
     ],
-    state: &["kt", "kc", "dt", "dc", "d"],
+    state: Cow::Borrowed(&["kt", "kc", "dt", "dc", "d"]),
 };
 
 /// An interface point: opening and two slips. Its state is [`interface_state`](super::interface_state).
@@ -33,5 +39,23 @@ pub const INTERFACE: Layout<3> = Layout {
     components: ["normal", "tau1", "tau2"],
     strains: ["u_mm", "d1_mm", "d2_mm"],
     stresses: ["sig_MPa", "tau1_MPa", "tau2_MPa"],
-    state: &["D"],
+    state: Cow::Borrowed(&["D"]),
 };
+
+/// [`MATERIAL`] with the outputs of a law after the damage, as [`material_outputs`](super::material_outputs).
+pub fn material_layout(law: &dyn SolidLaw) -> Layout<6> {
+    let outputs = law.outputs().iter().map(|output| output.name);
+    Layout {
+        state: MATERIAL.state.iter().copied().chain(outputs).collect(),
+        ..MATERIAL
+    }
+}
+
+/// [`INTERFACE`] with the outputs of a law after the damage, as [`interface_outputs`](super::interface_outputs).
+pub fn interface_layout(law: &(impl JointLaw + ?Sized)) -> Layout<3> {
+    let outputs = law.outputs().iter().map(|output| output.name);
+    Layout {
+        state: INTERFACE.state.iter().copied().chain(outputs).collect(),
+        ..INTERFACE
+    }
+}

@@ -10,10 +10,10 @@ mod layout;
 mod search;
 
 pub use follow::{
-    Record, RowFailure, Walk, follow, follow_interface, follow_material, interface_path,
-    interface_state, material_path, material_state,
+    Record, RowFailure, Walk, follow, follow_interface, follow_material, interface_outputs,
+    interface_path, interface_state, material_outputs, material_path, material_state,
 };
-pub use layout::{INTERFACE, Layout, MATERIAL};
+pub use layout::{INTERFACE, Layout, MATERIAL, interface_layout, material_layout};
 pub use search::{Answer, Limit, PointFailure, State, advance};
 
 /// What one component is told to do in a row.

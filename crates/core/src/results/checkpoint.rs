@@ -24,7 +24,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";
 /// Version of the content; increased by every change of the data.
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 /// Size of the header [byte].
 const HEAD: usize = 8 + 4 + 4 + 8;
 

@@ -115,6 +115,7 @@ pub fn frame(model: &Model, time: f64) -> Frame {
             traction: (0..points).map(|p| [time, p as f64, -time]).collect(),
             damage: each(|p| 0.01 * p),
             state: vec![InterfaceState::Softening; points],
+            ..InterfaceFrame::default()
         },
         ..Frame::default()
     }

@@ -1,9 +1,8 @@
 //! The fields of one output increment.
 
 use nalgebra::Vector6;
-use wythe_contact::{InterfaceHistory, InterfaceLaw};
+use wythe_contact::{InterfaceHistory, InterfaceLaw, JointLaw};
 
-use crate::model::symmetry::is_mirrored;
 use crate::tensor;
 
 /// Fields of one output increment.
@@ -73,6 +72,8 @@ pub struct InterfaceFrame {
     pub damage: Vec<f64>,
     /// State of the bond.
     pub state: Vec<InterfaceState>,
+    /// Outputs of the joint laws; NaN at points of laws without this output. `[output]`
+    pub outputs: Vec<OutputField>,
 }
 
 /// State of a contact point.
@@ -99,7 +100,7 @@ impl InterfaceState {
             (true, true) => Self::FailedOpen,
             (true, false) if law.is_dry() && history.slip_max == 0.0 => Self::Intact,
             // In a plane of symmetry the other side slides equally, so there is no relative slip.
-            (true, false) if law.is_dry() && is_mirrored(law) => Self::Intact,
+            (true, false) if law.is_dry() && law.is_half() => Self::Intact,
             (true, false) => Self::FailedSliding,
             (false, _) if history.damage > 0.0 => Self::Softening,
             (false, _) => Self::Intact,
@@ -125,14 +126,13 @@ const FAILED: f64 = 0.99;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::symmetry::mirrored;
-    use wythe_contact::Coupling;
+    use wythe_contact::{CohesiveFrictional, Coupling};
 
     /// A joint cut at its middle opens and closes, and slides freely without damage.
     #[test]
     fn slip_along_a_plane_of_symmetry_leaves_the_bond() {
         for coupling in [Coupling::Max, Coupling::Additive] {
-            let whole = InterfaceLaw {
+            let whole = CohesiveFrictional {
                 f_t: 0.2,
                 c: 0.3,
                 u_k: 0.36,
@@ -140,9 +140,9 @@ mod tests {
                 zeta: 4.38,
                 xi: 1.1,
                 coupling,
-                ..InterfaceLaw::dry(0.75, 100.0, 40.0)
+                ..CohesiveFrictional::dry(0.75, 100.0, 40.0)
             };
-            let law = mirrored(&whole);
+            let law = whole.half();
             let u_0 = law.f_t / law.normal_stiffness;
             let after = |opening: f64| {
                 let first = law.update([0.5 * opening, 0.1, 0.0], &law.virgin()).history;
@@ -151,22 +151,31 @@ mod tests {
             for held in [-0.01, 0.5 * u_0] {
                 let history = after(held);
                 assert_eq!(history.damage, 0.0, "{coupling:?}");
-                assert_eq!(InterfaceState::of(&law, &history), InterfaceState::Intact);
+                assert_eq!(
+                    InterfaceState::of(&law.into(), &history),
+                    InterfaceState::Intact
+                );
             }
             let history = after(2.0 * u_0);
             let (expected, _) = law.opening_curve().evaluate(u_0);
             // Rounding of an exponential.
             assert!((history.damage - expected).abs() < 1e-14, "{coupling:?}");
             assert_eq!(
-                InterfaceState::of(&law, &history),
+                InterfaceState::of(&law.into(), &history),
                 InterfaceState::Softening
             );
         }
-        let law = mirrored(&InterfaceLaw::dry(0.6, 50.0, 20.0));
+        let law = CohesiveFrictional::dry(0.6, 50.0, 20.0).half();
         let pressed = law.update([-0.01, 0.1, 0.0], &law.virgin()).history;
         assert!(pressed.slip_max > 0.0);
-        assert_eq!(InterfaceState::of(&law, &pressed), InterfaceState::Intact);
+        assert_eq!(
+            InterfaceState::of(&law.into(), &pressed),
+            InterfaceState::Intact
+        );
         let open = law.update([0.01, 0.1, 0.0], &law.virgin()).history;
-        assert_eq!(InterfaceState::of(&law, &open), InterfaceState::FailedOpen);
+        assert_eq!(
+            InterfaceState::of(&law.into(), &open),
+            InterfaceState::FailedOpen
+        );
     }
 }

@@ -25,10 +25,11 @@ pub struct PointTest {
 
 /// Names of the columns of a point's history.
 pub fn columns() -> Vec<String> {
-    let names = MATERIAL.strains.iter().chain(&MATERIAL.stresses);
+    let layout = MATERIAL;
+    let names = layout.strains.iter().chain(&layout.stresses);
     std::iter::once(&"time")
         .chain(names)
-        .chain(MATERIAL.state)
+        .chain(&*layout.state)
         .map(|name| (*name).to_owned())
         .collect()
 }

@@ -3,12 +3,12 @@
 use pulp::Simd;
 use rayon::prelude::*;
 use wythe_contact::{
-    FourPlaced, FourSeen, InterfaceHistory, Lanes, Loose, PointPair, PointStatus, Shift, Symmetric,
-    write_symmetric,
+    FourPlaced, FourSeen, InterfaceHistory, JointLaw, Lanes, Loose, PointPair, PointStatus, Shift,
+    Symmetric, for_law, write_symmetric,
 };
 
 use super::sight::Sight;
-use super::{Contact, Soft, lost};
+use super::{Contact, Soft};
 use crate::assembly::pattern::CELL;
 use crate::assembly::stiffness_reuse::Joint;
 use crate::assembly::{Evaluation, Trial};
@@ -227,24 +227,32 @@ impl pulp::WithSimd for Work<'_, '_> {
             if self.seen.awake.is_some_and(|awake| !awake[f]) {
                 continue;
             }
-            facet(simd, self.seen, &mut self.group, k);
+            let law = self.seen.contact.law_of[f];
+            // One dispatch per facet.
+            for_law!(&self.seen.model.contact.laws[law as usize], law => {
+                facet(simd, self.seen, &mut self.group, k, law);
+            });
         }
     }
 }
 
 /// Evaluates facet `k` of a group.
 #[inline(always)]
-fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
+fn facet<S: Simd, L: JointLaw + ?Sized>(
+    simd: S,
+    seen: &Seen,
+    group: &mut Group,
+    k: usize,
+    law: &L,
+) {
     let &Seen {
         contact,
-        model,
         state,
         x,
         setting,
         ..
     } = seen;
     let f = group.first + k;
-    let law = &model.contact.laws[contact.law_of[f] as usize];
     let first_cell = contact.candidates.range(group.first).start;
     let range = contact.candidates.range(f);
     let range = range.start - first_cell..range.end - first_cell;
@@ -286,7 +294,7 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
         let sight = contact.sight(4 * f + p, &four, &slave, committed, pair, x);
         let Some(sight) = sight else {
             group.pairs[at] = PointPair::default();
-            group.history[at] = lost(law, old);
+            group.history[at] = law.lost(old);
             // The stored energy of the point is dissipated.
             group.energy[at] = [0.0, law.free_energy(old) * point.area];
             group.status[at] = PointStatus::Open;
@@ -313,10 +321,10 @@ fn facet<S: Simd>(simd: S, seen: &Seen, group: &mut Group, k: usize) {
             old.slip[1] + sight.slip[1],
         ];
         let last = &group.last[at];
-        let mut stick = [law.normal_stiffness, law.shear_stiffness];
+        let mut stick = law.stiffness();
         let mut response = if setting.shifted {
             let shift = Shift {
-                stiffness: contact.shifted_stiffness(f, law, last, old.damage, seen.soft),
+                stiffness: contact.shifted_stiffness(f, law, last, old, seen.soft),
                 traction: *last,
                 bounding: group.bounding[at],
             };

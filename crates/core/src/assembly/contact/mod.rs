@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use wythe_contact::pairs::{RIM, STAY};
 use wythe_contact::surface::blend;
 use wythe_contact::{
-    Aabb, Candidates, InterfaceHistory, InterfaceLaw, Kinematics, PointPair, SlavePoint, Surface,
-    corner_points, gauss_points,
+    Aabb, Candidates, InterfaceHistory, InterfaceLaw, JointLaw, Kinematics, PointPair, SlavePoint,
+    Surface, corner_points, gauss_points,
 };
 
 use super::numerical_stiffness::{FIRM, WELL_WITHIN, numerical_stiffness};
@@ -119,7 +119,11 @@ impl Contact {
             }
         }
         let edge = if count > 0.0 { edges / count } else { 1.0 };
-        let u_k = surfaces.laws.iter().map(|l| l.u_k).fold(0.0, f64::max);
+        let u_k = surfaces
+            .laws
+            .iter()
+            .map(JointLaw::ultimate_opening)
+            .fold(0.0, f64::max);
         let chosen = (REACH * edge).max(REACH_OVER_OPENING * u_k);
         let (numerical, areal_mass) = numerical_stiffness(model);
         Self {
@@ -246,12 +250,12 @@ impl Contact {
     pub(super) fn shifted_stiffness(
         &self,
         facet: usize,
-        law: &InterfaceLaw,
+        law: &(impl JointLaw + ?Sized),
         last: &[f64; 3],
-        damage: f64,
+        old: &InterfaceHistory,
         soft: Soft,
     ) -> [f64; 2] {
-        let factor = if soft.steady && law.exertion(last, damage) < WELL_WITHIN {
+        let factor = if soft.steady && law.exertion(last, old) < WELL_WITHIN {
             // Two values only, so that this stiffness seldom changes.
             if soft.factor < STIFFEST {
                 FIRM
@@ -259,7 +263,7 @@ impl Contact {
                 soft.factor
             }
         } else {
-            let firm = law.utilisation(last, damage) < WELL_WITHIN;
+            let firm = law.utilisation(last, old) < WELL_WITHIN;
             soft.factor.max(if firm { FIRM } else { 1.0 })
         };
         let least = soft.inertia * self.areal_mass[facet];
@@ -297,17 +301,4 @@ pub(super) fn total_gap(kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
         old.slip[0] + kin.slip[0],
         old.slip[1] + kin.slip[1],
     ]
-}
-
-/// History of a point without a master facet: no traction. If it finds one again, it sticks where it is.
-fn lost(law: &InterfaceLaw, old: &InterfaceHistory) -> InterfaceHistory {
-    // A point that left its surface has lost its bond.
-    let damage = if law.is_dry() { old.damage } else { 1.0 };
-    InterfaceHistory {
-        slip: old.plastic_slip,
-        damage,
-        traction: [0.0; 3],
-        opening: 0.0,
-        ..*old
-    }
 }

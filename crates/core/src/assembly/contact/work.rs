@@ -1,6 +1,6 @@
 //! Work of points that open, close or change their facet between two commits.
 
-use wythe_contact::{PointPair, extend};
+use wythe_contact::{JointLaw, PointPair, extend};
 
 use super::Contact;
 use crate::assembly::Trial;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 use wythe_contact::{
-    Anchor, EdgePair, Entry, InterfaceHistory, InterfaceLaw, Kinematics, PointStatus, frame_at,
-    surface, to_frame,
+    Anchor, CohesiveFrictional, EdgePair, Entry, InterfaceHistory, Kinematics, PointStatus,
+    frame_at, surface, to_frame,
 };
 
 use super::General;
@@ -42,7 +42,7 @@ pub struct Live {
     /// Pair of facets of its cell, ascending.
     pub(super) cell: [u32; 2],
     /// Law of the touch.
-    pub(super) law: InterfaceLaw,
+    pub(super) law: CohesiveFrictional,
     /// Elastic stiffness of the bodies behind it, normal and shear [N/mm³].
     pub(super) numerical: [f64; 2],
     /// Mass that moves with the gap, over the contact area [tonne/mm²].
@@ -104,7 +104,7 @@ impl Live {
             approach: 0.0,
             claims: true,
             cell: [a.min(b), a.max(b)],
-            law: InterfaceLaw::dry(0.0, 0.0, 0.0),
+            law: CohesiveFrictional::dry(0.0, 0.0, 0.0),
             numerical: [0.0; 2],
             areal_mass: 0.0,
             last: traction,

@@ -17,7 +17,7 @@ use std::collections::{HashMap, HashSet};
 use crate::state::{Kind, Touch};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use wythe_contact::{InterfaceLaw, Part, Surface, corner_points};
+use wythe_contact::{CohesiveFrictional, Part, Surface, corner_points};
 
 use super::{Contact, Mass, Trial};
 use crate::model::Model;
@@ -306,8 +306,8 @@ impl General {
     }
 
     /// Law between two facets.
-    fn law(&self, [a, b]: [u32; 2]) -> InterfaceLaw {
-        let none = || InterfaceLaw::dry(0.0, 0.0, 0.0);
+    fn law(&self, [a, b]: [u32; 2]) -> CohesiveFrictional {
+        let none = || CohesiveFrictional::dry(0.0, 0.0, 0.0);
         self.of.as_ref().map_or_else(none, |of| of.law(a, b))
     }
 

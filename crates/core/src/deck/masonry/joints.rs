@@ -15,7 +15,6 @@ use crate::material::ElasticParameters;
 use crate::model::Mesh;
 use crate::model::scene::ContactSurfaces;
 use crate::model::surfaces::JointSide;
-use crate::model::symmetry::mirrored;
 use std::collections::{BTreeMap, BTreeSet};
 use wythe_contact::{Aabb, Bvh};
 
@@ -178,12 +177,14 @@ fn behind(mesh: &Mesh, body: &Body, facet: &Facet, face: Face) -> Option<(usize,
         })
 }
 
-/// Index of the law of half a joint, see [`mirrored`].
+/// Index of the law of half a joint, see [`half`](wythe_contact::InterfaceLaw::half).
 ///
 /// It keeps the name of the interface, so that its bond scatters like that of the others and `wythe check` reports
 /// its stiffnesses.
 fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
-    let own = mirrored(&contact.laws[usize::from(law)]);
+    let whole = &contact.laws[usize::from(law)];
+    // Every law of a deck has a half.
+    let own = whole.half().unwrap_or_else(|| whole.clone());
     let name = contact.law_names[usize::from(law)].clone();
     let mut known = contact.laws.iter().zip(&contact.law_names);
     let found = known.position(|(l, n)| *n == name && *l == own);

@@ -1,19 +1,25 @@
-//! `[interfaces.NAME]`: the cohesive-frictional contact of a joint (theory/joint.md).
+//! `[interfaces.NAME]`: the law of a joint, by its kind (theory/joint.md, theory/joint-cap.md).
 
-use crate::deck::quantity::{FractureEnergy, InterfaceStiffness, Length, Number, Pressure};
+use super::JointKind;
+use crate::deck::quantity::{
+    FractureEnergy, InterfaceStiffness, InverseLength, Length, Number, Pressure, Quantity,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wythe_contact::softening::Softening;
-use wythe_contact::{Coupling, InterfaceLaw};
+use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
 
 /// Parameters of an interface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
     non_snake_case,
-    reason = "G_I and G_II are spelt in the deck as in the theory"
+    reason = "energies and weights are spelt in the deck as in the theory"
 )]
 pub struct Interface {
+    /// Law of the joint.
+    #[serde(default)]
+    pub kind: JointKind,
     /// Tensile strength f_t [MPa].
     pub f_t: Pressure,
     /// Cohesion c [MPa].
@@ -40,6 +46,30 @@ pub struct Interface {
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
+    /// Compressive strength f_m [MPa]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f_m: Option<Pressure>,
+    /// Energy of crushing above the residual strength f_m/7, G_fc [N/mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub G_fc: Option<FractureEnergy>,
+    /// Plastic closing at the compressive strength κ_p [mm]; of `cap`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_p: Option<Length>,
+    /// Weight of the normal traction in the cap C_nn [-]; of `cap`, 1 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_nn: Option<Number>,
+    /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub C_ss: Option<Number>,
+    /// Dilatancy tan ψ₀ at the start of slip, without normal stress [-]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tan_psi: Option<Number>,
+    /// Pressure σ_u above which slip does not dilate [MPa]; of `cap`, unlimited if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_u: Option<Pressure>,
+    /// Decay of the dilatancy with plastic slip δ [1/mm]; of `cap`, 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delta: Option<InverseLength>,
     /// Stiffness over the representative stiffness of the facing elements [-]. The default is 500, or 50 for joints
     /// of walls with mortar in decks without general contact.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -131,6 +161,43 @@ impl Interface {
         }
     }
 
+    /// The curve of the cap; `None` if `f_m`, `kappa_p` or `G_fc` is missing or they do not fit together.
+    pub fn cap_curve(&self) -> Option<CapCurve> {
+        let [strength, peak] = [self.f_m?.get(), self.kappa_p?.get()];
+        CapCurve::with_energy(strength, peak, self.G_fc?.get())
+    }
+
+    /// C_nn and C_ss [-].
+    pub fn cap_weights(&self) -> [f64; 2] {
+        [(self.C_nn, 1.0), (self.C_ss, 9.0)].map(|(given, own)| given.map_or(own, Number::get))
+    }
+
+    /// The law of `kind = "cap"`. A deck that was read has its keys.
+    pub(super) fn cap(&self, normal_stiffness: f64, shear_stiffness: f64) -> Cap {
+        let energy = |given: Option<FractureEnergy>| given.map_or(1.0, Quantity::get);
+        let [c_nn, c_ss] = self.cap_weights();
+        Cap {
+            normal_stiffness,
+            shear_stiffness,
+            f_t: self.f_t.get(),
+            mode_1: energy(self.G_I),
+            c: self.c.get(),
+            mode_2: energy(self.G_II),
+            tan_phi: self.tan_phi.get(),
+            mu: self.mu.get(),
+            tan_psi: self.tan_psi.map_or(0.0, Number::get),
+            sigma_u: self.sigma_u.map_or(f64::INFINITY, Quantity::get),
+            decay: self.delta.map_or(0.0, Quantity::get),
+            curve: self.cap_curve().unwrap_or(CapCurve {
+                strength: f64::INFINITY,
+                peak: 1.0,
+                middle: 2.0,
+            }),
+            c_nn,
+            c_ss,
+        }
+    }
+
     /// Fracture energy in tension G_I [N/mm] (theory/joint.md, eq. 30).
     pub fn mode_1_energy(&self) -> f64 {
         self.curves().mode_1_energy()
@@ -143,13 +210,22 @@ impl Interface {
     }
 
     /// The law for quantities that do not depend on its stiffnesses.
-    fn curves(&self) -> InterfaceLaw {
-        self.law(f64::INFINITY, f64::INFINITY)
+    fn curves(&self) -> CohesiveFrictional {
+        self.cohesive_frictional(f64::INFINITY, f64::INFINITY)
     }
 
     /// The law with these stiffnesses [N/mm³]; of mean strength, if its strength scatters.
     pub fn law(&self, normal_stiffness: f64, shear_stiffness: f64) -> InterfaceLaw {
-        InterfaceLaw {
+        self.kind.law(self, normal_stiffness, shear_stiffness)
+    }
+
+    /// The law of `kind = "cohesive-frictional"`.
+    pub(super) fn cohesive_frictional(
+        &self,
+        normal_stiffness: f64,
+        shear_stiffness: f64,
+    ) -> CohesiveFrictional {
+        CohesiveFrictional {
             f_t: self.f_t.get(),
             c: self.c.get(),
             tan_phi: self.tan_phi.get(),

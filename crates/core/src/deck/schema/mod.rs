@@ -12,6 +12,7 @@ mod ground;
 mod imports;
 mod inputs;
 mod interfaces;
+mod joint_kinds;
 mod loads;
 mod materials;
 mod output;
@@ -34,6 +35,7 @@ pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotatio
 pub use bounds::MOST_BYTES;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
+pub use joint_kinds::JointKind;
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe};

@@ -1,11 +1,12 @@
 use super::*;
 use crate::deck::{Deck, templates};
+use wythe_contact::CohesiveFrictional;
 
 const ONCE: NonZeroUsize = NonZeroUsize::MIN;
 
 /// A joint with friction that falls from 0.8 to 0.7 with its bond.
-fn joint() -> InterfaceLaw {
-    InterfaceLaw {
+fn joint() -> CohesiveFrictional {
+    CohesiveFrictional {
         f_t: 0.3,
         c: 0.4,
         tan_phi: 0.8,
@@ -13,7 +14,7 @@ fn joint() -> InterfaceLaw {
         delta_k: 0.5,
         zeta: 4.0,
         xi: 3.0,
-        ..InterfaceLaw::dry(0.7, 3e4, 1.3e4)
+        ..CohesiveFrictional::dry(0.7, 3e4, 1.3e4)
     }
 }
 

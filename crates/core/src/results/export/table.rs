@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::results::Snapshot;
-use crate::state::InterfaceState;
+use crate::state::{InterfaceState, OutputField};
 
 /// Components of symmetric tensors.
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
@@ -61,8 +61,13 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     let (surface, of) = (&snapshot.surface, &snapshot.frame.interfaces);
     let mut text = String::from(
         "point,state,x_mm,y_mm,z_mm,opening_mm,slip_1_mm,slip_2_mm,traction_n_MPa,traction_1_MPa,\
-         traction_2_MPa,damage\n",
+         traction_2_MPa,damage",
     );
+    for OutputField { name, .. } in &of.outputs {
+        text += ",";
+        text += &quoted(name);
+    }
+    text += "\n";
     for (p, quad) in surface.quads.iter().enumerate() {
         let corner = |i: usize| {
             quad.map(|n| surface.points[n as usize][i])
@@ -77,7 +82,15 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
             InterfaceState::FailedSliding => "failed_sliding",
         };
         let (opening, damage) = ([of.opening[p]], [of.damage[p]]);
-        let numbers: [&[f64]; 5] = [&middle, &opening, &of.slip[p], &of.traction[p], &damage];
+        let further: Vec<f64> = of.outputs.iter().map(|output| output.values[p]).collect();
+        let numbers: [&[f64]; 6] = [
+            &middle,
+            &opening,
+            &of.slip[p],
+            &of.traction[p],
+            &damage,
+            &further,
+        ];
         row(&mut text, p, &[state.to_owned()], &numbers);
     }
     text

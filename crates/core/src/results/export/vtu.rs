@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 
 use crate::model::Model;
 use crate::results::Snapshot;
+use crate::state::OutputField;
 
 /// VTK numbers of cell types.
 const HEXAHEDRON: u8 = 12;
@@ -121,6 +122,9 @@ pub fn interfaces(snapshot: &Snapshot) -> String {
     xml.reals("traction", 3, of.traction.as_flattened());
     xml.reals("damage", 1, &of.damage);
     xml.small("state", of.state.iter().map(|&s| s as u8));
+    for OutputField { name, values } in &of.outputs {
+        xml.reals(name, 1, values);
+    }
     xml.close("CellData");
     xml.cells(&surface.points, surface.quads.as_flattened(), 4, QUAD);
     xml.end()

@@ -14,6 +14,11 @@ use super::{INTERFACES, into_io, publication};
 use crate::model::Model;
 use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, OutputField};
 
+/// Fields of the interfaces in every file.
+const OF_EVERY_LAW: [&str; 7] = [
+    "opening", "slip", "traction", "damage", "state", "facet", "law",
+];
+
 /// The solids at rest with the labels of their elements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestMesh {
@@ -253,6 +258,19 @@ impl FieldsFile {
         Ok(outputs)
     }
 
+    /// Fields that the joint laws have added, in the order of their names.
+    fn interface_outputs(&self, frame: usize) -> hdf5::Result<Vec<OutputField>> {
+        let group = format!("{INTERFACES}/CellData");
+        let mut names = self.file.group(&group)?.member_names()?;
+        names.retain(|name| !OF_EVERY_LAW.contains(&name.as_str()));
+        names.sort();
+        let read = |name: String| {
+            let values = self.scalars(frame, &format!("{group}/{name}"))?;
+            Ok(OutputField { name, values })
+        };
+        names.into_iter().map(read).collect()
+    }
+
     fn interfaces(&self, frame: usize) -> hdf5::Result<InterfaceFrame> {
         if !self.file.link_exists(INTERFACES) {
             return Ok(InterfaceFrame::default());
@@ -268,6 +286,7 @@ impl FieldsFile {
             traction: self.step(frame, &cell("traction"))?,
             damage: self.scalars(frame, &cell("damage"))?,
             state: states.iter().map(state).collect::<hdf5::Result<_>>()?,
+            outputs: self.interface_outputs(frame)?,
         })
     }
 

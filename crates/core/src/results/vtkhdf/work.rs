@@ -132,9 +132,12 @@ impl WorkFile {
         let solids = grid(&file, "VTKHDF", &solids)?;
         let interfaces = match Quarters::of(model) {
             Some(quarters) => {
+                let further = model.contact.outputs().into_iter();
+                let further = further.map(|output| column(output.name, On::Cells, 1, output.unit));
+                let columns: Vec<Column> = SURFACES.into_iter().chain(further).collect();
                 let surfaces = Meshed {
                     geometry: &quarters.geometry(),
-                    columns: &SURFACES,
+                    columns: &columns,
                     labels: &quarters.labels(),
                     series: &[],
                 };
@@ -251,17 +254,20 @@ impl Fields {
         solids.chain(outputs).collect()
     }
 
-    /// Values in the order of [`SURFACES`].
-    fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> [Values<'a>; SURFACES.len()] {
+    /// Values in the order of [`SURFACES`], then the outputs of the laws.
+    fn of_surfaces<'a>(&'a self, frame: &'a Frame) -> Vec<Values<'a>> {
         let of = &frame.interfaces;
-        [
+        let mut values = vec![
             Values::Real(self.displacement.as_flattened()),
             Values::Real(&of.opening),
             Values::Real(of.slip.as_flattened()),
             Values::Real(of.traction.as_flattened()),
             Values::Real(&of.damage),
             Values::Small(&self.state),
-        ]
+        ];
+        let further = of.outputs.iter();
+        values.extend(further.map(|output| Values::Real(&output.values)));
+        values
     }
 }
 

@@ -146,6 +146,14 @@ impl Places {
             whole.damage.push(half.damage[p]);
             whole.state.push(half.state[p]);
         }
+        // Scalars: they do not turn.
+        for OutputField { name, values } in &half.outputs {
+            let of_point = |(p, _): &(u32, Turn)| values[*p as usize];
+            whole.outputs.push(OutputField {
+                name: name.clone(),
+                values: self.point.iter().map(of_point).collect(),
+            });
+        }
         whole
     }
 }

@@ -6,6 +6,7 @@ use super::run::Run;
 use crate::material::{ElasticParameters, LawOutput, MaterialHistory};
 use crate::state::{Frame, HistoryRow, InterfaceFrame, InterfaceState, OutputField};
 use crate::tensor;
+use wythe_contact::{InterfaceHistory, JointLaw};
 
 impl Run<'_> {
     /// Fields of the last commit, whose row is `row`.
@@ -106,6 +107,18 @@ impl Run<'_> {
             frame.traction.push(history.traction);
             frame.damage.push(history.damage);
             frame.state.push(InterfaceState::of(law, history));
+        }
+        for output in self.model.contact.outputs() {
+            let histories = self.state.interface.iter().enumerate();
+            let value = |(p, history): (usize, &InterfaceHistory)| {
+                let law = self.system.contact.law(self.model, p);
+                let own = law.outputs().iter().find(|own| own.name == output.name);
+                own.map_or(f64::NAN, |own| own.of(history))
+            };
+            frame.outputs.push(OutputField {
+                name: output.name.to_owned(),
+                values: histories.map(value).collect(),
+            });
         }
         frame
     }

@@ -2,17 +2,43 @@
 
 use super::explain;
 use super::fallback::Answer;
-use super::run::{CUT, Run};
+use super::run::{CUT, Run, RunError};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::solve::Recorder;
 use crate::solve::increment::outcome::Rejection;
 use crate::state::Method;
 use crate::state::Status;
+use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// First increment along a path, as a part of the rejected increment.
 const GUESS: f64 = 0.1;
 
 impl Run<'_> {
+    /// Checks that the joint laws of users gave finite results in the last iterate.
+    ///
+    /// # Errors
+    /// [`RunError::JointLaw`] for the first contact point with a number that is not finite.
+    pub(super) fn check_custom_laws(&self) -> Result<(), RunError> {
+        let laws = &self.model.contact.laws;
+        if !laws
+            .iter()
+            .any(|law| matches!(law, InterfaceLaw::Custom(_)))
+        {
+            return Ok(());
+        }
+        for (point, history) in self.trial.interface.iter().enumerate() {
+            let mut numbers = history.traction.iter().chain(&history.slots);
+            if numbers.all(|n| n.is_finite()) && history.damage.is_finite() {
+                continue;
+            }
+            let law = self.system.contact.law(self.model, point).name();
+            let [slip_1, slip_2] = history.slip;
+            let gap = [self.state.interface[point].opening, slip_1, slip_2];
+            return Err(RunError::JointLaw { law, point, gap });
+        }
+        Ok(())
+    }
+
     /// Chooses the next attempt after a rejection; false if none is left.
     pub(in crate::solve) fn reject(
         &mut self,

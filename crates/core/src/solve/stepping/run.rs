@@ -38,6 +38,20 @@ pub enum RunError {
     /// A checkpoint does not fit the model.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// A joint law gives a traction or a history that is not finite.
+    #[error(
+        "the joint law {law} gives a traction or a history that is not finite at contact point {point}, \
+         for the opening {} and the slip {}, {} mm: see what it does there, and whether its parameters are finite",
+        gap[0], gap[1], gap[2]
+    )]
+    JointLaw {
+        /// Name of the law.
+        law: &'static str,
+        /// Index of the contact point.
+        point: usize,
+        /// Opening and slip at the last commit [mm].
+        gap: [f64; 3],
+    },
     /// A step with inertia has parts without mass.
     #[error(
         "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
@@ -222,6 +236,7 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
         step_run.rejections += 1;
+        self.check_custom_laws()?;
         let size = request.increment.size;
         let unsolved = !matches!(rejection, Rejection::Snap | Rejection::Linear { .. });
         if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {

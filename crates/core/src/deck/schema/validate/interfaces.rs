@@ -3,7 +3,8 @@
 use super::Checks;
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
-use crate::deck::schema::{Interface, Scatter};
+use crate::deck::schema::{Interface, JointKind, Scatter};
+use wythe_contact::{CapCurve, Coupling};
 
 /// Largest coefficient of variation of bond strengths: measured ones are below 1.
 const MOST_SCATTER: f64 = 2.0;
@@ -39,6 +40,7 @@ impl Checks<'_> {
                 "give both normal_stiffness and shear_stiffness, or neither and a penalty_factor",
             );
         }
+        self.keys_of_joint(path, f);
         let dry = f.is_dry();
         if let Some(Scatter { cv, .. }) = f.scatter {
             let cv = cv.get();
@@ -54,6 +56,10 @@ impl Checks<'_> {
                 || "there is no bond that could scatter: f_t and c are 0".to_owned(),
                 "leave `scatter` out, or give f_t and c",
             );
+        }
+        if f.kind == JointKind::Cap {
+            self.cap(path, f);
+            return;
         }
         for (name, value) in [("zeta", f.zeta), ("xi", f.xi)] {
             match value {
@@ -75,6 +81,137 @@ impl Checks<'_> {
             [delta_k, g_2],
             ("c", f.c.get()),
             dry,
+        );
+    }
+
+    /// Rejects keys of another law.
+    fn keys_of_joint(&mut self, path: &str, f: &Interface) {
+        let of_cap = [
+            ("f_m", f.f_m.is_some()),
+            ("G_fc", f.G_fc.is_some()),
+            ("kappa_p", f.kappa_p.is_some()),
+            ("C_nn", f.C_nn.is_some()),
+            ("C_ss", f.C_ss.is_some()),
+            ("tan_psi", f.tan_psi.is_some()),
+            ("sigma_u", f.sigma_u.is_some()),
+            ("delta", f.delta.is_some()),
+        ];
+        let of_cohesive = [
+            ("zeta", f.zeta.is_some()),
+            ("xi", f.xi.is_some()),
+            ("u_k", f.u_k.is_some()),
+            ("delta_k", f.delta_k.is_some()),
+            ("coupling", f.coupling != Coupling::default()),
+        ];
+        let (others, kind): (&[_], _) = match f.kind {
+            JointKind::CohesiveFrictional => (&of_cap, JointKind::Cap),
+            JointKind::Cap => (&of_cohesive, JointKind::CohesiveFrictional),
+        };
+        for (name, given) in others {
+            self.require(
+                !given,
+                &format!("{path}.{name}"),
+                || {
+                    let (own, its) = (f.kind.name(), kind.name());
+                    format!("`{name}` is a key of kind = \"{its}\", and this joint is \"{own}\"")
+                },
+                "leave it out, or give the joint the other kind",
+            );
+        }
+    }
+
+    /// Ranges of `kind = "cap"`.
+    fn cap(&mut self, path: &str, f: &Interface) {
+        let key = |name: &str| format!("{path}.{name}");
+        let required = [
+            ("G_I", f.G_I, f.f_t.get() > 0.0),
+            ("G_II", f.G_II, f.c.get() > 0.0),
+            ("G_fc", f.G_fc, true),
+        ];
+        for (name, value, needed) in required {
+            match value {
+                Some(value) => self.positive(&key(name), value),
+                None => self.missing(path, name, needed),
+            }
+        }
+        match f.f_m {
+            Some(value) => self.positive(&key("f_m"), value),
+            None => self.missing(path, "f_m", true),
+        }
+        match f.kappa_p {
+            Some(value) => self.positive(&key("kappa_p"), value),
+            None => self.missing(path, "kappa_p", true),
+        }
+        for (name, value) in [("C_nn", f.C_nn), ("C_ss", f.C_ss)] {
+            if let Some(value) = value {
+                self.positive(&key(name), value);
+            }
+        }
+        if let Some(value) = f.tan_psi {
+            self.not_negative(&key("tan_psi"), value);
+        }
+        if let Some(value) = f.sigma_u {
+            self.positive(&key("sigma_u"), value);
+        }
+        if let Some(value) = f.delta {
+            self.not_negative(&key("delta"), value);
+        }
+        let (f_t, c) = (f.f_t.get(), f.c.get());
+        let steeper = f.tan_phi.get().max(f.mu.get());
+        self.require(
+            f_t * steeper <= c,
+            &key("f_t"),
+            || {
+                let most = c / steeper;
+                format!("{f_t} MPa is above {most:.4} MPa, where friction ends: c over the larger of tan_phi and mu")
+            },
+            "give a larger c or a smaller f_t",
+        );
+        let (tan_psi, least) = (
+            f.tan_psi.map_or(0.0, Quantity::get),
+            f.tan_phi.get().min(f.mu.get()),
+        );
+        self.require(
+            tan_psi <= least,
+            &key("tan_psi"),
+            || {
+                format!(
+                    "{tan_psi} is above the friction {least}: slip under pressure would give energy"
+                )
+            },
+            "give at most the smaller of tan_phi and mu",
+        );
+        let (Some(f_m), Some(kappa_p), Some(g_fc)) = (f.f_m, f.kappa_p, f.G_fc) else {
+            return;
+        };
+        let (f_m, kappa_p, g_fc) = (f_m.get(), kappa_p.get(), g_fc.get());
+        let spent = CapCurve::RISING * f_m * kappa_p;
+        self.require(
+            g_fc > spent,
+            &key("G_fc"),
+            || format!("{g_fc} N/mm is not above the {spent:.4} N/mm that are spent before the peak at kappa_p"),
+            "give a larger G_fc or a smaller kappa_p",
+        );
+        let [_, c_ss] = f.cap_weights();
+        let (needed, residual) = (c * c_ss.sqrt(), CapCurve::RESIDUAL * f_m);
+        self.require(
+            needed <= residual,
+            &key("C_ss"),
+            || {
+                format!(
+                    "the crushed cap, f_m/7 = {residual:.4} MPa, does not hold the cohesion: c sqrt(C_ss) = {needed:.4} MPa"
+                )
+            },
+            &format!("give C_ss at most {:.3}, or a smaller c", (residual / c) * (residual / c)),
+        );
+    }
+
+    fn missing(&mut self, path: &str, name: &str, needed: bool) {
+        self.require(
+            !needed,
+            &format!("{path}.{name}"),
+            || format!("the key `{name}` is missing"),
+            &keys::example(name),
         );
     }
 

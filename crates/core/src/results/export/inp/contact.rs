@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::{labels, set};
 use crate::deck::import::SIDES;
 use crate::model::Model;
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{CohesiveFrictional, InterfaceLaw, JointLaw};
 
 /// Element and number of its side, by the sorted nodes of the side.
 type Sides = HashMap<[u32; 4], (usize, usize)>;
@@ -75,7 +75,17 @@ fn surface<'a>(
 }
 
 fn interaction(text: &mut String, name: &str, law: &InterfaceLaw) -> std::fmt::Result {
-    let InterfaceLaw {
+    let Some(law) = law.as_cohesive_frictional() else {
+        let [normal, shear] = law.stiffness();
+        return writeln!(
+            text,
+            "*SURFACE INTERACTION, NAME={name}\n\
+             ** The joint law {} needs a user subroutine (UINTER); its shear stiffness is {shear:?} N/mm3.\n\
+             *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{normal:?}",
+            law.name()
+        );
+    };
+    let CohesiveFrictional {
         f_t,
         c,
         tan_phi,

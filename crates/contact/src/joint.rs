@@ -1,0 +1,256 @@
+//! The contract of a joint law: what a law must answer, and what the solver derives from that.
+//!
+//! A law needs four methods: [`name`](JointLaw::name), [`stiffness`](JointLaw::stiffness),
+//! [`update`](JointLaw::update) and, if it has history that results should show,
+//! [`outputs`](JointLaw::outputs). All others have defaults that follow from these four. A law overrides
+//! them where it can do better.
+//!
+//! The solver iterates with a numerical stiffness k' < k. The default of
+//! [`update_shifted`](JointLaw::update_shifted) puts the law in series with an offset spring,
+//!
+//! ```text
+//! t = T(g'),   g' + C (t − t₋) = g,   C = 1/k' − 1/k (normal, shear, shear)                        (1)
+//! ```
+//!
+//! with t₋ the traction of the last iterate. The fixed point t = t₋ is t = T(g). Equation (1) is solved by
+//! Newton's method, and by elastic steps between branches of the law. The stiffness of the iterate is (K⁻¹ + C)⁻¹ with
+//! K the tangent of the law. Its symmetric blocks (normal, shear), with eigenvalues from 0 to k', enter the matrix.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use nalgebra::{Matrix2, Matrix3, Vector3};
+
+use crate::law::{InterfaceHistory, InterfaceResponse};
+use crate::shifted::Shift;
+
+/// A quantity of a law's history that becomes a field of the results, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Name of the field, in lower case with underscores.
+    pub name: &'static str,
+    /// Unit, such as `mm` or `MPa`; `1` if there is none.
+    pub unit: &'static str,
+    /// Place in [`InterfaceHistory::slots`], below [`SLOTS`](crate::SLOTS).
+    pub slot: usize,
+}
+
+impl Output {
+    /// A quantity by name and unit at this place of the slots.
+    pub const fn new(name: &'static str, unit: &'static str, slot: usize) -> Self {
+        Self { name, unit, slot }
+    }
+
+    /// Its value in a history.
+    pub fn of(&self, history: &InterfaceHistory) -> f64 {
+        history.slots.get(self.slot).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// Steps of Newton's method for equation (1).
+const STEPS: usize = 300;
+/// Residual of equation (1) that ends them, over the size of the tractions: rounding of k'/k.
+const CLOSE: f64 = 1e-12;
+/// Lengths of a step that are tried, each half of the one before, until the residual falls.
+const HALVINGS: usize = 6;
+
+/// The law of a joint: traction of opening and slip.
+///
+/// Components are `[normal, tangent 1, tangent 2]`; opening and tension are positive. Lengths are in mm, tractions in
+/// MPa, stiffnesses in N/mm³, energies per area in N/mm. A law must not depend on the directions of the tangents
+/// (`checks::objectivity`), and its `Debug` text must name all parameters: a run that is resumed compares it.
+pub trait JointLaw: Send + Sync + Debug {
+    /// The name of the law, as `kind` of a deck or in messages.
+    fn name(&self) -> &'static str;
+
+    /// Elastic stiffness, normal and shear `[k_n, k_s]` [N/mm³].
+    fn stiffness(&self) -> [f64; 2];
+
+    /// One implicit step: traction, consistent tangent and new history at the total gap
+    /// `[u, δ₁, δ₂]` [mm] from the history at the start of the step.
+    ///
+    /// [`InterfaceResponse::new`] fills what the solver reads of a history beside the slots of the law. A law
+    /// without an answer returns a traction that is not finite; a run ends with an error that names the law.
+    fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse;
+
+    /// Quantities of the history that become fields of the results. Default: none.
+    fn outputs(&self) -> &'static [Output] {
+        &[]
+    }
+
+    /// History of a point that nothing has happened to. Default: all zero.
+    fn virgin(&self) -> InterfaceHistory {
+        InterfaceHistory::default()
+    }
+
+    /// History of a point that has lost the face opposite: without traction, stuck where it is, without bond.
+    fn lost(&self, old: &InterfaceHistory) -> InterfaceHistory {
+        InterfaceHistory {
+            slip: old.plastic_slip,
+            damage: if self.is_dry() { old.damage } else { 1.0 },
+            traction: [0.0; 3],
+            opening: 0.0,
+            ..*old
+        }
+    }
+
+    /// Whether the joint has no bond from the start. Default: no.
+    fn is_dry(&self) -> bool {
+        false
+    }
+
+    /// Opening from which on a point counts as open [mm]. Default: 0.
+    fn opens_at(&self) -> f64 {
+        0.0
+    }
+
+    /// Opening up to which a bond may carry [mm]: points are searched twice as far. Default: 0.
+    fn ultimate_opening(&self) -> f64 {
+        0.0
+    }
+
+    /// Free energy of a point [N/mm]. Default: of the elastic parts, ½ σ²/k_n + ½ |τ|²/k_s.
+    fn free_energy(&self, history: &InterfaceHistory) -> f64 {
+        let [normal, shear] = self.stiffness();
+        let [sigma, tau_1, tau_2] = history.traction;
+        0.5 * sigma * sigma / normal + 0.5 * (tau_1 * tau_1 + tau_2 * tau_2) / shear
+    }
+
+    /// Work that the trapezoidal rule adds where a point changes between branches of different elastic stiffness
+    /// between two commits [N/mm]. Default: 0, for a law with one elastic stiffness.
+    fn crossing_work(&self, _old: &InterfaceHistory, _new: &InterfaceHistory) -> f64 {
+        0.0
+    }
+
+    /// Shear traction over its limit [-]; infinite without pressure, or where the law does not say. Points well below 1
+    /// are iterated with a larger numerical stiffness. Default: infinite.
+    fn utilisation(&self, _traction: &[f64; 3], _history: &InterfaceHistory) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The larger of shear over its limit and tension over its strength [-]; infinite where the law does not say.
+    /// Default: infinite.
+    fn exertion(&self, _traction: &[f64; 3], _history: &InterfaceHistory) -> f64 {
+        f64::INFINITY
+    }
+
+    /// A guessed traction [MPa] brought within the bounds of a point's history. Default: the answer of the law to the
+    /// gap that would give this traction elastically.
+    fn within_bounds(&self, guess: [f64; 3], old: &InterfaceHistory) -> [f64; 3] {
+        let [normal, shear] = self.stiffness();
+        let before = [old.opening, old.slip[0], old.slip[1]];
+        let k = [normal, shear, shear];
+        let at = [0, 1, 2].map(|i| before[i] + (guess[i] - old.traction[i]) / k[i]);
+        self.update(at, old).traction
+    }
+
+    /// Steepest softening in opening and in slip [N/mm³]: the numerical stiffness stays above four times that, so
+    /// that an iterate does not snap back. Default: 0, no softening.
+    fn softening_slopes(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// The law of the half of a joint that lies in a plane of symmetry: t of half the opening is t of the whole, and
+    /// slip meets nothing. Default: none, and no plane of symmetry may cut such a joint.
+    fn halved(&self) -> Option<Arc<dyn JointLaw>> {
+        None
+    }
+
+    /// One iterate with the numerical stiffness of `shift`, see equation (1) of this module.
+    fn update_shifted(
+        &self,
+        gap: [f64; 3],
+        old: &InterfaceHistory,
+        shift: &Shift,
+    ) -> InterfaceResponse {
+        in_series(|gap| self.update(gap, old), self.stiffness(), gap, shift)
+    }
+}
+
+/// Solves equation (1) for a law `update` with elastic stiffness `[k_n, k_s]`.
+fn in_series(
+    update: impl Fn([f64; 3]) -> InterfaceResponse,
+    stiffness: [f64; 2],
+    gap: [f64; 3],
+    shift: &Shift,
+) -> InterfaceResponse {
+    let [normal, shear] = [0, 1].map(|i| 1.0 / shift.stiffness[i].min(stiffness[i]));
+    let c = [
+        normal - 1.0 / stiffness[0],
+        shear - 1.0 / stiffness[1],
+        shear - 1.0 / stiffness[1],
+    ];
+    let compliance = Matrix3::from_diagonal(&Vector3::from(c));
+    let last = Vector3::from(shift.traction);
+    let goal = Vector3::from(gap);
+    // In tractions of the numerical stiffness.
+    let weight = Vector3::new(1.0 / normal, 1.0 / shear, 1.0 / shear);
+    let residual =
+        |x: &Vector3<f64>, t: [f64; 3]| x + compliance * (Vector3::from(t) - last) - goal;
+    let size = |r: &Vector3<f64>| r.component_mul(&weight).norm();
+    let scale = last.norm() + size(&goal) + f64::MIN_POSITIVE;
+
+    // 1/(1 + C k) = k'/k.
+    let elastic = Vector3::new(normal, shear, shear)
+        .map(f64::recip)
+        .component_div(&Vector3::new(stiffness[0], stiffness[1], stiffness[1]));
+
+    let mut x = goal;
+    let mut response = update(x.into());
+    let mut rest = residual(&x, response.traction);
+    for _ in 0..STEPS {
+        let far = size(&rest);
+        if !far.is_finite() || far <= CLOSE * scale {
+            break;
+        }
+        let mut part = 1.0;
+        let mut next = None;
+        let jacobian = Matrix3::identity() + compliance * response.tangent;
+        if let Some(step) = jacobian.lu().solve(&rest) {
+            for _ in 0..HALVINGS {
+                let at = x - step * part;
+                let answer = update(at.into());
+                let left = residual(&at, answer.traction);
+                if size(&left) < far {
+                    next = Some((at, answer, left));
+                    break;
+                }
+                part *= 0.5;
+            }
+        }
+        // Between two branches: a step with the elastic stiffness comes nearer by k'/k.
+        (x, response, rest) = next.unwrap_or_else(|| {
+            let at = x - rest.component_mul(&elastic);
+            let answer = update(at.into());
+            (at, answer, residual(&at, answer.traction))
+        });
+    }
+    let stiff = (Matrix3::identity() + response.tangent * compliance)
+        .lu()
+        .solve(&response.tangent)
+        .unwrap_or_else(Matrix3::zeros);
+    response.tangent = symmetric_blocks(&stiff, [1.0 / normal, 1.0 / shear]);
+    [response.history.slip[0], response.history.slip[1]] = [gap[1], gap[2]];
+    response
+}
+
+/// The normal and the shear block of a tangent, symmetric, with eigenvalues from 0 to `most` [N/mm³].
+pub(crate) fn symmetric_blocks(tangent: &Matrix3<f64>, most: [f64; 2]) -> Matrix3<f64> {
+    let mut blocks = Matrix3::zeros();
+    blocks[(0, 0)] = tangent[(0, 0)].max(0.0).min(most[0]);
+    let off = 0.5 * (tangent[(1, 2)] + tangent[(2, 1)]);
+    let shear = Matrix2::new(tangent[(1, 1)], off, off, tangent[(2, 2)]);
+    if !shear.iter().all(|k| k.is_finite()) {
+        return blocks;
+    }
+    let eigen = shear.symmetric_eigen();
+    let bounded = eigen.eigenvalues.map(|k| k.max(0.0).min(most[1]));
+    let shear =
+        eigen.eigenvectors * Matrix2::from_diagonal(&bounded) * eigen.eigenvectors.transpose();
+    for i in 0..2 {
+        for j in 0..2 {
+            blocks[(1 + i, 1 + j)] = shear[(i, j)];
+        }
+    }
+    blocks
+}
