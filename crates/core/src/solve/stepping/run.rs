@@ -41,7 +41,7 @@ pub enum RunError {
     /// A joint law gives a traction or a history that is not finite.
     #[error(
         "the joint law {law} gives a traction or a history that is not finite at contact point {point}, \
-         for the opening {} and the slip {}, {} mm: see what it does there, and whether its parameters are finite",
+         for the opening {} and the slip {}, {} mm: check the law there, and that its parameters are finite",
         gap[0], gap[1], gap[2]
     )]
     JointLaw {
