@@ -160,10 +160,10 @@ impl ModelBuilder {
         block
     }
 
-    /// Adds a joint law.
-    pub fn law(&mut self, name: &str, law: InterfaceLaw) -> LawId {
+    /// Adds a joint law. [`InterfaceLaw::custom`] makes one of a law of your own.
+    pub fn law(&mut self, name: &str, law: impl Into<InterfaceLaw>) -> LawId {
         let contact = &mut self.model.contact;
-        contact.laws.push(law);
+        contact.laws.push(law.into());
         contact.law_names.push(name.to_owned());
         LawId((contact.laws.len() - 1) as u16)
     }

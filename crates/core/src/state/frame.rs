@@ -42,12 +42,13 @@ pub struct Frame {
     pub probes: Vec<f64>,
 }
 
-/// Field of an output of a law of the solids.
+/// Field of an output of a law.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputField {
     /// Its name.
     pub name: String,
-    /// Largest value over the element's points; 0 in elements whose law has no such output. `[element]`
+    /// Solids: largest value over the element's points; 0 in elements whose law has no such output. `[element]`
+    /// Joints: value of the point; NaN at points whose law has no such output. `[point]`
     pub values: Vec<f64>,
 }
 
