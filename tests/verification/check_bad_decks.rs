@@ -50,7 +50,7 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "materials.brick.poisson",
         "poisson = 0.15",
         "`poisson` is not a known key",
-        "known here: E, nu",
+        "known here: kind, E, nu",
     ),
     (
         "misspelt_key",

@@ -48,6 +48,11 @@ fn told(error: &ModelError, text: Text) -> Told {
     )
 }
 
+/// A failed law of Python.
+pub fn of_law(py: Python<'_>, message: &str) -> PyErr {
+    raise(py, "LawError", (message,))
+}
+
 /// Line and column of the error, if the text was written by the user.
 pub fn place(error: &ModelError, text: Text) -> (Option<usize>, Option<usize>) {
     if text == Text::Made || is_override(error) {

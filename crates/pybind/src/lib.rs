@@ -14,6 +14,7 @@ mod command;
 mod errors;
 mod fields;
 mod folder;
+mod laws;
 mod model;
 mod point;
 mod run;
@@ -30,6 +31,8 @@ mod _wythe {
         collection, compare, experiment, export_frame, figures, history, picture, png, report,
         salvage, summary, time_of_peak,
     };
+    #[pymodule_export]
+    use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};
     #[pymodule_export]
     use crate::model::Deck;
     #[pymodule_export]

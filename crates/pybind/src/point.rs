@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use wythe_contact::JointLaw;
 use wythe_core::deck::Deck;
-use wythe_core::material::MaterialHistory;
+use wythe_core::material::{Material, MaterialHistory};
 use wythe_core::point::{
     INTERFACE, Layout, MATERIAL, Record, Row, RowFailure, State, Target, follow_interface,
     follow_material, interface_state, material_state,
@@ -20,13 +20,28 @@ use crate::errors::{self, Text};
 const MANY: usize = 5_000;
 
 /// Strains, stresses, states and tangents of all paths, and the first failure: path, row, reason.
-type Driven<'py> = ([Bound<'py, PyAny>; 4], Option<(usize, usize, String)>);
+pub type Driven<'py> = ([Bound<'py, PyAny>; 4], Option<(usize, usize, String)>);
 
 /// Input of the paths: flat numbers of shape (paths, rows, N), times (rows,), and the stress-controlled components.
-struct Paths<'a, const N: usize> {
+pub struct Paths<'a, const N: usize> {
     values: &'a [f64],
     times: &'a [f64],
     by_stress: [bool; N],
+}
+
+impl<'a, const N: usize> Paths<'a, N> {
+    /// The paths in these arrays.
+    pub fn new(
+        values: &'a PyReadonlyArray1<'_, f64>,
+        times: &'a PyReadonlyArray1<'_, f64>,
+        by_stress: [bool; N],
+    ) -> PyResult<Self> {
+        Ok(Self {
+            values: values.as_slice()?,
+            times: times.as_slice()?,
+            by_stress,
+        })
+    }
 }
 
 /// Results of one path; rows without a result are NaN. `[row]`
@@ -70,12 +85,17 @@ pub fn drive_material<'py>(
         .map(|law| law.map(|(law, _)| law))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    let paths = Paths {
-        values: values.as_slice()?,
-        times: times.as_slice()?,
-        by_stress,
-    };
-    drive(py, &MATERIAL, &paths, |path, rows, out| {
+    drive_solids(py, &Paths::new(&values, &times, by_stress)?, substeps, &laws)
+}
+
+/// Drives law N along path N; a single law is used for all paths.
+pub fn drive_solids<'py>(
+    py: Python<'py>,
+    paths: &Paths<'_, 6>,
+    substeps: NonZeroUsize,
+    laws: &[Material],
+) -> PyResult<Driven<'py>> {
+    drive(py, &MATERIAL, paths, |path, rows, out| {
         let law = &laws[path % laws.len()];
         let from = State::at_rest(MaterialHistory::default());
         let take = |row, record: &Record<6, _>| {
@@ -103,12 +123,17 @@ pub fn drive_interface<'py>(
         .map(|name| deck.interface(name))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    let paths = Paths {
-        values: values.as_slice()?,
-        times: times.as_slice()?,
-        by_stress,
-    };
-    drive(py, &INTERFACE, &paths, |path, rows, out| {
+    drive_joints(py, &Paths::new(&values, &times, by_stress)?, substeps, &laws)
+}
+
+/// Drives law N along path N; a single law is used for all paths.
+pub fn drive_joints<'py>(
+    py: Python<'py>,
+    paths: &Paths<'_, 3>,
+    substeps: NonZeroUsize,
+    laws: &[impl JointLaw],
+) -> PyResult<Driven<'py>> {
+    drive(py, &INTERFACE, paths, |path, rows, out| {
         let law = &laws[path % laws.len()];
         let from = State::at_rest(law.virgin());
         let take = |row, record: &Record<3, _>| {

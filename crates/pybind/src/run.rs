@@ -21,6 +21,7 @@ use wythe_core::solve::{self, Checkpoint, RunError};
 use wythe_core::state::{Frame, HistoryRow, Summary};
 
 use crate::errors::{self, from_json};
+use crate::laws::{Failure, Laws};
 use crate::model::Deck;
 
 /// Longest time until Ctrl-C is noticed.
@@ -83,7 +84,7 @@ struct Listener<'py> {
 
 /// Runs the deck into the folder `out`. Ctrl-C and errors of callbacks are raised after the folder is complete.
 #[pyfunction]
-#[pyo3(signature = (deck, out, threads, on_row, on_note))]
+#[pyo3(signature = (deck, out, threads, on_row, on_note, laws=None))]
 pub fn run<'py>(
     py: Python<'py>,
     deck: &Deck,
@@ -91,16 +92,27 @@ pub fn run<'py>(
     threads: Option<NonZeroUsize>,
     on_row: Option<Bound<'py, PyAny>>,
     on_note: Option<Bound<'py, PyAny>>,
+    laws: Option<Laws>,
 ) -> PyResult<()> {
     let built = deck.sound(py)?;
     let Ok((model, warnings)) = &*built else {
         return Err(errors::bug("a sound model is not"));
     };
-    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let failure = Failure::default();
+    let changed = match laws {
+        None => None,
+        Some(laws) => {
+            let mut model = model.clone();
+            warnings.extend(laws.put_into(py, &mut model, &failure)?);
+            Some(model)
+        }
+    };
+    let model = changed.as_ref().unwrap_or(model);
     let created = py.detach(|| RunDirectory::of_deck(&out, model, deck.deck()));
     let directory = created.map_err(|error| errors::of_output(py, &error))?;
     let listener = Listener { on_row, on_note };
-    record(
+    let ended = record(
         py,
         model,
         &warnings,
@@ -108,7 +120,10 @@ pub fn run<'py>(
         threads,
         &listener,
         |recorder| solve::run(model, recorder),
-    )
+    );
+    // The failure of a law is the cause of how the run ended.
+    failure.raised(py)?;
+    ended
 }
 
 /// Resumes the run in `folder`. Returns false if it is complete.

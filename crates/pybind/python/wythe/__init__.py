@@ -27,6 +27,7 @@ from wythe._drive import (
 )
 from wythe._errors import (
     ConvergenceError,
+    LawError,
     ModelError,
     OutputError,
     PointError,
@@ -36,6 +37,7 @@ from wythe._errors import (
     expected,
 )
 from wythe._frames import Frame, History, Interfaces
+from wythe._laws import JointLaw, SolidLaw
 from wythe._model import Findings, Model, Problem
 from wythe._picture import Picture
 from wythe._results import Results
@@ -67,6 +69,8 @@ __all__ = [
     "InterfaceResponse",
     "InterfaceState",
     "Interfaces",
+    "JointLaw",
+    "LawError",
     "MaterialResponse",
     "MaterialState",
     "Model",
@@ -80,6 +84,7 @@ __all__ = [
     "Results",
     "RunInterrupted",
     "Salvaged",
+    "SolidLaw",
     "Study",
     "StudyError",
     "StudyInterrupted",

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from wythe import _wythe
 from wythe._errors import PointError, expected
-from wythe._model import _plain
+from wythe._json import plain
 
 __all__ = [
     "InterfaceResponse",
@@ -282,6 +282,6 @@ def _deck(argument: str, table: str, tables: Tables, paths: int) -> tuple[str, l
     for name, one in named.items():
         if not isinstance(one, Mapping):
             raise expected(name, "a mapping, as wythe.build gives it", one)
-    plain = _plain("deck", {"format": 1, table: named})
+    tables_of_json = plain("deck", {"format": 1, table: named})
     to_toml: Callable[[str], str] = _wythe.Deck.toml_of_json
-    return to_toml(json.dumps(plain)), list(named)
+    return to_toml(json.dumps(tables_of_json)), list(named)

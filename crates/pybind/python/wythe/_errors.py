@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ConvergenceError",
+    "LawError",
     "ModelError",
     "OutputError",
     "PointError",
@@ -96,6 +97,11 @@ def _rebuilt(
     others: tuple[ModelError, ...],
 ) -> ModelError:
     return ModelError(message, key=key, fix=fix, file=file, line=line, column=column, others=others)
+
+
+class LawError(WytheError, ValueError):
+    """A law that a Python function gives has failed: an exception, a wrong shape, a number that is not finite, or a
+    check that it does not pass. The message names the law; the exception of the function is the cause."""
 
 
 class ConvergenceError(WytheError, RuntimeError):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import html
 import json
-import numbers
 import os
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,8 @@ import numpy.typing as npt
 
 from wythe import _wythe
 from wythe._errors import ModelError, as_path, expected, write_text
+from wythe._json import plain
+from wythe._laws import JointLaw, SolidLaw
 from wythe._picture import Picture
 from wythe._results import Results
 from wythe._run import Increment, run_deck
@@ -187,8 +188,8 @@ class Model:
         """
         if not isinstance(deck, Mapping):
             raise expected("deck", "a mapping, as the tables of a deck", deck)
-        plain = _plain("deck", {"format": 1, **deck})
-        text = _wythe.Deck.toml_of_json(json.dumps(plain, allow_nan=False))
+        tables = plain("deck", {"format": 1, **deck})
+        text = _wythe.Deck.toml_of_json(json.dumps(tables, allow_nan=False))
         where = None if folder is None else as_path("folder", folder)
         return cls._of(_wythe.Deck.read(text, False, where, []))
 
@@ -307,6 +308,7 @@ class Model:
         threads: int | None = None,
         progress: bool = False,
         callback: Callable[[Increment], bool | None] | None = None,
+        laws: Mapping[str, JointLaw | SolidLaw] | None = None,
     ) -> Results:
         """Runs the model.
 
@@ -323,6 +325,9 @@ class Model:
             Whether a line on standard error shows the progress of the run.
         callback
             Function called with each increment after it is written. The run stops if it returns False.
+        laws
+            Laws of your own by the name of an interface (:class:`JointLaw`) or material (:class:`SolidLaw`) of the
+            deck, which keeps its elastic constants. They are called on one core at a time.
 
         Returns
         -------
@@ -335,12 +340,14 @@ class Model:
             The model cannot be run.
         ConvergenceError
             Convergence was lost; ``error.results`` has the results so far.
+        LawError
+            A law of your own failed.
         OutputError
             The results cannot be written.
         RunInterrupted
             Ctrl-C was pressed (a KeyboardInterrupt); ``error.results`` has the results so far.
         """
-        return run_deck(self._deck, out, threads, progress, callback)
+        return run_deck(self._deck, out, threads, progress, callback, laws)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
@@ -470,34 +477,6 @@ def _frozen(value: Any) -> Hashable:
     return found
 
 
-def _plain(where: str, value: Any) -> Any:
-    """Converts values to types of JSON; None in tables is omitted."""
-    if hasattr(value, "tolist") and hasattr(value, "dtype"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        table: dict[str, Any] = {}
-        for key, item in value.items():
-            if not isinstance(key, str):
-                raise expected(where, "keys that are str", key)
-            if item is not None:
-                table[key] = _plain(f"{where}.{key}" if where != "deck" else key, item)
-        return table
-    if isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, numbers.Integral):
-        return int(value)
-    if isinstance(value, numbers.Real):
-        number = float(value)
-        if number != number or number in (float("inf"), float("-inf")):
-            raise ModelError(f"{number} is no finite number", key=where, fix="give a finite number")
-        return number
-    if isinstance(value, os.PathLike):
-        return as_path(where, value)
-    if isinstance(value, Sequence) or hasattr(value, "__iter__"):
-        return [_plain(f"{where}.{i}", item) for i, item in enumerate(value)]
-    raise expected(where, "a number, a text, a flag, a sequence or a mapping", value)
-
-
 def _overrides(argument: str, changes: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys with their values as TOML."""
     if not isinstance(changes, Mapping):
@@ -506,7 +485,7 @@ def _overrides(argument: str, changes: Mapping[str, Any]) -> list[tuple[str, str
     for key, value in changes.items():
         if not isinstance(key, str):
             raise expected(argument, "keys that are dotted paths, e.g. 'wall.courses'", key)
-        said.append((key, _toml_value(_plain(key, value))))
+        said.append((key, _toml_value(plain(key, value))))
     return said
 
 

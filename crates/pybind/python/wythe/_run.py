@@ -13,6 +13,7 @@ import numpy as np
 
 from wythe import _wythe
 from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected, say
+from wythe._laws import JointLaw, SolidLaw, split
 from wythe._results import Results, Temporary
 
 __all__ = ["Increment"]
@@ -139,8 +140,10 @@ def run_deck(
     threads: int | None,
     progress: bool,
     callback: Callback | None,
+    laws: Mapping[str, JointLaw | SolidLaw] | None = None,
 ) -> Results:
     """Implements :meth:`wythe.Model.run`."""
+    of_python = split(laws)
     count = _threads(threads)
     follower = _follower(deck, progress)
     watched = callback is not None or follower is not None
@@ -156,7 +159,7 @@ def run_deck(
         folder,
         temporary,
         follower,
-        lambda: _wythe.run(deck, folder, count, on_row, on_note),
+        lambda: _wythe.run(deck, folder, count, on_row, on_note, of_python),
     )
 
 

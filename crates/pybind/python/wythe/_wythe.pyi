@@ -61,7 +61,12 @@ class Fields:
     def field(self, name: str, frame: int) -> _Array: ...
 
 def run(
-    deck: Deck, out: _Path, threads: int | None, on_row: _OnRow, on_note: _OnNote
+    deck: Deck,
+    out: _Path,
+    threads: int | None,
+    on_row: _OnRow,
+    on_note: _OnNote,
+    laws: object | None = None,
 ) -> None: ...
 def resume(
     folder: _Path,
@@ -106,3 +111,21 @@ def drive_interface(
     by_stress: list[bool],
     substeps: int,
 ) -> tuple[list[Any], tuple[int, int, str] | None]: ...
+def drive_joint_law(
+    law: object,
+    stiffness: list[float],
+    values: Any,
+    times: Any,
+    by_stress: list[bool],
+    substeps: int,
+) -> tuple[list[Any], tuple[int, int, str] | None]: ...
+def drive_solid_law(
+    law: object,
+    elastic: list[float],
+    values: Any,
+    times: Any,
+    by_stress: list[bool],
+    substeps: int,
+) -> tuple[list[Any], tuple[int, int, str] | None]: ...
+def check_joint_law(law: object, stiffness: list[float], step: float) -> None: ...
+def check_solid_law(law: object, elastic: list[float], step: float) -> None: ...

@@ -132,16 +132,16 @@ fn advice(model: &Model, index: usize, rejection: &Rejection) -> String {
         );
     }
     let mut tries = Vec::new();
-    if step.procedure == Procedure::Auto && !model.may_move() {
-        tries.push(
-            "a density for every material: inertia carries what slides or comes loose".to_owned(),
-        );
-    }
     let patience = step.tolerance.max_iterations;
     if patience < USUAL_ITERATIONS && matches!(rejection, Rejection::Iterations { .. }) {
         tries.push(format!(
             "steps.{index}.tolerance.max_iterations = {USUAL_ITERATIONS} (now {patience})"
         ));
+    }
+    if step.procedure == Procedure::Auto && !model.may_move() {
+        tries.push(
+            "a density for every material: inertia carries what slides or comes loose".to_owned(),
+        );
     }
     let min = step.increments.min;
     tries.push(format!("steps.{index}.increments.min below {min:e}"));
