@@ -14,7 +14,7 @@ HINT = "run tests/run: it builds what these tests read"
 
 @pytest.fixture(scope="session")
 def known() -> Path:
-    """Fields known in closed form, written by tests/verification/results_files.rs."""
+    """Fields known in closed form, written by tests/verification/results/files.rs."""
     folder = TARGET / "tmp" / "known_fields.out"
     assert (folder / "summary.json").is_file(), HINT
     return folder

@@ -61,7 +61,7 @@ def test_vtk_sees_every_step(known: Path) -> None:
 
 @pytest.mark.parametrize("step", range(len(TIMES)))
 def test_vtk_reads_the_known_fields(known: Path, step: int) -> None:
-    """The formulas of tests/verification/results_files.rs. Equality is exact up to the last bit
+    """The formulas of tests/verification/results/files.rs. Equality is exact up to the last bit
     of products taken in another order."""
     grid = at(reader_of(known / "results.vtkhdf"), step)
     t = TIMES[step]

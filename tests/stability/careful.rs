@@ -1,11 +1,8 @@
 //! The answer must not depend on the path to it: default settings against the most careful ones.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 use std::path::Path;
 
-use common::scene;
+use crate::common::scene;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::state::Status;

@@ -1,10 +1,7 @@
 //! General contact: bodies that meet anywhere, from anywhere, at any speed.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::inside::{penetration, positions};
-use common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
+use crate::common::inside::{penetration, positions};
+use crate::common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure};
 use wythe::state::HistoryRow;
@@ -327,7 +324,7 @@ fn blocks_are_thrown_on_a_heap() {
     let mut model = scene::empty();
     floor(&mut model, 3000.0);
     let solid = scene::heavy(E, 0.2, DENSITY);
-    let mut random = common::Random(7);
+    let mut random = crate::common::Random(7);
     for i in 0..6 {
         let size = [0, 1, 2].map(|_| 60.0 + 60.0 * random.uniform());
         let z = 120.0 + 170.0 * f64::from(i);

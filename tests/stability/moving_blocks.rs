@@ -1,10 +1,7 @@
 //! Dry blocks that slide, brake and rock, against the mechanics of rigid bodies.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::blocks;
-use common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
+use crate::common::blocks;
+use crate::common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
 use wythe::contact::CohesiveFrictional;
 use wythe::deck::Deck;
 use wythe::model::Model;
@@ -212,7 +209,7 @@ fn tilted(theta: f64, points: ContactPoints) -> (Model, Block) {
 
 #[test]
 fn a_rocking_block_falls_back_in_a_quarter_of_housners_period() {
-    let table = common::csv("exact/rocking_block_housner.csv");
+    let table = crate::common::csv("exact/rocking_block_housner.csv");
     let alpha = 0.2_f64.atan();
     for (ratio, period) in table["theta0_over_alpha"].iter().zip(&table["T_s"]) {
         let theta = ratio * alpha;

@@ -1,12 +1,9 @@
 //! Examples in which things fall apart: planned joints let go, and general contact takes over. What the bodies do is
 //! judged by a measure that knows nothing of contact.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::examples::completed;
-use common::inside::{penetration, positions};
-use common::scene::Recording;
+use crate::common::examples::completed;
+use crate::common::inside::{penetration, positions};
+use crate::common::scene::Recording;
 use wythe::model::Model;
 
 /// Lowest and highest coordinate of a body along z at the end [mm].

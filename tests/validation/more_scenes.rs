@@ -1,9 +1,6 @@
 //! Examples 71 to 88: each runs, closes its energies, and does what it is there for, measured by statics or a closed form.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::examples::completed;
+use crate::common::examples::completed;
 use wythe::state::HistoryRow;
 
 fn rows(name: &str, overrides: &[(&str, &str)]) -> Vec<HistoryRow> {

@@ -1,11 +1,8 @@
 //! The two shear walls of the paper's section 5.1, from their decks to 4 mm, nothing fitted.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 use std::path::Path;
 
-use common::scene::{Recording, run};
+use crate::common::scene::{Recording, run};
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::state::Status;

@@ -1,11 +1,8 @@
 //! Short forms of the scenes of walls in `examples/`: each runs, closes its energies, and does what it is there
 //! to show.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::examples::{completed, load};
-use common::scene::run;
+use crate::common::examples::{completed, load};
+use crate::common::scene::run;
 use wythe::model::Model;
 use wythe::state::Method;
 use wythe::state::{HistoryRow, Status};

@@ -14,8 +14,8 @@ use pyo3::prelude::*;
 use wythe_contact::checks::{self as of_joints, Path};
 use wythe_contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, Output, SLOTS};
 use wythe_core::material::{
-    ElasticParameters, Increment, LawOutput, LocalFailure, Material,
-    MaterialHistory, MaterialParameters, Response, Slot, SolidLaw,
+    ElasticParameters, Increment, LawOutput, LocalFailure, Material, MaterialHistory,
+    MaterialParameters, Response, Slot, SolidLaw,
 };
 use wythe_core::model::Model;
 use wythe_core::point::checks::{self as of_solids, Paths as RandomPaths};
@@ -287,7 +287,10 @@ impl Laws {
                 let known = named(contact.law_names.iter());
                 return Err(unknown("interface", name, &known));
             }
-            told.push(format!("interfaces.{name} has the Python law `{}`", law.name));
+            told.push(format!(
+                "interfaces.{name} has the Python law `{}`",
+                law.name
+            ));
         }
         for (name, law) in &self.materials {
             let known = named(model.materials.iter().map(|material| &material.name));
@@ -297,7 +300,10 @@ impl Laws {
             };
             let elastic = *material.parameters.elastic();
             material.parameters = MaterialParameters::custom(law.solid(py, elastic, failure));
-            told.push(format!("materials.{name} has the Python law `{}`", law.name));
+            told.push(format!(
+                "materials.{name} has the Python law `{}`",
+                law.name
+            ));
         }
         Ok(told)
     }

@@ -85,7 +85,12 @@ pub fn drive_material<'py>(
         .map(|law| law.map(|(law, _)| law))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    drive_solids(py, &Paths::new(&values, &times, by_stress)?, substeps, &laws)
+    drive_solids(
+        py,
+        &Paths::new(&values, &times, by_stress)?,
+        substeps,
+        &laws,
+    )
 }
 
 /// Drives law N along path N; a single law is used for all paths.
@@ -123,7 +128,12 @@ pub fn drive_interface<'py>(
         .map(|name| deck.interface(name))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    drive_joints(py, &Paths::new(&values, &times, by_stress)?, substeps, &laws)
+    drive_joints(
+        py,
+        &Paths::new(&values, &times, by_stress)?,
+        substeps,
+        &laws,
+    )
 }
 
 /// Drives law N along path N; a single law is used for all paths.

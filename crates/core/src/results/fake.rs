@@ -3,8 +3,7 @@
 use crate::element::Formulation;
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
-    Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, Fidelity, Increments, NamedMaterial, Procedure, Step, Tangent,
 };
 use crate::model::sizes::Sizes;
 use crate::model::{Mesh, Model};
@@ -36,7 +35,6 @@ pub fn model() -> Model {
         parameters: MaterialParameters::Elastic(elastic),
     };
     let step = |name: &str, x: BeamMotion| Step {
-        viscosity: 0.0,
         name: name.to_owned(),
         duration: 1.0,
         motion: vec![[x, BeamMotion::Locked, BeamMotion::Locked]],
@@ -49,40 +47,18 @@ pub fn model() -> Model {
         },
         procedure: Procedure::Static,
         tangent: Tangent::Direct,
-        control: None,
-        stop: None,
-        tolerance: Tolerance {
-            residual: 5e-3,
-            max_iterations: 25,
-        },
-        gravity: Gravity::None,
-        ground: GroundMotion::default(),
-        springs: Vec::new(),
-        loads: Vec::new(),
-        amplitude: None,
+        ..Step::default()
     };
     Model {
-        title: "Two cubes & a <gap>".to_owned(),
         mesh,
         materials: vec![material("brick"), material("mortar")],
         formulation: Formulation::Full,
-        contact: ContactSurfaces::default(),
-        beams: Vec::new(),
-        supports: Vec::new(),
-        initial_velocity: Vec::new(),
-        springs: Vec::new(),
-        probes: Vec::new(),
-        loads: Vec::new(),
         steps: vec![
             step("preload", BeamMotion::Locked),
             step("drive", BeamMotion::Driven(3.0)),
         ],
-        warnings: Vec::new(),
         fidelity: Fidelity::Full,
-        output: Output {
-            every: 1,
-            ..Output::default()
-        },
+        ..Model::empty("Two cubes & a <gap>")
     }
 }
 

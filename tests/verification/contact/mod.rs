@@ -1,0 +1,14 @@
+//! Tests of the room `contact`.
+
+mod bvh;
+mod couplets;
+mod four_points;
+mod interface;
+mod joint_laws;
+mod parts;
+mod patch;
+mod projection;
+mod rims;
+mod search_radius;
+mod sliding;
+mod stencil;

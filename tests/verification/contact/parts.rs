@@ -1,0 +1,161 @@
+//! Facets in parts: more points than four where a joint bends and its elements are too few.
+
+use crate::common::blocks::deck_and_model;
+use crate::common::scene::{completed, run};
+use wythe::assembly::Contact;
+use wythe::model::Model;
+use wythe::state::Status;
+
+/// A block of one element on one element, pressed, then pushed at its top.
+///
+/// Blocks are all but rigid, and the dry joint between them is all that gives: k = 1,000 N/mm³ beside E/h = 1e6.
+fn pushed(parts: u32, push: f64) -> Model {
+    let text = format!(
+        r#"format = 1
+[materials.stone]
+E = 1e8
+nu = 0
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 2
+mu = 2
+normal_stiffness = 1000
+shear_stiffness = 1000
+[contact]
+parts = [{parts}, 1, 1]
+[[blocks]]
+name = "base"
+size = [100, 100, 100]
+at = [0, 0, -100]
+material = "stone"
+mesh = [1, 1, 1]
+[[blocks]]
+name = "block"
+size = [100, 100, 100]
+material = "stone"
+mesh = [1, 1, 1]
+[[contacts]]
+slave = "block.bottom"
+master = "base.top"
+interface = "dry"
+[[supports]]
+on = "base.bottom"
+[[probes]]
+name = "heel"
+near = [0, 0, 100]
+direction = "z"
+[[probes]]
+name = "toe"
+near = [100, 0, 100]
+direction = "z"
+[[steps]]
+kind = "load"
+procedure = "static"
+loads = [{{ name = "weight", on = "block.top", pressure = 1.0 }}]
+[[steps]]
+kind = "load"
+procedure = "static"
+loads = [{{ name = "weight", on = "block.top", pressure = 1.0 }}, {{ name = "push", on = "block.top", traction = [{push}, 0, 0] }}]
+increments = {{ initial = 0.1, max = 0.1 }}
+tolerance = {{ residual = 1e-6 }}
+"#
+    );
+    deck_and_model(&text).1
+}
+
+/// Rotation of a rigid block of 100 × 100 mm on rows of springs that bear no tension, under 1 MPa at an eccentricity
+/// [mm]: the pressed rows are all those on from one, and of each set two equations of balance are solved.
+fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
+    let share = 1000.0 * 100.0 * 100.0 / rows.len() as f64;
+    let force = 1.0 * 100.0 * 100.0;
+    for pressed in (1..=rows.len()).rev() {
+        let rows = &rows[rows.len() - pressed..];
+        let sum = |power: i32| share * rows.iter().map(|y| y.powi(power)).sum::<f64>();
+        let (s0, s1, s2) = (sum(0), sum(1), sum(2));
+        // a + θ y presses: Σ = N, Σ y = N e.
+        let determinant = s0 * s2 - s1 * s1;
+        if pressed == 1 {
+            break;
+        }
+        let sink = force * (s2 - eccentricity * s1) / determinant;
+        let turn = force * (eccentricity * s0 - s1) / determinant;
+        if sink + turn * rows[0] >= 0.0 {
+            return turn;
+        }
+    }
+    f64::NAN
+}
+
+/// Beyond the middle third a joint opens. Of two rows of points the outer one lies 28.9 mm from the middle, and what is
+/// pressed farther out falls over; of sixteen rows the block turns as on springs without tension, over 60 of its 100 mm
+/// where it is pressed 20 mm from its toe.
+#[test]
+fn an_open_joint_under_one_element_turns_as_exactly_as_its_rows_are_fine() {
+    const E: f64 = 30.0;
+    // Pressed along c = 3 (b/2 − e), by 2 N / (k b c) at the toe.
+    let along = 3.0 * (50.0 - E);
+    let exact = 2.0 * 1e4 / (1000.0 * 100.0 * along) / along;
+    for (parts, off) in [(2, 0.05), (4, 0.02), (8, 0.006)] {
+        let model = pushed(parts, E / 100.0);
+        let recording = completed(&model);
+        let probes = &recording.rows.last().unwrap().probes;
+        let turned = (probes[0] - probes[1]) / 100.0;
+        let g = 1.0 / 3.0_f64.sqrt();
+        let half = 50.0 / f64::from(parts);
+        let rows: Vec<f64> = (0..parts)
+            .flat_map(|i| [-g, g].map(|g| -50.0 + half * (f64::from(2 * i + 1) + g)))
+            .collect();
+        let on_rows = rotation_on_rows(&rows, E);
+        println!("{parts}: {turned:e}, on rows {on_rows:e}, exact {exact:e}");
+        // The block leans by 6e-5, which moves its load by 0.006 of 30 mm; blocks give by 1e-3 of the joint.
+        assert!(
+            (turned / on_rows - 1.0).abs() < 3e-3,
+            "{parts}: {turned:e} {on_rows:e}"
+        );
+        // What composite rules leave of a line with a kink, 3.7, 1.6 and 0.5 % by the equations above.
+        assert!(
+            (on_rows / exact - 1.0).abs() < off,
+            "{parts}: {on_rows:e} {exact:e}"
+        );
+    }
+    let (_, falls) = run(&pushed(1, E / 100.0));
+    assert_ne!(falls.status, Status::Completed);
+}
+
+/// Points of parts are where those of elements of their size would be, and stand for as much.
+#[test]
+fn parts_are_sampled_as_elements_of_their_size() {
+    let text = |mesh: &str, parts: &str| {
+        let text = include_str!("../../../examples/01_couplet_tension.toml");
+        let text = text.replace("[wall]\n", &format!("[wall]\nmesh = {mesh}\n"));
+        format!("{text}\n[contact]\nparts = {parts}\n")
+    };
+    let sampled = |mesh: &str, parts: &str| {
+        let (_, model) = deck_and_model(&text(mesh, parts));
+        let contact = Contact::new(&model);
+        let mut points: Vec<[f64; 4]> = (contact.points.iter().enumerate())
+            .map(|(p, point)| {
+                let nodes = model.contact.slave_facets[p / 4];
+                let at = |d: usize| {
+                    let x = nodes.map(|n| model.mesh.nodes[n as usize][d]);
+                    x.iter().zip(point.weights).map(|(x, w)| x * w).sum::<f64>()
+                };
+                [at(0), at(1), at(2), point.area]
+            })
+            .collect();
+        // In an order that rounding does not change.
+        points.sort_by_key(|point| point.map(|x| (1e6 * x).round() as i64));
+        (points, contact.reach())
+    };
+    let (elements, _) = sampled("[4, 2, 3]", "[1, 1, 1]");
+    let (parts, reach) = sampled("[4, 2, 1]", "[1, 3, 1]");
+    assert_eq!(elements.len(), parts.len());
+    for (a, b) in elements.iter().zip(&parts) {
+        for i in 0..4 {
+            assert!((a[i] - b[i]).abs() < 1e-9, "{a:?} {b:?}"); // rounding of 100 mm
+        }
+    }
+    // How far points look hangs on the mesh, not on the parts.
+    assert_eq!(reach, sampled("[4, 2, 1]", "[1, 1, 1]").1);
+}

@@ -1,0 +1,281 @@
+//! Every error of a deck comes at once, in its place, and none that only follows from another.
+
+use crate::common::blocks::{GRAVITY, HEAD, PAIR};
+use wythe::deck::Deck;
+use wythe::error::ModelError;
+use wythe::model::Model;
+
+const WALL: &str = include_str!("../../../examples/03_shear_wall_j7d.toml");
+
+fn refused(text: &str) -> ModelError {
+    Deck::from_str(text, "deck.toml")
+        .and_then(|deck| Model::from_deck(&deck))
+        .expect_err("the deck is bad")
+}
+
+/// `good` with each `from` (its last one) replaced by its `to`.
+fn changed(good: &str, changes: &[(&str, &str)]) -> String {
+    let mut text = good.to_owned();
+    for (from, to) in changes {
+        let at = text.rfind(from).unwrap_or_else(|| panic!("no {from}"));
+        text.replace_range(at..at + from.len(), to);
+    }
+    text
+}
+
+/// The keys that are wrong after these changes, in the order in which they are told.
+fn keys(good: &str, changes: &[(&str, &str)]) -> Vec<String> {
+    let error = refused(&changed(good, changes));
+    for error in error.all() {
+        assert!(error.line().is_some(), "{error} has no line");
+        assert!(!error.advice().is_empty(), "{error} has no advice");
+    }
+    error.all().map(|e| e.key().to_owned()).collect()
+}
+
+#[test]
+fn the_form_is_read_to_its_end() {
+    let found = keys(
+        WALL,
+        &[
+            ("E = \"850 MPa\"", "E = \"850 mm\""),
+            ("nu = 0.15", "nu = 0.7"),
+            ("zeta = 4.38", "zetta = 4.38"),
+            ("mu = 0.75", "mu = true"),
+            ("f_t = \"0.20 MPa\"", "f_t = \"-0.20 MPa\""),
+            ("bed_joint = \"12.5 mm\"", "bed_joint = [1, 2]"),
+            ("head_joint = \"12.5 mm\"\n", ""),
+            ("courses = 18", "courses = -18"),
+            (
+                "mortar_material = \"mortar\"",
+                "mortar_material = \"morter\"",
+            ),
+            ("kind = \"preload\"", "kind = \"preloud\""),
+            ("direction = \"x\"", "direction = \"sideways\""),
+            ("viscosity = 0.0025", "viscosity = \"1 furlong\""),
+        ],
+    );
+    assert_eq!(
+        found,
+        [
+            "materials.mortar.E",
+            "materials.mortar.nu",
+            "interfaces.joint.f_t",
+            "interfaces.joint.zetta",
+            "interfaces.joint.mu",
+            "wall.bed_joint",
+            "wall.courses",
+            "wall.mortar_material",
+            "wall.head_joint",
+            "steps.0.kind",
+            "steps.1.direction",
+            "steps.1.viscosity",
+        ]
+    );
+}
+
+/// A misspelt key is not missing, too; a step of no known kind has no keys of another.
+#[test]
+fn what_follows_from_an_error_is_not_told() {
+    for (change, key) in [
+        (("unit_material", "unit_materiel"), "wall.unit_materiel"),
+        (
+            ("[interfaces.joint]", "[interfaces.join]"),
+            "wall.interface",
+        ),
+        (("[materials.mortar]", "[material.mortar]"), "material"),
+        (("kind = \"drive\"", "kind = \"push\""), "steps.1.kind"),
+        (("kind = \"drive\"\n", ""), "steps.1.kind"),
+        (
+            ("f_t = \"0.20 MPa\"", "f_t = \"0.20 N\""),
+            "interfaces.joint.f_t",
+        ),
+        (
+            ("u_k = \"0.36 mm\"", "u_k = \"0.36\""),
+            "interfaces.joint.u_k",
+        ),
+        (("[[steps]]", "[steps]"), ""),
+        (("[wall]", "[[wall]]"), "wall"),
+        (
+            ("length = \"990 mm\"", "lenght = \"990 mm\""),
+            "wall.lenght",
+        ),
+        (
+            ("[0.1, 0.002, 0.95]", "[0.1, 0.002]"),
+            "materials.mortar.tension.1",
+        ),
+        (
+            ("[0.1, 0.002, 0.95]", "[0.1, \"a\", 0.95]"),
+            "materials.mortar.tension.1.1",
+        ),
+        (("unit = [\"204 mm\"", "unit = [\"204 bar\""), "wall.unit.0"),
+    ] {
+        assert_eq!(keys(WALL, &[change]), [key], "{change:?}");
+    }
+}
+
+#[test]
+fn sections_that_are_none_are_told_how_to_be_headed() {
+    let scene = format!("{HEAD}{PAIR}{GRAVITY}");
+    let error = refused(&changed(&scene, &[("[[supports]]", "[supports]")]));
+    assert_eq!(error.key(), "supports");
+    assert!(error.advice().contains("[[supports]]"), "{error}");
+    assert!(error.others().is_empty(), "{:?}", error.others());
+    let error = refused(&changed(&scene, &[("[contact]", "[[contact]]")]));
+    assert!(error.advice().contains("[contact]"), "{error}");
+    assert!(error.others().is_empty(), "{:?}", error.others());
+    let error = refused("format = 1\nmaterials = 3\nsteps = [1, 2]\n");
+    let keys: Vec<&str> = error.all().map(ModelError::key).collect();
+    assert_eq!(keys, ["materials", "steps"]);
+}
+
+#[test]
+fn names_of_nothing_are_part_of_the_form() {
+    let scene = format!("{HEAD}{PAIR}{GRAVITY}");
+    let found = keys(
+        &scene,
+        &[
+            ("slave = \"top.bottom\"", "slave = \"topp.bottom\""),
+            ("master = \"base.top\"", "master = \"base.upper\""),
+            ("on = \"base\"", "on = [\"bass\", \"top\", \"none\"]"),
+            ("nu = 0.2", "nu = 2"),
+            ("interface = \"dry\"", "interface = \"dri\""),
+        ],
+    );
+    assert_eq!(
+        found,
+        [
+            "materials.stone.nu",
+            "contacts.0.slave",
+            "contacts.0.master",
+            "contacts.0.interface",
+            "supports.0.on",
+            "supports.0.on",
+        ]
+    );
+    // Where a name could not be read, no other is called unknown.
+    let found = keys(
+        &scene,
+        &[("name = \"top\"", "name = 3"), ("nu = 0.2", "nu = 2")],
+    );
+    assert_eq!(found, ["materials.stone.nu", "blocks.1.name"]);
+}
+
+#[test]
+fn lines_that_are_no_toml_do_not_hide_the_others() {
+    let found = refused(&changed(
+        WALL,
+        &[
+            ("mu = 0.75", "mu = "),
+            ("courses = 18", "courses = \"eighteen\""),
+            ("displacement = \"4 mm\"", "displacement = 4 mm"),
+        ],
+    ));
+    let lines: Vec<_> = found.all().map(|e| (e.line(), e.key())).collect();
+    let line = |start: &str| 1 + WALL.lines().position(|l| l.starts_with(start)).unwrap();
+    assert_eq!(
+        lines,
+        [
+            (Some(line("mu =")), ""),
+            (Some(line("courses =")), "wall.courses"),
+            (Some(line("displacement =")), ""),
+        ],
+        "{found:?}"
+    );
+}
+
+/// Softening of both materials that snaps back, a probe far away, a tilt without gravity; and the
+/// warnings besides.
+#[test]
+fn the_physics_is_judged_to_its_end() {
+    let probe = "[[probes]]\nname = \"far\"\nnear = [\"1 km\", 0, 0]\ndirection = \"x\"\n\n[wall]";
+    let probe = probe.replace("\"1 km\"", "1e6");
+    let text = changed(
+        WALL,
+        &[
+            (
+                "reference_length = \"31.4 mm\"",
+                "reference_length = \"1 mm\"",
+            ),
+            (
+                "reference_length = \"50 mm\"",
+                "reference_length = \"1 mm\"",
+            ),
+            (
+                "kind = \"preload\"\ntop_pressure = \"2.12 MPa\"",
+                "kind = \"tilt\"\nangle = 3",
+            ),
+            ("mu = 0.75", "mu = 0.9"),
+            ("[wall]", &probe),
+        ],
+    );
+    let error = refused(&text);
+    let mut keys: Vec<&str> = error.all().map(ModelError::key).collect();
+    keys.dedup();
+    assert_eq!(
+        keys,
+        [
+            "materials.brick.tension",
+            "materials.brick.compression",
+            "materials.brick.density",
+            "materials.mortar.tension",
+            "materials.mortar.compression",
+            "probes.0.near",
+            "steps.0.kind",
+        ]
+    );
+    assert!(
+        error
+            .warnings()
+            .iter()
+            .any(|w| w.key == "interfaces.joint.mu" && w.column == Some(6)),
+        "{:?}",
+        error.warnings()
+    );
+}
+
+#[test]
+fn overrides_are_told_after_the_file() {
+    let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    let text = changed(WALL, &[("courses = 18", "courses = 0")]);
+    let overrides = [
+        set("steps.7.displacement", "1"),
+        set("materials.brick.nu", "\"much\""),
+        set("materials.mortar.nu", "0.8"),
+    ];
+    let error = Deck::from_str_with(&text, "deck.toml", &overrides).unwrap_err();
+    let files: Vec<&str> = error.all().map(ModelError::file).collect();
+    assert_eq!(files[0], "deck.toml");
+    for (key, _) in &overrides {
+        assert!(
+            files.contains(&format!("--set {key}").as_str()),
+            "{files:?}"
+        );
+    }
+    assert_eq!(files.len(), 4);
+}
+
+/// What stands in for each key is right: a deck of nothing but wrong values is told key by key.
+#[test]
+fn every_key_can_be_wrong_at_once() {
+    let scene = format!("{HEAD}{PAIR}{GRAVITY}");
+    for good in [WALL, scene.as_str()] {
+        let keys: Vec<&str> = good.lines().filter(|l| !l.starts_with('#')).collect();
+        let wrong = |line: &&str| {
+            line.split_once(" = ")
+                .map(|(key, _)| format!("{key} = 1970-01-01"))
+        };
+        let text: Vec<String> = keys
+            .iter()
+            .map(|line| wrong(line).unwrap_or_else(|| (*line).to_owned()))
+            .collect();
+        let count = text
+            .iter()
+            .filter(|line| line.ends_with("1970-01-01"))
+            .count();
+        let error = refused(&text.join("\n"));
+        let lines: Vec<_> = error.all().filter_map(ModelError::line).collect();
+        assert_eq!(lines.len(), count, "{error:?}");
+        assert!(lines.is_sorted_by(|a, b| a < b), "{lines:?}");
+    }
+}

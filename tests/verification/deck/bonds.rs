@@ -1,0 +1,398 @@
+//! Bonds, leaves, openings, corners, dry and partly filled joints: the units of a wall fill it without gaps
+//! or overlaps, and every face between two of them is an interface exactly once.
+
+use crate::common::blocks::{area_vector, nodes, norm};
+use crate::common::boxes::{Box3, bodies, element_box, volume};
+use wythe::deck::Deck;
+use wythe::model::Model;
+
+const MATERIALS: &str = "format = 1
+[materials.brick]
+E = 16700
+nu = 0.15
+density = \"1900 kg/m^3\"
+[materials.mortar]
+E = 850
+nu = 0.15
+density = \"1800 kg/m^3\"
+[materials.steel]
+E = 210000
+nu = 0.3
+density = \"7850 kg/m^3\"
+[interfaces.joint]
+f_t = 0.2
+c = 0.22
+tan_phi = 0.75
+mu = 0.75
+zeta = 4.38
+xi = 1.1
+u_k = 0.36
+delta_k = 0.4
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.6
+mu = 0.6
+";
+
+const STEP: &str = "[[steps]]\nkind = \"gravity\"\n";
+
+/// British bricks: two thicknesses and a joint make a length.
+const BRICK: &str = "unit = [215, 102.5, 65]
+bed_joint = 10
+head_joint = 10
+unit_material = \"brick\"
+mortar_material = \"mortar\"
+interface = \"joint\"
+";
+
+fn deck(wall: &str) -> Deck {
+    Deck::from_str(&format!("{MATERIALS}{wall}\n{STEP}"), "wall.toml")
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn model(wall: &str) -> Model {
+    Model::from_deck(&deck(wall))
+        .unwrap_or_else(|e| panic!("{e}"))
+        .0
+}
+
+fn overlap(a: Box3, b: Box3) -> f64 {
+    (0..3)
+        .map(|d| (a[1][d].min(b[1][d]) - a[0][d].max(b[0][d])).max(0.0))
+        .product()
+}
+
+fn area(model: &Model, facet: [u32; 4]) -> f64 {
+    norm(area_vector(nodes(model, facet)))
+}
+
+/// Area where the bodies touch each other [mm²], from their boxes alone.
+fn touching(boxes: &[Box3]) -> f64 {
+    let mut sum = 0.0;
+    for (i, a) in boxes.iter().enumerate() {
+        for b in &boxes[i + 1..] {
+            for d in 0..3 {
+                let meet = (a[1][d] - b[0][d]).abs() < 1e-6 || (b[1][d] - a[0][d]).abs() < 1e-6;
+                if !meet {
+                    continue;
+                }
+                let others = [(d + 1) % 3, (d + 2) % 3];
+                let common = |k: usize| (a[1][k].min(b[1][k]) - a[0][k].max(b[0][k])).max(0.0);
+                sum += common(others[0]) * common(others[1]);
+            }
+        }
+    }
+    sum
+}
+
+/// The units fill `solid` mm³ of the wall without overlaps, elements fill their bodies, and slave facets
+/// cover what touches and nothing else.
+fn fills(model: &Model, solid: f64) {
+    let mesh = &model.mesh;
+    let boxes = bodies(mesh);
+    let sum: f64 = boxes.iter().map(|b| volume(*b)).sum();
+    // Sums of some thousand products of coordinates with twelve digits behind the point.
+    assert!((sum - solid).abs() < 1e-9 * solid, "{sum} of {solid}");
+    let elements: f64 = (0..mesh.elements.len())
+        .map(|e| volume(element_box(mesh, e)))
+        .sum();
+    assert!((elements - sum).abs() < 1e-9 * solid, "{elements} in {sum}");
+    for (i, a) in boxes.iter().enumerate() {
+        for b in &boxes[i + 1..] {
+            assert!(overlap(*a, *b) < 1e-3, "{a:?} and {b:?}");
+        }
+    }
+    let facets = &model.contact.slave_facets;
+    let slaves: f64 = facets.iter().map(|f| area(model, *f)).sum();
+    let meet = touching(&boxes);
+    assert!(
+        meet > 0.0 && (slaves - meet).abs() < 1e-9 * meet,
+        "{slaves} mm² of slaves for {meet} mm² that touch"
+    );
+}
+
+#[test]
+fn every_bond_fills_the_wall() {
+    // 5 whole stretchers, and 4½.
+    for length in [1115.0, 1002.5] {
+        for (bond, thickness) in [
+            ("bond = \"stretcher\"", 102.5),
+            ("bond = \"stretcher\"\noverlap = 75", 102.5),
+            ("bond = \"stretcher\"\noverlap = 112.5\nleaves = 2", 215.0),
+            ("leaves = 3\ncollar_joint = 20", 347.5),
+            ("leaves = 2\nheader_courses = 3", 215.0),
+            ("bond = \"stack\"", 102.5),
+            ("bond = \"header\"", 215.0),
+            ("bond = \"english\"", 215.0),
+            ("bond = \"english-cross\"", 215.0),
+            ("bond = \"flemish\"", 215.0),
+        ] {
+            let model = model(&format!(
+                "[wall]\n{BRICK}length = {length}\ncourses = 7\n{bond}"
+            ));
+            let height = 7.0 * 65.0 + 6.0 * 10.0;
+            fills(&model, length * thickness * height);
+        }
+    }
+}
+
+/// Head joints of an English bond lie a quarter of a pitch beside those below.
+#[test]
+fn headers_lap_by_a_quarter() {
+    for (bond, length) in [("english", 1115.0), ("flemish", 1227.5)] {
+        let deck = deck(&format!(
+            "[wall]\n{BRICK}length = {length}\ncourses = 6\nbond = \"{bond}\""
+        ));
+        let model = Model::from_deck(&deck).unwrap().0;
+        let notes = wythe::deck::check(&deck, &model).notes;
+        let lap = "lap 56.25 mm";
+        assert!(notes.iter().any(|n| n.contains(lap)), "{bond}: {notes:?}");
+    }
+}
+
+/// Rubble between two leaves of different stones, tied by headers.
+#[test]
+fn a_written_bond_fills_the_wall() {
+    let pattern = "bond = \"pattern\"
+[[wall.pattern]]
+leaves = [{ units = [215, 102.5], headers = [1] }, { thickness = 150, units = [1000], material = \"mortar\" }, \
+{ units = [215, 102.5] }]
+[[wall.pattern]]
+height = 140
+leaves = [{ units = [300] }, { thickness = 150, units = [1000], offset = -400, material = \"mortar\" }, \
+{ units = [215], offset = -100 }]
+";
+    let model = model(&format!(
+        "[wall]\n{BRICK}length = 1190\ncourses = 5\n{pattern}"
+    ));
+    let thickness = 102.5 + 10.0 + 150.0 + 10.0 + 102.5;
+    let height = 3.0 * 65.0 + 2.0 * 140.0 + 4.0 * 10.0;
+    fills(&model, 1190.0 * thickness * height);
+}
+
+#[test]
+fn openings_are_empty_and_lintels_span_them() {
+    let opening = "openings = [{ from = 337.5, to = 665, sill = 2, courses = 3, lintel = { bearing = 102.5, \
+                   material = \"steel\" } }]";
+    for bond in ["stretcher", "flemish", "english"] {
+        let deck = deck(&format!(
+            "[wall]\n{BRICK}length = 1002.5\ncourses = 8\nbond = \"{bond}\"\n{opening}"
+        ));
+        let model = Model::from_deck(&deck)
+            .unwrap_or_else(|e| panic!("{bond}: {e}"))
+            .0;
+        let mesh = &model.mesh;
+        let steel = model
+            .materials
+            .iter()
+            .position(|m| m.name == "steel")
+            .unwrap();
+        let of_steel = |e: &usize| usize::from(mesh.material[*e]) == steel;
+        let lintel: f64 = (0..mesh.elements.len())
+            .filter(of_steel)
+            .map(|e| volume(element_box(mesh, e)))
+            .sum();
+        let thickness = if bond == "stretcher" { 102.5 } else { 215.0 };
+        // Exact but for rounding.
+        assert!((lintel - 532.5 * thickness * 65.0).abs() < 1e-3, "{lintel}");
+        // Nothing stands in the opening but the bed joint of its sill and units ends within a joint of it.
+        let inside = [[347.5, 0.0, 160.0], [655.0, thickness, 374.0]];
+        for body in bodies(mesh) {
+            assert!(overlap(body, inside) < 1e-6, "{bond}: {body:?}");
+        }
+    }
+}
+
+#[test]
+fn slivers_beside_an_opening_are_refused() {
+    let wall = format!(
+        "[wall]\n{BRICK}length = 1002.5\ncourses = 8\nopenings = [{{ from = 232, to = 500, sill = 2, courses = 3 }}]"
+    );
+    let text = format!("{MATERIALS}{wall}\n{STEP}");
+    let error = Deck::from_str(&text, "wall.toml").unwrap_err();
+    assert_eq!(error.key(), "wall.openings.0.from");
+    assert!(error.message().contains("sliver of 7.00 mm"), "{error}");
+    assert!(error.message().contains("course 2"), "{error}");
+}
+
+/// An L and a T: the units of the two walls interlock, and their joints are filled.
+#[test]
+fn walls_that_meet_interlock() {
+    // Corner: the second wall begins within the first one's end; T: in its middle.
+    for at in [900.0, 450.0] {
+        let walls = format!(
+            "[wall]\nclamped = false\n{BRICK}length = 1002.5\ncourses = 4\n[[walls]]\nname = \"return\"\nalong = \
+             \"y\"\nat = [{at}, 0, 0]\n{BRICK}length = 777.5\ncourses = 4\n[[supports]]\non = [\"wall.bottom\", \
+             \"return.bottom\"]"
+        );
+        let model = model(&walls);
+        let height = 4.0 * 65.0 + 3.0 * 10.0;
+        let plan = 1002.5 * 102.5 + 777.5 * 102.5 - 102.5 * 102.5;
+        fills(&model, plan * height);
+        // In every course a unit of one wall stands against one of the other; courses count anew in the second wall.
+        let boxes = bodies(&model.mesh);
+        let mut course = vec![0; boxes.len()];
+        for (unit, k) in model.mesh.unit.iter().zip(&model.mesh.course) {
+            course[*unit as usize] = *k;
+        }
+        let second = course.windows(2).position(|k| k[1] < k[0]).unwrap() + 1;
+        for k in 0..4 {
+            let of = |range: std::ops::Range<usize>| range.filter(|b| course[*b] == k);
+            let joined = of(0..second)
+                .flat_map(|a| of(second..boxes.len()).map(move |b| [a, b]))
+                .any(|pair| touching(&pair.map(|b| boxes[b])) > 0.0);
+            assert!(joined, "course {k} at {at} mm");
+        }
+    }
+}
+
+#[test]
+fn dry_units_touch_with_their_faces() {
+    let wall = "[wall]
+unit = [200, 100, 50]
+bed_joint = 0
+head_joint = 0
+length = 1000
+courses = 5
+unit_material = \"brick\"
+interface = \"dry\"
+mesh = [2, 1, 1]
+clamped = false
+[contact]
+points = \"corner\"
+[[supports]]
+on = \"wall.bottom\"";
+    let model = model(wall);
+    assert_eq!(model.materials.len(), 1);
+    fills(&model, 1000.0 * 100.0 * 250.0);
+    // 5 units in even courses, 6 in odd ones; two elements a whole unit, one a half.
+    assert_eq!(model.mesh.elements.len(), 5 * 10);
+}
+
+#[test]
+fn head_joints_are_filled_as_far_as_said() {
+    let wall = |filling: f64| {
+        model(&format!(
+            "[wall]\n{BRICK}length = 1002.5\ncourses = 3\nhead_filling = {filling}"
+        ))
+    };
+    let mortar = |model: &Model| {
+        let mesh = &model.mesh;
+        let elements = (0..mesh.elements.len()).filter(|e| mesh.material[*e] == 1);
+        elements.map(|e| volume(element_box(mesh, e))).sum::<f64>()
+    };
+    let full = mortar(&wall(1.0));
+    let heads = 3.0 * 4.0 * 10.0 * 102.5 * 65.0;
+    for filling in [0.0, 0.3, 0.8] {
+        let part = mortar(&wall(filling));
+        // Rounding of some hundred products.
+        assert!(
+            (full - part - (1.0 - filling) * heads).abs() < 1e-3,
+            "{filling}: {part} of {full}"
+        );
+    }
+}
+
+/// As much mortar, at the face that is said.
+#[test]
+fn head_joints_are_filled_from_the_face_that_is_said() {
+    for (from, at) in [("front", [0.0, 30.75]), ("back", [71.75, 102.5])] {
+        let model = model(&format!(
+            "[wall]\n{BRICK}length = 440\ncourses = 1\nhead_filling = 0.3\nfilled_from = \"{from}\"\n\
+             clamped = false\n[[supports]]\non = \"wall.bottom\""
+        ));
+        let mesh = &model.mesh;
+        let mortar: Vec<Box3> = (0..mesh.elements.len())
+            .filter(|e| mesh.material[*e] == 1)
+            .map(|e| element_box(mesh, e))
+            .collect();
+        // One joint, one element high, in length and in depth: all of 30 % of 102.5 mm.
+        assert_eq!(mortar.len(), 1, "{mortar:?}");
+        let [low, high] = mortar[0];
+        assert!(
+            (low[1] - at[0]).abs() < 1e-9 && (high[1] - at[1]).abs() < 1e-9,
+            "{mortar:?}"
+        );
+    }
+}
+
+/// Walls may stand on blocks, and their sides have names.
+#[test]
+fn a_wall_stands_on_a_block() {
+    let scene = format!(
+        "[wall]\nclamped = false\nat = [0, 0, 100]\n{BRICK}length = 1002.5\ncourses = 3\n[[blocks]]\nname = \
+         \"footing\"\nsize = [1002.5, 102.5, 100]\nmaterial = \"steel\"\nmesh = [10, 2, 1]\n[[supports]]\non = \
+         \"footing.bottom\"\n[[contacts]]\nslave = \"wall.bottom\"\nmaster = \"footing.top\"\ninterface = \
+         \"joint\"\n[[probes]]\nname = \"top\"\non = \"wall.top\"\ndirection = \"z\""
+    );
+    let model = model(&scene);
+    let boxes = bodies(&model.mesh);
+    let mesh = &model.mesh;
+    let facets = &model.contact.slave_facets;
+    let slaves: f64 = facets.iter().map(|f| area(&model, *f)).sum();
+    assert!((slaves - touching(&boxes)).abs() < 1e-6 * slaves);
+    let top = 100.0 + 3.0 * 65.0 + 20.0;
+    assert!(
+        model.probes[0]
+            .nodes
+            .iter()
+            .all(|n| (mesh.nodes[*n as usize][2] - top).abs() < 1e-9)
+    );
+}
+
+#[test]
+fn what_cannot_be_laid_is_refused() {
+    for (wall, key, message) in [
+        (
+            "bond = \"flemish\"\nunit = [215, 110, 65]",
+            "wall.unit",
+            "thicker than a header",
+        ),
+        ("overlap = 5", "wall.overlap", "cannot overlap by 5 mm"),
+        (
+            "bond = \"flemish\"\noverlap = 50",
+            "wall.overlap",
+            "says nothing",
+        ),
+        ("bond = \"pattern\"", "wall.pattern", "there is none"),
+        (
+            "leaves = 2\nheader_courses = 3\ncollar_joint = 20",
+            "wall.header_courses",
+            "do not fit through",
+        ),
+        (
+            "openings = [{ from = 100, to = 2000, sill = 1, courses = 1 }]",
+            "wall.openings.0.to",
+            "not within",
+        ),
+        (
+            "openings = [{ from = 225, to = 450, sill = 3, courses = 2, lintel = { bearing = 100 } }]",
+            "wall.openings.0.courses",
+            "not within the 5",
+        ),
+        (
+            "openings = [{ from = 225, to = 450, sill = 1, courses = 2 }, { from = 337.5, to = 550, sill = 2, courses = 1 }]",
+            "wall.openings.1.from",
+            "overlap",
+        ),
+        (
+            "head_filling = 1.5",
+            "wall.head_filling",
+            "not between 0 and 1",
+        ),
+        ("along = \"z\"", "wall.along", "upwards"),
+    ] {
+        let own = if wall.contains("unit =") {
+            BRICK.replacen("unit = [215, 102.5, 65]\n", "", 1)
+        } else {
+            BRICK.to_owned()
+        };
+        let text = format!("{MATERIALS}[wall]\nlength = 1002.5\ncourses = 5\n{own}{wall}\n{STEP}");
+        let error = Deck::from_str(&text, "wall.toml")
+            .err()
+            .unwrap_or_else(|| panic!("accepted: {wall}"));
+        assert_eq!(error.key(), key, "{error}");
+        assert!(error.message().contains(message), "{error}");
+    }
+}

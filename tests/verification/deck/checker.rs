@@ -1,0 +1,337 @@
+//! What `check` tells of a deck before it runs: sizes, energies, warnings, and what is too large.
+
+use crate::common::examples::{load, path};
+use wythe::deck::{Deck, check};
+use wythe::model::Model;
+
+/// Two elements through the thickness are too few for a wall that bends, and enough for one that is sheared.
+#[test]
+fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
+    let told = |name: &str, overrides: &[(&str, &str)]| {
+        let deck = load(name, overrides);
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let mut notes = check(&deck, &model).notes.into_iter();
+        notes.find(|note| note.contains("bent out of its plane"))
+    };
+    let pressed = told("62_out_of_plane_wall", &[("wall.mesh", "coarse")]).unwrap();
+    assert!(pressed.contains("wall.mesh = [5, 2, 3]"), "{pressed}");
+    assert_eq!(
+        told("62_out_of_plane_wall", &[("wall.mesh", "[5, 2, 3]")]),
+        None
+    );
+    let across = ("steps.1.direction", "y");
+    assert_eq!(told("03_shear_wall_j7d", &[]), None);
+    assert!(told("03_shear_wall_j7d", &[across, ("wall.mesh", "coarse")]).is_some());
+
+    // What says nothing of it has three.
+    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
+    let silent = Deck::from_str(&text.replace("mesh = \"coarse\"", ""), "wall.toml").unwrap();
+    assert_eq!(silent.wall.unwrap().mesh.thickness, 2);
+    let mesh = |overrides| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
+    assert_eq!(mesh(&[]).thickness, 3);
+    assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
+    // The joints of any wall with mortar are a tenth as stiff as others, if nothing is said of these.
+    let factor = |name: &str, overrides: &[(&str, &str)]| {
+        load(name, overrides).interfaces["joint"].penalty()
+    };
+    let said = ("interfaces.joint.penalty_factor", "500");
+    assert_eq!(factor("62_out_of_plane_wall", &[]), 50.0);
+    assert_eq!(factor("62_out_of_plane_wall", &[said]), 500.0);
+    assert_eq!(factor("03_shear_wall_j7d", &[]), 50.0);
+    assert_eq!(factor("03_shear_wall_j7d", &[said]), 500.0);
+    // In general contact a stiff joint is what stops bodies that fly; a dry wall has that of theory/joint.md, eq. 32.
+    assert_eq!(factor("90_falling_wall", &[]), 500.0);
+    let text = std::fs::read_to_string(path("63_dry_stone_wall")).unwrap();
+    let silent = |line: &&str| !line.contains("_stiffness = ");
+    let text: Vec<&str> = text.lines().filter(silent).collect();
+    let dry = Deck::from_str(&text.join("\n"), "wall.toml").unwrap();
+    assert!(dry.interfaces["dry"].normal_stiffness.is_none());
+    assert_eq!(dry.interfaces["dry"].penalty(), 500.0);
+    let none = [("wall.leaves".to_owned(), "0".to_owned())];
+    assert!(Deck::load(path("62_out_of_plane_wall"), &none).is_err());
+}
+
+#[test]
+fn the_checker_reports_sizes_energies_and_warnings() {
+    // Memory was measured of the whole.
+    let deck = load("03_shear_wall_j7d", &[("fidelity", "full")]);
+    let (model, warnings) = Model::from_deck(&deck).unwrap();
+    let report = check(&deck, &model);
+    assert_eq!(report.warnings, warnings);
+    assert_eq!((report.sizes.units, report.sizes.elements), (90, 1540));
+    assert_eq!(
+        report.sizes.contact_points,
+        4 * model.contact.slave_facets.len()
+    );
+    // Measured peak of a run: 124 MB; 443 MB with the fine mesh. A quarter, for what runs differ by and what is simple.
+    let of_fine = |d: Deck| check(&d, &Model::from_deck(&d).unwrap().0).memory_mb;
+    let full = ("fidelity", "full");
+    let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine"), full]));
+    for (estimate, measured) in [(report.memory_mb, 124.0), (fine, 443.0)] {
+        let ratio = estimate / measured;
+        assert!(
+            ratio < 1.25 && ratio > 1.0 / 1.25,
+            "{estimate} MB for {measured} MB"
+        );
+    }
+    // Halves, with the question whether they stay ones: 92 and 323 MB. A large wall: 427 MB.
+    for (estimate, measured) in [
+        (of_fine(load("03_shear_wall_j7d", &[])), 92.0),
+        (
+            of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine")])),
+            323.0,
+        ),
+        (of_fine(load("70_large_wall", &[full])), 427.0),
+    ] {
+        let ratio: f64 = estimate / measured;
+        assert!((ratio - 1.0).abs() < 0.1, "{estimate} MB for {measured} MB");
+    }
+    // The weight of one of a million unknowns wants factors of double precision: 11,086 MB, a tenth as above.
+    let huge = [full, ("wall.length", "43287.5"), ("wall.courses", "100")];
+    let deck = load("70_large_wall", &huge);
+    let told = check(&deck, &Model::from_deck(&deck).unwrap().0);
+    let note = told.notes.iter().find(|note| note.starts_with("memory"));
+    let said = note.unwrap().split(' ').find_map(|word| word.parse().ok());
+    let ratio: f64 = said.unwrap_or(0.0) / 11_086.0;
+    assert!((ratio - 1.0).abs() < 0.1, "{note:?}");
+    assert!(report.notes.iter().all(|note| !note.starts_with("memory")));
+    let text = report.to_string();
+    for part in [
+        "G_I = 15.53 N/m",
+        "G_II = 36.09 N/m",
+        "90 units, 1540 elements",
+        "pivots",
+        "lap 80.00 mm",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+
+    let key_of = |overrides: &[(&str, &str)]| -> Vec<String> {
+        let deck = load("02_couplet_shear", overrides);
+        let (_, warnings) = Model::from_deck(&deck).unwrap();
+        warnings.into_iter().map(|w| w.key).collect()
+    };
+    assert!(key_of(&[]).is_empty());
+    assert_eq!(
+        key_of(&[("interfaces.joint.mu", "1.1")]),
+        ["interfaces.joint.mu"]
+    );
+    assert_eq!(
+        key_of(&[("interfaces.joint.f_t", "0.9")]),
+        ["interfaces.joint.f_t"]
+    );
+    // theory/joint.md, eq. 23: Table 1 snaps back below k_n = .28 × 4.38/(.2 (1 − e^−4.38)) = 6.21, k_s = 3.59
+    let soft = |n: &str, s: &str| {
+        key_of(&[
+            ("interfaces.joint.normal_stiffness", n),
+            ("interfaces.joint.shear_stiffness", s),
+        ])
+    };
+    assert!(soft("6.22", "3.60").is_empty());
+    assert_eq!(
+        soft("6.20", "3.58"),
+        [
+            "interfaces.joint.normal_stiffness",
+            "interfaces.joint.shear_stiffness"
+        ]
+    );
+    // Explicit stiffnesses leave a factor without effect, the default's, too.
+    let explicit = [
+        ("interfaces.joint.normal_stiffness", "100"),
+        ("interfaces.joint.shear_stiffness", "50"),
+    ];
+    assert!(key_of(&explicit).is_empty());
+    for factor in ["500", "50"] {
+        let both = [
+            &explicit[..],
+            &[("interfaces.joint.penalty_factor", factor)],
+        ]
+        .concat();
+        assert_eq!(key_of(&both), ["interfaces.joint.penalty_factor"]);
+    }
+    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
+    let unscaled = text.replace("reference_length = \"50 mm\"\n", "");
+    let (_, warnings) =
+        Model::from_deck(&Deck::from_str(&unscaled, "unscaled.toml").unwrap()).unwrap();
+    assert!(
+        warnings[0].message.contains("scaling is off"),
+        "{}",
+        warnings[0]
+    );
+    assert_eq!(warnings[0].key, "materials.brick");
+    let line = unscaled
+        .lines()
+        .position(|l| l == "[materials.brick]")
+        .unwrap()
+        + 1;
+    assert_eq!(warnings[0].line, Some(line));
+}
+
+/// Where no displacement drives or steers there is no peak to see, nor where inertia or a path says how far.
+#[test]
+fn a_peak_is_seen_by_what_drives_or_steers() {
+    let keys = |name: &str, set: &[(&str, &str)]| -> Vec<String> {
+        let (_, warnings) = Model::from_deck(&load(name, set)).unwrap();
+        let keys = warnings.into_iter().map(|w| w.key);
+        keys.filter(|key| key.ends_with("peak")).collect()
+    };
+    let (couplet, bent) = ("02_couplet_shear", "62_out_of_plane_wall");
+    let [preload, drive] = [0, 1].map(|i| format!("steps.{i}.increments.peak"));
+    let set = [(preload.as_str(), "0.01"), (drive.as_str(), "0.01")];
+    assert_eq!(keys(couplet, &set), [preload.as_str()]);
+    assert_eq!(keys(bent, &set), [preload.as_str()]);
+    let swings = [&set[1..], &[("steps.1.procedure", "dissipation")]].concat();
+    assert_eq!(keys(couplet, &swings), [drive.as_str()]);
+}
+
+#[test]
+fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
+    let told = |set: &[(&str, &str)]| {
+        let deck = load("03_shear_wall_j7d", set);
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        check(&deck, &model).to_string()
+    };
+    let text = told(&[]);
+    assert!(text.contains("11908 unknowns"), "{text}");
+    assert!(
+        text.contains("one half of it, 6616 unknowns, is solved"),
+        "{text}"
+    );
+    let text = told(&[
+        ("fidelity", "full"),
+        ("interfaces.joint.penalty_factor", "1e15"),
+    ]);
+    assert!(
+        text.contains("\"auto\" one half of it, 6616 unknowns"),
+        "{text}"
+    );
+    assert!(text.lines().all(|line| line.len() < 300), "{text}");
+    assert!(text.contains("k_n / k_s = 6.800e16 / "), "{text}");
+}
+
+/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory/damage-plasticity.md, Decisions, "Inadmissible damage"). In
+/// another element the strains beyond the peak are others, and so is the cap.
+#[test]
+fn capped_damage_names_its_row() {
+    let deck = load("03_shear_wall_j7d", &[]);
+    let (_, warnings) = Model::from_deck(&deck).unwrap();
+    let keys: Vec<&str> = warnings.iter().map(|w| w.key.as_str()).collect();
+    assert_eq!(keys, ["materials.mortar.tension.1.2"]);
+    let message = &warnings[0].message;
+    for part in [
+        "row 2: the damage 0.95 is inadmissible",
+        "in elements of 33.6 mm",
+    ] {
+        assert!(message.contains(part), "{part} is not in {message}");
+    }
+    // A point has no size: the table as given.
+    let (_, warnings) = deck.law("mortar", None).unwrap();
+    assert_eq!(warnings.len(), 1);
+    assert!(
+        warnings[0].message.contains("capped to 0.9387"),
+        "{}",
+        warnings[0]
+    );
+    // With the out-of-plane modulus the same table is admissible.
+    let stiff = load("03_shear_wall_j7d", &[("materials.mortar.E", "2300")]);
+    let (_, warnings) = Model::from_deck(&stiff).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn through_joints_and_slivers_are_noticed() {
+    let warned = |length: &str| -> Vec<String> {
+        let deck = load("03_shear_wall_j7d", &[("wall.length", length)]);
+        let (_, warnings) = Model::from_deck(&deck).unwrap();
+        warnings.into_iter().map(|w| w.message).collect()
+    };
+    assert!(
+        warned("990 mm")
+            .iter()
+            .all(|w| !w.contains("sliver") && !w.contains("bond"))
+    );
+    // 4 whole units and 20 mm: a sliver whose head joints nearly coincide, 32.5 mm apart
+    assert!(
+        warned("886 mm")
+            .iter()
+            .any(|w| w.contains("slivers of 20.00 mm"))
+    );
+    // 4 whole units and 200 mm
+    assert!(
+        warned("1066 mm")
+            .iter()
+            .any(|w| w.contains("4.00 mm apart"))
+    );
+}
+
+#[test]
+fn absurd_sizes_are_refused_before_they_are_built() {
+    let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
+    for (key, value, at) in [
+        ("wall.length", "1e300", "wall.length"),
+        ("wall.head_joint", "1e300", "wall.head_joint"),
+        ("wall.bed_joint", "\"12.5 um\"", "wall.bed_joint"),
+        ("wall.unit.1", "1e-300", "wall.unit.1"),
+        ("wall.courses", "4000000000", "wall.courses"),
+        (
+            "wall.mesh",
+            "[4000000000, 4000000000, 4000000000]",
+            "wall.mesh",
+        ),
+    ] {
+        let error = Deck::from_str_with(&text, "j7d.toml", &[(key.into(), value.into())])
+            .and_then(|deck| Model::from_deck(&deck))
+            .unwrap_err();
+        assert_eq!(error.key(), at, "{error}");
+        assert_eq!(error.file(), format!("--set {key}"));
+    }
+}
+
+/// A wall of two leaves, or in English bond, is as thick for the solver as it has planes of nodes: more memory for each
+/// unknown than one leaf; rigid units have fewer.
+#[test]
+fn memory_follows_the_thickness_that_is_laid() {
+    let wall = |more: &str| {
+        format!(
+            "format = 1\nfidelity = \"full\"\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\
+             tan_phi = 0.7\nnormal_stiffness = 100\nshear_stiffness = 40\n[wall]\nunit = [200, 100, 50]\n\
+             bed_joint = 0\nhead_joint = 0\nlength = 4000\ncourses = 40\nunit_material = \"brick\"\n\
+             interface = \"joint\"\nclamped = false\n{more}\n[[supports]]\non = \"wall.bottom\"\n\
+             [[steps]]\nkind = \"gravity\"\n"
+        )
+    };
+    // Memory of the solver for each unknown [kB], the program and the bodies with it.
+    let each = |more: &str| {
+        let deck = Deck::from_str(&wall(more), "wall.toml").unwrap_or_else(|e| panic!("{e}"));
+        let report = check(
+            &deck,
+            &Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0,
+        );
+        1e3 * report.memory_mb / report.sizes.dofs as f64
+    };
+    let one = each("mesh = [4, 2, 2]");
+    for more in [
+        "leaves = 2\nmesh = [4, 2, 2]",
+        "bond = \"english\"\nmesh = [4, 2, 2]",
+    ] {
+        // 6 planes instead of 3: nearly twice of what goes with the thickness.
+        let two = each(more);
+        assert!(two > 1.3 * one && two < 2.2 * one, "{more}: {two}, {one}");
+    }
+    // Half of the unknowns, of two planes instead of three, but as much again for the question of symmetry: two thirds of what goes
+    // with the thickness, and half of the rest.
+    let auto = Deck::from_str(
+        &wall("mesh = [4, 2, 2]").replace("full", "auto"),
+        "wall.toml",
+    )
+    .unwrap();
+    let half = check(&auto, &Model::from_deck(&auto).unwrap().0);
+    let each_of_half = 1e3 * half.memory_mb / half.sizes.dofs as f64;
+    assert!(
+        each_of_half > 0.5 * one && each_of_half < 2.0 / 3.0 * one,
+        "{each_of_half}, {one}"
+    );
+    // Two planes, whatever `mesh` would be.
+    let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
+    assert_eq!(rigid[0], rigid[1]);
+}

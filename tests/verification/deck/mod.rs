@@ -1,0 +1,20 @@
+//! Tests of the room `deck`.
+
+mod all_findings;
+mod arches;
+mod bad_decks;
+mod bad_scenes;
+mod bonds;
+mod bounded_decks;
+mod checker;
+mod grids;
+mod imported_scenes;
+mod imports;
+mod misplaced_bodies;
+mod random_decks;
+mod random_imports;
+mod reading;
+mod scatter;
+mod scenes;
+mod schema;
+mod wall;

@@ -1,0 +1,4 @@
+//! Tests of the room `element`.
+
+mod corotated;
+mod hex8;

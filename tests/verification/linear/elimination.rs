@@ -1,0 +1,116 @@
+//! What is out of balance in few places is balanced there first, and nothing else of a run changes.
+
+use crate::common::blocks::deck_and_model;
+use crate::common::scene;
+use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
+use wythe::linear::Backend;
+use wythe::model::scene::Fidelity;
+use wythe::state::Clock;
+use wythe::state::HistoryRow;
+
+/// A wall whose ground parts below its middle: one crack climbs, and the rest hardly knows of it.
+const PARTED: &str = include_str!("../../../benches/facade.toml");
+
+/// Where a few nodes move, what touches them is all that is evaluated, and forces, stiffness and histories have the bits of
+/// an evaluation of everything.
+#[test]
+fn what_nothing_touches_that_moves_is_as_it_was() {
+    let (_, mut model) = deck_and_model(PARTED);
+    for fidelity in [Fidelity::Full, Fidelity::Auto] {
+        model.fidelity = fidelity;
+        let mut system = System::new(&model).unwrap();
+        let state = system.initial_state(&model);
+        let equations = Equations::new(&system.dofs, &model.steps[0]);
+        let mut setting = Evaluation {
+            dt: 0.1,
+            solids: Solids::Secant,
+            shifted: true,
+            tangent: true,
+            turning: Turning::Ignored,
+        };
+        let mut clock = Clock::default();
+        let rest: Vec<f64> = (0..system.dofs.slots)
+            .map(|slot| 1e-4 * (0.7 * slot as f64).sin())
+            .collect();
+        // A node in the middle of the wall and those beside it open their joints.
+        let slots: Vec<u32> = (0..12).map(|i| system.dofs.slots as u32 / 2 + i).collect();
+        let mut q = rest.clone();
+        for &slot in &slots {
+            q[slot as usize] += 0.01 * f64::from(slot).cos();
+        }
+        let mut run = |system: &mut System, watches: bool| {
+            let mut trial = Trial::default();
+            system.start(&model, &mut trial, &state);
+            for (at, tangent, alone) in [(&rest, true, false), (&q, false, true), (&q, true, true)]
+            {
+                if watches && alone {
+                    system.watch(&mut trial, slots.iter().copied());
+                }
+                setting.tangent = tangent;
+                let done = system.evaluate(&model, &state, &mut trial, at, setting, &mut clock);
+                done.unwrap();
+            }
+            trial
+        };
+        let (mut trial, all) = (run(&mut system, true), run(&mut system, false));
+
+        // Without the numbers in the message: there are thousands.
+        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(same(&trial.force, &all.force));
+        assert!(trial.status == all.status);
+        assert!(trial.material == all.material);
+        assert!(trial.interface == all.interface);
+        let (entries, _) = system
+            .analyse(&equations, Backend::MultifrontalLlt)
+            .unwrap();
+        let (mut some, mut whole) = (vec![0.0; entries], vec![0.0; entries]);
+        system.fill(&trial, &mut some);
+        system.fill(&all, &mut whole);
+        assert!(same(&some, &whole));
+        // Something has happened, and not everywhere.
+        let damaged = all.interface.iter().filter(|h| h.damage > 0.0).count();
+        assert!(
+            damaged > 0 && damaged < all.interface.len() / 4,
+            "{damaged}"
+        );
+        // What is far is not looked at: what stands there stays.
+        let marked = [[f64::NAN; 3]; 8];
+        trial.cell_force[..model.mesh.elements.len()].fill(marked);
+        let done = system.evaluate(&model, &state, &mut trial, &q, setting, &mut clock);
+        done.unwrap();
+        let elements = trial.cell_force[..model.mesh.elements.len()].iter();
+        let stayed = elements.filter(|force| force[0][0].is_nan()).count();
+        let of = model.mesh.elements.len();
+        assert!(stayed > of / 2 && stayed < of, "{stayed} of {of}");
+    }
+}
+
+/// The crack takes fewer solves of the whole, and ends where it ended.
+#[test]
+fn a_crack_is_balanced_by_itself() {
+    let (_, mut model) = deck_and_model(PARTED);
+    let mut run = |fidelity| {
+        model.fidelity = fidelity;
+        scene::run(&model)
+    };
+    let (whole, all) = run(Fidelity::Full);
+    let (auto, some) = run(Fidelity::Auto);
+    println!(
+        "{} and {} solves, {} local",
+        all.iterations, some.iterations, some.local_solves
+    );
+    assert_eq!(all.local_solves, 0);
+    assert!(some.local_solves > 0);
+    // 0.57 of them; halves and kept stiffness alone take 0.74 (115 of 156).
+    assert!((some.iterations as f64) < 0.65 * all.iterations as f64);
+    assert!(some.factorisations <= some.iterations);
+    let last = |rows: &[HistoryRow]| rows[rows.len() - 1].clone();
+    let (a, b) = (last(&whole.rows), last(&auto.rows));
+    // What `auto` promises (docs/solver.md); which increments were taken makes up to 2e-3.
+    let apart = |a: f64, b: f64| (a - b).abs() / a.abs();
+    assert!(apart(a.force_kN, b.force_kN) < 5e-3, "{a:?} {b:?}");
+    assert!(
+        apart(a.elastic_energy_J, b.elastic_energy_J) < 5e-3,
+        "{a:?} {b:?}"
+    );
+}

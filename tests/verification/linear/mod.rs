@@ -1,0 +1,4 @@
+//! Tests of the room `linear`.
+
+mod elimination;
+mod factors;

@@ -1,0 +1,16 @@
+//! Units, laws, elements, contact and the solver against closed forms, differences and each other. The modules mirror the
+//! rooms of the library (ARCHITECTURE.md).
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod assembly;
+mod contact;
+mod deck;
+mod element;
+mod linear;
+mod material;
+mod model;
+mod results;
+mod rooms;
+mod solve;

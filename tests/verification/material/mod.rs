@@ -1,0 +1,8 @@
+//! Tests of the room `material`.
+
+mod crack_band;
+mod damage_plasticity;
+mod drucker_prager;
+mod return_map;
+mod solid_laws;
+mod tables;

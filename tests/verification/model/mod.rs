@@ -1,0 +1,7 @@
+//! Tests of the room `model`.
+
+mod builder;
+mod mirrors;
+mod random_halves;
+mod stands_by_symmetry;
+mod symmetry;

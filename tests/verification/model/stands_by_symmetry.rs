@@ -1,0 +1,80 @@
+//! Whether what is solved as a half stands by more than its symmetry.
+
+use crate::common::blocks::deck_and_model;
+use crate::common::scene;
+use wythe::state::Status;
+
+/// A column that buckles would stand as a half, which is held in its plane; the run ends where it has found that, from
+/// Euler's load on: π² E I/4 L² = 10,280 N, 0.514 MPa. Twenty elements along it, shear and the compression before it buckles
+/// move that by less than the tenth asked for.
+#[test]
+fn what_buckles_to_one_side_is_no_half() {
+    let column_with = |pressure: f64, mesh: &str, more: &str| {
+        let text = format!(
+            r#"format = 1
+[materials.stone]
+E = 1000
+nu = 0
+[[blocks]]
+name = "column"
+size = [200, 100, 2000]
+material = "stone"
+mesh = {mesh}
+[[supports]]
+on = "column.bottom"
+[[steps]]
+kind = "load"
+loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }}]
+{more}
+"#
+        );
+        let (_, model) = deck_and_model(&text);
+        let summary = scene::run(&model).1;
+        assert_eq!(summary.mirror_planes.len(), 2);
+        (summary.status, summary.message)
+    };
+    let column = |pressure, mesh: &str| column_with(pressure, mesh, "");
+    let falls = |more: &str| column_with(0.565, "[1, 1, 20]", more).0 == Status::NotConverged;
+    // A load that has come back has been there.
+    assert!(falls("amplitude = [[0, 0], [0.5, 1], [1, 0]]"));
+    // A prop at its head carries 8 times as much; one along it, or across the other plane, nothing.
+    let prop = |stiffness: &str| {
+        format!("[[springs]]\nname = \"prop\"\non = \"column.top\"\nstiffness = {stiffness}")
+    };
+    assert!(!falls(&prop("[0, 1e4, 0]")));
+    assert!(falls(&prop("[1e4, 0, 0]")));
+    assert!(falls(&prop("[0, 0, 100]")));
+    // Of one, two and three elements across the plane it buckles out of, and as many across the other.
+    for mesh in ["[1, 1, 20]", "[2, 2, 20]", "[2, 3, 20]", "[3, 1, 20]"] {
+        assert_eq!(column(0.46, mesh).0, Status::Completed, "{mesh}");
+        let (status, told) = column(0.565, mesh);
+        assert_eq!(status, Status::NotConverged, "{mesh}");
+        let plane = "nothing but its symmetry holds the scene in the plane y = 50 mm";
+        assert!(told.contains(plane), "{told}");
+    }
+}
+
+/// A prism that slides freely on its bed may turn about its axis, which neither stands nor falls, pressed or not.
+#[test]
+fn what_nothing_holds_at_rest_is_no_matter_of_symmetry() {
+    let text = r#"format = 1
+[materials.stone]
+E = 1000
+nu = 0.2
+[[blocks]]
+name = "prism"
+size = [100, 100, 200]
+material = "stone"
+mesh = [2, 1, 3]
+[[supports]]
+on = "prism.bottom"
+fixed = ["z"]
+[[steps]]
+kind = "load"
+loads = [{ name = "weight", on = "prism.top", traction = [0, 0, -20] }]
+"#;
+    let (_, model) = deck_and_model(text);
+    let summary = scene::run(&model).1;
+    assert_eq!(summary.mirror_planes.len(), 2);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+}

@@ -1,0 +1,4 @@
+//! Tests of the room `results`.
+
+mod files;
+mod probes;

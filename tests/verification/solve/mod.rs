@@ -1,0 +1,14 @@
+//! Tests of the room `solve`.
+
+mod amplitudes;
+mod determinism;
+mod dynamics;
+mod energies;
+mod fidelity;
+mod loads;
+mod oscillators;
+mod paths;
+mod relaxation;
+mod resume;
+mod stiff_scenes;
+mod tolerance;
