@@ -177,7 +177,7 @@ impl JointLaw for PythonJoint {
         let mut slots = [0.0; SLOTS];
         slots[..states].copy_from_slice(&numbers[12..12 + states]);
         slots[PLASTIC_OPENING] = plastic[0];
-        InterfaceResponse::new(
+        let mut response = InterfaceResponse::new(
             old,
             gap,
             traction,
@@ -187,8 +187,24 @@ impl JointLaw for PythonJoint {
             slots,
             self.stiffness,
             0.0,
-        )
+        );
+        response.dissipation -= crossing(old, &response.history);
+        response
     }
+
+    fn crossing_work(&self, old: &InterfaceHistory, new: &InterfaceHistory) -> f64 {
+        crossing(old, new)
+    }
+}
+
+/// Work of the normal traction by the trapezoidal rule on the plastic opening [N/mm] in a step in which a point begins or
+/// ceases to carry normal traction. A joint without tension opens and closes so, and dissipates nothing.
+fn crossing(old: &InterfaceHistory, new: &InterfaceHistory) -> f64 {
+    if (old.traction[0] == 0.0) == (new.traction[0] == 0.0) {
+        return 0.0;
+    }
+    let change = new.slots[PLASTIC_OPENING] - old.slots[PLASTIC_OPENING];
+    0.5 * (old.traction[0] + new.traction[0]) * change
 }
 
 /// Places of the state of a solid. κ_t is that of the plastic strain, by which the solver sees that a point yields.

@@ -87,7 +87,7 @@ def test_a_solid_yields_by_hand() -> None:
 
 
 def test_a_couplet_runs_with_a_law_of_ones_own() -> None:
-    couplet = wythe.Model.load(ROOT / "examples" / "02_couplet_shear.toml")
+    couplet = wythe.Model.from_toml(ROOT / "examples" / "02_couplet_shear.toml")
     run = couplet.run(laws={"joint": FRICTION})
     # A law without bond carries μ p A.
     assert run.peak_force == pytest.approx(0.6 * 0.5 * 204 * 98 / 1e3, rel=1e-2)
@@ -95,7 +95,7 @@ def test_a_couplet_runs_with_a_law_of_ones_own() -> None:
 
 
 def test_a_block_runs_with_a_solid_of_ones_own() -> None:
-    block = wythe.Model.from_text(
+    block = wythe.Model.from_toml(
         """
         format = 1
         materials.steel = { E = "20 GPa", nu = 0.3 }
@@ -134,7 +134,7 @@ def test_a_wrong_law_is_named(function: Any, message: str) -> None:
         law.drive([[1e-3, 0, 0]], stiffness=STIFFNESS)
     with pytest.raises(LawError, match=message):
         law.check(stiffness=STIFFNESS)
-    couplet = wythe.Model.load(ROOT / "examples" / "02_couplet_shear.toml")
+    couplet = wythe.Model.from_toml(ROOT / "examples" / "02_couplet_shear.toml")
     with pytest.raises(LawError, match=message):
         couplet.run(laws={"joint": law})
 
@@ -145,7 +145,7 @@ def test_a_law_that_fails_midway_keeps_its_results(tmp_path: Any) -> None:
             raise RuntimeError("too far")
         return elastic(gap, plastic, state, stiffness)
 
-    couplet = wythe.Model.load(ROOT / "examples" / "02_couplet_shear.toml")
+    couplet = wythe.Model.from_toml(ROOT / "examples" / "02_couplet_shear.toml")
     with pytest.raises(LawError, match="too far") as caught:
         couplet.run(tmp_path / "run", laws={"joint": JointLaw("late", late)})
     assert isinstance(caught.value.__cause__, RuntimeError)

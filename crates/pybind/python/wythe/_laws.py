@@ -142,7 +142,7 @@ class JointLaw(_Law):
     ...     k = np.array([stiffness[0], stiffness[1], stiffness[1]])
     ...     if gap[0] > 0.0:
     ...         return np.zeros(3), np.zeros((3, 3))
-    ...     return k * gap, np.diag(k)
+    ...     return k * (gap - [0, plastic[1], plastic[2]]), np.diag(k)
     >>> law = wythe.JointLaw("no tension", no_tension)
     >>> law.drive([[0.1, 0, 0], [-0.1, 0, 0]], stiffness=(100, 40)).tractions[:, 0]
     array([  0., -10.])
