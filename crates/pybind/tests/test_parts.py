@@ -152,8 +152,9 @@ def test_every_argument_of_materials_and_joints_is_a_key() -> None:
     assert set(solid) == set(inspect.signature(build.damage_plasticity).parameters)
     model = wythe.templates.couplet()
     changed = model.with_({"materials.brick": solid, "interfaces.joint": joint})
-    assert changed.material("brick") == {**solid, "dilation_angle": 20.0}
-    assert changed.interface("joint") == joint
+    # A deck says the law of each, which is the default here.
+    assert changed.material("brick") == {"kind": "damage-plasticity", **solid, "dilation_angle": 20.0}
+    assert changed.interface("joint") == {"kind": "cohesive-frictional", **joint}
     assert build.elastic(5, 0.1) == {"E": 5, "nu": 0.1}
 
 
