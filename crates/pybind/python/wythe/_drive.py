@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,11 @@ __all__ = [
 ]
 
 Floats = npt.NDArray[np.float64]
+#: Components of a material and of an interface.
+MATERIAL = ("xx", "yy", "zz", "xy", "yz", "zx")
+INTERFACE = ("normal", "tau1", "tau2")
+#: Strains, stresses, states and tangents of all paths, and the first failure: path, row, reason.
+Driven = tuple[list[Any], Union[tuple[int, int, str], None]]
 #: A table of a deck, or one table per path.
 Tables = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 
@@ -121,19 +126,10 @@ def drive_material(
     """
     if length is not None:
         length = _positive("length", length)
-    names = ("xx", "yy", "zz", "xy", "yz", "zx")
-    paths = _Paths("strains", strains, times, stress, names, substeps, errors)
+    paths = Paths("strains", strains, times, stress, MATERIAL, substeps, errors)
     deck, keys = _deck("material", "materials", material, paths.count)
     given = paths.arguments
-    (found, sigma, state, tangents), failure = _wythe.drive_material(deck, keys, length, *given)
-    paths.judge(failure)
-    return MaterialResponse(
-        stresses=paths.shaped(sigma),
-        state=MaterialState(
-            paths.shaped(found), *(paths.shaped(state[:, :, i]) for i in range(5))
-        ),
-        tangents=paths.shaped(tangents),
-    )
+    return material_response(paths, _wythe.drive_material(deck, keys, length, *given))
 
 
 def drive_interface(
@@ -171,12 +167,27 @@ def drive_interface(
     PointError
         A row has no solution; the exception has its path and row.
     """
-    names = ("normal", "tau1", "tau2")
-    paths = _Paths("gaps", gaps, None, stress, names, substeps, errors)
+    paths = Paths("gaps", gaps, None, stress, INTERFACE, substeps, errors)
     deck, keys = _deck("interface", "interfaces", interface, paths.count)
-    (found, tractions, state, tangents), failure = _wythe.drive_interface(
-        deck, keys, *paths.arguments
+    return interface_response(paths, _wythe.drive_interface(deck, keys, *paths.arguments))
+
+
+def material_response(paths: Paths, driven: Driven) -> MaterialResponse:
+    """The response in the shape of the paths; raises the first failure."""
+    (found, stresses, state, tangents), failure = driven
+    paths.judge(failure)
+    return MaterialResponse(
+        stresses=paths.shaped(stresses),
+        state=MaterialState(
+            paths.shaped(found), *(paths.shaped(state[:, :, i]) for i in range(5))
+        ),
+        tangents=paths.shaped(tangents),
     )
+
+
+def interface_response(paths: Paths, driven: Driven) -> InterfaceResponse:
+    """The response in the shape of the paths; raises the first failure."""
+    (found, tractions, state, tangents), failure = driven
     paths.judge(failure)
     return InterfaceResponse(
         tractions=paths.shaped(tractions),
@@ -185,7 +196,7 @@ def drive_interface(
     )
 
 
-class _Paths:
+class Paths:
     """Prescribed paths after their checks."""
 
     def __init__(

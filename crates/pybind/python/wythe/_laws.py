@@ -12,13 +12,15 @@ import numpy.typing as npt
 
 from wythe import _wythe
 from wythe._drive import (
+    INTERFACE,
+    MATERIAL,
     Floats,
     InterfaceResponse,
-    InterfaceState,
     MaterialResponse,
-    MaterialState,
-    _Paths,
+    Paths,
     _positive,
+    interface_response,
+    material_response,
 )
 from wythe._errors import LawError, expected
 
@@ -191,17 +193,9 @@ class JointLaw(_Law):
         PointError
             A row has no solution.
         """
-        names = ("normal", "tau1", "tau2")
-        paths = _Paths("gaps", gaps, None, stress, names, substeps, errors)
-        (found, tractions, state, tangents), failure = _wythe.drive_joint_law(
-            self, _pair("stiffness", stiffness), *paths.arguments
-        )
-        paths.judge(failure)
-        return InterfaceResponse(
-            tractions=paths.shaped(tractions),
-            state=InterfaceState(paths.shaped(found), paths.shaped(state[:, :, 0])),
-            tangents=paths.shaped(tangents),
-        )
+        paths = Paths("gaps", gaps, None, stress, INTERFACE, substeps, errors)
+        driven = _wythe.drive_joint_law(self, _pair("stiffness", stiffness), *paths.arguments)
+        return interface_response(paths, driven)
 
     def check(self, *, stiffness: Sequence[float], step: float = 1e-3) -> None:
         """Checks the law on a random path: tangent, independence of directions in the plane, balance of energy.
@@ -280,19 +274,9 @@ class SolidLaw(_Law):
         PointError
             A row has no solution.
         """
-        names = ("xx", "yy", "zz", "xy", "yz", "zx")
-        paths = _Paths("strains", strains, None, stress, names, substeps, errors)
-        (found, sigma, state, tangents), failure = _wythe.drive_solid_law(
-            self, _pair("elastic", elastic), *paths.arguments
-        )
-        paths.judge(failure)
-        return MaterialResponse(
-            stresses=paths.shaped(sigma),
-            state=MaterialState(
-                paths.shaped(found), *(paths.shaped(state[:, :, i]) for i in range(5))
-            ),
-            tangents=paths.shaped(tangents),
-        )
+        paths = Paths("strains", strains, None, stress, MATERIAL, substeps, errors)
+        driven = _wythe.drive_solid_law(self, _pair("elastic", elastic), *paths.arguments)
+        return material_response(paths, driven)
 
     def check(self, *, elastic: Sequence[float], step: float) -> None:
         """Checks the law on random paths: tangent, balance of energy, dissipation, isotropy.
