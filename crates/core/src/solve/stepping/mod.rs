@@ -14,6 +14,7 @@ pub(in crate::solve) mod probes;
 pub(in crate::solve) mod rejection;
 pub(in crate::solve) mod relaxation;
 pub(in crate::solve) mod run;
+pub(in crate::solve) mod snap;
 pub(in crate::solve) mod step_run;
 pub(in crate::solve) mod step_size;
 pub(in crate::solve) mod stop;

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::acceptance::{GROW, growth, resolving};
+use super::acceptance::{growth, resolving};
 use super::counts::{Snaps, Swings};
 use super::energy_watch::EnergyWatch;
 use super::fallback::Fallback;
@@ -17,7 +17,7 @@ use crate::solve::Recorder;
 use crate::solve::dynamics::collapse::LastEquilibrium;
 use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::increment::outcome::{Attempt, Outcome, Rejection, Report, Solves};
+use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
 use crate::solve::restart::checkpoint::CheckpointError;
 use crate::solve::restart::fingerprint::Fingerprint;
 use crate::state::Clock;
@@ -227,70 +227,6 @@ impl<'m> Run<'m> {
         Ok(self.keeps_symmetry(&step_run, recorder))
     }
 
-    /// Relaxes the structure over a snap, or chooses the next attempt after a rejection; false if the run ends.
-    fn relax_or_reject(
-        &mut self,
-        step_run: &mut StepRun<'m>,
-        request: IncrementRequest,
-        rejection: &Rejection,
-        recorder: &mut dyn Recorder,
-    ) -> Result<bool, RunError> {
-        step_run.rejections += 1;
-        self.check_custom_laws()?;
-        let size = request.increment.size;
-        let unsolved = !matches!(rejection, Rejection::Snap | Rejection::Linear { .. });
-        if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {
-            self.bound_damage(step_run);
-        }
-        if may_relax(step_run, request, rejection) {
-            match self.relax(step_run, request, recorder) {
-                Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
-                None => step_run.relaxes_below = RELAX_AGAIN * size,
-            }
-        }
-        Ok(self.reject(step_run, request, rejection, recorder))
-    }
-
-    /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
-    fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
-        let step = step_run.step;
-        if step.viscosity == 0.0 {
-            step_run.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
-            self.system.bulk.stabilise(0.0, step_run.damage_rate);
-        }
-    }
-
-    /// Removes the bound on the rate of damage when no damage lags behind any more.
-    fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
-        if step_run.damage_rate.is_infinite() {
-            return;
-        }
-        let points = self.state.material.iter();
-        let lag = points
-            .map(|h| h.damage - h.viscous_damage)
-            .fold(0.0, f64::max);
-        if lag <= SETTLED {
-            step_run.damage_rate = f64::INFINITY;
-            self.system
-                .bulk
-                .stabilise(step_run.step.viscosity, f64::INFINITY);
-        }
-    }
-
-    /// Commits the end of a relaxation that started at `request`.
-    fn accept_relaxed(
-        &mut self,
-        step_run: &mut StepRun<'m>,
-        request: IncrementRequest,
-        (last, report): (IncrementRequest, Report),
-        recorder: &mut dyn Recorder,
-    ) -> Result<bool, RunError> {
-        step_run.resumes_at = Some(GROW * request.increment.size);
-        let go_on = self.accept(step_run, last, report, recorder)?;
-        step_run.newton.dashpots = None;
-        Ok(go_on)
-    }
-
     /// Prepares a step.
     fn begin(&mut self, index: usize) -> Result<StepRun<'m>, RunError> {
         let model = self.model;
@@ -341,7 +277,7 @@ impl<'m> Run<'m> {
     }
 
     /// Commits an increment and chooses the next; false if the run should stop.
-    fn accept(
+    pub(super) fn accept(
         &mut self,
         step_run: &mut StepRun<'m>,
         request: IncrementRequest,
@@ -562,13 +498,6 @@ impl<'m> Run<'m> {
     }
 }
 
-/// Largest lag of damage behind its law at which a snap is over [-].
-const SETTLED: f64 = 0.02;
-
-/// Least number of the largest increments in which the damage of a point may rise from 0 to 1
-/// (docs/theory/procedures.md, eq. 9).
-const SNAPS_TAKE: f64 = 4.0;
-
 /// Stiffness along the displacement that steers the load of a step, for secant tangents (docs/theory/procedures.md,
 /// eq. 6).
 pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
@@ -578,31 +507,6 @@ pub(in crate::solve) fn steered(model: &Model, step: &Step) -> Option<Steered> {
         .filter(|_| controls && step.tangent == Tangent::Secant)?;
     Steered::new(model, control)
 }
-
-/// Whether a relaxation may help where an increment was rejected.
-fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) -> bool {
-    let applies = match step_run.step.procedure {
-        Procedure::Auto => step_run.fallback.may_snap(),
-        Procedure::DisplacementControl => true,
-        _ => false,
-    };
-    let size = request.increment.size;
-    let stuck = match rejection {
-        // The path of a clear snap-back is followed where that is possible.
-        Rejection::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
-        Rejection::Linear { .. } => false,
-        // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
-        // as many solves.
-        _ => {
-            step_run.relaxations == 0
-                && (step_run.rejections > 1 || step_run.fallback.is_small(size))
-        }
-    };
-    applies && stuck && size < step_run.relaxes_below
-}
-
-/// Size over that of a failed relaxation, below which another one is tried.
-const RELAX_AGAIN: f64 = 0.2;
 
 /// Dissipation of an increment over the energy that it takes or releases, above which it measures the path.
 const SHARE: f64 = 0.02;
