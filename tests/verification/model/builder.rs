@@ -105,6 +105,15 @@ fn faults_of_a_built_model_are_named() {
         node.to_string(),
         "support peg refers to node 99, and there are 27"
     );
+    let many = fault(|b| {
+        for _ in 0..1 << 16 {
+            b.material("another", b.model.materials[0].parameters.clone());
+        }
+    });
+    assert_eq!(
+        many.to_string(),
+        "there are 65537 materials, and at most 65536: share them between blocks"
+    );
     let beams = fault(|b| b.step(Step::default()));
     assert_eq!(
         beams.to_string(),

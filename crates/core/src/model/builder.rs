@@ -11,7 +11,8 @@ use wythe_contact::InterfaceLaw;
 
 /// Builds a [`Model`].
 ///
-/// Methods return handles to what they add; later methods take the handles. [`ModelBuilder::model`] is open to
+/// Methods return handles to what they add; later methods take the handles, which belong to this builder alone.
+/// [`ModelBuilder::model`] is open to
 /// whatever no method sets, and [`ModelBuilder::build`] checks the whole.
 ///
 /// ```
@@ -90,6 +91,14 @@ pub enum BuildError {
         /// Number of parts of this kind.
         count: usize,
     },
+    /// More materials or joint laws than an index can number.
+    #[error("there are {count} {kind}, and at most {MOST_INDICES}: share them between blocks")]
+    TooMany {
+        /// Kind of the parts.
+        kind: &'static str,
+        /// Their number.
+        count: usize,
+    },
     /// A list of a step has another length than the parts that it moves.
     #[error("step {step} moves {given} {kind}, and there are {count}: give one entry for each")]
     Count {
@@ -103,6 +112,9 @@ pub enum BuildError {
         count: usize,
     },
 }
+
+/// Number of different indices of materials and joint laws.
+const MOST_INDICES: usize = 1 << 16;
 
 impl ModelBuilder {
     /// A model without parts.
@@ -361,6 +373,14 @@ fn check(model: &Model) -> Result<(), BuildError> {
     }
     if model.steps.is_empty() {
         return Err(BuildError::NoSteps);
+    }
+    for (kind, count) in [
+        ("materials", model.materials.len()),
+        ("joint laws", contact.laws.len()),
+    ] {
+        if count > MOST_INDICES {
+            return Err(BuildError::TooMany { kind, count });
+        }
     }
     check_mesh(model)?;
     let nodes = mesh.nodes.len();
