@@ -3,7 +3,7 @@
 use wythe_core::deck::Deck;
 use wythe_core::model::Model;
 use wythe_core::results::comparison::{Comparison, Measures, clear_height};
-use wythe_core::results::directory::DECK;
+use wythe_core::results::output::DECK;
 use wythe_core::results::{self, Experiment, RunFolder};
 
 use crate::arguments::Compare;

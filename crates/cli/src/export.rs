@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use wythe_core::deck::Deck;
 use wythe_core::model::Model;
-use wythe_core::results::directory::{DECK, spare_inputs};
 use wythe_core::results::export::{frame_name, inp, table, vtu};
+use wythe_core::results::output::{DECK, spare_inputs};
 use wythe_core::results::snapshot::Snapshots;
 use wythe_core::results::{FrameChoice, RunFolder, Snapshot};
 

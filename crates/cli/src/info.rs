@@ -6,9 +6,9 @@ use std::path::Path;
 use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::model::{self, Model};
-use wythe_core::results::checkpoint::CHECKPOINT;
-use wythe_core::results::directory::{
-    CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES, REPORT, SUMMARY,
+use wythe_core::results::output::{
+    CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
+    REPORT, SUMMARY,
 };
 use wythe_core::results::vtkhdf::read::FieldsFile;
 use wythe_core::results::{ReadError, ReadHistory, RunFolder, SummaryFile};

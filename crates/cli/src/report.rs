@@ -1,6 +1,6 @@
 //! `wythe report`: shows the folder of a run on one page.
 
-use wythe_core::results::directory::{OF_A_RUN, REPORT};
+use wythe_core::results::output::{OF_A_RUN, REPORT};
 use wythe_core::results::{Experiment, Report, RunFolder};
 
 use crate::arguments::ReportPage;

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::*;
-use wythe_core::results::directory::OF_A_RUN;
+use wythe_core::results::output::OF_A_RUN;
 
 fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use common::*;
 use wythe_core::results::RunFolder;
-use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
+use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::mcap::salvage::salvage;
+use wythe_core::results::output::CHECKPOINT;
 
 /// A small wall with a frame an increment, a second long: its joints open, its bricks crack.
 const WALL: [&str; 6] = [

@@ -1,6 +1,9 @@
 //! Solver for the detailed micro-model of masonry: from a deck (TOML text) to converged results.
 //!
 //! Units are N, mm, MPa, tonne and s throughout. Tension is positive; a gap is positive when open.
+//!
+//! Cargo features: `hdf5` ([`results`]' `results.vtkhdf`), `mcap` (`run.mcap`), `plot` (pictures), and `run-folder`,
+//! the default, which is all of them with the folder of a run. Without features no C is compiled.
 #![forbid(unsafe_code)]
 
 pub mod assembly;

@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{ModelError, Warning};
 use wythe_core::model::Model;
-use wythe_core::results::checkpoint::{CHECKPOINT, CheckpointFile};
-use wythe_core::results::directory::DECK;
+use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::export::inp;
+use wythe_core::results::output::{CHECKPOINT, DECK};
 use wythe_core::results::plotting::scene;
 
 use crate::errors::{self, Text};

@@ -14,12 +14,10 @@ use miette::Diagnostic;
 use serde::{Deserialize, Serialize};
 
 use super::mcap::Mark;
+use super::output::CHECKPOINT;
 use crate::deck::Deck;
 use crate::files::{self, Extent, write_whole};
 use crate::solve::Checkpoint;
-
-/// Name of the file in the folder.
-pub const CHECKPOINT: &str = "checkpoint.bin";
 
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";

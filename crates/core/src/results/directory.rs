@@ -1,15 +1,18 @@
 //! The folder of a run.
 
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use miette::Diagnostic;
-
 use super::beside::FieldsBeside;
-use super::checkpoint::{CHECKPOINT, CheckpointFile};
+use super::checkpoint::CheckpointFile;
+use super::lock::{lock, writing};
+use super::output::{
+    CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
+    OF_A_RUN, OutputError, REPORT, SUMMARY, spare_inputs,
+};
 use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
@@ -25,115 +28,11 @@ use crate::solve::Recorder;
 use crate::state::EnergyBalance;
 use crate::state::{Frame, HistoryRow, Summary};
 
-/// Name of the history in the folder.
-pub const HISTORY: &str = "history.csv";
-/// Name of the deck's copy in the folder.
-pub const DECK: &str = "model.toml";
-/// Name of the fields in the folder.
-pub const FIELDS: &str = "results.vtkhdf";
-/// Name of the file in the folder that shows the interfaces.
-pub const INTERFACES: &str = "results.interfaces.vtkhdf";
-/// Name of the messages in the folder.
-pub const MESSAGES: &str = "run.mcap";
-/// Name of the summary in the folder.
-pub const SUMMARY: &str = "summary.json";
-/// Name of the load-displacement curve in the folder.
-pub const LOAD_DISPLACEMENT: &str = "load_displacement.svg";
-/// Name of the elevation in the folder.
-pub const CRACK_PATTERN: &str = "crack_pattern.svg";
-/// Name of the report in the folder, unless it is written elsewhere.
-pub const REPORT: &str = "report.html";
-/// Name of the empty lock file. A run in progress holds a lock on it; it stays in the folder for later runs.
-pub const LOCK: &str = ".lock";
-
-/// Every file that a run writes into its folder, or removes from it.
-pub const OF_A_RUN: [&str; 11] = [
-    HISTORY,
-    DECK,
-    FIELDS,
-    INTERFACES,
-    MESSAGES,
-    SUMMARY,
-    LOAD_DISPLACEMENT,
-    CRACK_PATTERN,
-    REPORT,
-    CHECKPOINT,
-    LOCK,
-];
-
-/// Checks that no result replaces an input of a deck. Each of `names` in `folder` is checked together with the
-/// temporary names that it has while it is written.
-///
-/// # Errors
-/// [`OutputError::OverInput`] with the path of the file.
-pub fn spare_inputs<'a>(
-    folder: &Path,
-    names: impl IntoIterator<Item = &'a str>,
-    inputs: &[PathBuf],
-) -> Result<(), OutputError> {
-    for name in names {
-        for ending in ["", ".tmp", ".part"] {
-            let target = folder.join(format!("{name}{ending}"));
-            if files::replaced(&target, inputs).is_some() {
-                return Err(OutputError::OverInput(target));
-            }
-        }
-    }
-    Ok(())
-}
-
 /// Minimum time between checkpoints, as a multiple of the time that the last one took: checkpoints take at most 2 %
 /// of the run.
 const PATIENCE: u32 = 50;
 /// Longest time that a due checkpoint waits for the next frame.
 const LONGEST: Duration = Duration::from_secs(3);
-
-/// Errors of writing results.
-#[derive(Debug, thiserror::Error, Diagnostic)]
-pub enum OutputError {
-    /// The path of the folder is a file.
-    #[error("{}: this is a file, but the results need a folder", .0.display())]
-    #[diagnostic(help("name another folder for the results, or move the file away"))]
-    NotADirectory(PathBuf),
-    /// The folder cannot be created.
-    #[error("{}: the folder for the results cannot be created: {why}", path.display())]
-    #[diagnostic(help("check the permissions of the folder above it, or name another one"))]
-    Create {
-        /// The folder.
-        path: PathBuf,
-        /// Message of the system.
-        why: io::Error,
-    },
-    /// Another run is writing into the folder.
-    #[error("{}: another run is writing its results into this folder", .0.display())]
-    #[diagnostic(help("wait until it has ended, or name another folder with --out"))]
-    Busy(PathBuf),
-    /// A result would replace the deck or a file that it names.
-    #[error("{}: a result of this name would replace an input: the deck, a file that it names, or data that were read", .0.display())]
-    #[diagnostic(help("name another place for the results, with --out; the file is as it was"))]
-    OverInput(PathBuf),
-    /// A file cannot be written.
-    #[error("{}: cannot be written: {why}", path.display())]
-    #[diagnostic(help(
-        "check the free space of the disk and the permissions of the folder; a folder without \
-         summary.json is not whole"
-    ))]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Message of the system.
-        why: io::Error,
-    },
-}
-
-impl From<OutputError> for io::Error {
-    fn from(error: OutputError) -> Self {
-        let (OutputError::Create { why, .. } | OutputError::Write { why, .. }) = &error else {
-            return Self::other(error);
-        };
-        Self::new(why.kind(), error)
-    }
-}
 
 /// Writes all results of a run: [`HISTORY`], [`FIELDS`] and [`MESSAGES`] during the run, the pictures and finally
 /// [`SUMMARY`] at its end. A folder without a summary belongs to a run that is in progress, was killed or could not
@@ -450,36 +349,6 @@ pub(super) fn begin_messages(
     })
 }
 
-/// Locks a folder for one run.
-///
-/// # Errors
-/// [`OutputError::Busy`], or the lock file cannot be created.
-pub(super) fn lock(folder: &Path) -> Result<File, OutputError> {
-    let file = writing(folder, LOCK, open_lock)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(OutputError::Busy(folder.to_owned())),
-        // A file system without locks cannot exclude a second run.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
-    }
-}
-
-/// Opens the lock file or creates it. Nothing is written to it.
-fn open_lock(path: &Path) -> io::Result<File> {
-    match std::fs::symlink_metadata(path) {
-        Ok(there) if there.is_file() => File::options().write(true).open(path),
-        // Opening a link would open its target; a run never locks a link, so it can be replaced.
-        Ok(there) if there.is_symlink() => files::create(path),
-        Ok(_) => Err(io::Error::other("there is something else of this name")),
-        Err(_) => match File::options().write(true).create_new(true).open(path) {
-            // Another process has created it in the meantime.
-            Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {
-                File::options().write(true).open(path)
-            }
-            opened => opened,
-        },
-    }
-}
-
 /// Removes files from the folder together with their temporary versions, which a killed run leaves behind.
 pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
     for name in names {
@@ -488,16 +357,6 @@ pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
         }
     }
     Ok(())
-}
-
-/// Runs an operation on a file of the folder; an error names the file.
-pub(super) fn writing<T>(
-    folder: &Path,
-    name: &str,
-    write: impl FnOnce(&Path) -> io::Result<T>,
-) -> Result<T, OutputError> {
-    let path = folder.join(name);
-    write(&path).map_err(|why| OutputError::Write { path, why })
 }
 
 /// Whether a step belongs to the load-displacement curve: it drives, or it has loads in a model in which no step

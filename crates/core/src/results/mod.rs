@@ -13,25 +13,42 @@
 //! CSV, INP). StoppedRun resumes from them.
 //! ```
 
+#[cfg(feature = "run-folder")]
 mod beside;
 pub mod branch;
+#[cfg(feature = "run-folder")]
 pub mod checkpoint;
 pub mod comparison;
 pub mod curve;
+#[cfg(feature = "run-folder")]
 pub mod directory;
+#[cfg(feature = "run-folder")]
 pub mod elevation;
 pub mod export;
 pub mod history;
+#[cfg(any(feature = "mcap", feature = "run-folder"))]
+mod lock;
+#[cfg(feature = "mcap")]
 pub mod mcap;
+pub mod output;
+#[cfg(feature = "plot")]
 pub mod plot;
+#[cfg(feature = "plot")]
 pub mod plotting;
+#[cfg(any(feature = "hdf5", feature = "mcap"))]
+mod quarters;
+#[cfg(feature = "run-folder")]
 pub mod reading;
+#[cfg(feature = "run-folder")]
 pub mod report;
+#[cfg(feature = "run-folder")]
 pub mod resuming;
+#[cfg(feature = "run-folder")]
 pub mod snapshot;
 pub mod summary;
 pub mod usage;
 pub mod verdict;
+#[cfg(feature = "hdf5")]
 pub mod vtkhdf;
 
 #[cfg(test)]
@@ -40,14 +57,23 @@ pub(crate) mod fake;
 pub use crate::experiment::{Experiment, ExperimentError};
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
-pub use directory::{OutputError, RunDirectory};
+#[cfg(feature = "run-folder")]
+pub use directory::RunDirectory;
 pub use history::HistoryWriter;
+#[cfg(feature = "mcap")]
 pub use mcap::McapWriter;
+pub use output::OutputError;
+#[cfg(feature = "run-folder")]
 pub use reading::{ReadError, ReadHistory, RunFolder};
+#[cfg(feature = "run-folder")]
 pub use report::Report;
+#[cfg(feature = "run-folder")]
 pub use resuming::{ResumeError, Resumed, StoppedRun};
+#[cfg(feature = "run-folder")]
 pub use snapshot::{FrameChoice, Snapshot};
 pub use summary::SummaryFile;
 pub use verdict::{Verdict, VerdictKind};
+#[cfg(feature = "hdf5")]
 pub use vtkhdf::VtkHdfWriter;
+#[cfg(feature = "hdf5")]
 pub use vtkhdf::read::FieldsFile;

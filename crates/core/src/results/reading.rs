@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
 
-use super::checkpoint::{CHECKPOINT, CheckpointFile};
-use super::directory::{DECK, FIELDS, HISTORY, SUMMARY};
+use super::checkpoint::CheckpointFile;
+use super::output::{CHECKPOINT, DECK, FIELDS, HISTORY, SUMMARY};
 use super::vtkhdf::read::FieldsFile;
 use super::{Curve, StepOfCurve, SummaryFile};
 use crate::deck::Deck;

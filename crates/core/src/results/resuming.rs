@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
 
-use super::checkpoint::{CHECKPOINT, CheckpointFile, CheckpointFileError};
-use super::directory::{
-    CRACK_PATTERN, DECK, FIELDS, Files, HISTORY, LOAD_DISPLACEMENT, MESSAGES, OF_A_RUN, REPORT,
-    SUMMARY, begin_messages, lock, remove, spare_inputs, writing,
-};
+use super::checkpoint::{CheckpointFile, CheckpointFileError};
+use super::directory::{Files, begin_messages, remove};
 use super::history::written;
+use super::lock::{lock, writing};
 use super::mcap::Mark;
+use super::output::{
+    CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, LOAD_DISPLACEMENT, MESSAGES, OF_A_RUN,
+    REPORT, SUMMARY, spare_inputs,
+};
 use super::reading::read_history;
 use super::vtkhdf::read::FieldsFile;
 use super::{

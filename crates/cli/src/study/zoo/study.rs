@@ -15,7 +15,7 @@ use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::files::write_whole;
 use wythe_core::model::Model;
-use wythe_core::results::directory::{HISTORY, SUMMARY};
+use wythe_core::results::output::{HISTORY, SUMMARY};
 use wythe_core::results::{Curve, RunFolder};
 
 /// CPU time of a reference over that of a run: it takes ten times as many increments.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::results::fake;
+use crate::results::output::LOCK;
 use crate::state::Status;
 
 const WORK: &str = "results.vtkhdf.part";

@@ -1,7 +1,9 @@
 //! Results of a run in other formats: VTU for VTK, CSV for spreadsheets, INP for Abaqus.
 
 pub mod inp;
+#[cfg(feature = "run-folder")]
 pub mod table;
+#[cfg(feature = "run-folder")]
 pub mod vtu;
 
 /// Name of a frame's file: `frame_0007` followed by `rest`.

@@ -12,7 +12,8 @@ use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReader
 use ::mcap::{Attachment, MAGIC, McapError, McapResult, Writer, parse_record};
 use miette::Diagnostic;
 
-use super::super::directory::{LOCK, OutputError, lock};
+use super::super::lock::lock;
+use super::super::output::{LOCK, OutputError};
 use super::resuming::Until;
 use super::{into_io, options};
 use crate::error::IoError;

@@ -10,7 +10,7 @@ use wythe_contact::Part;
 
 use crate::element::exterior::{corners, exterior_faces};
 use crate::model::{Mesh, Model};
-use crate::results::vtkhdf::quarters::{QUARTERS, WEIGHTS};
+use crate::results::quarters::{QUARTERS, WEIGHTS};
 use crate::state::{Frame, InterfaceState};
 
 /// Number of damage levels with a colour each.

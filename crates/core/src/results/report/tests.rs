@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::results::directory::{DECK, FIELDS, HISTORY, SUMMARY};
+use crate::results::output::{DECK, FIELDS, HISTORY, SUMMARY};
 use crate::results::{RunDirectory, fake};
 use crate::solve::Recorder;
 

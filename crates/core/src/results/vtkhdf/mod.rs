@@ -28,7 +28,7 @@ pub mod field;
 pub mod grid;
 mod history;
 mod publication;
-pub(super) mod quarters;
+mod quads;
 pub mod read;
 mod series;
 mod sidecar;

@@ -101,11 +101,7 @@ impl FieldsFile {
     ///
     /// # Errors
     /// The rows are missing or cannot be read.
-    pub(in crate::results) fn rows(
-        &self,
-        model: &Model,
-        count: usize,
-    ) -> io::Result<Vec<HistoryRow>> {
+    pub fn rows(&self, model: &Model, count: usize) -> io::Result<Vec<HistoryRow>> {
         history::read(&self.file, model, count).map_err(|error| into_io(&error))
     }
 

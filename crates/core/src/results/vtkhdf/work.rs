@@ -6,7 +6,7 @@ use hdf5_metno as hdf5;
 
 use super::grid::{Column, Geometry, Grid, On, Values};
 use super::history::{self, History};
-use super::quarters::Quarters;
+use super::quads::Quarters;
 use super::{HEXAHEDRON, INTERFACES, about};
 use crate::model::{Mesh, Model};
 use crate::state::{Frame, HistoryRow};
