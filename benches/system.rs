@@ -156,7 +156,7 @@ fn iteration(wall: &mut Pushed, farther: &mut bool) {
 
 fn benches(c: &mut Criterion) {
     let mut wall = Pushed::new();
-    let points = wall.trial.status.len();
+    let points = wall.trial.joints.status.len();
     println!(
         "{} elements, {points} points, {} pairs, {} equations, {} entries, {:.2e} operations",
         wall.system.bulk.elements.len(),

@@ -79,9 +79,9 @@ impl Rig {
 
     fn commit(&mut self, q: &[f64]) {
         self.state.q.copy_from_slice(q);
-        self.state.interface.clone_from(&self.trial.interface);
-        self.state.material.clone_from(&self.trial.material);
-        self.state.pairs.clone_from(&self.trial.pairs);
+        self.state.interface.clone_from(&self.trial.joints.history);
+        self.state.material.clone_from(&self.trial.solids.history);
+        self.state.pairs.clone_from(&self.trial.joints.pairs);
     }
 
     /// ∂F/∂q by the assembled cells and by central differences, with the statuses of the points.
@@ -98,7 +98,7 @@ impl Rig {
                 ..setting
             },
         );
-        let status = self.trial.status.clone();
+        let status = self.trial.joints.status.clone();
         let mut assembled = DMatrix::zeros(n, n);
         let mut direction = vec![0.0; n];
         for j in 0..n {
@@ -111,10 +111,16 @@ impl Rig {
         for j in 0..n {
             moved[j] = q[j] + STEP;
             let above = self.force(&moved, setting);
-            assert_eq!(self.trial.status, status, "a point changed its branch");
+            assert_eq!(
+                self.trial.joints.status, status,
+                "a point changed its branch"
+            );
             moved[j] = q[j] - STEP;
             let below = self.force(&moved, setting);
-            assert_eq!(self.trial.status, status, "a point changed its branch");
+            assert_eq!(
+                self.trial.joints.status, status,
+                "a point changed its branch"
+            );
             moved[j] = q[j];
             for i in 0..n {
                 differences[(i, j)] = (above[i] - below[i]) / (2.0 * STEP);
@@ -238,7 +244,7 @@ fn direct_tangent_with_open_sticking_and_sliding_points_of_turned_bodies() {
         let counts =
             [PointStatus::Open, PointStatus::Stick, PointStatus::Slip].map(|s| count(&status, s));
         assert!(counts.iter().all(|&c| c > 0), "{counts:?}");
-        let damaged = rig.trial.interface.iter();
+        let damaged = rig.trial.joints.history.iter();
         let damaged = damaged.filter(|h| h.damage > 0.0 && h.damage < 1.0).count();
         assert!(damaged > 0, "no point softens");
         let error = distance(&assembled, &differences);
@@ -265,19 +271,25 @@ fn direct_tangent_with_cracked_and_crushed_solids_and_corner_points() {
     // block is put aside, because its corners would else lie on the edges of the master's facets
     // and cross them.
     let q = mixed_states(&mut rig, DIRECT, &turn(), [1.0, 2.0, -0.05], 0.06);
-    let pairs = rig.trial.pairs.iter().zip(&rig.state.pairs);
+    let pairs = rig.trial.joints.pairs.iter().zip(&rig.state.pairs);
     let facing = pairs.clone().filter(|(now, _)| now.facet.is_some()).count();
     assert!(
-        facing < rig.trial.pairs.len() && pairs.filter(|(a, b)| a.facet != b.facet).count() == 0
+        facing < rig.trial.joints.pairs.len()
+            && pairs.filter(|(a, b)| a.facet != b.facet).count() == 0
     );
     let (assembled, differences, status) = rig.tangents(&q, DIRECT);
     let counts =
         [PointStatus::Open, PointStatus::Stick, PointStatus::Slip].map(|s| count(&status, s));
-    let cracked = rig.trial.material.iter().filter(|h| h.tensile_damage > 0.0);
+    let cracked = rig
+        .trial
+        .solids
+        .history
+        .iter()
+        .filter(|h| h.tensile_damage > 0.0);
     let (cracked, error) = (cracked.count(), distance(&assembled, &differences));
     println!(
         "{counts:?}, {cracked} of {} cracked, error {error:.1e}",
-        rig.trial.material.len()
+        rig.trial.solids.history.len()
     );
     assert!(counts.iter().all(|&c| c > 0) && cracked > 10);
     // Rounding as above. The curvature of the return map adds less: (1e-6/20 / 6.5e-4)²/6 = 1e-9.
@@ -297,7 +309,7 @@ fn a_point_that_crossed_to_the_next_facet_keeps_an_exact_tangent_for_its_own_mot
     };
     let q = place(&rig.model, &turn(), &shifted, &mut random);
     rig.go(&q, DIRECT);
-    let pairs = rig.trial.pairs.iter().zip(&rig.state.pairs);
+    let pairs = rig.trial.joints.pairs.iter().zip(&rig.state.pairs);
     let crossed = pairs.filter(|(now, old)| now.facet.is_some() && now.facet != old.facet);
     assert!(crossed.count() >= 4);
     let (assembled, differences, _) = rig.tangents(&q, DIRECT);
@@ -360,7 +372,7 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
         }
         // Left out: the frame turns and the foot wanders, of the size of traction over facet, against
         // the stiffness of solids and contact.
-        let traction = rig.trial.traction.iter().flatten();
+        let traction = rig.trial.shift.traction.iter().flatten();
         let traction = traction.fold(0.0, |most: f64, t| most.max(t.abs()));
         let bound = 4.0 * traction / (20.0 * 200.0);
         assert!(

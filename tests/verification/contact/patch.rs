@@ -131,7 +131,7 @@ fn nodal_forces(model: &Model, state: &State, block: &Block) -> Vec<[f64; 3]> {
         .unwrap();
     let mut forces = vec![[0.0; 3]; model.mesh.nodes.len()];
     for e in block.elements() {
-        for (&n, f) in model.mesh.elements[e].iter().zip(&trial.cell_force[e]) {
+        for (&n, f) in model.mesh.elements[e].iter().zip(&trial.cells.force[e]) {
             for i in 0..3 {
                 forces[n as usize][i] += f[i];
             }

@@ -57,9 +57,9 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         // Without the numbers in the message: there are thousands.
         let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(same(&trial.force, &all.force));
-        assert!(trial.status == all.status);
-        assert!(trial.material == all.material);
-        assert!(trial.interface == all.interface);
+        assert!(trial.joints.status == all.status);
+        assert!(trial.solids.history == all.material);
+        assert!(trial.joints.history == all.interface);
         let (entries, _) = system
             .analyse(&equations, Backend::MultifrontalLlt)
             .unwrap();
@@ -75,10 +75,10 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         );
         // What is far is not looked at: what stands there stays.
         let marked = [[f64::NAN; 3]; 8];
-        trial.cell_force[..model.mesh.elements.len()].fill(marked);
+        trial.cells.force[..model.mesh.elements.len()].fill(marked);
         let done = system.evaluate(&model, &state, &mut trial, &q, setting, &mut clock);
         done.unwrap();
-        let elements = trial.cell_force[..model.mesh.elements.len()].iter();
+        let elements = trial.cells.force[..model.mesh.elements.len()].iter();
         let stayed = elements.filter(|force| force[0][0].is_nan()).count();
         let of = model.mesh.elements.len();
         assert!(stayed > of / 2 && stayed < of, "{stayed} of {of}");

@@ -174,27 +174,30 @@ impl Bulk {
         setting: Evaluation,
     ) -> Result<(), (usize, LocalFailure)> {
         let n = self.elements.len();
-        trial.material.resize(8 * n, MaterialHistory::default());
-        trial.element_energy.resize(n, PointEnergy::default());
-        if trial.marks.len() != n {
+        trial
+            .solids
+            .history
+            .resize(8 * n, MaterialHistory::default());
+        trial.solids.energy.resize(n, PointEnergy::default());
+        if trial.solids.marks.len() != n {
             let records = state.material.par_chunks_exact(8);
-            let pairs = records.zip(trial.material.par_chunks_exact(8));
-            trial.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
+            let pairs = records.zip(trial.solids.history.par_chunks_exact(8));
+            trial.solids.marks = pairs.map(|(old, new)| Marks::of(old, new)).collect();
         }
         let keeps = setting.keeps(&state.poses, trial);
         if setting.tangent && !keeps {
-            trial.held.forget();
+            trial.cells.held.forget();
         }
-        trial.held.fit_solids(n);
+        trial.cells.held.fit_solids(n);
         let (x, awake) = (&trial.x, trial.awake.as_ref());
-        let failure = trial.cell_force[..n]
+        let failure = trial.cells.force[..n]
             .par_iter_mut()
-            .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
-            .zip(&mut trial.changed[..n])
-            .zip(trial.material.par_chunks_exact_mut(8))
-            .zip(trial.element_energy.par_iter_mut())
-            .zip(trial.marks.par_iter_mut())
-            .zip(trial.held.solids.par_iter_mut())
+            .zip(trial.cells.stiffness[..n * CELL].par_chunks_exact_mut(CELL))
+            .zip(&mut trial.cells.changed[..n])
+            .zip(trial.solids.history.par_chunks_exact_mut(8))
+            .zip(trial.solids.energy.par_iter_mut())
+            .zip(trial.solids.marks.par_iter_mut())
+            .zip(trial.cells.held.solids.par_iter_mut())
             .enumerate()
             .with_min_len(16)
             .filter_map(
@@ -221,7 +224,7 @@ impl Bulk {
                 },
             )
             .min_by_key(|(e, _)| *e);
-        trial.active[..n].fill(true);
+        trial.cells.active[..n].fill(true);
         failure.map_or(Ok(()), Err)
     }
 }

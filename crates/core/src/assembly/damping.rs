@@ -47,17 +47,17 @@ impl StiffnessDamping {
         self.velocity.resize(bulk.reference.len(), [0.0; 3]);
         system.dofs.spread(velocity, &mut self.velocity);
         self.element_force.resize(n, [[0.0; 3]; 8]);
-        if trial.cells.len() < n * CELL {
-            trial.cells.resize(n * CELL, 0.0);
+        if trial.cells.stiffness.len() < n * CELL {
+            trial.cells.stiffness.resize(n * CELL, 0.0);
         }
         if by_displacement.is_some() {
-            trial.held.forget_solids();
-            trial.changed.clear();
+            trial.cells.held.forget_solids();
+            trial.cells.changed.clear();
         }
         let (x, v, b) = (&trial.x, &self.velocity, self.factor);
         self.element_force
             .par_iter_mut()
-            .zip(trial.cells[..n * CELL].par_chunks_exact_mut(CELL))
+            .zip(trial.cells.stiffness[..n * CELL].par_chunks_exact_mut(CELL))
             .enumerate()
             .with_min_len(16)
             .for_each(|(e, (force, cell))| {

@@ -10,7 +10,7 @@ impl System {
         let mut way = vec![[0.0; 3]; self.bulk.reference.len()];
         self.dofs.spread(dq, &mut way);
         self.loaded_cells()
-            .zip(&trial.cell_force)
+            .zip(&trial.cells.force)
             .map(|(nodes, force)| work(nodes, force, &way).abs())
             .sum()
     }
@@ -33,13 +33,13 @@ impl System {
             let cells: Vec<_> = cells.collect();
             let power: f64 = cells
                 .iter()
-                .map(|(nodes, c)| work(nodes, &trial.cell_force[*c], &way))
+                .map(|(nodes, c)| work(nodes, &trial.cells.force[*c], &way))
                 .sum();
             if power.is_nan() || power <= 0.0 {
                 return;
             }
             for (nodes, c) in cells {
-                for (&node, f) in nodes.iter().zip(&trial.cell_force[c]) {
+                for (&node, f) in nodes.iter().zip(&trial.cells.force[c]) {
                     for i in 0..3 {
                         gradient[node as usize][i] += dissipated / power * f[i];
                     }
@@ -50,7 +50,7 @@ impl System {
             .bulk
             .elements
             .iter()
-            .zip(&trial.element_energy)
+            .zip(&trial.solids.energy)
             .enumerate()
         {
             add(
@@ -58,7 +58,7 @@ impl System {
                 &mut std::iter::once((nodes, e)),
             );
         }
-        for (facet, points) in trial.point_energy.chunks_exact(4).enumerate() {
+        for (facet, points) in trial.joints.energy.chunks_exact(4).enumerate() {
             let dissipated = points.iter().map(|p| p[1]).sum();
             let mut cells = self.contact.cells_of(facet).map(|(c, cell)| (cell, n + c));
             add(dissipated, &mut cells);

@@ -63,10 +63,10 @@ impl System {
 impl Contact {
     fn work_between(&self, model: &Model, state: &State, trial: &Trial) -> Works {
         in_order(self.points.len(), |p, sum| {
-            let (old, new) = (&state.interface[p], &trial.interface[p]);
+            let (old, new) = (&state.interface[p], &trial.joints.history[p]);
             let slid = new.plastic_slip != old.plastic_slip;
             let damaged = new.damage - old.damage > CHANGES;
-            if !(slid || damaged) || trial.pairs[p].facet.is_none() || self.is_image(p) {
+            if !(slid || damaged) || trial.joints.pairs[p].facet.is_none() || self.is_image(p) {
                 return;
             }
             let law = self.law(model, p);
@@ -89,12 +89,17 @@ impl Contact {
 impl Bulk {
     fn work_between(&self, state: &State, trial: &Trial, dt: f64) -> Works {
         in_order(self.elements.len(), |e, sum| {
-            if trial.marks.get(e).is_some_and(|marks| marks.new == 0) {
+            if trial
+                .solids
+                .marks
+                .get(e)
+                .is_some_and(|marks| marks.new == 0)
+            {
                 return;
             }
             let (law, shape) = (self.law(e), self.shape(e));
             for g in 0..8 {
-                let (old, new) = (&state.material[8 * e + g], &trial.material[8 * e + g]);
+                let (old, new) = (&state.material[8 * e + g], &trial.solids.history[8 * e + g]);
                 let tensile = new.tensile_damage - old.tensile_damage;
                 let compressive = new.compressive_damage - old.compressive_damage;
                 let yields = new.kappa_t > old.kappa_t || new.kappa_c > old.kappa_c;

@@ -84,7 +84,12 @@ impl System {
     ) -> Result<(), LinearError> {
         let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
         let mut values = vec![0.0; gather.row_idx.len()];
-        gather.fill(&trial.cells, &trial.active, None, &mut values);
+        gather.fill(
+            &trial.cells.stiffness,
+            &trial.cells.active,
+            None,
+            &mut values,
+        );
         for (e, column) in gather.col_ptr.windows(2).enumerate() {
             let rows = &gather.row_idx[column[0]..column[1]];
             if let Ok(k) = rows.binary_search(&(e as u32)) {
@@ -97,7 +102,7 @@ impl System {
     /// Sums the cells into the matrix.
     pub fn fill(&self, trial: &Trial, values: &mut [f64]) {
         if let Some(gather) = &self.gather {
-            gather.fill(&trial.cells, &trial.active, None, values);
+            gather.fill(&trial.cells.stiffness, &trial.cells.active, None, values);
         }
     }
 
@@ -108,13 +113,14 @@ impl System {
         /// after a rejected increment.
         static FILLINGS: AtomicU64 = AtomicU64::new(1);
         let Some(gather) = &self.gather else { return };
-        let known = *last == Some(trial.filling) && trial.changed.len() == trial.active.len();
-        let changed = known.then_some(&trial.changed[..]);
-        gather.fill(&trial.cells, &trial.active, changed, values);
-        trial.changed.clear();
-        trial.changed.resize(trial.active.len(), false);
-        trial.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
-        *last = Some(trial.filling);
+        let known = *last == Some(trial.cells.filling)
+            && trial.cells.changed.len() == trial.cells.active.len();
+        let changed = known.then_some(&trial.cells.changed[..]);
+        gather.fill(&trial.cells.stiffness, &trial.cells.active, changed, values);
+        trial.cells.changed.clear();
+        trial.cells.changed.resize(trial.cells.active.len(), false);
+        trial.cells.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
+        *last = Some(trial.cells.filling);
     }
 
     /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.

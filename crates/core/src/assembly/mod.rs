@@ -32,7 +32,10 @@ pub use mass::Mass;
 pub use pattern::Gather;
 pub use springs::Springs;
 pub use steered::Steered;
-pub use trial::{Awake, STIFFEST_UNDER_LOADS, Trial};
+pub use trial::{
+    Awake, STIFFEST_UNDER_LOADS, Trial, TrialCells, TrialJoints, TrialShift, TrialSolids,
+    TrialTouches,
+};
 
 use crate::linear::Analysis;
 use crate::material::{LocalFailure, MaterialHistory};
@@ -161,7 +164,7 @@ impl System {
         let mut trial = Trial::default();
         trial.start(&state);
         self.search(&mut trial, &state.q);
-        state.pairs.clone_from(&trial.pairs);
+        state.pairs.clone_from(&trial.joints.pairs);
         self.follow(&mut state.poses, &mut trial);
         state
     }
@@ -250,10 +253,10 @@ impl System {
         let n_pressed = n_sprung + self.outside.cells().len();
         let n_cells = n_pressed + self.steered_cells().len();
         self.place(trial, q);
-        trial.cell_force.resize(n_loaded, [[0.0; 3]; 8]);
-        trial.cells.resize(n_cells * CELL, 0.0);
-        trial.active.resize(n_cells, false);
-        trial.changed.resize(n_cells, true);
+        trial.cells.force.resize(n_loaded, [[0.0; 3]; 8]);
+        trial.cells.stiffness.resize(n_cells * CELL, 0.0);
+        trial.cells.active.resize(n_cells, false);
+        trial.cells.changed.resize(n_cells, true);
 
         let begin = std::time::Instant::now();
         self.bulk.evaluate(state, trial, setting)?;
@@ -268,7 +271,7 @@ impl System {
         trial.node_force.clear();
         trial.node_force.resize(nodes, [0.0; 3]);
         let connectivity = self.loaded_cells();
-        for (nodes, force) in connectivity.zip(&trial.cell_force) {
+        for (nodes, force) in connectivity.zip(&trial.cells.force) {
             for (&n, f) in nodes.iter().zip(force) {
                 for i in 0..3 {
                     trial.node_force[n as usize][i] += f[i];
@@ -281,35 +284,35 @@ impl System {
             if setting.tangent {
                 let from = n_loaded * CELL;
                 self.springs
-                    .write_stiffness(&mut trial.cells[from..n_sprung * CELL]);
-                trial.changed[n_loaded..n_sprung].fill(true);
-                trial.active[n_loaded..n_sprung].fill(true);
+                    .write_stiffness(&mut trial.cells.stiffness[from..n_sprung * CELL]);
+                trial.cells.changed[n_loaded..n_sprung].fill(true);
+                trial.cells.active[n_loaded..n_sprung].fill(true);
             }
         }
         let pressed = n_sprung..n_pressed;
-        let were = setting.tangent && trial.active[pressed.clone()].contains(&true);
+        let were = setting.tangent && trial.cells.active[pressed.clone()].contains(&true);
         let turns = setting.tangent && setting.turning == Turning::Exact;
         if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
             self.outside.write_stiffness(
                 &trial.loads,
                 &trial.x,
-                &mut trial.cells[n_sprung * CELL..n_pressed * CELL],
-                &mut trial.active[n_sprung..n_pressed],
+                &mut trial.cells.stiffness[n_sprung * CELL..n_pressed * CELL],
+                &mut trial.cells.active[n_sprung..n_pressed],
             );
         } else if setting.tangent {
-            trial.active[n_sprung..n_pressed].fill(false);
+            trial.cells.active[n_sprung..n_pressed].fill(false);
         }
         if were || turns {
-            trial.changed[pressed].fill(true);
+            trial.cells.changed[pressed].fill(true);
         }
         if let (Some(steered), true) = (&self.steered, setting.tangent) {
-            steered.write(&mut trial.cells[n_pressed * CELL..n_cells * CELL]);
-            trial.active[n_pressed..n_cells].fill(true);
-            trial.changed[n_pressed..n_cells].fill(true);
+            steered.write(&mut trial.cells.stiffness[n_pressed * CELL..n_cells * CELL]);
+            trial.cells.active[n_pressed..n_cells].fill(true);
+            trial.cells.changed[n_pressed..n_cells].fill(true);
         }
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);
-        let magnitude: f64 = trial.cell_force[..n_elements]
+        let magnitude: f64 = trial.cells.force[..n_elements]
             .iter()
             .flatten()
             .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
@@ -361,11 +364,18 @@ impl System {
 
     /// Dissipation of the joints in the increment that `trial` ends [N mm].
     pub fn interface_dissipation(&self, trial: &Trial) -> f64 {
-        let planned = trial.point_energy.iter().map(|e| e[1]).sum::<f64>();
+        let planned = trial.joints.energy.iter().map(|e| e[1]).sum::<f64>();
         if self.general.is_absent() {
             return planned;
         }
-        planned + trial.touches.iter().map(|t| t.energy[1]).sum::<f64>() + trial.touch_loss[0]
+        planned
+            + trial
+                .general
+                .touches
+                .iter()
+                .map(|t| t.energy[1])
+                .sum::<f64>()
+            + trial.general.loss[0]
     }
 
     /// Terms of the trapezoidal rule for points that open or close in the increment that `trial` ends [N mm]
@@ -390,9 +400,14 @@ impl System {
 
     /// Elastic energy of solids, joints and springs at the trial's positions [N mm].
     pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
-        trial.element_energy.iter().map(|e| e.elastic).sum::<f64>()
-            + trial.point_energy.iter().map(|e| e[0]).sum::<f64>()
-            + trial.touches.iter().map(|t| t.energy[0]).sum::<f64>()
+        trial.solids.energy.iter().map(|e| e.elastic).sum::<f64>()
+            + trial.joints.energy.iter().map(|e| e[0]).sum::<f64>()
+            + trial
+                .general
+                .touches
+                .iter()
+                .map(|t| t.energy[0])
+                .sum::<f64>()
             + self.springs.energy(spring_forces.iter().copied())
     }
 
@@ -443,10 +458,10 @@ impl System {
         let connectivity = connectivity.chain(self.outside.cells());
         let connectivity = connectivity.chain(self.steered_cells());
         for (c, nodes) in connectivity.enumerate() {
-            if !trial.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
+            if !trial.cells.active[c] || nodes.iter().all(|&n| du[n as usize] == [0.0; 3]) {
                 continue;
             }
-            let cell = &trial.cells[c * CELL..(c + 1) * CELL];
+            let cell = &trial.cells.stiffness[c * CELL..(c + 1) * CELL];
             for (a, &row) in nodes.iter().enumerate() {
                 for (b, &col) in nodes.iter().enumerate() {
                     let block = &cell[(a * 8 + b) * 9..][..9];

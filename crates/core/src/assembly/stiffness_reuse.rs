@@ -196,9 +196,13 @@ impl Poses {
 
     /// Renews the poses that are too far from the positions at which `trial` ends.
     pub(super) fn follow(&mut self, bulk: &Bulk, contact: &Contact, trial: &mut Trial) {
-        let slides = trial.status.iter().filter(|s| **s == PointStatus::Slip);
+        let slides = trial
+            .joints
+            .status
+            .iter()
+            .filter(|s| **s == PointStatus::Slip);
         self.steady = slides.count() as f64 <= FEW * self.points.len() as f64;
-        let Trial { x, pairs, held, .. } = trial;
+        let (x, pairs, held) = (&trial.x, &trial.joints.pairs, &mut trial.cells.held);
         held.fit_solids(self.solids.len());
         held.fit_joints(self.points.len() / 4, contact.version());
         let elements = bulk.elements.par_iter().enumerate();

@@ -71,7 +71,7 @@ impl System {
         dq: &[f64],
         most: f64,
     ) -> Option<Vec<(usize, [f64; 3])>> {
-        let dissipated: f64 = trial.point_energy.iter().map(|e| e[1]).sum();
+        let dissipated: f64 = trial.joints.energy.iter().map(|e| e[1]).sum();
         if dissipated.is_nan() || dissipated <= most {
             return None;
         }
@@ -82,7 +82,7 @@ impl System {
         let changes = settling(&points, &self.dofs);
         let settle = |(pressed, change): (&Pressed, [f64; 3])| {
             // A traction beyond its bounds would be interpreted as an opening of the joint.
-            let history = &trial.interface[pressed.point];
+            let history = &trial.joints.history[pressed.point];
             let law = self.contact.law(model, pressed.point);
             let settled = [0, 1, 2].map(|i| history.traction[i] + change[i]);
             let settled = law.within_bounds(settled, history);
@@ -294,7 +294,7 @@ fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
 impl Contact {
     /// Points under pressure on facets where at least one point slides.
     fn pressed(&self, model: &Model, trial: &Trial) -> Vec<Pressed> {
-        let facets = trial.status.par_chunks_exact(4).enumerate();
+        let facets = trial.joints.status.par_chunks_exact(4).enumerate();
         facets
             .with_min_len(TASK / 4)
             .flat_map_iter(|(f, status)| self.pressed_of(model, trial, f, status))
@@ -315,11 +315,11 @@ impl Contact {
         let slave = self.slave.corners(f, &trial.x);
         let press = |p: usize| {
             let point = 4 * f + p;
-            let history = &trial.interface[point];
+            let history = &trial.joints.history[point];
             if !counts || history.traction[0] >= 0.0 {
                 return None;
             }
-            let (anchor, pair) = (trial.anchors[point], trial.pairs[point]);
+            let (anchor, pair) = (trial.joints.anchors[point], trial.joints.pairs[point]);
             let (cell, kin) = self.see(point, &slave, anchor, pair, &trial.x)?;
             let [n, t_1, t_2] = kin.frame;
             let mut elastic = n * n.transpose();
@@ -358,12 +358,12 @@ impl Contact {
         let (at, f) = (pressed.point, pressed.point / 4);
         let law = self.law(model, at);
         let slave = self.slave.corners(f, &trial.x);
-        let (anchor, pair) = (trial.anchors[at], trial.pairs[at]);
+        let (anchor, pair) = (trial.joints.anchors[at], trial.joints.pairs[at]);
         let Some((_, kin)) = self.see(at, &slave, anchor, pair, &trial.x) else {
             return [0.0; 3];
         };
         let old = self.carried(&state.interface[at], anchor, pair, &kin.frame, &trial.x);
-        let present = trial.interface[at].traction;
+        let present = trial.joints.history[at].traction;
         let respond = |traction: [f64; 3]| {
             let soft = Soft::of(state, trial);
             let shift = Shift {

@@ -66,14 +66,14 @@ impl Contact {
         first_cell: usize,
     ) {
         let n = self.points.len();
-        trial.interface.resize(n, InterfaceHistory::default());
-        trial.point_energy.resize(n, [0.0; 2]);
-        trial.status.resize(n, PointStatus::default());
-        trial.gaps.resize(n, 0.0);
-        trial.loose.resize(n);
+        trial.joints.history.resize(n, InterfaceHistory::default());
+        trial.joints.energy.resize(n, [0.0; 2]);
+        trial.joints.status.resize(n, PointStatus::default());
+        trial.joints.gaps.resize(n, 0.0);
+        trial.shift.branches.resize(n);
         let keeps = setting.keeps(&state.poses, trial);
-        trial.seen_at.clone_from(&trial.x);
-        trial.held.fit_joints(n / 4, self.version);
+        trial.joints.seen_at.clone_from(&trial.x);
+        trial.cells.held.fit_joints(n / 4, self.version);
         let seen = Seen {
             contact: self,
             model,
@@ -81,28 +81,29 @@ impl Contact {
             x: &trial.x,
             setting,
             soft: Soft::of(state, trial),
-            sticks: trial.sticks,
+            sticks: trial.shift.sticks,
             keeps,
             awake: trial.awake.as_ref().map(|awake| &awake.facets[..]),
         };
-        let mut force = &mut trial.cell_force[first_cell..];
-        let mut cells = &mut trial.cells[first_cell * CELL..];
-        let mut active = &mut trial.active[first_cell..];
-        let mut changed = &mut trial.changed[first_cell..];
+        let mut force = &mut trial.cells.force[first_cell..];
+        let mut cells = &mut trial.cells.stiffness[first_cell * CELL..];
+        let mut active = &mut trial.cells.active[first_cell..];
+        let mut changed = &mut trial.cells.changed[first_cell..];
         let points = 4 * GROUP;
         let per_point = trial
-            .interface
+            .joints
+            .history
             .chunks_mut(points)
-            .zip(trial.point_energy.chunks_mut(points))
-            .zip(trial.status.chunks_mut(points))
-            .zip(trial.pairs.chunks_mut(points))
-            .zip(trial.gaps.chunks_mut(points))
-            .zip(trial.held.joints.chunks_mut(GROUP))
-            .zip(trial.anchors.chunks(points))
-            .zip(trial.traction.chunks(points))
-            .zip(trial.bounding.chunks(points))
-            .zip(trial.loose.now.chunks_mut(points))
-            .zip(trial.loose.held.chunks(points));
+            .zip(trial.joints.energy.chunks_mut(points))
+            .zip(trial.joints.status.chunks_mut(points))
+            .zip(trial.joints.pairs.chunks_mut(points))
+            .zip(trial.joints.gaps.chunks_mut(points))
+            .zip(trial.cells.held.joints.chunks_mut(GROUP))
+            .zip(trial.joints.anchors.chunks(points))
+            .zip(trial.shift.traction.chunks(points))
+            .zip(trial.shift.bounding.chunks(points))
+            .zip(trial.shift.branches.now.chunks_mut(points))
+            .zip(trial.shift.branches.held.chunks(points));
         let mut groups = Vec::with_capacity(n.div_ceil(points));
         for per_point in per_point {
             let (rest, held) = per_point;

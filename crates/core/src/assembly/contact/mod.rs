@@ -238,7 +238,9 @@ impl Contact {
     pub fn extrapolate(&self, model: &Model, state: &State, trial: &mut Trial, ratio: f64) {
         let Some(last) = &state.last else { return };
         let points = state.interface.iter().zip(&last.dtraction);
-        for (p, (traction, (old, change))) in trial.traction.iter_mut().zip(points).enumerate() {
+        for (p, (traction, (old, change))) in
+            trial.shift.traction.iter_mut().zip(points).enumerate()
+        {
             let law = self.law(model, p);
             let guess = [0, 1, 2].map(|i| old.traction[i] + ratio * change[i]);
             *traction = law.within_bounds(guess, old);
@@ -287,7 +289,7 @@ impl Soft {
     /// Factors of the present iterate.
     pub fn of(state: &State, trial: &Trial) -> Self {
         Self {
-            factor: trial.stiffening,
+            factor: trial.shift.stiffening,
             inertia: trial.inertia,
             steady: state.poses.steady && !trial.is_under_loads(),
         }

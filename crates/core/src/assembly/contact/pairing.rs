@@ -15,20 +15,21 @@ impl Contact {
         let x = &trial.x;
         // At the positions of the last force evaluation, feet and gaps of points that stay on their facets are
         // known.
-        let seen = trial.seen_at == *x;
+        let seen = trial.joints.seen_at == *x;
         if !seen {
-            trial.seen_at.clear();
+            trial.joints.seen_at.clear();
         }
         if self.has_moved(x) {
             self.search_from(x);
         }
-        trial.gaps.resize(self.points.len(), 0.0);
-        let (free, x_start) = (&trial.free, &trial.x_start);
+        trial.joints.gaps.resize(self.points.len(), 0.0);
+        let (free, x_start) = (&trial.joints.free, &trial.x_start);
         trial
+            .joints
             .pairs
             .par_chunks_mut(4)
-            .zip(trial.anchors.par_chunks_mut(4))
-            .zip(trial.gaps.par_chunks_exact(4))
+            .zip(trial.joints.anchors.par_chunks_mut(4))
+            .zip(trial.joints.gaps.par_chunks_exact(4))
             .enumerate()
             .with_min_len(16)
             .for_each(|(f, ((pairs, anchors), gaps))| {

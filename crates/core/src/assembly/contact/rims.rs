@@ -28,7 +28,7 @@ impl Contact {
     pub fn follow_rims(&mut self, model: &Model, state: &State, trial: &mut Trial) {
         for p in std::mem::take(&mut self.moved) {
             self.points[p as usize].weights = self.at_rest[p as usize];
-            trial.held.forget_joint(p as usize / 4);
+            trial.cells.held.forget_joint(p as usize / 4);
         }
         if model.contact.general.is_some() {
             // In general contact the edges carry facets beyond rims.
@@ -45,10 +45,10 @@ impl Contact {
             };
             self.points[p].weights = weights;
             self.moved.push(p as u32);
-            trial.held.forget_joint(p / 4);
-            trial.pairs[p] = pair;
-            trial.anchors[p] = pair;
-            trial.free[p] = false;
+            trial.cells.held.forget_joint(p / 4);
+            trial.joints.pairs[p] = pair;
+            trial.joints.anchors[p] = pair;
+            trial.joints.free[p] = false;
         }
     }
 

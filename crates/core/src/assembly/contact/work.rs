@@ -11,10 +11,14 @@ impl Contact {
     /// Terms of the trapezoidal rule for points that open, close or change their facet in the increment that
     /// `trial` ends [N mm] (theory/contact.md, eqs 17 and 18).
     pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
-        let points = state.interface.iter().zip(&trial.interface).enumerate();
+        let points = state
+            .interface
+            .iter()
+            .zip(&trial.joints.history)
+            .enumerate();
         points
             .map(|(p, (old, new))| {
-                let work = if trial.pairs[p].facet == state.pairs[p].facet {
+                let work = if trial.joints.pairs[p].facet == state.pairs[p].facet {
                     self.law(model, p).crossing_work(old, new)
                 } else {
                     self.work_of_change(p, state, trial)
@@ -35,14 +39,18 @@ impl Contact {
         if trial.x_start.is_empty() {
             return 0.0;
         }
-        let points = state.interface.iter().zip(&trial.interface).enumerate();
+        let points = state
+            .interface
+            .iter()
+            .zip(&trial.joints.history)
+            .enumerate();
         let works = points.map(|(p, (old, new))| {
             let gapes = old.opening.max(new.opening) > self.law(model, p).opens_at();
             let shear = [old, new]
                 .iter()
                 .any(|h| h.traction[1] != 0.0 || h.traction[2] != 0.0);
-            let stays =
-                trial.pairs[p].facet.is_some() && trial.pairs[p].facet == state.pairs[p].facet;
+            let stays = trial.joints.pairs[p].facet.is_some()
+                && trial.joints.pairs[p].facet == state.pairs[p].facet;
             if !(gapes && shear && stays) || self.is_image(p) {
                 return 0.0;
             }
@@ -62,7 +70,7 @@ impl Contact {
         trial: &Trial,
     ) -> Option<f64> {
         let (x_start, x) = (&trial.x_start, &trial.x);
-        let (from, to) = (state.pairs[p], trial.pairs[p]);
+        let (from, to) = (state.pairs[p], trial.joints.pairs[p]);
         let slave = [x_start, x].map(|x| self.slave.corners(p / 4, x));
         let master = [x_start, x].map(|x| self.master.corners(to.facet.unwrap_or(0) as usize, x));
         let (_, before) = self.see(p, &slave[0], from, from, x_start)?;
@@ -101,7 +109,7 @@ impl Contact {
     /// are ½ t₀ g_a0 and ½ t₁ g_b1. The rest is ½ t₀ g_a1 − ½ t₁ g_b0. A point that loses its master also
     /// dissipates its energy.
     fn work_of_change(&self, p: usize, state: &State, trial: &Trial) -> f64 {
-        let (old, new) = (&state.interface[p], &trial.interface[p]);
+        let (old, new) = (&state.interface[p], &trial.joints.history[p]);
         if trial.x_start.is_empty() {
             return 0.0;
         }
@@ -112,7 +120,7 @@ impl Contact {
         };
         let mut work = 0.0;
         if old.traction[0] != 0.0 {
-            let stored = if trial.pairs[p].facet.is_none() {
+            let stored = if trial.joints.pairs[p].facet.is_none() {
                 old.opening
             } else {
                 0.0
@@ -121,7 +129,7 @@ impl Contact {
             work += now.map_or(0.0, |now| 0.5 * old.traction[0] * (now - stored));
         }
         if new.traction[0] != 0.0 {
-            let before = gap(trial.pairs[p], &trial.x_start);
+            let before = gap(trial.joints.pairs[p], &trial.x_start);
             work -= before.map_or(0.0, |before| 0.5 * new.traction[0] * before);
         }
         work

@@ -33,19 +33,19 @@ impl General {
             return;
         }
         let count = self.cells.len();
-        let force = &mut trial.cell_force[first_cell..first_cell + count];
+        let force = &mut trial.cells.force[first_cell..first_cell + count];
         force.fill([[0.0; 3]; 8]);
         let soft = Softness {
-            stiffening: trial.stiffening,
+            stiffening: trial.shift.stiffening,
             inertia: trial.inertia,
-            sticks: trial.sticks,
+            sticks: trial.shift.sticks,
         };
         let (x0, x) = (&trial.x_start, &trial.x);
-        let shares: Vec<Option<Share>> = (trial.touches.par_iter_mut())
+        let shares: Vec<Option<Share>> = (trial.general.touches.par_iter_mut())
             .with_min_len(32)
             .map(|one| self.answer(one, [x0, x], setting, soft))
             .collect();
-        for (one, share) in trial.touches.iter().zip(&shares) {
+        for (one, share) in trial.general.touches.iter().zip(&shares) {
             let Some(Share { sight, response }) = share else {
                 continue;
             };
@@ -65,12 +65,12 @@ impl General {
         if !setting.tangent {
             return;
         }
-        let cells = &mut trial.cells[first_cell * CELL..(first_cell + count) * CELL];
-        let active = &mut trial.active[first_cell..first_cell + count];
+        let cells = &mut trial.cells.stiffness[first_cell * CELL..(first_cell + count) * CELL];
+        let active = &mut trial.cells.active[first_cell..first_cell + count];
         active.fill(false);
-        trial.changed[first_cell..first_cell + count].fill(true);
+        trial.cells.changed[first_cell..first_cell + count].fill(true);
         let mut of_cell: Vec<Vec<usize>> = vec![Vec::new(); count];
-        for (t, (one, share)) in trial.touches.iter().zip(&shares).enumerate() {
+        for (t, (one, share)) in trial.general.touches.iter().zip(&shares).enumerate() {
             let stiff = share
                 .as_ref()
                 .is_some_and(|s| s.response.tangent != nalgebra::Matrix3::zeros());
@@ -78,7 +78,7 @@ impl General {
                 of_cell[cell].push(t);
             }
         }
-        let touches = &trial.touches;
+        let touches = &trial.general.touches;
         (cells.par_chunks_mut(CELL).zip(active).zip(of_cell))
             .filter(|(_, of)| !of.is_empty())
             .for_each(|((cell, active), of)| {
@@ -180,7 +180,12 @@ impl General {
 
     /// Touches after a commit.
     pub fn committed(&self, trial: &Trial) -> Vec<Touch> {
-        let mut touches: Vec<Touch> = trial.touches.iter().filter_map(Live::committed).collect();
+        let mut touches: Vec<Touch> = trial
+            .general
+            .touches
+            .iter()
+            .filter_map(Live::committed)
+            .collect();
         touches.sort_by_key(Touch::key);
         touches.dedup_by_key(|touch| touch.key());
         touches
@@ -188,8 +193,8 @@ impl General {
 
     /// Term of the trapezoidal rule for bodies that meet or part in the increment that `trial` ends [N mm].
     pub fn crossing_work(&self, trial: &Trial) -> f64 {
-        let live: f64 = trial.touches.iter().map(Live::crossing_work).sum();
-        live + trial.touch_loss[1]
+        let live: f64 = trial.general.touches.iter().map(Live::crossing_work).sum();
+        live + trial.general.loss[1]
     }
 }
 

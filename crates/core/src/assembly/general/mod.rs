@@ -253,7 +253,7 @@ impl General {
             self.watch = self.watch(x0);
             self.watched = true;
         }
-        let before = std::mem::take(&mut trial.touches);
+        let before = std::mem::take(&mut trial.general.touches);
         let (mut live, lost) = self.follow(x0, x);
         let corners = self.new_corners(&live, &before, x0, x);
         let edges = self.new_edges(&live, &before, x0, x);
@@ -266,9 +266,9 @@ impl General {
             }
             one.weigh(self);
         }
-        trial.touch_loss = lost;
+        trial.general.loss = lost;
         self.add_cells(live.iter().map(|one| one.cell));
-        trial.touches = live;
+        trial.general.touches = live;
     }
 
     /// Touches of the last commit that continue. For the others, the sums over them of [`Self::parted`] [N mm].

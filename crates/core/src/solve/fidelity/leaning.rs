@@ -138,8 +138,8 @@ impl Asked<'_> {
 fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
     system.start(model, trial, state);
     trial.spring_ends.clone_from(&state.spring_ends);
-    trial.stiffest = STIFFEST_UNDER_LOADS;
-    trial.stiffening = STIFFEST_UNDER_LOADS;
+    trial.shift.stiffest = STIFFEST_UNDER_LOADS;
+    trial.shift.stiffening = STIFFEST_UNDER_LOADS;
     let setting = Evaluation {
         dt: 1.0,
         solids: Solids::Held,

@@ -62,7 +62,7 @@ impl Newton<'_> {
         }
         let springs = system.spring_forces(trial);
         let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
-        let solids = trial.element_energy.iter();
+        let solids = trial.solids.energy.iter();
         let dissipated = solids.map(|e| e.plastic_damage + e.viscous).sum::<f64>()
             + system.interface_dissipation(trial);
         let mut work = -system.crossing_work(self.model, state, trial);

@@ -24,7 +24,7 @@ impl Newton<'_> {
     ) -> Result<(), Rejection> {
         system.start(self.model, trial, state);
         if self.step.loads.iter().any(Option::is_some) {
-            trial.stiffest = STIFFEST_UNDER_LOADS;
+            trial.shift.stiffest = STIFFEST_UNDER_LOADS;
         }
         self.q.copy_from_slice(&state.q);
         self.linear_forces = None;
@@ -79,9 +79,9 @@ impl Newton<'_> {
         self.anchor(state);
         timed(&mut self.clock.contact, || system.search(trial, &self.q));
         // At the start of a step the direction of slip is unknown, because a drive may reverse.
-        trial.sticks = state.last.is_none();
+        trial.shift.sticks = state.last.is_none();
         let evaluated = self.evaluate(system, state, trial, setting);
-        trial.sticks = false;
+        trial.shift.sticks = false;
         evaluated?;
         // The forces K_fp Δp of the prescribed displacements are added to the residual.
         let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();

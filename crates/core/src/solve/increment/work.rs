@@ -88,7 +88,7 @@ impl Newton<'_> {
             dashpots = Some(now);
         }
         energies.elastic = system.elastic_energy(trial, &spring_forces);
-        let solids = &trial.element_energy;
+        let solids = &trial.solids.energy;
         energies.plastic_damage += solids.iter().map(|e| e.plastic_damage).sum::<f64>();
         energies.viscous += solids.iter().map(|e| e.viscous).sum::<f64>();
         energies.interface += system.interface_dissipation(trial);

@@ -33,7 +33,7 @@ impl Run<'_> {
     fn is_shock(&self) -> bool {
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
         let (mut before, mut after, mut changed) = (0, 0, 0);
-        for (old, new) in self.state.interface.iter().zip(&self.trial.interface) {
+        for (old, new) in self.state.interface.iter().zip(&self.trial.joints.history) {
             let (old, new) = (presses(old), presses(new));
             before += usize::from(old);
             after += usize::from(new);
@@ -51,7 +51,7 @@ impl Run<'_> {
     fn touches_changed(&self) -> (usize, usize, usize) {
         let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
         let (mut held, mut new) = (0, 0);
-        for one in &self.trial.touches {
+        for one in &self.trial.general.touches {
             if presses(&one.touch.history) {
                 let old = presses(&one.old);
                 held += usize::from(old);
@@ -203,8 +203,8 @@ impl Run<'_> {
     /// Whether the increment that ends at the trial damages a joint or a solid.
     fn is_damaged(&self) -> bool {
         let (state, trial) = (&self.state, &self.trial);
-        let mut joints = state.interface.iter().zip(&trial.interface);
-        let mut solids = state.material.iter().zip(&trial.material);
+        let mut joints = state.interface.iter().zip(&trial.joints.history);
+        let mut solids = state.material.iter().zip(&trial.solids.history);
         joints.any(|(old, new)| new.damage - old.damage > BREAKS)
             || solids.any(|(old, new)| {
                 new.tensile_damage - old.tensile_damage > BREAKS

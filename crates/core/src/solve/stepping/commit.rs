@@ -28,7 +28,8 @@ impl Run<'_> {
             .map(|(new, old)| new - old)
             .collect();
         let dtraction = trial
-            .interface
+            .joints
+            .history
             .iter()
             .zip(&state.interface)
             .map(|(new, old)| [0, 1, 2].map(|i| new.traction[i] - old.traction[i]))
@@ -41,9 +42,9 @@ impl Run<'_> {
         state.increments += 1;
         state.q.copy_from_slice(newton.q());
         state.force.copy_from_slice(&trial.force);
-        state.material.copy_from_slice(&trial.material);
-        state.interface.copy_from_slice(&trial.interface);
-        state.pairs.copy_from_slice(&trial.pairs);
+        state.material.copy_from_slice(&trial.solids.history);
+        state.interface.copy_from_slice(&trial.joints.history);
+        state.pairs.copy_from_slice(&trial.joints.pairs);
         state.touches = self.system.general.committed(trial);
         self.system.follow(&mut state.poses, trial);
         state.wants_double |= newton.wanted_double();
@@ -74,13 +75,14 @@ impl Run<'_> {
         // Of general contact, only pressed touches count.
         let touching = |status: PointStatus| {
             let pressed = trial
+                .general
                 .touches
                 .iter()
                 .filter(|t| t.touch.history.traction[0] < 0.0);
             pressed.filter(|t| t.status == status).count()
         };
         let count = |status: PointStatus| {
-            let points = trial.status.iter().filter(|s| **s == status);
+            let points = trial.joints.status.iter().filter(|s| **s == status);
             points.count() + touching(status)
         };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);

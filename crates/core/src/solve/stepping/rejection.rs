@@ -26,7 +26,7 @@ impl Run<'_> {
         {
             return Ok(());
         }
-        for (point, history) in self.trial.interface.iter().enumerate() {
+        for (point, history) in self.trial.joints.history.iter().enumerate() {
             let mut numbers = history.traction.iter().chain(&history.slots);
             if numbers.all(|n| n.is_finite()) && history.damage.is_finite() {
                 continue;
