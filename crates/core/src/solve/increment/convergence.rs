@@ -63,7 +63,7 @@ impl Newton<'_> {
         trial
             .mean_nodal_force
             .max(LEAST_SCALE * state.largest_mean_force)
-            .max(self.loads.mean)
+            .max(self.loading.loads.mean)
             .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
             .max(self.least_scale)
             .max(f64::MIN_POSITIVE)
@@ -79,8 +79,16 @@ impl Newton<'_> {
         way: &[f64],
     ) -> [f64; 2] {
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
-        let lost = slots.zip(&self.residual).map(|(slot, r)| r * way[slot]);
-        let loads = self.loads.total.iter().zip(way).map(|(f, u)| (f * u).abs());
+        let lost = slots
+            .zip(&self.vectors.residual)
+            .map(|(slot, r)| r * way[slot]);
+        let loads = self
+            .loading
+            .loads
+            .total
+            .iter()
+            .zip(way)
+            .map(|(f, u)| (f * u).abs());
         // A body in free flight turns over its kinetic energy alone.
         let moving = state.energies.kinetic + loads.sum::<f64>();
         [lost.sum(), system.work_turned_over(trial, way) + moving]

@@ -23,7 +23,7 @@ pub(in crate::solve) struct Factors {
 impl Newton<'_> {
     /// Linear solver that the tangent needs.
     pub(in crate::solve) fn backend(&self) -> Backend {
-        if self.tangent == Tangent::Secant {
+        if self.choice.tangent == Tangent::Secant {
             Backend::MixedLlt
         } else {
             Backend::MultifrontalLu
@@ -32,7 +32,7 @@ impl Newton<'_> {
 
     /// Whether matrices of this increment needed factors in double precision.
     pub(in crate::solve) fn wanted_double(&self) -> bool {
-        let linear = self.linear.as_ref();
+        let linear = self.matrix.solver.as_ref();
         linear.is_some_and(LinearSolver::distrusts_single)
     }
 
@@ -42,7 +42,7 @@ impl Newton<'_> {
         system: &mut System,
         trial: &mut Trial,
     ) -> Result<(), Rejection> {
-        self.by_load.clear();
+        self.vectors.by_load.clear();
         self.solve_both(system, trial, &[])
     }
 
@@ -54,44 +54,55 @@ impl Newton<'_> {
         guess: &[f64],
     ) -> Result<(), Rejection> {
         self.fill(system, trial)?;
-        for (d, r) in self.direction.iter_mut().zip(&self.residual) {
+        for (d, r) in self
+            .vectors
+            .direction
+            .iter_mut()
+            .zip(&self.vectors.residual)
+        {
             *d = -r;
         }
-        for (d, pull) in self.direction.iter_mut().zip(self.pull.drain(..)) {
+        for (d, pull) in self
+            .vectors
+            .direction
+            .iter_mut()
+            .zip(self.vectors.pull.drain(..))
+        {
             *d += pull;
         }
         // Both right-hand sides are solved together, while each part of the factors is in the cache.
-        let n = self.direction.len();
-        self.direction.extend_from_slice(&self.by_load);
+        let n = self.vectors.direction.len();
+        self.vectors
+            .direction
+            .extend_from_slice(&self.vectors.by_load);
         let solved = match self.solve_near(guess) {
             Ok(false) => self.factorise(trial).and_then(|()| {
-                let Self {
-                    linear,
-                    direction,
-                    clock,
-                    ..
-                } = self;
-                let solver = linear.as_mut().ok_or(LinearError::NotFactorised)?;
-                timed(&mut clock.solve, || solver.solve(direction)).map(drop)
+                let solver = self.matrix.solver.as_mut();
+                let solver = solver.ok_or(LinearError::NotFactorised)?;
+                let direction = &mut self.vectors.direction;
+                timed(&mut self.clock.solve, || solver.solve(direction)).map(drop)
             }),
             other => other.map(drop),
         };
-        self.by_load.copy_from_slice(&self.direction[n..]);
-        self.direction.truncate(n);
+        self.vectors
+            .by_load
+            .copy_from_slice(&self.vectors.direction[n..]);
+        self.vectors.direction.truncate(n);
         solved.map_err(|why| self.rejection(system, why))
     }
 
     /// Solves with factors of an earlier matrix of the increment, where they apply. Returns whether they served.
     fn solve_near(&mut self, guess: &[f64]) -> Result<bool, LinearError> {
         let applies = self.model.fidelity == Fidelity::Auto && self.motion.is_none();
-        let (Some(linear), Some(factors)) = (&mut self.linear, &mut self.factors) else {
+        let (Some(linear), Some(factors)) = (&mut self.matrix.solver, &mut self.matrix.factors)
+        else {
             return Ok(false);
         };
         if !applies {
             return Ok(false);
         }
         let served = timed(&mut self.clock.solve, || {
-            linear.solve_near(&self.values, &mut self.direction, guess)
+            linear.solve_near(&self.matrix.values, &mut self.vectors.direction, guess)
         })?;
         factors.served |= served;
         Ok(served)
@@ -109,7 +120,7 @@ impl Newton<'_> {
         let open = |factors: Factors| {
             factors.served && (ends || trial.mean_nodal_force > GROWTH * factors.force)
         };
-        if self.factors.is_some_and(open) {
+        if self.matrix.factors.is_some_and(open) {
             self.fill(system, trial)?;
             let proven = self.factorise(trial);
             proven.map_err(|why| self.rejection(system, why))?;
@@ -120,26 +131,30 @@ impl Newton<'_> {
     /// Orders the matrix if its pattern is new, and assembles its values.
     fn fill(&mut self, system: &mut System, trial: &mut Trial) -> Result<(), Rejection> {
         let backend = self.backend();
-        if self.linear.is_none() || system.pattern_changed() {
+        if self.matrix.solver.is_none() || system.pattern_changed() {
             let (gather, mut linear) = timed(&mut self.clock.factorise, || {
                 system.analyse(&self.equations, backend)
             })
             .map_err(|why| Rejection::Linear { why, dof: None })?;
-            self.values = vec![0.0; gather];
-            self.filled = None;
-            linear.trust_single(!self.wants_double);
-            self.linear = Some(linear);
-            self.factors = None;
+            self.matrix.values = vec![0.0; gather];
+            self.matrix.filled = None;
+            linear.trust_single(!self.matrix.wants_double);
+            self.matrix.solver = Some(linear);
+            self.matrix.factors = None;
         }
         timed(&mut self.clock.assembly, || {
-            system.refill(trial, &mut self.filled, &mut self.values);
+            system.refill(trial, &mut self.matrix.filled, &mut self.matrix.values);
             if let Some(motion) = &self.motion {
-                self.filled = None;
-                system.add_mass(&self.equations, motion.mass_factor(), &mut self.values);
+                self.matrix.filled = None;
+                system.add_mass(
+                    &self.equations,
+                    motion.mass_factor(),
+                    &mut self.matrix.values,
+                );
             }
             if let Some(dashpots) = &self.dashpots {
-                self.filled = None;
-                dashpots.add_to(system, &self.equations, &mut self.values);
+                self.matrix.filled = None;
+                dashpots.add_to(system, &self.equations, &mut self.matrix.values);
             }
         });
         Ok(())
@@ -147,12 +162,18 @@ impl Newton<'_> {
 
     /// Factorises the present matrix.
     fn factorise(&mut self, trial: &Trial) -> Result<(), LinearError> {
-        let linear = self.linear.as_mut().ok_or(LinearError::NotFactorised)?;
+        let linear = self
+            .matrix
+            .solver
+            .as_mut()
+            .ok_or(LinearError::NotFactorised)?;
         self.clock.factorisations += 1;
-        self.factors = None;
-        let stats = timed(&mut self.clock.factorise, || linear.factorise(&self.values))?;
+        self.matrix.factors = None;
+        let stats = timed(&mut self.clock.factorise, || {
+            linear.factorise(&self.matrix.values)
+        })?;
         self.clock.reused += stats.reused;
-        self.factors = Some(Factors {
+        self.matrix.factors = Some(Factors {
             force: trial.mean_nodal_force,
             served: false,
         });
@@ -175,6 +196,6 @@ impl Newton<'_> {
 
     /// Whether the direction moves a node farther than the search reach of contact.
     pub(in crate::solve) fn flies(&self, system: &System) -> bool {
-        largest(&self.direction).0 > system.contact.reach()
+        largest(&self.vectors.direction).0 > system.contact.reach()
     }
 }

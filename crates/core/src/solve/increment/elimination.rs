@@ -69,10 +69,10 @@ impl Newton<'_> {
             && self.dashpots.is_none()
             && system.general.is_absent()
             && !system.pattern_changed();
-        let pattern = self.linear.as_ref().filter(|_| applies)?.pattern();
+        let pattern = self.matrix.solver.as_ref().filter(|_| applies)?.pattern();
         let nodes = pattern.n_groups();
         timed(&mut self.clock.factorise, || {
-            let few = pattern.concentrated(&self.residual, SHARE, nodes / FEW)?;
+            let few = pattern.concentrated(&self.vectors.residual, SHARE, nodes / FEW)?;
             let inside = pattern.around(few, RINGS, nodes / PART)?;
             // A region that cannot be analysed is left to the global solve.
             Region::new(pattern, &inside).ok()
@@ -81,7 +81,8 @@ impl Newton<'_> {
 
     /// Out-of-balance force below which the region is done [N].
     fn enough(&self, region: &Region, scale: f64) -> f64 {
-        let outside = dot(&self.residual, &self.residual) - region.square(&self.residual);
+        let outside = dot(&self.vectors.residual, &self.vectors.residual)
+            - region.square(&self.vectors.residual);
         (ENOUGH * outside.max(0.0).sqrt()).max(scale * self.step.tolerance.residual)
     }
 
@@ -96,14 +97,14 @@ impl Newton<'_> {
         enough: f64,
     ) -> Result<usize, Rejection> {
         for solves in 0..SOLVES {
-            if region.square(&self.residual).sqrt() <= enough {
+            if region.square(&self.vectors.residual).sqrt() <= enough {
                 return Ok(solves);
             }
             timed(&mut self.clock.assembly, || {
-                system.refill(trial, &mut self.filled, &mut self.values);
+                system.refill(trial, &mut self.matrix.filled, &mut self.matrix.values);
             });
             let direction = timed(&mut self.clock.solve, || {
-                region.direction(&self.values, &self.residual)
+                region.direction(&self.matrix.values, &self.vectors.residual)
             });
             // A region that cannot be solved by itself is left to the global solve.
             let Ok(direction) = direction else {
@@ -113,12 +114,12 @@ impl Newton<'_> {
             let slot = |e: &u32| self.equations.slot_of[*e as usize] as usize;
             let slots: Vec<usize> = region.equations().iter().map(slot).collect();
             let origin: Vec<f64> = slots.iter().map(|&slot| self.q[slot]).collect();
-            LineSearch::new(region.dot(&direction, &self.residual)).run(|eta| {
+            LineSearch::new(region.dot(&direction, &self.vectors.residual)).run(|eta| {
                 for ((&slot, from), d) in slots.iter().zip(&origin).zip(&direction) {
                     self.q[slot] = from + eta * d;
                 }
                 self.evaluate(system, state, trial, along(setting))?;
-                Ok(region.dot(&direction, &self.residual))
+                Ok(region.dot(&direction, &self.vectors.residual))
             })?;
             trial.keep_tractions();
             self.evaluate(system, state, trial, setting)?;

@@ -75,7 +75,7 @@ impl Newton<'_> {
                 work += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
             }
         }
-        let forces = self.residual.iter().zip(&self.left);
+        let forces = self.vectors.residual.iter().zip(&self.vectors.left);
         for ((r, left), &slot) in forces.zip(&self.equations.slot_of) {
             let slot = slot as usize;
             work -= 0.5 * (r + left) * (self.q[slot] - state.q[slot]);
@@ -129,6 +129,6 @@ impl Newton<'_> {
         trial: &Trial,
     ) {
         state.energies.leaked += self.taken(system, state, trial).leak;
-        self.left.copy_from_slice(&self.residual);
+        self.vectors.left.copy_from_slice(&self.vectors.residual);
     }
 }

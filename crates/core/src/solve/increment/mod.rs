@@ -6,6 +6,7 @@ pub(in crate::solve) mod elimination;
 pub(in crate::solve) mod energy_balance;
 pub(in crate::solve) mod external_forces;
 pub(in crate::solve) mod line_search;
+mod linear_system;
 pub(in crate::solve) mod newton;
 pub(in crate::solve) mod outcome;
 pub(in crate::solve) mod path_iterations;

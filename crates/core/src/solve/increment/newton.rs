@@ -10,14 +10,13 @@
 
 pub use super::convergence::IMBALANCE;
 use super::convergence::{Balance, NEGLIGIBLE, WORK, largest, least_scale, root_mean_square};
-use super::direction::Factors;
 use super::energy_balance::pursuit;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
+use super::linear_system::{Loading, TangentMatrix, Vectors};
 use super::outcome::{Attempt, Outcome, Rejection, Report, Solves};
 use super::traction_patterns::Pause;
 use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
-use crate::linear::LinearSolver;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
 use crate::solve::dynamics::integration::Motion;
@@ -35,43 +34,16 @@ use std::time::Instant;
 pub struct Newton<'m> {
     pub(in crate::solve) model: &'m Model,
     pub(in crate::solve) step: &'m Step,
-    pub(in crate::solve) method: Method,
-    pub(in crate::solve) tangent: Tangent,
+    pub(in crate::solve) choice: MethodChoice,
     pub(in crate::solve) equations: Equations,
-    pub(in crate::solve) linear: Option<LinearSolver>,
-    /// The factors at hand, if they belong to a matrix of this increment. Factors of earlier increments are not used,
-    /// so that a resumed run, which knows the state alone, finds the same results.
-    pub(in crate::solve) factors: Option<Factors>,
-    /// [`State::wants_double`] at the start of the increment.
-    pub(in crate::solve) wants_double: bool,
-    pub(in crate::solve) values: Vec<f64>,
-    /// Identifier of the assembly that filled `values`; none if their content is unknown.
-    pub(in crate::solve) filled: Option<u64>,
-    pub(in crate::solve) direction: Vec<f64>,
-    pub(in crate::solve) residual: Vec<f64>,
-    /// Out-of-balance forces at the last commit [N]. `[equation]`
-    pub(in crate::solve) left: Vec<f64>,
-    /// Forces added to −r on the right-hand side of the next solve [N] `[equation]`; empty if there are none.
-    pub(in crate::solve) pull: Vec<f64>,
-    /// −K⁻¹ ∂r/∂λ [mm] `[equation]`, where the load factor is an unknown.
-    pub(in crate::solve) by_load: Vec<f64>,
-    /// λ, the part of the step's loads that acts at the last iterate.
-    pub(in crate::solve) load_factor: f64,
-    /// Part of the step's time at the end of the increment.
-    pub(in crate::solve) moment: f64,
-    /// dλ/ds, the change of λ with the part of the step's time, where λ is prescribed.
-    pub(in crate::solve) slope: f64,
+    pub(in crate::solve) matrix: TangentMatrix,
+    pub(in crate::solve) vectors: Vectors,
+    pub(in crate::solve) loading: Loading,
     pub(in crate::solve) q: Vec<f64>,
     pub(in crate::solve) q_start: Vec<f64>,
     /// Internal forces that the first tangent predicts at the end of the increment, if the increment started from
     /// that tangent [N]. `[slot]`
     pub(in crate::solve) linear_forces: Option<Vec<f64>>,
-    /// Positions of the spring ends at the start of the step [mm]. `[spring][xyz]`
-    pub(in crate::solve) ends_start: Vec<[f64; 3]>,
-    /// Loads at the end of the increment.
-    pub(in crate::solve) loads: Loads,
-    /// Loads at the start of the increment.
-    pub(in crate::solve) loads_start: Loads,
     /// Smallest force by which residuals are scaled [N], see [`least_scale`].
     pub(in crate::solve) least_scale: f64,
     /// State of the time integration, if inertia acts.
@@ -95,34 +67,29 @@ impl<'m> Newton<'m> {
     /// Prepares a step that begins at `state`.
     pub fn new(model: &'m Model, step: &'m Step, system: &System, state: &State) -> Self {
         let equations = Equations::new(&system.dofs, step);
-        let n = equations.len();
         let loads = Loads::new(step, system, state);
         Self {
             model,
             step,
             least_scale: least_scale(step, system, &loads),
-            method: Method::Static,
-            tangent: step.tangent,
+            choice: MethodChoice {
+                method: Method::Static,
+                tangent: step.tangent,
+            },
+            matrix: TangentMatrix::default(),
+            vectors: Vectors::new(equations.len()),
             equations,
-            linear: None,
-            factors: None,
-            wants_double: false,
-            values: Vec::new(),
-            filled: None,
-            direction: vec![0.0; n],
-            residual: vec![0.0; n],
-            left: vec![0.0; n],
-            pull: Vec::new(),
-            by_load: Vec::new(),
-            load_factor: 0.0,
-            moment: 0.0,
-            slope: step.branch(0).slope(),
+            loading: Loading {
+                factor: 0.0,
+                moment: 0.0,
+                slope: step.branch(0).slope(),
+                loads_start: loads.clone(),
+                loads,
+                ends_start: state.spring_ends.clone(),
+            },
             q: state.q.clone(),
             q_start: state.q.clone(),
             linear_forces: None,
-            ends_start: state.spring_ends.clone(),
-            loads_start: loads.clone(),
-            loads,
             motion: None,
             dashpots: None,
             pause: Pause::default(),
@@ -140,11 +107,17 @@ impl<'m> Newton<'m> {
         trial: &mut Trial,
     ) {
         let before = self.backend();
-        (self.method, self.tangent) = (choice.method, choice.tangent);
+        self.choice = choice;
         if self.backend() != before {
-            self.linear = None;
+            self.matrix.solver = None;
         }
-        self.motion = Motion::new(self.step, self.method, system, &self.equations, self.slope);
+        self.motion = Motion::new(
+            self.step,
+            self.choice.method,
+            system,
+            &self.equations,
+            self.loading.slope,
+        );
         if let Some(motion) = &mut self.motion {
             system.search(trial, &state.q);
             motion.begin(system, state, trial);
@@ -153,7 +126,7 @@ impl<'m> Newton<'m> {
 
     /// Changes the rate of the loads and drives. With inertia, driven unknowns jump to their new velocity.
     pub fn turn(&mut self, slope: f64, system: &mut System, state: &mut State, trial: &mut Trial) {
-        self.slope = slope;
+        self.loading.slope = slope;
         if let Some(motion) = &mut self.motion {
             motion.drive_at(self.step, system, slope);
             system.search(trial, &state.q);
@@ -163,7 +136,7 @@ impl<'m> Newton<'m> {
 
     /// The present method.
     pub(in crate::solve) fn method(&self) -> Method {
-        self.method
+        self.choice.method
     }
 
     /// Number of unknowns of this step.
@@ -184,12 +157,12 @@ impl<'m> Newton<'m> {
 
     /// Whether the penalty is shifted.
     fn shifted(&self) -> bool {
-        self.tangent != Tangent::Direct
+        self.choice.tangent != Tangent::Direct
     }
 
     /// Sets loads, prescribed displacements and spring ends to part `s` of their change in the step.
     pub(in crate::solve) fn load_to(&mut self, s: f64, system: &System, trial: &mut Trial) {
-        self.load_factor = s;
+        self.loading.factor = s;
         for (b, motion) in self.step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
                 let slot = system.dofs.beam_slot(b, i);
@@ -201,14 +174,16 @@ impl<'m> Newton<'m> {
             }
         }
         self.drive_springs(trial, s);
-        self.loads.at(self.step, system, s, self.moment);
-        trial.loads.clone_from(&self.loads.values);
+        self.loading
+            .loads
+            .at(self.step, system, s, self.loading.moment);
+        trial.loads.clone_from(&self.loading.loads.values);
     }
 
     /// Treatment of follower pressures in the tangent. Secant tangents omit their stiffness and so stay symmetric and
     /// positive definite; the line search makes up for it.
     pub(in crate::solve) fn turning(&self) -> Turning {
-        if self.tangent == Tangent::Secant {
+        if self.choice.tangent == Tangent::Secant {
             Turning::Ignored
         } else {
             Turning::Exact
@@ -217,7 +192,7 @@ impl<'m> Newton<'m> {
 
     /// Moves the spring ends to part `s` of the step.
     fn drive_springs(&self, trial: &mut Trial, s: f64) {
-        trial.spring_ends.clone_from(&self.ends_start);
+        trial.spring_ends.clone_from(&self.loading.ends_start);
         for (end, by) in trial.spring_ends.iter_mut().zip(&self.step.springs) {
             for i in 0..3 {
                 end[i] += s * by[i];
@@ -251,15 +226,15 @@ impl<'m> Newton<'m> {
         mut solves: Solves,
     ) -> Outcome {
         // Rejected attempts leave nothing behind: a resumed run knows the state alone.
-        self.wants_double = state.wants_double;
-        self.factors = None;
-        if let Some(linear) = &mut self.linear {
-            linear.trust_single(!self.wants_double);
+        self.matrix.wants_double = state.wants_double;
+        self.matrix.factors = None;
+        if let Some(linear) = &mut self.matrix.solver {
+            linear.trust_single(!self.matrix.wants_double);
         }
         let found = self
             .iterate(system, state, trial, attempt, &mut solves)
             .and_then(|mut report| {
-                if self.method == Method::Implex {
+                if self.choice.method == Method::Implex {
                     (report.out_of_balance, report.extrapolation_error) =
                         self.correct(system, state, trial, attempt.increment)?;
                 }
@@ -285,11 +260,11 @@ impl<'m> Newton<'m> {
         } else {
             attempt.increment.size * self.step.duration
         };
-        let solids = if self.method == Method::Implex {
+        let solids = if self.choice.method == Method::Implex {
             // Without a last increment no rate is known, and nothing is extrapolated.
             let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
-        } else if self.tangent == Tangent::Secant {
+        } else if self.choice.tangent == Tangent::Secant {
             Solids::Secant
         } else {
             Solids::Implicit
@@ -308,7 +283,7 @@ impl<'m> Newton<'m> {
             None => self.step.tolerance.max_iterations,
         };
         let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
-        if !setting.shifted || self.method == Method::Implex {
+        if !setting.shifted || self.choice.method == Method::Implex {
             return Ok(report);
         }
         self.settle(system, state, trial, attempt, solves, setting, report)
@@ -349,7 +324,7 @@ impl<'m> Newton<'m> {
             }
             self.evaluate(system, state, trial, setting)?;
             let scale = self.scale(system, state, trial);
-            let balance = Balance::new(&self.residual, scale);
+            let balance = Balance::new(&self.vectors.residual, scale);
             if !balance.largest.is_finite() {
                 return Err(Rejection::NotFinite);
             }
@@ -373,14 +348,15 @@ impl<'m> Newton<'m> {
                     work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
             }
             let ends = settled && balanced && on_path;
-            if ends && (pursued == pursuit(self.method) || self.closes(system, state, trial)) {
+            if ends && (pursued == pursuit(self.choice.method) || self.closes(system, state, trial))
+            {
                 self.prove(system, trial, attempt.increment.ends_step())?;
                 return Ok(Report {
                     iterations: solves.count,
                     residual: balance.largest,
                     out_of_balance: balance.largest,
                     extrapolation_error: 0.0,
-                    load_factor: self.load_factor,
+                    load_factor: self.loading.factor,
                 });
             }
             pursued += usize::from(ends);
@@ -402,7 +378,7 @@ impl<'m> Newton<'m> {
             // Solving a region may balance the whole. In that case all criteria are checked once more from the top.
             let asks = iteration > 0 && on_path && !balanced;
             if asks && self.eliminate(system, state, trial, setting, scale)? && !alone {
-                alone = Balance::new(&self.residual, scale).holds(1.0, tolerance.residual);
+                alone = Balance::new(&self.vectors.residual, scale).holds(1.0, tolerance.residual);
                 if alone {
                     continue;
                 }
@@ -419,7 +395,7 @@ impl<'m> Newton<'m> {
                     let force = self.solve_with_load(system, trial)?;
                     solves.one_more();
                     // The first iterate takes the full prescribed advance.
-                    let searches = on_path && self.method == Method::DisplacementControl;
+                    let searches = on_path && self.choice.method == Method::DisplacementControl;
                     self.follow(
                         system,
                         state,
@@ -449,19 +425,34 @@ impl<'m> Newton<'m> {
         system
             .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
             .map_err(|(element, why)| Rejection::Local { element, why })?;
-        self.loads.follow(system, &trial.x);
-        let loads = &self.loads.total;
-        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+        self.loading.loads.follow(system, &trial.x);
+        let loads = &self.loading.loads.total;
+        for (r, &slot) in self
+            .vectors
+            .residual
+            .iter_mut()
+            .zip(&self.equations.slot_of)
+        {
             *r = trial.force[slot as usize] - loads[slot as usize];
         }
         if let Some(dashpots) = &self.dashpots {
-            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            for (r, &slot) in self
+                .vectors
+                .residual
+                .iter_mut()
+                .zip(&self.equations.slot_of)
+            {
                 *r += dashpots.force(slot as usize, self.q[slot as usize]);
             }
         }
         if let Some(motion) = &mut self.motion {
             motion.update(system, state, trial, &self.q, setting.tangent);
-            for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+            for (r, &slot) in self
+                .vectors
+                .residual
+                .iter_mut()
+                .zip(&self.equations.slot_of)
+            {
                 *r += motion.residual(&system.mass, slot as usize);
             }
         }
@@ -477,7 +468,7 @@ impl<'m> Newton<'m> {
         setting: Evaluation,
     ) -> Result<(), Rejection> {
         let setting = along(setting);
-        let mut search = LineSearch::new(dot(&self.direction, &self.residual));
+        let mut search = LineSearch::new(dot(&self.vectors.direction, &self.vectors.residual));
         if trial.may_meet() || self.flies(system) {
             search = search.to_impact();
         }
@@ -487,12 +478,12 @@ impl<'m> Newton<'m> {
         let slots = self.equations.slot_of.iter();
         let origin: Vec<f64> = slots.map(|&slot| self.q[slot as usize]).collect();
         search.run(|eta| {
-            let from = origin.iter().zip(&self.direction);
+            let from = origin.iter().zip(&self.vectors.direction);
             for ((q, d), &slot) in from.zip(&self.equations.slot_of) {
                 self.q[slot as usize] = q + eta * d;
             }
             self.evaluate(system, state, trial, setting)?;
-            Ok(dot(&self.direction, &self.residual))
+            Ok(dot(&self.vectors.direction, &self.vectors.residual))
         })
     }
 
@@ -518,11 +509,11 @@ impl<'m> Newton<'m> {
             turning: Turning::Ignored,
         };
         let solved = trial.force.clone();
-        let mut left = self.residual.clone();
+        let mut left = self.vectors.residual.clone();
         self.evaluate(system, state, trial, setting)?;
         let scale = self.scale(system, state, trial);
-        let (largest, _) = largest(&self.residual);
-        for (left, r) in left.iter_mut().zip(&self.residual) {
+        let (largest, _) = largest(&self.vectors.residual);
+        for (left, r) in left.iter_mut().zip(&self.vectors.residual) {
             *left -= r;
         }
         // Reactions belong to the equilibrium that was solved.

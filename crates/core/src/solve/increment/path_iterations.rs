@@ -42,7 +42,7 @@ impl Newton<'_> {
             .sum();
         let pull = steered.stiffness * (by - gone);
         let slots = self.equations.slot_of.iter();
-        self.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
+        self.vectors.pull = slots.map(|&slot| pull * gradient[slot as usize]).collect();
     }
 
     /// Solves d₁ = −K⁻¹ r and d₂ = −K⁻¹ ∂r/∂λ. Returns −∂r/∂λ [N]. `[equation]`
@@ -53,15 +53,16 @@ impl Newton<'_> {
     ) -> Result<Vec<f64>, Rejection> {
         let moved = system.multiply(trial, &self.prescribed_rate(system));
         let loads = self
+            .loading
             .loads
-            .rate(self.step, system, self.load_factor, &trial.x);
+            .rate(self.step, system, self.loading.factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
         let force: Vec<f64> = slots
             .map(|slot| loads[slot] - moved[slot] - pull[slot])
             .collect();
         // d₂ of the last iterate, or empty, as a first guess.
-        let before = std::mem::replace(&mut self.by_load, force.clone());
+        let before = std::mem::replace(&mut self.vectors.by_load, force.clone());
         self.solve_both(system, trial, &before)?;
         Ok(force)
     }
@@ -85,8 +86,8 @@ impl Newton<'_> {
         let mut rate = self.prescribed_rate(system);
         let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
         for (e, &slot) in self.equations.slot_of.iter().enumerate() {
-            reached[slot as usize] += self.direction[e];
-            rate[slot as usize] = self.by_load[e];
+            reached[slot as usize] += self.vectors.direction[e];
+            rate[slot as usize] = self.vectors.by_load[e];
         }
         let change = advance
             .load_change(&reached, &rate)
@@ -98,8 +99,8 @@ impl Newton<'_> {
         } else {
             Vec::new()
         };
-        let from = self.load_factor;
-        for (d, by_load) in self.direction.iter_mut().zip(&self.by_load) {
+        let from = self.loading.factor;
+        for (d, by_load) in self.vectors.direction.iter_mut().zip(&self.vectors.by_load) {
             *d += change * by_load;
         }
         let idle = if searches {
@@ -107,19 +108,19 @@ impl Newton<'_> {
         } else {
             Vec::new()
         };
-        let search = LineSearch::new(dot(&idle, &self.residual)).no_further_than(1.0);
+        let search = LineSearch::new(dot(&idle, &self.vectors.residual)).no_further_than(1.0);
         let mut slope = |eta: f64| {
             for (e, &slot) in self.equations.slot_of.iter().enumerate() {
                 let slot = slot as usize;
                 self.q[slot] = if eta == 1.0 {
                     state.q[slot] + reached[slot] + change * rate[slot]
                 } else {
-                    origin[e] + eta * self.direction[e]
+                    origin[e] + eta * self.vectors.direction[e]
                 };
             }
             self.load_to(from + eta * change, system, trial);
             self.evaluate(system, state, trial, along(setting))?;
-            Ok(dot(&idle, &self.residual))
+            Ok(dot(&idle, &self.vectors.residual))
         };
         if searches {
             search.run(slope)
@@ -132,8 +133,8 @@ impl Newton<'_> {
     /// (docs/theory/procedures.md, eq. 7). Along v the slope of the out-of-balance forces does not depend on the
     /// load. With K d₂ = f, v·r = −d·K d + (f·d)²/(f·d₂) ≤ 0 for a positive definite K.
     fn idle(&self, force: &[f64]) -> Vec<f64> {
-        let share = dot(&self.direction, force) / dot(&self.by_load, force);
-        let both = self.direction.iter().zip(&self.by_load);
+        let share = dot(&self.vectors.direction, force) / dot(&self.vectors.by_load, force);
+        let both = self.vectors.direction.iter().zip(&self.vectors.by_load);
         both.map(|(d, by_load)| d - share * by_load).collect()
     }
 }

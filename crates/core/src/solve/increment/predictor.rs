@@ -45,13 +45,13 @@ impl Newton<'_> {
             (_, Some(last)) => start + dt / last.dt * last.load,
             (_, None) => start,
         };
-        self.moment = attempt.increment.end();
+        self.loading.moment = attempt.increment.end();
         let begin = attempt.increment.start;
-        self.loads_start.at(self.step, system, start, begin);
-        self.loads_start.follow(system, &trial.x);
+        self.loading.loads_start.at(self.step, system, start, begin);
+        self.loading.loads_start.follow(system, &trial.x);
         self.load_to(end, system, trial);
         if let Some(motion) = &mut self.motion {
-            motion.start(state, setting.dt, &self.loads_start.total);
+            motion.start(state, setting.dt, &self.loading.loads_start.total);
             trial.inertia = OVER_INERTIA * motion.mass_factor();
         }
         if let (Some(last), true) = (last, setting.shifted) {
@@ -86,7 +86,12 @@ impl Newton<'_> {
         // The forces K_fp Δp of the prescribed displacements are added to the residual.
         let change: Vec<f64> = target.iter().zip(&self.q).map(|(t, q)| t - q).collect();
         let moved = system.multiply(trial, &change);
-        for (r, &slot) in self.residual.iter_mut().zip(&self.equations.slot_of) {
+        for (r, &slot) in self
+            .vectors
+            .residual
+            .iter_mut()
+            .zip(&self.equations.slot_of)
+        {
             *r += moved[slot as usize];
         }
         self.solve(system, trial)?;
@@ -97,7 +102,7 @@ impl Newton<'_> {
             // contact.
             return Ok(());
         }
-        for (d, &slot) in self.direction.iter().zip(&self.equations.slot_of) {
+        for (d, &slot) in self.vectors.direction.iter().zip(&self.equations.slot_of) {
             self.q[slot as usize] += d;
         }
         if self.step.increments.peak < 1.0 {
@@ -105,7 +110,8 @@ impl Newton<'_> {
             self.linear_forces = Some(system.multiply(trial, &way));
         }
         self.anchor(state);
-        let pressed = self.loads.mean > 0.0 || self.loads.values.iter().any(|v| *v != [0.0; 3]);
+        let pressed = self.loading.loads.mean > 0.0
+            || self.loading.loads.values.iter().any(|v| *v != [0.0; 3]);
         if pressed && setting.shifted {
             // Weight, or another load, closes joints that were without pressure. They need the pressure of this
             // start: without it they would have no friction in the next iterate.

@@ -12,7 +12,10 @@ impl Newton<'_> {
         state: &State,
         x: &[[f64; 3]],
     ) -> f64 {
-        let rate = self.loads.rate(self.step, system, self.load_factor, x);
+        let rate = self
+            .loading
+            .loads
+            .rate(self.step, system, self.loading.factor, x);
         let way = self.q.iter().zip(&state.q).map(|(q, s)| q - s);
         rate.iter().zip(way).map(|(rate, way)| rate * way).sum()
     }
@@ -22,7 +25,7 @@ impl Newton<'_> {
     pub fn numerical_dissipation(&self, system: &System, state: &State, trial: &Trial) -> f64 {
         let dq: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
         let scheme = self.motion.as_ref().map_or(0.0, |motion| {
-            motion.dissipations(&system.mass, state, trial, &dq, &self.loads.total)[0]
+            motion.dissipations(&system.mass, state, trial, &dq, &self.loading.loads.total)[0]
         });
         scheme + system.crossing_work(self.model, state, trial)
     }
@@ -39,9 +42,9 @@ impl Newton<'_> {
 
     /// Force on a beam in the increment that ends at `trial` [N].
     pub fn applied(&self, system: &System, trial: &Trial, slot: usize) -> f64 {
-        let given = self.loads.given(slot);
+        let given = self.loading.loads.given(slot);
         match &self.motion {
-            Some(motion) if !motion.is_prescribed(slot) => self.loads.total[slot] - given,
+            Some(motion) if !motion.is_prescribed(slot) => self.loading.loads.total[slot] - given,
             Some(motion) => motion.reaction(&system.mass, slot, trial.force[slot], given),
             None => trial.force[slot] - given,
         }
@@ -57,7 +60,7 @@ impl Newton<'_> {
         dq: &[f64],
     ) -> Account {
         let mut energies = state.energies;
-        energies.external += self.loads.work(&self.loads_start, dq);
+        energies.external += self.loading.loads.work(&self.loading.loads_start, dq);
         energies.numerical += system.crossing_work(self.model, state, trial)
             + system.turning_work(self.model, state, trial);
         let mut applied = state.applied.clone();
@@ -75,7 +78,7 @@ impl Newton<'_> {
         }
         let mut dashpots = None;
         if let Some(motion) = &self.motion {
-            let loads = &self.loads.total;
+            let loads = &self.loading.loads.total;
             let [numerical, damping] = motion.dissipations(&system.mass, state, trial, dq, loads);
             energies.numerical += numerical;
             energies.damping += damping;
@@ -104,7 +107,7 @@ impl Newton<'_> {
     /// velocities.
     pub(in crate::solve) fn enter(&self, account: Account, state: &mut State, trial: &Trial) {
         state.energies = account.energies;
-        state.loads.clone_from(&self.loads.values);
+        state.loads.clone_from(&self.loading.loads.values);
         state.applied = account.applied;
         state.spring_forces = account.spring_forces;
         state.spring_ends.clone_from(&trial.spring_ends);

@@ -151,9 +151,9 @@ impl Checkpoint {
 
     /// Whether `model` has nothing left to solve.
     pub fn is_the_end_of(&self, model: &Model) -> bool {
-        let (step_run, last) = (&self.step_run, model.steps.last());
-        let stopped = last.is_some_and(|step| step_run.is_stopped_in(step));
-        step_run.index + 1 == model.steps.len() && (stopped || step_run.schedule.next().is_none())
+        let (mark, last) = (&self.step_run, model.steps.last());
+        let stopped = last.is_some_and(|step| mark.is_stopped_in(step));
+        mark.index + 1 == model.steps.len() && (stopped || mark.schedule.next().is_none())
     }
 
     /// Reduction that was solved instead of `model`; none if the run solved the whole.
@@ -187,13 +187,13 @@ impl Checkpoint {
         if self.step_run.index + 1 != model.steps.len() {
             return;
         }
-        let step_run = &mut self.step_run;
-        step_run.load *= part;
-        step_run.beyond = step_run.beyond.map(|load| part * load);
-        step_run.schedule.lengthen(part);
-        step_run.fallback.lengthen(part);
-        step_run.path_measure.lengthen(part);
-        step_run.peak.lengthen(part);
+        let mark = &mut self.step_run;
+        mark.load *= part;
+        mark.beyond = mark.beyond.map(|load| part * load);
+        mark.schedule.lengthen(part);
+        mark.fallback.lengthen(part);
+        mark.path_measure.lengthen(part);
+        mark.peak.lengthen(part);
         if let Some(last) = &mut self.state.last {
             last.load *= part;
         }
@@ -226,14 +226,14 @@ impl<'m> Run<'m> {
                 carried: step_run.newton.carried(),
                 schedule: step_run.schedule.clone(),
                 fallback: step_run.fallback.clone(),
-                path_measure: step_run.path_measure.clone(),
-                row: step_run.row,
+                path_measure: step_run.path.measure.clone(),
+                row: step_run.branch.index,
                 load: step_run.load,
-                beyond: step_run.beyond,
+                beyond: step_run.snap.beyond,
                 watch: step_run.watch.clone(),
                 peak: step_run.peak,
-                relaxations: step_run.relaxations,
-                damage_rate: step_run.damage_rate,
+                relaxations: step_run.snap.relaxations,
+                damage_rate: step_run.snap.damage_rate,
                 stopped: step_run.stopped,
             },
             summary: self.summary.clone(),
@@ -298,15 +298,15 @@ impl<'m> Run<'m> {
         let mut step_run = StepRun::new(newton, fallback, mark.index, step);
         step_run.steer(model, &run.system);
         step_run.schedule = mark.schedule.within(step.increments);
-        let Some(path_measure) = mark.path_measure.of_step(&step_run.path_measure, slots) else {
+        let Some(path_measure) = mark.path_measure.of_step(&step_run.path.measure, slots) else {
             return unfit("the path is measured by other sizes");
         };
-        step_run.path_measure = path_measure;
-        (step_run.load, step_run.beyond) = (mark.load, mark.beyond);
-        (step_run.row, step_run.branch) = (mark.row, branch);
+        step_run.path.measure = path_measure;
+        (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
+        (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
         step_run.peak = mark.peak;
-        step_run.relaxations = mark.relaxations;
-        step_run.damage_rate = mark.damage_rate;
+        step_run.snap.relaxations = mark.relaxations;
+        step_run.snap.damage_rate = mark.damage_rate;
         step_run.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
         match (&mut step_run.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

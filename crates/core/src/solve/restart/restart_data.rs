@@ -36,9 +36,9 @@ impl Newton<'_> {
     pub fn starts(&self) -> StepStart {
         StepStart {
             q: self.q_start.clone(),
-            spring_ends: self.ends_start.clone(),
-            applied: self.loads.applied_start.clone(),
-            loads: self.loads.values_start.clone(),
+            spring_ends: self.loading.ends_start.clone(),
+            applied: self.loading.loads.applied_start.clone(),
+            loads: self.loading.loads.values_start.clone(),
         }
     }
 
@@ -46,41 +46,41 @@ impl Newton<'_> {
     pub fn begin_from(&mut self, starts: StepStart) -> bool {
         let sizes = [starts.q.len(), starts.applied.len()];
         let fits = sizes == [self.q.len(); 2]
-            && starts.spring_ends.len() == self.ends_start.len()
-            && starts.loads.len() == self.loads.values.len();
+            && starts.spring_ends.len() == self.loading.ends_start.len()
+            && starts.loads.len() == self.loading.loads.values.len();
         if !fits {
             return false;
         }
-        (self.q_start, self.ends_start) = (starts.q, starts.spring_ends);
-        self.loads.applied_start.clone_from(&starts.applied);
-        self.loads_start.applied_start = starts.applied;
-        self.loads.values_start.clone_from(&starts.loads);
-        self.loads_start.values_start = starts.loads;
+        (self.q_start, self.loading.ends_start) = (starts.q, starts.spring_ends);
+        self.loading.loads.applied_start.clone_from(&starts.applied);
+        self.loading.loads_start.applied_start = starts.applied;
+        self.loading.loads.values_start.clone_from(&starts.loads);
+        self.loading.loads_start.values_start = starts.loads;
         true
     }
 
     /// Data of the last commit that the next increments need.
     pub fn carried(&self) -> CarriedOver {
         CarriedOver {
-            left: self.left.clone(),
+            left: self.vectors.left.clone(),
             pause: self.pause,
         }
     }
 
     /// Takes over the data of the last commit; false if they belong to another model.
     pub fn carry_on(&mut self, carried: CarriedOver) -> bool {
-        if carried.left.len() != self.left.len() {
+        if carried.left.len() != self.vectors.left.len() {
             return false;
         }
-        (self.left, self.pause) = (carried.left, carried.pause);
+        (self.vectors.left, self.pause) = (carried.left, carried.pause);
         true
     }
 
     /// Continues with the method, tangents and rate that led to `state`.
     pub fn rejoin(&mut self, choice: MethodChoice, slope: f64, system: &System, state: &State) {
-        (self.method, self.tangent) = (choice.method, choice.tangent);
-        self.slope = slope;
-        self.motion = Motion::new(self.step, self.method, system, &self.equations, slope);
+        self.choice = choice;
+        self.loading.slope = slope;
+        self.motion = Motion::new(self.step, choice.method, system, &self.equations, slope);
         if let Some(motion) = &mut self.motion {
             motion.rejoin(state);
         }

@@ -184,7 +184,7 @@ impl Run<'_> {
             let work = || system.work_between(self.model, &self.state, trial, dt);
             step_run
                 .peak
-                .hides(&passage, part, &mut step_run.tried, work)
+                .hides(&passage, part, &mut step_run.attempts.tried, work)
         });
         size.filter(|size| *size >= step_run.step.increments.min)
     }
@@ -196,7 +196,7 @@ impl Run<'_> {
             return false;
         }
         let secant = (end - start).abs() / size;
-        let before = step_run.tried.replace(secant);
+        let before = step_run.attempts.tried.replace(secant);
         before.is_none_or(|before| secant > STIFFER * before)
     }
 
@@ -220,7 +220,7 @@ impl Run<'_> {
         report: Report,
     ) -> Option<Passage> {
         let size = request.increment.size;
-        let passage = if step_run.control.is_some() {
+        let passage = if step_run.path.control.is_some() {
             let work = step_run
                 .newton
                 .work_of_loads(&self.system, &self.state, &self.trial.x);
@@ -281,7 +281,7 @@ impl Run<'_> {
     fn is_leap(&self, step_run: &StepRun) -> bool {
         let (q, last) = (step_run.newton.q(), &self.state.q);
         let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
-        step_run.path_measure.is_left_by(&dq)
+        step_run.path.measure.is_left_by(&dq)
     }
 }
 

@@ -49,21 +49,21 @@ impl Run<'_> {
     ) -> bool {
         let on_path = request.method.follows_path();
         let method = step_run.fallback.method();
-        if method.follows_path() && step_run.path_measure.leads(method) && !on_path {
+        if method.follows_path() && step_run.path.measure.leads(method) && !on_path {
             // The rest of the step was tried in one increment; the path continues instead.
-            step_run.end_rejected = true;
+            step_run.path.end_rejected = true;
             return true;
         }
         let spent = if on_path {
-            !step_run.path_measure.cut(CUT)
+            !step_run.path.measure.cut(CUT)
         } else {
             false
         };
         let size = request.increment.size;
         if *rejection == Rejection::Snap {
-            step_run.beyond = Some(request.increment.end());
+            step_run.snap.beyond = Some(request.increment.end());
         }
-        if step_run.fallback.is_last() && step_run.beyond.take().is_some() {
+        if step_run.fallback.is_last() && step_run.snap.beyond.take().is_some() {
             // The jump beyond the snap fails too: use the largest increments.
             step_run.schedule.resume(step_run.step.increments.max);
             return true;
@@ -95,9 +95,9 @@ impl Run<'_> {
                         .take_next(rejection, step_run.sense() * step_run.load);
                     let next = step_run.fallback.method();
                     // Constant loads have no path.
-                    let stays = step_run.branch.slope() == 0.0;
+                    let stays = step_run.branch.of.slope() == 0.0;
                     if !next.follows_path()
-                        || (!stays && step_run.path_measure.leads(next))
+                        || (!stays && step_run.path.measure.leads(next))
                         || (!stays && self.guess(step_run, next, size))
                     {
                         break;
@@ -120,18 +120,18 @@ impl Run<'_> {
                     // No method follows the path: jump over it, to the equilibrium found beyond or else by the
                     // largest increment.
                     Method::Static if step_run.fallback.is_last() => {
-                        let beyond = step_run.beyond.map(|at| at - step_run.schedule.done());
+                        let beyond = step_run.snap.beyond.map(|at| at - step_run.schedule.done());
                         let jump = beyond.unwrap_or(step_run.step.increments.max);
                         step_run.schedule.resume(jump);
                     }
-                    method if method.follows_path() => step_run.path_measure.mend(),
+                    method if method.follows_path() => step_run.path.measure.mend(),
                     _ => {}
                 }
                 self.note(step_run, &why, recorder);
                 true
             }
             Answer::GiveUp => {
-                self.summary.iterations += step_run.solves;
+                self.summary.iterations += step_run.attempts.solves;
                 self.tally(&step_run.newton);
                 self.summary.status = Status::NotConverged;
                 let done = match step_run.step.amplitude {
@@ -163,13 +163,14 @@ impl Run<'_> {
         let dq: Vec<f64> = q.iter().zip(&self.state.q).map(|(q, s)| q - s).collect();
         let (system, trial) = (&self.system, &self.trial);
         step_run
-            .path_measure
+            .path
+            .measure
             .learn(method, system, trial, &dq, (size, 0.0), GUESS)
     }
 
     /// Counts a rejected or repeated increment.
     pub(in crate::solve) fn cut_back(&mut self, step_run: &mut StepRun) {
-        step_run.cutbacks += 1;
+        step_run.attempts.cutbacks += 1;
         step_run.repeat = false;
         self.summary.cutbacks += 1;
     }

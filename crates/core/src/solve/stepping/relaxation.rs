@@ -162,20 +162,20 @@ impl Run<'_> {
         let (mut factor, mut loads, mut slowly) = (FIRST, true, 0_usize);
         let mut last_force = f64::INFINITY;
         for _ in 0..MOST {
-            let (before, time, index) = (step_run.solves, self.state.time, step_run.index);
+            let (before, time, index) = (step_run.attempts.solves, self.state.time, step_run.index);
             let mut tell = |count| recorder.progress(index, time, before + count);
             let newton = &mut step_run.newton;
             if let Some(dashpots) = &mut newton.dashpots {
                 (dashpots.factor, dashpots.loads) = (factor, loads);
             }
             let load_end = if loads {
-                step_run.branch.factor(request.increment.end())
+                step_run.branch.of.factor(request.increment.end())
             } else {
                 step_run.load
             };
             let part = if loads { step_run.part(&request) } else { 0.0 };
             let steers = step_run.step.procedure == Procedure::DisplacementControl;
-            let control = step_run.control.as_ref().filter(|_| steers);
+            let control = step_run.path.control.as_ref().filter(|_| steers);
             let attempt = Attempt {
                 increment: request.increment,
                 load: step_run.load,
@@ -193,7 +193,7 @@ impl Run<'_> {
             let report = match outcome {
                 Outcome::Converged(report) => report,
                 Outcome::Rejected(_, spent) => {
-                    step_run.solves += spent;
+                    step_run.attempts.solves += spent;
                     factor *= STIFFER;
                     slowly = CAUTIOUS;
                     if factor > STIFFEST {
@@ -210,7 +210,7 @@ impl Run<'_> {
             if balance.holds(AT_REST, step_run.step.tolerance.residual) {
                 return Some((request, report));
             }
-            step_run.solves += report.iterations;
+            step_run.attempts.solves += report.iterations;
             let added = report.load_factor - step_run.load;
             self.commit(
                 &mut step_run.newton,

@@ -175,7 +175,7 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
         while let Some(request) = step_run.next() {
-            let (before, time) = (step_run.solves, self.state.time);
+            let (before, time) = (step_run.attempts.solves, self.state.time);
             let index = step_run.index;
             let part = step_run.part(&request);
             let mut tell = |count| recorder.progress(index, time, before + count);
@@ -186,11 +186,11 @@ impl<'m> Run<'m> {
                 Attempt {
                     increment: request.increment,
                     load: step_run.load,
-                    load_end: step_run.branch.factor(request.increment.end()),
+                    load_end: step_run.branch.of.factor(request.increment.end()),
                     repeat: step_run.repeat,
                     advance: request.advance(
-                        &step_run.path_measure,
-                        step_run.control.as_ref(),
+                        &step_run.path.measure,
+                        step_run.path.control.as_ref(),
                         part,
                     ),
                 },
@@ -201,20 +201,20 @@ impl<'m> Run<'m> {
                     if self.try_as_shock(&mut step_run, request)
                         || self.repeat_for_peak(&mut step_run, request, report) =>
                 {
-                    step_run.solves += report.iterations;
+                    step_run.attempts.solves += report.iterations;
                     self.cut_back(&mut step_run);
                     true
                 }
                 Outcome::Converged(report) => match self.jump(&step_run, request) {
                     None => self.accept(&mut step_run, request, report, recorder)?,
                     Some(rejection) => {
-                        step_run.solves += report.iterations;
+                        step_run.attempts.solves += report.iterations;
                         self.cut_back(&mut step_run);
                         self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
                     }
                 },
                 Outcome::Rejected(rejection, spent) => {
-                    step_run.solves += spent;
+                    step_run.attempts.solves += spent;
                     self.cut_back(&mut step_run);
                     self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
                 }
@@ -284,7 +284,7 @@ impl<'m> Run<'m> {
         report: Report,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        let solves = step_run.solves + report.iterations;
+        let solves = step_run.attempts.solves + report.iterations;
         let size = request.increment.size;
         let added = report.load_factor - step_run.load;
         let before = self.state.energies;
@@ -293,7 +293,7 @@ impl<'m> Run<'m> {
         }
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
-        let (index, cuts) = (step_run.index, step_run.cutbacks);
+        let (index, cuts) = (step_run.index, step_run.attempts.cutbacks);
         let row = self.row(
             index,
             request.method,
@@ -315,7 +315,9 @@ impl<'m> Run<'m> {
         let collapsed = self.collapses(step_run, request.method, before.kinetic);
         let growth = growth(request, report, step_run.fallback.floor());
         if request.method.follows_path() {
-            step_run.schedule.reach(step_run.branch.time(step_run.load));
+            step_run
+                .schedule
+                .reach(step_run.branch.of.time(step_run.load));
         } else if request.method == Method::QuasiStatic
             && step_run.step.procedure == Procedure::Auto
         {
@@ -327,15 +329,15 @@ impl<'m> Run<'m> {
             step_run.schedule.accept(request.increment, growth);
         }
         self.free_damage(step_run);
-        step_run.relaxations = if request.method == Method::Relaxation {
-            step_run.relaxations + 1
+        step_run.snap.relaxations = if request.method == Method::Relaxation {
+            step_run.snap.relaxations + 1
         } else {
             0
         };
-        if let Some(size) = step_run.resumes_at.take() {
+        if let Some(size) = step_run.snap.resumes_at.take() {
             // Motion in pseudo-time does not predict the next increment.
             step_run.schedule.resume(size);
-            step_run.path_measure.forget();
+            step_run.path.measure.forget();
             step_run.peak.forget();
             self.state.last = None;
         } else if let Some(measure) = step_run.measured_by() {
@@ -344,10 +346,11 @@ impl<'m> Run<'m> {
             let (system, trial) = (&self.system, &self.trial);
             if !dissipates
                 || !step_run
-                    .path_measure
+                    .path
+                    .measure
                     .learn(measure, system, trial, &dq, (size, added), growth)
             {
-                step_run.path_measure.forget();
+                step_run.path.measure.forget();
             }
         }
         let seen = self.watched(step_run.index);
@@ -369,13 +372,18 @@ impl<'m> Run<'m> {
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        (step_run.cutbacks, step_run.solves) = (0, 0);
-        (step_run.rejections, step_run.relaxes_below) = (0, f64::INFINITY);
-        (step_run.repeat, step_run.end_rejected, step_run.tried) = (true, false, None);
+        (step_run.attempts.cutbacks, step_run.attempts.solves) = (0, 0);
+        (step_run.attempts.rejections, step_run.snap.relaxes_below) = (0, f64::INFINITY);
+        (
+            step_run.repeat,
+            step_run.path.end_rejected,
+            step_run.attempts.tried,
+        ) = (true, false, None);
         let done = step_run.schedule.done();
-        if request.method == Method::Static || step_run.beyond.is_some_and(|beyond| beyond <= done)
+        if request.method == Method::Static
+            || step_run.snap.beyond.is_some_and(|beyond| beyond <= done)
         {
-            step_run.beyond = None;
+            step_run.snap.beyond = None;
         }
         let sense = step_run.sense();
         let forth = (sense * added, sense * step_run.load);
@@ -390,7 +398,7 @@ impl<'m> Run<'m> {
             }
             if request.method.follows_path() {
                 // Increments along the path may be of another size than those of the load.
-                let pace = forth.0 / step_run.branch.slope().abs();
+                let pace = forth.0 / step_run.branch.of.slope().abs();
                 step_run
                     .schedule
                     .resume(pace.max(step_run.fallback.floor()));
@@ -421,12 +429,12 @@ impl<'m> Run<'m> {
 
     /// Continues along the next branch of the amplitude.
     fn turn(&mut self, step_run: &mut StepRun<'m>) {
-        let before = step_run.branch.slope();
+        let before = step_run.branch.of.slope();
         self.state.moved = None;
-        step_run.row += 1;
-        step_run.branch = step_run.step.branch(step_run.row);
-        step_run.schedule.turn(step_run.branch);
-        let slope = step_run.branch.slope();
+        step_run.branch.index += 1;
+        step_run.branch.of = step_run.step.branch(step_run.branch.index);
+        step_run.schedule.turn(step_run.branch.of);
+        let slope = step_run.branch.of.slope();
         step_run
             .newton
             .turn(slope, &mut self.system, &mut self.state, &mut self.trial);
@@ -439,11 +447,11 @@ impl<'m> Run<'m> {
         }
         // Where loads reverse, the last increment does not predict the next.
         self.state.last = None;
-        step_run.path_measure.forget();
+        step_run.path.measure.forget();
         step_run.peak.forget();
         step_run.see(self.watched(step_run.index)[1]);
         step_run.schedule.begin_small();
-        step_run.beyond = None;
+        step_run.snap.beyond = None;
         if step_run.fallback.turn() {
             self.adopt(step_run);
         }

@@ -24,16 +24,16 @@ fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejectio
     let size = request.increment.size;
     let stuck = match rejection {
         // The path of a clear snap-back is followed where that is possible.
-        Rejection::Snap => step_run.relaxations == 0 && !step_run.fallback.prefers_paths(),
+        Rejection::Snap => step_run.snap.relaxations == 0 && !step_run.fallback.prefers_paths(),
         Rejection::Linear { .. } => false,
         // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
         // as many solves.
         _ => {
-            step_run.relaxations == 0
-                && (step_run.rejections > 1 || step_run.fallback.is_small(size))
+            step_run.snap.relaxations == 0
+                && (step_run.attempts.rejections > 1 || step_run.fallback.is_small(size))
         }
     };
-    applies && stuck && size < step_run.relaxes_below
+    applies && stuck && size < step_run.snap.relaxes_below
 }
 
 /// Size over that of a failed relaxation, below which another one is tried.
@@ -48,7 +48,7 @@ impl<'m> Run<'m> {
         rejection: &Rejection,
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        step_run.rejections += 1;
+        step_run.attempts.rejections += 1;
         self.check_custom_laws()?;
         let size = request.increment.size;
         let unsolved = !matches!(rejection, Rejection::Snap | Rejection::Linear { .. });
@@ -58,7 +58,7 @@ impl<'m> Run<'m> {
         if may_relax(step_run, request, rejection) {
             match self.relax(step_run, request, recorder) {
                 Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
-                None => step_run.relaxes_below = RELAX_AGAIN * size,
+                None => step_run.snap.relaxes_below = RELAX_AGAIN * size,
             }
         }
         Ok(self.reject(step_run, request, rejection, recorder))
@@ -68,14 +68,14 @@ impl<'m> Run<'m> {
     pub(super) fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
         let step = step_run.step;
         if step.viscosity == 0.0 {
-            step_run.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
-            self.system.bulk.stabilise(0.0, step_run.damage_rate);
+            step_run.snap.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
+            self.system.bulk.stabilise(0.0, step_run.snap.damage_rate);
         }
     }
 
     /// Removes the bound on the rate of damage when no damage lags behind any more.
     pub(super) fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
-        if step_run.damage_rate.is_infinite() {
+        if step_run.snap.damage_rate.is_infinite() {
             return;
         }
         let points = self.state.material.iter();
@@ -83,7 +83,7 @@ impl<'m> Run<'m> {
             .map(|h| h.damage - h.viscous_damage)
             .fold(0.0, f64::max);
         if lag <= SETTLED {
-            step_run.damage_rate = f64::INFINITY;
+            step_run.snap.damage_rate = f64::INFINITY;
             self.system
                 .bulk
                 .stabilise(step_run.step.viscosity, f64::INFINITY);
@@ -98,7 +98,7 @@ impl<'m> Run<'m> {
         (last, report): (IncrementRequest, Report),
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
-        step_run.resumes_at = Some(GROW * request.increment.size);
+        step_run.snap.resumes_at = Some(GROW * request.increment.size);
         let go_on = self.accept(step_run, last, report, recorder)?;
         step_run.newton.dashpots = None;
         Ok(go_on)

@@ -21,32 +21,55 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) newton: Newton<'m>,
     pub(in crate::solve) schedule: Schedule,
     pub(in crate::solve) fallback: Fallback,
-    pub(in crate::solve) path_measure: PathMeasure,
-    pub(in crate::solve) control: Option<Steering>,
-    /// Index of the branch of the amplitude, and the branch.
-    pub(in crate::solve) row: usize,
-    pub(in crate::solve) branch: Branch,
+    pub(in crate::solve) path: PathRun,
+    pub(in crate::solve) branch: BranchRun,
     /// Part of the step's loads that acts now.
     pub(in crate::solve) load: f64,
-    /// Linear solves and rejected attempts since the last commit.
-    pub(in crate::solve) solves: usize,
-    pub(in crate::solve) cutbacks: usize,
+    pub(in crate::solve) attempts: Attempts,
     /// Whether the next increment starts by repeating the last one.
     pub(in crate::solve) repeat: bool,
-    /// Whether the rest of the step was tried in one static increment and rejected; the path then continues.
-    pub(in crate::solve) end_rejected: bool,
     /// Conditions that end the step early, if it drives or loads.
     pub(in crate::solve) watch: Option<Watch>,
     /// Whether the step ended early.
     pub(in crate::solve) stopped: bool,
     /// Watches for peaks between the increments.
     pub(in crate::solve) peak: PeakWatch,
+    pub(in crate::solve) snap: SnapRun,
+}
+
+/// Path that a step follows where its loads are not prescribed.
+pub(in crate::solve) struct PathRun {
+    pub(in crate::solve) measure: PathMeasure,
+    /// Displacement that steers the load, if the step has one.
+    pub(in crate::solve) control: Option<Steering>,
+    /// Whether the rest of the step was tried in one static increment and rejected; the path then continues.
+    pub(in crate::solve) end_rejected: bool,
+}
+
+/// Present branch of the amplitude.
+pub(in crate::solve) struct BranchRun {
+    /// Index among the branches of the step.
+    pub(in crate::solve) index: usize,
+    pub(in crate::solve) of: Branch,
+}
+
+/// Attempts since the last commit.
+#[derive(Default)]
+pub(in crate::solve) struct Attempts {
+    /// Linear solves.
+    pub(in crate::solve) solves: usize,
+    /// Rejected attempts that the history reports.
+    pub(in crate::solve) cutbacks: usize,
+    /// Rejections of all kinds.
+    pub(in crate::solve) rejections: usize,
     /// Largest rise of the force per part of the step among the attempts at the present increment.
     pub(in crate::solve) tried: Option<f64>,
+}
+
+/// Treatment of a snap in progress.
+pub(in crate::solve) struct SnapRun {
     /// Part of the step at which a static increment found equilibrium beyond a snap.
     pub(in crate::solve) beyond: Option<f64>,
-    /// Rejections since the last commit.
-    pub(in crate::solve) rejections: usize,
     /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
     pub(in crate::solve) damage_rate: f64,
     /// Number of relaxations in a row.
@@ -113,28 +136,31 @@ impl<'m> StepRun<'m> {
             newton,
             schedule: Schedule::new(step.increments, step.branch(0).to[0]),
             fallback,
-            path_measure: PathMeasure::new(
-                step.increments.max * step.steepest() * longest_drive(step),
-                step.increments.max,
-            ),
-            control: None,
-            row: 0,
-            branch: step.branch(0),
+            path: PathRun {
+                measure: PathMeasure::new(
+                    step.increments.max * step.steepest() * longest_drive(step),
+                    step.increments.max,
+                ),
+                control: None,
+                end_rejected: false,
+            },
+            branch: BranchRun {
+                index: 0,
+                of: step.branch(0),
+            },
             load: 0.0,
-            solves: 0,
-            cutbacks: 0,
+            attempts: Attempts::default(),
             repeat: true,
-            end_rejected: false,
             watch: None,
-            peak: PeakWatch::default(),
-            tried: None,
             stopped: false,
-            beyond: None,
-            rejections: 0,
-            damage_rate: f64::INFINITY,
-            relaxations: 0,
-            resumes_at: None,
-            relaxes_below: f64::INFINITY,
+            peak: PeakWatch::default(),
+            snap: SnapRun {
+                beyond: None,
+                damage_rate: f64::INFINITY,
+                relaxations: 0,
+                resumes_at: None,
+                relaxes_below: f64::INFINITY,
+            },
         }
     }
 
@@ -152,7 +178,7 @@ impl<'m> StepRun<'m> {
         }
         let mut gradient = vec![0.0; system.dofs.slots];
         system.dofs.collect(&nodal, &mut gradient);
-        self.control = Some(Steering {
+        self.path.control = Some(Steering {
             gradient,
             way: control.displacement,
         });
@@ -163,14 +189,14 @@ impl<'m> StepRun<'m> {
         let (start, size) = (request.increment.start, request.increment.size);
         match self.step.amplitude {
             None => size,
-            Some(_) => self.branch.factor(start + size) - self.branch.factor(start),
+            Some(_) => self.branch.of.factor(start + size) - self.branch.of.factor(start),
         }
     }
 
     /// Records a point of the curve for peak control: the load factor where a displacement steers it, else the
     /// `force` of the drive. Steps that neither drive nor steer record nothing.
     pub(in crate::solve) fn see(&mut self, force: f64) {
-        let force = match (&self.control, drives(self.step)) {
+        let force = match (&self.path.control, drives(self.step)) {
             (Some(_), _) => self.load,
             (None, true) => force,
             (None, false) => return,
@@ -193,7 +219,7 @@ impl<'m> StepRun<'m> {
 
     /// 1 where loads and drives grow, −1 where they decrease.
     pub(in crate::solve) fn sense(&self) -> f64 {
-        self.branch.slope().signum()
+        self.branch.of.slope().signum()
     }
 
     /// Whether the last increment reached the end of its branch of the amplitude.
@@ -203,7 +229,7 @@ impl<'m> StepRun<'m> {
 
     /// Whether the step is complete.
     pub(in crate::solve) fn is_whole(&self) -> bool {
-        self.is_at_row() && self.row + 1 == self.step.branches()
+        self.is_at_row() && self.branch.index + 1 == self.step.branches()
     }
 
     /// Progress of the step, in words.
@@ -225,17 +251,20 @@ impl<'m> StepRun<'m> {
         if !method.follows_path() {
             return Some(IncrementRequest { method, increment });
         }
-        if !self.path_measure.leads(method) {
+        if !self.path.measure.leads(method) {
             return Some(IncrementRequest {
                 method: Method::Static,
                 increment,
             });
         }
-        let start = self.branch.time(self.load);
-        let (size, adds) = self.path_measure.next();
-        let (sense, [end, most]) = (self.sense(), self.branch.to);
+        let start = self.branch.of.time(self.load);
+        let (size, adds) = self.path.measure.next();
+        let (sense, [end, most]) = (self.sense(), self.branch.of.to);
         // If the path would pass the end of the step or branch, prescribe the loads there, so that it ends exactly.
-        if sense * adds > 0.0 && sense * (self.load + adds) >= sense * most && !self.end_rejected {
+        if sense * adds > 0.0
+            && sense * (self.load + adds) >= sense * most
+            && !self.path.end_rejected
+        {
             return Some(IncrementRequest {
                 method: Method::Static,
                 increment: Increment {
