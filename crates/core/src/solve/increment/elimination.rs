@@ -13,11 +13,10 @@
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along, timed};
-use super::outcome::Rejection;
-use crate::assembly::{Evaluation, Solids, System, Trial};
+use super::outcome::{Problem, Rejection};
+use crate::assembly::{Evaluation, Solids, System};
 use crate::linear::Region;
 use crate::model::scene::Fidelity;
-use crate::state::State;
 
 /// Part of the sum of squared out-of-balance forces that must act at few nodes.
 const SHARE: f64 = 0.8;
@@ -41,21 +40,19 @@ impl Newton<'_> {
     /// A local failure of a law.
     pub(in crate::solve) fn eliminate(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
+        at: &mut Problem<'_>,
         setting: Evaluation,
         scale: f64,
     ) -> Result<bool, Rejection> {
-        let Some(region) = self.region(system, setting) else {
+        let Some(region) = self.region(at.system, setting) else {
             return Ok(false);
         };
         let equations = region.equations().iter();
         let slots = equations.map(|&e| self.equations.slot_of[e as usize]);
-        system.watch(trial, slots);
+        at.system.watch(at.trial, slots);
         let enough = self.enough(&region, scale);
-        let solves = self.balance(system, state, trial, setting, region, enough);
-        trial.awake = None;
+        let solves = self.balance(at, setting, region, enough);
+        at.trial.awake = None;
         solves.map(|solves| solves > 0)
     }
 
@@ -89,9 +86,7 @@ impl Newton<'_> {
     /// Solves the region until its out-of-balance force is at most `enough` [N]. Returns the number of solves.
     fn balance(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
+        at: &mut Problem<'_>,
         setting: Evaluation,
         mut region: Region,
         enough: f64,
@@ -101,7 +96,8 @@ impl Newton<'_> {
                 return Ok(solves);
             }
             timed(&mut self.clock.assembly, || {
-                system.refill(trial, &mut self.matrix.filled, &mut self.matrix.values);
+                at.system
+                    .refill(at.trial, &mut self.matrix.filled, &mut self.matrix.values);
             });
             let direction = timed(&mut self.clock.solve, || {
                 region.direction(&self.matrix.values, &self.vectors.residual)
@@ -118,11 +114,11 @@ impl Newton<'_> {
                 for ((&slot, from), d) in slots.iter().zip(&origin).zip(&direction) {
                     self.q[slot] = from + eta * d;
                 }
-                self.evaluate(system, state, trial, along(setting))?;
+                self.evaluate(at, along(setting))?;
                 Ok(region.dot(&direction, &self.vectors.residual))
             })?;
-            trial.keep_tractions();
-            self.evaluate(system, state, trial, setting)?;
+            at.trial.keep_tractions();
+            self.evaluate(at, setting)?;
         }
         Ok(SOLVES)
     }

@@ -14,7 +14,7 @@ use super::energy_balance::pursuit;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
 use super::linear_system::{Loading, TangentMatrix, Vectors};
-use super::outcome::{Attempt, Outcome, Rejection, Report, Solves};
+use super::outcome::{Outcome, Problem, Rejection, Report};
 use super::traction_patterns::Pause;
 use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use crate::model::Model;
@@ -217,52 +217,36 @@ impl<'m> Newton<'m> {
     }
 
     /// Seeks equilibrium at the end of an increment and reports each linear solve.
-    pub fn converge(
-        &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        attempt: Attempt,
-        mut solves: Solves,
-    ) -> Outcome {
+    pub fn converge(&mut self, at: &mut Problem<'_>) -> Outcome {
         // Rejected attempts leave nothing behind: a resumed run knows the state alone.
-        self.matrix.wants_double = state.wants_double;
+        self.matrix.wants_double = at.state.wants_double;
         self.matrix.factors = None;
         if let Some(linear) = &mut self.matrix.solver {
             linear.trust_single(!self.matrix.wants_double);
         }
-        let found = self
-            .iterate(system, state, trial, attempt, &mut solves)
-            .and_then(|mut report| {
-                if self.choice.method == Method::Implex {
-                    (report.out_of_balance, report.extrapolation_error) =
-                        self.correct(system, state, trial, attempt.increment)?;
-                }
-                Ok(report)
-            });
+        let found = self.iterate(at).and_then(|mut report| {
+            if self.choice.method == Method::Implex {
+                (report.out_of_balance, report.extrapolation_error) =
+                    self.correct(at, at.attempt.increment)?;
+            }
+            Ok(report)
+        });
         match found {
             Ok(report) => Outcome::Converged(report),
-            Err(rejection) => Outcome::Rejected(rejection, solves.count),
+            Err(rejection) => Outcome::Rejected(rejection, at.solves.count),
         }
     }
 
-    fn iterate(
-        &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        attempt: Attempt,
-        solves: &mut Solves,
-    ) -> Result<Report, Rejection> {
+    fn iterate(&mut self, at: &mut Problem<'_>) -> Result<Report, Rejection> {
         // Damage must not lag behind at the end of a relaxation, so the full duration of the step is available to it.
         let dt = if self.dashpots.is_some() {
             self.step.duration
         } else {
-            attempt.increment.size * self.step.duration
+            at.attempt.increment.size * self.step.duration
         };
         let solids = if self.choice.method == Method::Implex {
             // Without a last increment no rate is known, and nothing is extrapolated.
-            let ratio = state.last.as_ref().map_or(0.0, |last| dt / last.dt);
+            let ratio = at.state.last.as_ref().map_or(0.0, |last| dt / last.dt);
             Solids::Extrapolated { ratio }
         } else if self.choice.tangent == Tangent::Secant {
             Solids::Secant
@@ -276,32 +260,24 @@ impl<'m> Newton<'m> {
             tangent: true,
             turning: self.turning(),
         };
-        self.predict(system, state, trial, attempt, setting, solves)?;
+        self.predict(at, setting)?;
         let most = match &self.dashpots {
             // A relaxation with stiffer dashpots is cheaper than one that converges slowly.
             Some(_) => self.step.tolerance.max_iterations.min(RELAXING),
             None => self.step.tolerance.max_iterations,
         };
-        let report = self.equilibrate(system, state, trial, attempt, solves, setting, 0..most)?;
+        let report = self.equilibrate(at, setting, 0..most)?;
         if !setting.shifted || self.choice.method == Method::Implex {
             return Ok(report);
         }
-        self.settle(system, state, trial, attempt, solves, setting, report)
+        self.settle(at, setting, report)
     }
 
     /// Iterates until the increment is in balance. `iterations` is the range from the iterations done to the most
     /// allowed.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the increment, and how it is evaluated"
-    )]
     pub(in crate::solve) fn equilibrate(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        attempt: Attempt,
-        solves: &mut Solves,
+        at: &mut Problem<'_>,
         mut setting: Evaluation,
         iterations: Range<usize>,
     ) -> Result<Report, Rejection> {
@@ -312,18 +288,20 @@ impl<'m> Newton<'m> {
         // Whether the residual grew with a tangent that includes softening; the secant stiffness is then taken.
         let (mut misled, mut before) = (false, f64::INFINITY);
         // Where the path prescribes the advance, a balanced start has not advanced and needs a solve.
-        let mut on_path = iteration > 0 || attempt.advance == Advance::Load;
+        let mut on_path = iteration > 0 || at.attempt.advance == Advance::Load;
         loop {
-            timed(&mut self.clock.contact, || system.search(trial, &self.q));
-            if solids == Solids::Secant && attempt.repeat {
+            timed(&mut self.clock.contact, || {
+                at.system.search(at.trial, &self.q)
+            });
+            if solids == Solids::Secant && at.attempt.repeat {
                 setting.solids = if iteration < SOFTENED && !misled {
                     Solids::Softened
                 } else {
                     Solids::Secant
                 };
             }
-            self.evaluate(system, state, trial, setting)?;
-            let scale = self.scale(system, state, trial);
+            self.evaluate(at, setting)?;
+            let scale = self.scale(at.system, at.state, at.trial);
             let balance = Balance::new(&self.vectors.residual, scale);
             if !balance.largest.is_finite() {
                 return Err(Rejection::NotFinite);
@@ -331,53 +309,22 @@ impl<'m> Newton<'m> {
             let farther = balance.root_mean_square > before;
             misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
             before = balance.root_mean_square;
-            // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
-            let part = if solves.count == 0 { START } else { 1.0 };
-            let mut work = 0.0;
-            let mut balanced = balance.holds(part, tolerance.residual);
+            let (balanced, work) = self.is_balanced(at, &balance, scale);
             // The tractions of the last iterate were just taken over, so the residual contains the nodal forces of
             // their change. The predictor has taken over no tractions yet.
-            let settled = (iteration > 0 && trial.is_settled()) || !setting.shifted;
-            // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
-            let loaded = scale > self.least_scale;
-            if balanced && loaded && attempt.advance == Advance::Load {
-                let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
-                let [lost, turned] = self.works(system, state, trial, &way);
-                work = lost.abs() / turned.max(f64::MIN_POSITIVE);
-                balanced =
-                    work <= part * WORK || balance.holds(part * NEGLIGIBLE, tolerance.residual);
-            }
+            let settled = (iteration > 0 && at.trial.is_settled()) || !setting.shifted;
             let ends = settled && balanced && on_path;
-            if ends && (pursued == pursuit(self.choice.method) || self.closes(system, state, trial))
-            {
-                self.prove(system, trial, attempt.increment.ends_step())?;
-                return Ok(Report {
-                    iterations: solves.count,
-                    residual: balance.largest,
-                    out_of_balance: balance.largest,
-                    extrapolation_error: 0.0,
-                    load_factor: self.loading.factor,
-                });
+            let all_pursued = pursued == pursuit(self.choice.method);
+            if ends && (all_pursued || self.closes(at.system, at.state, at.trial)) {
+                return self.converged(at, balance.largest);
             }
             pursued += usize::from(ends);
-            let hopeless = self.step.procedure == Procedure::Auto
-                && self.motion.is_none()
-                && iteration >= PATIENCE
-                && balance.root_mean_square > FAR_OFF * IMBALANCE;
-            if hopeless || iteration >= iterations.end + pursued {
-                let (node, _) = system
-                    .dofs
-                    .node_of(self.equations.slot_of[balance.worst] as usize);
-                return Err(Rejection::Iterations {
-                    residual: balance.largest,
-                    root_mean_square: balance.root_mean_square,
-                    work,
-                    node,
-                });
+            if self.is_hopeless(iteration, &balance) || iteration >= iterations.end + pursued {
+                return Err(self.not_converged(at.system, &balance, work));
             }
             // Solving a region may balance the whole. In that case all criteria are checked once more from the top.
             let asks = iteration > 0 && on_path && !balanced;
-            if asks && self.eliminate(system, state, trial, setting, scale)? && !alone {
+            if asks && self.eliminate(at, setting, scale)? && !alone {
                 alone = Balance::new(&self.vectors.residual, scale).holds(1.0, tolerance.residual);
                 if alone {
                     continue;
@@ -386,46 +333,104 @@ impl<'m> Newton<'m> {
             alone = false;
             // A balanced start needs no solve, only its tractions taken over.
             if !balanced || !on_path {
-                self.pull_along(system, state, attempt.advance);
-                if attempt.advance == Advance::Load {
-                    self.solve(system, trial)?;
-                    solves.one_more();
-                    self.search_line(system, state, trial, setting)?;
-                } else {
-                    let force = self.solve_with_load(system, trial)?;
-                    solves.one_more();
-                    // The first iterate takes the full prescribed advance.
-                    let searches = on_path && self.choice.method == Method::DisplacementControl;
-                    self.follow(
-                        system,
-                        state,
-                        trial,
-                        setting,
-                        attempt.advance,
-                        &force,
-                        searches,
-                    )?;
-                    on_path = true;
-                }
+                self.advance(at, setting, on_path)?;
+                on_path = true;
             }
-            trial.keep_tractions();
+            at.trial.keep_tractions();
             iteration += 1;
         }
+    }
+
+    /// Whether the out-of-balance forces are below the tolerance, and their work along the increment over the work
+    /// turned over; 0 where it was not needed.
+    fn is_balanced(&self, at: &Problem<'_>, balance: &Balance, scale: f64) -> (bool, f64) {
+        // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
+        let part = if at.solves.count == 0 { START } else { 1.0 };
+        let most = self.step.tolerance.residual;
+        let balanced = balance.holds(part, most);
+        // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
+        let loaded = scale > self.least_scale;
+        if !(balanced && loaded && at.attempt.advance == Advance::Load) {
+            return (balanced, 0.0);
+        }
+        let way: Vec<f64> = (self.q.iter().zip(&at.state.q))
+            .map(|(q, s)| q - s)
+            .collect();
+        let [lost, turned] = self.works(at.system, at.state, at.trial, &way);
+        let work = lost.abs() / turned.max(f64::MIN_POSITIVE);
+        let holds = work <= part * WORK || balance.holds(part * NEGLIGIBLE, most);
+        (holds, work)
+    }
+
+    /// Report on an increment in balance whose matrix is positive definite.
+    fn converged(&mut self, at: &mut Problem<'_>, largest: f64) -> Result<Report, Rejection> {
+        let ends = at.attempt.increment.ends_step();
+        self.prove(at.system, at.trial, ends)?;
+        Ok(Report {
+            iterations: at.solves.count,
+            residual: largest,
+            out_of_balance: largest,
+            extrapolation_error: 0.0,
+            load_factor: self.loading.factor,
+        })
+    }
+
+    /// Whether `auto` gives up the increment before the most iterations.
+    fn is_hopeless(&self, iteration: usize, balance: &Balance) -> bool {
+        self.step.procedure == Procedure::Auto
+            && self.motion.is_none()
+            && iteration >= PATIENCE
+            && balance.root_mean_square > FAR_OFF * IMBALANCE
+    }
+
+    fn not_converged(&self, system: &System, balance: &Balance, work: f64) -> Rejection {
+        let slot = self.equations.slot_of[balance.worst] as usize;
+        Rejection::Iterations {
+            residual: balance.largest,
+            root_mean_square: balance.root_mean_square,
+            work,
+            node: system.dofs.node_of(slot).0,
+        }
+    }
+
+    /// One solve and the way along its direction. `on_path`: whether the prescribed advance was taken.
+    fn advance(
+        &mut self,
+        at: &mut Problem<'_>,
+        setting: Evaluation,
+        on_path: bool,
+    ) -> Result<(), Rejection> {
+        self.pull_along(at.system, at.state, at.attempt.advance);
+        if at.attempt.advance == Advance::Load {
+            self.solve(at.system, at.trial)?;
+            at.solves.one_more();
+            return self.search_line(at, setting);
+        }
+        let force = self.solve_with_load(at.system, at.trial)?;
+        at.solves.one_more();
+        // The first iterate takes the full prescribed advance.
+        let searches = on_path && self.choice.method == Method::DisplacementControl;
+        self.follow(at, setting, &force, searches)
     }
 
     /// Evaluates forces (and tangents) at `self.q` and forms the residual of the unknowns.
     pub(in crate::solve) fn evaluate(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
+        at: &mut Problem<'_>,
         setting: Evaluation,
     ) -> Result<(), Rejection> {
         self.clock.evaluations += 1;
-        system
-            .evaluate(self.model, state, trial, &self.q, setting, &mut self.clock)
+        at.system
+            .evaluate(
+                self.model,
+                at.state,
+                at.trial,
+                &self.q,
+                setting,
+                &mut self.clock,
+            )
             .map_err(|(element, why)| Rejection::Local { element, why })?;
-        self.loading.loads.follow(system, &trial.x);
+        self.loading.loads.follow(at.system, &at.trial.x);
         let loads = &self.loading.loads.total;
         for (r, &slot) in self
             .vectors
@@ -433,7 +438,7 @@ impl<'m> Newton<'m> {
             .iter_mut()
             .zip(&self.equations.slot_of)
         {
-            *r = trial.force[slot as usize] - loads[slot as usize];
+            *r = at.trial.force[slot as usize] - loads[slot as usize];
         }
         if let Some(dashpots) = &self.dashpots {
             for (r, &slot) in self
@@ -446,30 +451,24 @@ impl<'m> Newton<'m> {
             }
         }
         if let Some(motion) = &mut self.motion {
-            motion.update(system, state, trial, &self.q, setting.tangent);
+            motion.update(at.system, at.state, at.trial, &self.q, setting.tangent);
             for (r, &slot) in self
                 .vectors
                 .residual
                 .iter_mut()
                 .zip(&self.equations.slot_of)
             {
-                *r += motion.residual(&system.mass, slot as usize);
+                *r += motion.residual(&at.system.mass, slot as usize);
             }
         }
         Ok(())
     }
 
     /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
-    fn search_line(
-        &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        setting: Evaluation,
-    ) -> Result<(), Rejection> {
+    fn search_line(&mut self, at: &mut Problem<'_>, setting: Evaluation) -> Result<(), Rejection> {
         let setting = along(setting);
         let mut search = LineSearch::new(dot(&self.vectors.direction, &self.vectors.residual));
-        if trial.may_meet() || self.flies(system) {
+        if at.trial.may_meet() || self.flies(at.system) {
             search = search.to_impact();
         }
         if self.dashpots.is_some() {
@@ -482,7 +481,7 @@ impl<'m> Newton<'m> {
             for ((q, d), &slot) in from.zip(&self.equations.slot_of) {
                 self.q[slot as usize] = q + eta * d;
             }
-            self.evaluate(system, state, trial, setting)?;
+            self.evaluate(at, setting)?;
             Ok(dot(&self.vectors.direction, &self.vectors.residual))
         })
     }
@@ -496,9 +495,7 @@ impl<'m> Newton<'m> {
     /// A local failure of a law.
     fn correct(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
+        at: &mut Problem<'_>,
         increment: Increment,
     ) -> Result<(f64, f64), Rejection> {
         let setting = Evaluation {
@@ -508,16 +505,16 @@ impl<'m> Newton<'m> {
             tangent: false,
             turning: Turning::Ignored,
         };
-        let solved = trial.force.clone();
+        let solved = at.trial.force.clone();
         let mut left = self.vectors.residual.clone();
-        self.evaluate(system, state, trial, setting)?;
-        let scale = self.scale(system, state, trial);
+        self.evaluate(at, setting)?;
+        let scale = self.scale(at.system, at.state, at.trial);
         let (largest, _) = largest(&self.vectors.residual);
         for (left, r) in left.iter_mut().zip(&self.vectors.residual) {
             *left -= r;
         }
         // Reactions belong to the equilibrium that was solved.
-        trial.force = solved;
+        at.trial.force = solved;
         Ok((largest / scale, root_mean_square(&left) / scale))
     }
 }

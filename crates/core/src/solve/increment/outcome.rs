@@ -1,9 +1,11 @@
 //! Attempts at an increment and their outcomes.
 
+use crate::assembly::{System, Trial};
 use crate::linear::LinearError;
 use crate::material::LocalFailure;
 use crate::solve::stepping::path::Advance;
 use crate::solve::stepping::step_size::Increment;
+use crate::state::State;
 
 /// Reason why an increment was rejected.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +61,20 @@ pub struct Attempt<'a> {
     pub repeat: bool,
     /// Prescribed advance.
     pub advance: Advance<'a>,
+}
+
+/// Problem of an attempt: the equilibrium at the end of an increment.
+pub struct Problem<'a> {
+    /// Equations of the scene.
+    pub system: &'a mut System,
+    /// Committed state, from which the increment starts.
+    pub state: &'a State,
+    /// Working data of the increment.
+    pub trial: &'a mut Trial,
+    /// Settings.
+    pub attempt: Attempt<'a>,
+    /// Counter of the linear solves.
+    pub solves: Solves<'a>,
 }
 
 /// Report on a converged increment.

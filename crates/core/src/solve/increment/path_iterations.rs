@@ -3,7 +3,7 @@
 
 use super::line_search::{LineSearch, dot};
 use super::newton::{Newton, along};
-use super::outcome::Rejection;
+use super::outcome::{Problem, Rejection};
 use crate::assembly::{Evaluation, System, Trial};
 use crate::model::scene::BeamMotion;
 use crate::solve::stepping::path::Advance;
@@ -75,21 +75,20 @@ impl Newton<'_> {
     )]
     pub(in crate::solve) fn follow(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
+        at: &mut Problem<'_>,
         setting: Evaluation,
-        advance: Advance<'_>,
         force: &[f64],
         searches: bool,
     ) -> Result<(), Rejection> {
-        let mut rate = self.prescribed_rate(system);
-        let mut reached: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
+        let mut rate = self.prescribed_rate(at.system);
+        let mut reached: Vec<f64> = self.q.iter().zip(&at.state.q).map(|(q, s)| q - s).collect();
         for (e, &slot) in self.equations.slot_of.iter().enumerate() {
             reached[slot as usize] += self.vectors.direction[e];
             rate[slot as usize] = self.vectors.by_load[e];
         }
-        let change = advance
+        let change = at
+            .attempt
+            .advance
             .load_change(&reached, &rate)
             .ok_or(Rejection::NoSuchLoad)?;
         // Without a line search there is no return to the origin.
@@ -113,13 +112,13 @@ impl Newton<'_> {
             for (e, &slot) in self.equations.slot_of.iter().enumerate() {
                 let slot = slot as usize;
                 self.q[slot] = if eta == 1.0 {
-                    state.q[slot] + reached[slot] + change * rate[slot]
+                    at.state.q[slot] + reached[slot] + change * rate[slot]
                 } else {
                     origin[e] + eta * self.vectors.direction[e]
                 };
             }
-            self.load_to(from + eta * change, system, trial);
-            self.evaluate(system, state, trial, along(setting))?;
+            self.load_to(from + eta * change, at.system, at.trial);
+            self.evaluate(at, along(setting))?;
             Ok(dot(&idle, &self.vectors.residual))
         };
         if searches {

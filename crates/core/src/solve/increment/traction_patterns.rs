@@ -4,9 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::newton::{Newton, timed};
-use super::outcome::{Attempt, Rejection, Report, Solves};
-use crate::assembly::{Evaluation, System, Trial};
-use crate::state::State;
+use super::outcome::{Problem, Rejection, Report};
+use crate::assembly::Evaluation;
 
 /// Largest change of the work of sliding points by unsettled patterns, over the work that the increment turns over.
 const PATTERNS: f64 = 5e-3;
@@ -33,11 +32,7 @@ impl Newton<'_> {
     )]
     pub(in crate::solve) fn settle(
         &mut self,
-        system: &mut System,
-        state: &State,
-        trial: &mut Trial,
-        attempt: Attempt,
-        solves: &mut Solves,
+        at: &mut Problem<'_>,
         setting: Evaluation,
         report: Report,
     ) -> Result<Report, Rejection> {
@@ -45,32 +40,33 @@ impl Newton<'_> {
             self.pause.left -= 1;
             return Ok(report);
         }
-        let way: Vec<f64> = self.q.iter().zip(&state.q).map(|(q, s)| q - s).collect();
-        let [_, turned] = self.works(system, state, trial, &way);
+        let way: Vec<f64> = self.q.iter().zip(&at.state.q).map(|(q, s)| q - s).collect();
+        let [_, turned] = self.works(at.system, at.state, at.trial, &way);
         let model = self.model;
         let settled = timed(&mut self.clock.contact, || {
-            system.settled_tractions(model, state, trial, &way, PATTERNS * turned)
+            at.system
+                .settled_tractions(model, at.state, at.trial, &way, PATTERNS * turned)
         });
         let Some(settled) = settled else {
             return Ok(report);
         };
-        let (kept, q) = (trial.without_stiffness(), self.q.clone());
-        trial.take_tractions(settled);
+        let (kept, q) = (at.trial.without_stiffness(), self.q.clone());
+        at.trial.take_tractions(settled);
         // The balanced iterate counts as the first one.
         let iterations = 1..1 + PATIENCE;
-        let again = self.equilibrate(system, state, trial, attempt, solves, setting, iterations);
+        let again = self.equilibrate(at, setting, iterations);
         if let Ok(report) = again {
             self.pause = Pause::default();
             return Ok(report);
         }
         let next = (2 * self.pause.next).max(1);
         self.pause = Pause { left: next, next };
-        trial.go_back(kept);
-        self.load_to(report.load_factor, system, trial);
+        at.trial.go_back(kept);
+        self.load_to(report.load_factor, at.system, at.trial);
         self.q = q;
-        self.evaluate(system, state, trial, setting)?;
+        self.evaluate(at, setting)?;
         Ok(Report {
-            iterations: solves.count,
+            iterations: at.solves.count,
             ..report
         })
     }

@@ -254,66 +254,8 @@ impl<'m> Run<'m> {
         checkpoint: Checkpoint,
     ) -> Result<(Self, StepRun<'m>), RunError> {
         let mut run = Self::new(model, part)?;
-        let Checkpoint {
-            state,
-            searched_at,
-            step_run: mark,
-            ..
-        } = checkpoint;
-        let unfit = |what| Err(CheckpointError::Unfit(what).into());
-        if !same_sizes(&state, &run.state) {
-            return unfit("the state has other sizes");
-        }
-        let masters = model.contact.master_facets.len();
-        let faces_nothing = |facet: Option<u32>| facet.is_some_and(|f| f as usize >= masters);
-        if state.pairs.iter().any(|pair| faces_nothing(pair.facet)) {
-            return unfit("a contact point faces a facet that is not there");
-        }
-        let finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
-        if searched_at.len() != model.mesh.nodes.len() || !searched_at.iter().all(finite) {
-            return unfit("the search of contact was at no place");
-        }
-        run.system.contact.search_from(&searched_at);
-        let Some(step) = model.steps.get(mark.index) else {
-            return unfit("there is no such step");
-        };
-        let slots = run.system.dofs.slots;
-        run.state = state;
-        run.system.bulk.stabilise(step.viscosity, mark.damage_rate);
-        run.system.steered = steered(model, step);
-        let mut newton = Newton::new(model, step, &run.system, &run.state);
-        let stopped = mark.is_stopped_in(step);
-        if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {
-            return unfit("the step began with other sizes");
-        }
-        let has_mass = run.massless(step).is_none();
-        let Some(fallback) = mark.fallback.of_step(model, step, has_mass) else {
-            return unfit("the step has other methods");
-        };
-        if mark.row >= step.branches() {
-            return unfit("the amplitude of the step has fewer rows");
-        }
-        let branch = step.branch(mark.row);
-        newton.rejoin(fallback.choice(), branch.slope(), &run.system, &run.state);
-        let mut step_run = StepRun::new(newton, fallback, mark.index, step);
-        step_run.steer(model, &run.system);
-        step_run.schedule = mark.schedule.within(step.increments);
-        let Some(path_measure) = mark.path_measure.of_step(&step_run.path.measure, slots) else {
-            return unfit("the path is measured by other sizes");
-        };
-        step_run.path.measure = path_measure;
-        (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
-        (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
-        step_run.peak = mark.peak;
-        step_run.snap.relaxations = mark.relaxations;
-        step_run.snap.damage_rate = mark.damage_rate;
-        step_run.watch = Watch::new(&model.steps, step, 0.0, part.wholes());
-        match (&mut step_run.watch, &mark.watch) {
-            (Some(watch), Some(earlier)) => watch.go_on(earlier),
-            (None, None) => {}
-            _ => return unfit("the step drives something else"),
-        }
-        step_run.stopped = stopped;
+        run.take_state(checkpoint.state, &checkpoint.searched_at)?;
+        let step_run = run.rejoin_step(checkpoint.step_run)?;
         run.summary = Summary {
             threads: run.summary.threads,
             mirror_planes: run.summary.mirror_planes,
@@ -324,16 +266,81 @@ impl<'m> Run<'m> {
         (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
         run.energy_watch = checkpoint.energy_watch;
         run.last_equilibrium = checkpoint.last_equilibrium;
-        if run
-            .last_equilibrium
-            .as_ref()
-            .is_some_and(|from| !from.fits(&run.state))
-        {
-            return unfit("the last equilibrium has other sizes");
+        let equilibrium = run.last_equilibrium.as_ref();
+        if equilibrium.is_some_and(|from| !from.fits(&run.state)) {
+            return Err(CheckpointError::Unfit("the last equilibrium has other sizes").into());
         }
         run.trial = Trial::default();
         run.fingerprint = OnceCell::from(checkpoint.model);
         Ok((run, step_run))
+    }
+
+    /// Takes over the state and the positions of the last search of contact.
+    fn take_state(
+        &mut self,
+        state: State,
+        searched_at: &[[f64; 3]],
+    ) -> Result<(), CheckpointError> {
+        if !same_sizes(&state, &self.state) {
+            return Err(CheckpointError::Unfit("the state has other sizes"));
+        }
+        let masters = self.model.contact.master_facets.len();
+        let faces_nothing = |facet: Option<u32>| facet.is_some_and(|f| f as usize >= masters);
+        if state.pairs.iter().any(|pair| faces_nothing(pair.facet)) {
+            let why = "a contact point faces a facet that is not there";
+            return Err(CheckpointError::Unfit(why));
+        }
+        let finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
+        if searched_at.len() != self.model.mesh.nodes.len() || !searched_at.iter().all(finite) {
+            return Err(CheckpointError::Unfit(
+                "the search of contact was at no place",
+            ));
+        }
+        self.system.contact.search_from(searched_at);
+        self.state = state;
+        Ok(())
+    }
+
+    /// Restores the step in progress.
+    fn rejoin_step(&mut self, mark: Mark) -> Result<StepRun<'m>, CheckpointError> {
+        let (model, unfit) = (self.model, CheckpointError::Unfit);
+        let step = model.steps.get(mark.index);
+        let step = step.ok_or(unfit("there is no such step"))?;
+        let slots = self.system.dofs.slots;
+        self.system.bulk.stabilise(step.viscosity, mark.damage_rate);
+        self.system.steered = steered(model, step);
+        let mut newton = Newton::new(model, step, &self.system, &self.state);
+        let stopped = mark.is_stopped_in(step);
+        if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {
+            return Err(unfit("the step began with other sizes"));
+        }
+        let has_mass = self.massless(step).is_none();
+        let fallback = mark.fallback.of_step(model, step, has_mass);
+        let fallback = fallback.ok_or(unfit("the step has other methods"))?;
+        if mark.row >= step.branches() {
+            return Err(unfit("the amplitude of the step has fewer rows"));
+        }
+        let branch = step.branch(mark.row);
+        let choice = fallback.choice();
+        newton.rejoin(choice, branch.slope(), &self.system, &self.state);
+        let mut step_run = StepRun::new(newton, fallback, mark.index, step);
+        step_run.steer(model, &self.system);
+        step_run.schedule = mark.schedule.within(step.increments);
+        let measure = mark.path_measure.of_step(&step_run.path.measure, slots);
+        step_run.path.measure = measure.ok_or(unfit("the path is measured by other sizes"))?;
+        (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
+        (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
+        step_run.peak = mark.peak;
+        step_run.snap.relaxations = mark.relaxations;
+        step_run.snap.damage_rate = mark.damage_rate;
+        step_run.watch = Watch::new(&model.steps, step, 0.0, self.part.wholes());
+        match (&mut step_run.watch, &mark.watch) {
+            (Some(watch), Some(earlier)) => watch.go_on(earlier),
+            (None, None) => {}
+            _ => return Err(unfit("the step drives something else")),
+        }
+        step_run.stopped = stopped;
+        Ok(step_run)
     }
 }
 

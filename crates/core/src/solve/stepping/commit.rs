@@ -1,13 +1,13 @@
 //! Commit of a converged increment: its state, its history row and its frame.
 
 use super::run::{Run, RunError};
+use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Step;
 use crate::solve::Recorder;
 use crate::solve::increment::newton::Newton;
 use crate::solve::increment::outcome::Report;
 use crate::state::HistoryRow;
 use crate::state::LastIncrement;
-use crate::state::Method;
 use std::time::Instant;
 use wythe_contact::PointStatus;
 
@@ -59,19 +59,17 @@ impl Run<'_> {
         dq
     }
 
-    /// History row of the last commit, at part `moment` of the time of its step.
+    /// History row of the last commit, which took `solves` with those of the rejected attempts.
     pub(in crate::solve) fn row(
         &self,
-        step: usize,
-        method: Method,
+        step_run: &StepRun,
+        request: IncrementRequest,
         report: Report,
-        moment: f64,
         solves: usize,
-        cutbacks: usize,
     ) -> HistoryRow {
-        let (state, trial) = (&self.state, &self.trial);
+        let (state, trial, step) = (&self.state, &self.trial, step_run.index);
         let (displacement, force, reaction) = self.driven(step);
-        let reactions = self.reactions(step, report.load_factor, moment);
+        let reactions = self.reactions(step, report.load_factor, request.increment.end());
         // Of general contact, only pressed touches count.
         let touching = |status: PointStatus| {
             let pressed = trial
@@ -95,7 +93,7 @@ impl Run<'_> {
             force_kN: force * 1e-3,
             reaction_kN: reaction * 1e-3,
             iterations: solves,
-            cutbacks,
+            cutbacks: step_run.attempts.cutbacks,
             external_work_J: e.external * 1e-3,
             elastic_energy_J: e.elastic * 1e-3,
             plastic_damage_dissipation_J: e.plastic_damage * 1e-3,
@@ -113,7 +111,7 @@ impl Run<'_> {
             numerical_dissipation_J: e.numerical * 1e-3,
             contact_area_mm2: self.system.pressed_area(state),
             load_factor: report.load_factor,
-            procedure: method,
+            procedure: request.method,
             probes: self.columns(&reactions),
             reactions,
         }

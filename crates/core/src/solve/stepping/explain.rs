@@ -1,6 +1,6 @@
 //! Messages about lost convergence: place, reason and remedies.
 
-use super::step_run::IncrementRequest;
+use super::step_run::{IncrementRequest, StepRun};
 use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
@@ -9,20 +9,18 @@ use crate::solve::increment::convergence::{IMBALANCE, WORK};
 use crate::solve::increment::outcome::Rejection;
 use crate::state::Lost;
 
-/// Message for a run that ends in `step` because its increment cannot be cut further. Returns the full message with
+/// Message for a run that ends because the increment of its step cannot be cut further. Returns the full message with
 /// remedies, and place and reason alone.
 pub(in crate::solve) fn explain(
     model: &Model,
     part: &Part,
-    step: usize,
+    step_run: &StepRun,
     request: IncrementRequest,
-    done: f64,
     rejection: &Rejection,
 ) -> (String, Lost) {
-    let of = &model.steps[step];
-    let name = &of.name;
-    let done = progress(of, done);
-    let why = why(model, part, of, rejection);
+    let (step, name) = (step_run.index, &step_run.step.name);
+    let done = step_run.progress();
+    let why = why(model, part, step_run.step, rejection);
     let told = format!(
         "step {step} ({name}), at {done}, an increment of {:.2e} of the step, {}: {why}; try {}",
         request.increment.size,

@@ -82,74 +82,69 @@ impl Run<'_> {
             answer = step_run.fallback.rejected(rejection, size, true);
         }
         match answer {
-            Answer::Cut => true,
-            Answer::NextMethod => {
-                let why = format!(
-                    "{}: {}",
-                    request.method.name(),
-                    explain::why(self.model, &self.part, step_run.step, rejection)
-                );
-                loop {
-                    step_run
-                        .fallback
-                        .take_next(rejection, step_run.sense() * step_run.load);
-                    let next = step_run.fallback.method();
-                    // Constant loads have no path.
-                    let stays = step_run.branch.of.slope() == 0.0;
-                    if !next.follows_path()
-                        || (!stays && step_run.path.measure.leads(next))
-                        || (!stays && self.guess(step_run, next, size))
-                    {
-                        break;
-                    }
-                }
-                self.adopt(step_run);
-                match step_run.fallback.method() {
-                    Method::QuasiStatic => {
-                        self.depart(step_run.index, step_run.load);
-                        self.carry_momentum(step_run.sense());
-                        self.state.last = None;
-                        step_run
-                            .schedule
-                            .resume(size.min(step_run.fallback.floor()));
-                    }
-                    // The equations are linear, so the trouble that cut the increment does not affect them.
-                    Method::Implex => step_run
-                        .schedule
-                        .resume(size.max(step_run.fallback.floor())),
-                    // No method follows the path: jump over it, to the equilibrium found beyond or else by the
-                    // largest increment.
-                    Method::Static if step_run.fallback.is_last() => {
-                        let beyond = step_run.snap.beyond.map(|at| at - step_run.schedule.done());
-                        let jump = beyond.unwrap_or(step_run.step.increments.max);
-                        step_run.schedule.resume(jump);
-                    }
-                    method if method.follows_path() => step_run.path.measure.mend(),
-                    _ => {}
-                }
-                self.note(step_run, &why, recorder);
-                true
-            }
-            Answer::GiveUp => {
-                self.summary.iterations += step_run.attempts.solves;
-                self.tally(&step_run.newton);
-                self.summary.status = Status::NotConverged;
-                let done = match step_run.step.amplitude {
-                    None => step_run.load,
-                    Some(_) => step_run.schedule.done(),
-                };
-                let told = explain::explain(
-                    self.model,
-                    &self.part,
-                    step_run.index,
-                    request,
-                    done,
-                    rejection,
-                );
-                (self.summary.message, self.summary.lost) = (told.0, Some(told.1));
-                false
+            Answer::Cut => {}
+            Answer::NextMethod => self.change_method(step_run, request, rejection, recorder),
+            Answer::GiveUp => self.give_up(step_run, request, rejection),
+        }
+        answer != Answer::GiveUp
+    }
+
+    /// Continues with the next method of the step that applies.
+    fn change_method(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        rejection: &Rejection,
+        recorder: &mut dyn Recorder,
+    ) {
+        let size = request.increment.size;
+        let why = explain::why(self.model, &self.part, step_run.step, rejection);
+        let why = format!("{}: {why}", request.method.name());
+        loop {
+            let load = step_run.sense() * step_run.load;
+            step_run.fallback.take_next(rejection, load);
+            let next = step_run.fallback.method();
+            // Constant loads have no path.
+            let stays = step_run.branch.of.slope() == 0.0;
+            if !next.follows_path()
+                || (!stays && step_run.path.measure.leads(next))
+                || (!stays && self.guess(step_run, next, size))
+            {
+                break;
             }
         }
+        self.adopt(step_run);
+        let floor = step_run.fallback.floor();
+        match step_run.fallback.method() {
+            Method::QuasiStatic => {
+                self.depart(step_run.index, step_run.load);
+                self.carry_momentum(step_run.sense());
+                self.state.last = None;
+                step_run.schedule.resume(size.min(floor));
+            }
+            // The equations are linear, so the trouble that cut the increment does not affect them.
+            Method::Implex => step_run.schedule.resume(size.max(floor)),
+            // No method follows the path: jump over it, to the equilibrium found beyond or else by the largest
+            // increment.
+            Method::Static if step_run.fallback.is_last() => {
+                let beyond = step_run.snap.beyond.map(|at| at - step_run.schedule.done());
+                let jump = beyond.unwrap_or(step_run.step.increments.max);
+                step_run.schedule.resume(jump);
+            }
+            method if method.follows_path() => step_run.path.measure.mend(),
+            _ => {}
+        }
+        self.note(step_run, &why, recorder);
+    }
+
+    /// Ends the run for lack of equilibrium.
+    fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
+        self.summary.iterations += step_run.attempts.solves;
+        self.tally(&step_run.newton);
+        self.summary.status = Status::NotConverged;
+        let (message, lost) =
+            explain::explain(self.model, &self.part, step_run, request, rejection);
+        (self.summary.message, self.summary.lost) = (message, Some(lost));
     }
 
     /// Measures the path by the rejected increment for lack of a better one; false if it did not dissipate.

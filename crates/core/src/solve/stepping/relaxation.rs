@@ -32,7 +32,7 @@ use crate::model::Model;
 use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::convergence::Balance;
-use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
+use crate::solve::increment::outcome::{Attempt, Outcome, Problem, Report, Solves};
 use crate::state::Method;
 
 /// Dashpots of one sub-increment.
@@ -150,100 +150,127 @@ impl Run<'_> {
     fn relax_in_steps(
         &mut self,
         step_run: &mut StepRun,
-        request: IncrementRequest,
+        mut request: IncrementRequest,
         recorder: &mut dyn Recorder,
     ) -> Option<(IncrementRequest, Report)> {
-        let mut request = IncrementRequest {
-            method: Method::Relaxation,
-            ..request
-        };
+        request.method = Method::Relaxation;
         let reach = self.system.contact.reach();
         let mut start = self.state.q.clone();
-        let (mut factor, mut loads, mut slowly) = (FIRST, true, 0_usize);
-        let mut last_force = f64::INFINITY;
+        let (mut softening, mut loads) = (Softening::default(), true);
         for _ in 0..MOST {
-            let (before, time, index) = (step_run.attempts.solves, self.state.time, step_run.index);
-            let mut tell = |count| recorder.progress(index, time, before + count);
-            let newton = &mut step_run.newton;
-            if let Some(dashpots) = &mut newton.dashpots {
-                (dashpots.factor, dashpots.loads) = (factor, loads);
+            if let Some(dashpots) = &mut step_run.newton.dashpots {
+                (dashpots.factor, dashpots.loads) = (softening.factor, loads);
             }
-            let load_end = if loads {
-                step_run.branch.of.factor(request.increment.end())
-            } else {
-                step_run.load
-            };
-            let part = if loads { step_run.part(&request) } else { 0.0 };
-            let steers = step_run.step.procedure == Procedure::DisplacementControl;
-            let control = step_run.path.control.as_ref().filter(|_| steers);
-            let attempt = Attempt {
-                increment: request.increment,
-                load: step_run.load,
-                load_end,
-                repeat: true,
-                advance: control.map_or(Advance::Load, |control| control.along(part)),
-            };
-            let outcome = step_run.newton.converge(
-                &mut self.system,
-                &self.state,
-                &mut self.trial,
-                attempt,
-                Solves::new(&mut tell),
-            );
-            let report = match outcome {
+            let report = match self.relax_once(step_run, request, loads, recorder) {
                 Outcome::Converged(report) => report,
                 Outcome::Rejected(_, spent) => {
                     step_run.attempts.solves += spent;
-                    factor *= STIFFER;
-                    slowly = CAUTIOUS;
-                    if factor > STIFFEST {
-                        return None;
-                    }
+                    softening.stiffen()?;
                     continue;
                 }
             };
-            let forces = step_run.newton.dashpot_forces();
-            let scale = step_run
-                .newton
-                .scale(&self.system, &self.state, &self.trial);
-            let balance = Balance::new(&forces, scale);
+            let newton = &mut step_run.newton;
+            let scale = newton.scale(&self.system, &self.state, &self.trial);
+            let balance = Balance::new(&newton.dashpot_forces(), scale);
             if balance.holds(AT_REST, step_run.step.tolerance.residual) {
                 return Some((request, report));
             }
             step_run.attempts.solves += report.iterations;
             let added = report.load_factor - step_run.load;
-            self.commit(
-                &mut step_run.newton,
-                step_run.step,
-                request.increment.size,
-                added,
-            );
+            self.commit(newton, step_run.step, request.increment.size, added);
             step_run.load = report.load_factor;
             if loads {
                 self.state.last = None;
                 start.clone_from(&self.state.q);
             } else if let Some(last) = &mut self.state.last {
-                last.dt = 1.0 / factor;
+                last.dt = 1.0 / softening.factor;
             }
             request.increment = Increment {
                 start: request.increment.end(),
                 size: 0.0,
             };
             loads = false;
-            slowly = slowly.saturating_sub(1);
-            let falls = balance.root_mean_square < FALLS * last_force;
-            last_force = balance.root_mean_square;
-            if report.iterations <= EASY && slowly == 0 && falls {
-                factor *= QUICKLY;
-            } else if report.iterations <= FAIR && (falls || report.iterations <= AT_ONCE) {
-                factor *= SLOWLY;
-            }
+            softening.soften(report.iterations, balance.root_mean_square);
             let way = self.state.q.iter().zip(&start);
             let falls_apart = way.into_iter().any(|(q, s)| (q - s).abs() > reach);
-            if falls_apart || factor < SOFTEST {
+            if falls_apart || softening.factor < SOFTEST {
                 return None;
             }
         }
         None
+    }
+
+    /// One sub-increment. `loads`: whether it adds the loads of the increment.
+    fn relax_once(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        loads: bool,
+        recorder: &mut dyn Recorder,
+    ) -> Outcome {
+        let (before, time, index) = (step_run.attempts.solves, self.state.time, step_run.index);
+        let mut tell = |count| recorder.progress(index, time, before + count);
+        let (load_end, part) = if loads {
+            let end = request.increment.end();
+            (step_run.branch.of.factor(end), step_run.part(&request))
+        } else {
+            (step_run.load, 0.0)
+        };
+        let steers = step_run.step.procedure == Procedure::DisplacementControl;
+        let control = step_run.path.control.as_ref().filter(|_| steers);
+        step_run.newton.converge(&mut Problem {
+            system: &mut self.system,
+            state: &self.state,
+            trial: &mut self.trial,
+            attempt: Attempt {
+                increment: request.increment,
+                load: step_run.load,
+                load_end,
+                repeat: true,
+                advance: control.map_or(Advance::Load, |control| control.along(part)),
+            },
+            solves: Solves::new(&mut tell),
+        })
+    }
+}
+
+/// κ, the factor on the stiffness of the dashpots, through a relaxation.
+struct Softening {
+    /// κ [-].
+    factor: f64,
+    /// Number of the next sub-increments in which κ does not fall quickly.
+    slowly: usize,
+    /// Root mean square of the dashpot forces in the last sub-increment, over the mean nodal force.
+    last_force: f64,
+}
+
+impl Default for Softening {
+    fn default() -> Self {
+        Self {
+            factor: FIRST,
+            slowly: 0,
+            last_force: f64::INFINITY,
+        }
+    }
+}
+
+impl Softening {
+    /// Raises κ after a sub-increment that failed; none if it is too large already.
+    fn stiffen(&mut self) -> Option<()> {
+        self.factor *= STIFFER;
+        self.slowly = CAUTIOUS;
+        (self.factor <= STIFFEST).then_some(())
+    }
+
+    /// Lowers κ after a sub-increment of so many solves, with this root mean square of the dashpot forces.
+    fn soften(&mut self, solves: usize, force: f64) {
+        self.slowly = self.slowly.saturating_sub(1);
+        let falls = force < FALLS * self.last_force;
+        self.last_force = force;
+        if solves <= EASY && self.slowly == 0 && falls {
+            self.factor *= QUICKLY;
+        } else if solves <= FAIR && (falls || solves <= AT_ONCE) {
+            self.factor *= SLOWLY;
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::acceptance::{growth, resolving};
+use super::acceptance::growth;
 use super::counts::{Snaps, Swings};
 use super::energy_watch::EnergyWatch;
 use super::fallback::Fallback;
@@ -17,13 +17,13 @@ use crate::solve::Recorder;
 use crate::solve::dynamics::collapse::LastEquilibrium;
 use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::increment::outcome::{Attempt, Outcome, Report, Solves};
+use crate::solve::increment::outcome::{Attempt, Outcome, Problem, Report, Solves};
 use crate::solve::restart::checkpoint::CheckpointError;
 use crate::solve::restart::fingerprint::Fingerprint;
-use crate::state::Clock;
 use crate::state::Method;
 use crate::state::QUIET;
 use crate::state::State;
+use crate::state::{Clock, Energies, HistoryRow};
 use crate::state::{Status, Summary};
 
 /// Error of a run that could not start or could not be recorded.
@@ -179,11 +179,11 @@ impl<'m> Run<'m> {
             let index = step_run.index;
             let part = step_run.part(&request);
             let mut tell = |count| recorder.progress(index, time, before + count);
-            let outcome = step_run.newton.converge(
-                &mut self.system,
-                &self.state,
-                &mut self.trial,
-                Attempt {
+            let outcome = step_run.newton.converge(&mut Problem {
+                system: &mut self.system,
+                state: &self.state,
+                trial: &mut self.trial,
+                attempt: Attempt {
                     increment: request.increment,
                     load: step_run.load,
                     load_end: step_run.branch.of.factor(request.increment.end()),
@@ -194,8 +194,8 @@ impl<'m> Run<'m> {
                         part,
                     ),
                 },
-                Solves::new(&mut tell),
-            );
+                solves: Solves::new(&mut tell),
+            });
             let go_on = match outcome {
                 Outcome::Converged(report)
                     if self.try_as_shock(&mut step_run, request)
@@ -285,85 +285,27 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
         let solves = step_run.attempts.solves + report.iterations;
-        let size = request.increment.size;
         let added = report.load_factor - step_run.load;
         let before = self.state.energies;
         if let Some(motion) = step_run.newton.motion() {
             motion.end_shock();
         }
+        let size = request.increment.size;
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
-        let (index, cuts) = (step_run.index, step_run.attempts.cutbacks);
-        let row = self.row(
-            index,
-            request.method,
-            report,
-            request.increment.end(),
-            solves,
-            cuts,
-        );
-        self.energy_watch.add(&row);
-        match request.method {
-            // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
-            Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
-                self.swings.add(&row);
-            }
-            Method::Implex if step_run.step.procedure == Procedure::Auto => self.snaps.add(&row),
-            Method::QuasiStatic => self.mark_fallen(),
-            _ => {}
-        }
+        let row = self.row(step_run, request, report, solves);
+        self.count(step_run, request.method, &row);
         let collapsed = self.collapses(step_run, request.method, before.kinetic);
         let growth = growth(request, report, step_run.fallback.floor());
-        if request.method.follows_path() {
-            step_run
-                .schedule
-                .reach(step_run.branch.of.time(step_run.load));
-        } else if request.method == Method::QuasiStatic
-            && step_run.step.procedure == Procedure::Auto
-        {
-            let hurry = self.state.energies.kinetic / before.kinetic;
-            step_run
-                .schedule
-                .accept(request.increment, growth.min(resolving(hurry)));
-        } else {
-            step_run.schedule.accept(request.increment, growth);
-        }
+        step_run.choose_size(
+            request,
+            growth,
+            self.state.energies.kinetic / before.kinetic,
+        );
         self.free_damage(step_run);
-        step_run.snap.relaxations = if request.method == Method::Relaxation {
-            step_run.snap.relaxations + 1
-        } else {
-            0
-        };
-        if let Some(size) = step_run.snap.resumes_at.take() {
-            // Motion in pseudo-time does not predict the next increment.
-            step_run.schedule.resume(size);
-            step_run.path.measure.forget();
-            step_run.peak.forget();
-            self.state.last = None;
-        } else if let Some(measure) = step_run.measured_by() {
-            let share = self.state.energies.dissipated_share(&before);
-            let dissipates = measure == Method::ArcLength || share > SHARE;
-            let (system, trial) = (&self.system, &self.trial);
-            if !dissipates
-                || !step_run
-                    .path
-                    .measure
-                    .learn(measure, system, trial, &dq, (size, added), growth)
-            {
-                step_run.path.measure.forget();
-            }
-        }
-        let seen = self.watched(step_run.index);
-        let carried =
-            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
+        self.measure_path(step_run, request, (&dq, added), growth, &before);
         let moves = self.state.energies.moves_on(&before);
-        let swings = carried && moves;
-        let why = step_run
-            .watch
-            .as_mut()
-            .and_then(|watch| watch.take(seen, swings));
-        step_run.see(seen[1]);
-        step_run.resolve_peak();
+        let why = self.watch(step_run, request, moves);
         let whole = step_run.is_whole();
         let end = whole || why.is_some() || collapsed;
         if let (Some(why), false) = (&why, whole) {
@@ -372,46 +314,13 @@ impl<'m> Run<'m> {
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        (step_run.attempts.cutbacks, step_run.attempts.solves) = (0, 0);
-        (step_run.attempts.rejections, step_run.snap.relaxes_below) = (0, f64::INFINITY);
-        (
-            step_run.repeat,
-            step_run.path.end_rejected,
-            step_run.attempts.tried,
-        ) = (true, false, None);
-        let done = step_run.schedule.done();
-        if request.method == Method::Static
-            || step_run.snap.beyond.is_some_and(|beyond| beyond <= done)
-        {
-            step_run.snap.beyond = None;
-        }
-        let sense = step_run.sense();
-        let forth = (sense * added, sense * step_run.load);
-        if step_run
-            .fallback
-            .take_first_again(report, moves, forth.0, forth.1)
-        {
-            if request.method.has_inertia() {
-                self.bring_to_rest();
-                // The last increment does not predict the next one, but its motion may continue.
-                self.state.moved = self.state.last.take();
-            }
-            if request.method.follows_path() {
-                // Increments along the path may be of another size than those of the load.
-                let pace = forth.0 / step_run.branch.of.slope().abs();
-                step_run
-                    .schedule
-                    .resume(pace.max(step_run.fallback.floor()));
-                self.state.last = None;
-            }
-            self.adopt(step_run);
-            let why = format!("{} has passed the trouble", request.method.name());
-            self.note(step_run, &why, recorder);
-        }
-        let mut keeps_symmetry = true;
+        step_run.begin_attempts(request.method);
+        let forth = step_run.sense() * added;
+        self.return_to_first(step_run, request, report, (moves, forth), recorder);
         if collapsed {
             self.report_collapse(step_run, recorder);
         }
+        let mut keeps_symmetry = true;
         if !end && step_run.is_at_row() {
             keeps_symmetry = self.keeps_symmetry(step_run, recorder);
             self.turn(step_run);
@@ -425,6 +334,97 @@ impl<'m> Run<'m> {
             "stopped by the user".clone_into(&mut self.summary.message);
         }
         Ok(keep && keeps_symmetry && !collapsed)
+    }
+
+    /// Counts what the row says of the quality of the increment.
+    fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) {
+        self.energy_watch.add(row);
+        match method {
+            // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
+            Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
+                self.swings.add(row);
+            }
+            Method::Implex if step_run.step.procedure == Procedure::Auto => self.snaps.add(row),
+            Method::QuasiStatic => self.mark_fallen(),
+            _ => {}
+        }
+    }
+
+    /// Measures the path by the committed increment: its change `dq` of the displacements [mm] `[slot]` and `added`
+    /// of the load factor. `before`: energies before it.
+    fn measure_path(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        (dq, added): (&[f64], f64),
+        growth: f64,
+        before: &Energies,
+    ) {
+        if let Some(size) = step_run.snap.resumes_at.take() {
+            // Motion in pseudo-time does not predict the next increment.
+            step_run.schedule.resume(size);
+            step_run.path.measure.forget();
+            step_run.peak.forget();
+            self.state.last = None;
+        } else if let Some(measure) = step_run.measured_by() {
+            let share = self.state.energies.dissipated_share(before);
+            let dissipates = measure == Method::ArcLength || share > SHARE;
+            let (system, trial, size) = (&self.system, &self.trial, request.increment.size);
+            let path = &mut step_run.path.measure;
+            if !dissipates || !path.learn(measure, system, trial, dq, (size, added), growth) {
+                path.forget();
+            }
+        }
+    }
+
+    /// Watches stop conditions and peaks. Returns why the step stops, if it does. `moves`: whether the structure
+    /// still moves.
+    fn watch(
+        &mut self,
+        step_run: &mut StepRun,
+        request: IncrementRequest,
+        moves: bool,
+    ) -> Option<String> {
+        let seen = self.watched(step_run.index);
+        let carried =
+            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
+        let watch = step_run.watch.as_mut();
+        let why = watch.and_then(|watch| watch.take(seen, carried && moves));
+        step_run.see(seen[1]);
+        step_run.resolve_peak();
+        why
+    }
+
+    /// Returns to the first method of the step where the trouble is passed. `moves`: whether the structure still
+    /// moves; `forth`: load factor added in the sense of the branch.
+    fn return_to_first(
+        &mut self,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        report: Report,
+        (moves, forth): (bool, f64),
+        recorder: &mut dyn Recorder,
+    ) {
+        let load = step_run.sense() * step_run.load;
+        let fallback = &mut step_run.fallback;
+        if !fallback.take_first_again(report, moves, forth, load) {
+            return;
+        }
+        if request.method.has_inertia() {
+            self.bring_to_rest();
+            // The last increment does not predict the next one, but its motion may continue.
+            self.state.moved = self.state.last.take();
+        }
+        if request.method.follows_path() {
+            // Increments along the path may be of another size than those of the load.
+            let pace = forth / step_run.branch.of.slope().abs();
+            let floor = step_run.fallback.floor();
+            step_run.schedule.resume(pace.max(floor));
+            self.state.last = None;
+        }
+        self.adopt(step_run);
+        let why = format!("{} has passed the trouble", request.method.name());
+        self.note(step_run, &why, recorder);
     }
 
     /// Continues along the next branch of the amplitude.

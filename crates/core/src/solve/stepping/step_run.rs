@@ -1,5 +1,6 @@
 //! One step in progress: chooses the next increment and its method.
 
+use super::acceptance::resolving;
 use super::explain::progress;
 use super::fallback::Fallback;
 use super::history_row::drives;
@@ -225,6 +226,39 @@ impl<'m> StepRun<'m> {
     /// Whether the last increment reached the end of its branch of the amplitude.
     pub(in crate::solve) fn is_at_row(&self) -> bool {
         self.schedule.next().is_none()
+    }
+
+    /// Chooses the size of the next increment. `growth`: factor by the solves of the last one; `hurry`: growth of
+    /// the kinetic energy in it.
+    pub(in crate::solve) fn choose_size(
+        &mut self,
+        request: IncrementRequest,
+        growth: f64,
+        hurry: f64,
+    ) {
+        if request.method.follows_path() {
+            self.schedule.reach(self.branch.of.time(self.load));
+        } else if request.method == Method::QuasiStatic && self.step.procedure == Procedure::Auto {
+            let growth = growth.min(resolving(hurry));
+            self.schedule.accept(request.increment, growth);
+        } else {
+            self.schedule.accept(request.increment, growth);
+        }
+        self.snap.relaxations = match request.method {
+            Method::Relaxation => self.snap.relaxations + 1,
+            _ => 0,
+        };
+    }
+
+    /// Begins the attempts at the next increment after one by `method`.
+    pub(in crate::solve) fn begin_attempts(&mut self, method: Method) {
+        self.attempts = Attempts::default();
+        self.snap.relaxes_below = f64::INFINITY;
+        (self.repeat, self.path.end_rejected) = (true, false);
+        let done = self.schedule.done();
+        if method == Method::Static || self.snap.beyond.is_some_and(|beyond| beyond <= done) {
+            self.snap.beyond = None;
+        }
     }
 
     /// Whether the step is complete.
