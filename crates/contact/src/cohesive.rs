@@ -36,6 +36,10 @@ impl CohesiveFrictional {
 
     /// D for the largest opening and slip of this step; `wholes` are kept from call to call.
     #[inline]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "each rule of coupling is a block of formulas over the same locals, inlined in the hot loop"
+    )]
     pub(crate) fn damage(
         &self,
         opening_max: f64,

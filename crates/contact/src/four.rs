@@ -69,6 +69,10 @@ impl FourSeen {
     /// Sees four points, with weights `slave_weights` `[corner]` of the slave corners `slave` [mm] relative to the same
     /// origin as the master corners.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one pass over registers of four lanes, inlined in the hot loop"
+    )]
     pub fn new(slave: &[[f64; 3]; 4], slave_weights: &[Lanes; 4], placed: &FourPlaced) -> Self {
         let quarter = Lanes::splat(0.25);
         let one = Lanes::splat(1.0);

@@ -59,6 +59,10 @@ impl CohesiveFrictional {
     }
 
     /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a scalar equation of its own coefficients, solved in the hot loop"
+    )]
     pub(crate) fn return_slip(
         &self,
         size: f64,

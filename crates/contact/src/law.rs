@@ -106,6 +106,10 @@ impl InterfaceResponse {
     /// count as open beyond `opens_at` [mm] and whose elastic stiffness is `[k_n, k_s]` [N/mm³].
     ///
     /// The dissipation is that of the trapezoidal rule, ½ (t_n + t_{n+1})·Δp: with it the balance of energy closes.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each argument is another input of the record that a law returns"
+    )]
     pub fn new(
         old: &InterfaceHistory,
         gap: [f64; 3],
@@ -221,6 +225,10 @@ impl CohesiveFrictional {
 
     /// One implicit step: traction, consistent tangent and new history at the total gap
     /// `[u, δ₁, δ₂]` [mm], u positive when open.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the formulas of one implicit step and its consistent tangent"
+    )]
     pub fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse {
         let u = gap[0];
         let slip = Vector2::new(gap[1], gap[2]);
@@ -324,6 +332,10 @@ impl CohesiveFrictional {
 
     /// Completes a response: status and energies.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the parts of a response, joined in the hot loop"
+    )]
     pub(crate) fn respond(
         &self,
         sigma: f64,

@@ -109,6 +109,10 @@ impl InterfaceResponse {
 impl CohesiveFrictional {
     /// One iterate of the shifted law at the total gap `[u, δ₁, δ₂]` [mm].
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one fixed point with its locals, inlined in the hot loop"
+    )]
     pub fn update_shifted(
         &self,
         gap: [f64; 3],

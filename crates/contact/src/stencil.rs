@@ -151,6 +151,10 @@ impl Kinematics {
 
     /// Adds the exact stiffness ∂f/∂x `[a][b][i][j]` [N/mm], with the turning of the frame and the
     /// wandering of the foot.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the formula of the exact stiffness, term by term"
+    )]
     pub fn add_exact_stiffness(
         &self,
         traction: &[f64; 3],

@@ -236,6 +236,11 @@ impl System {
     ///
     /// # Errors
     /// Number of the element and the reason, if a law found no solution.
+    #[expect(
+        clippy::too_many_lines,
+        clippy::too_many_arguments,
+        reason = "the assembly of all parts of a scene, in their order"
+    )]
     pub fn evaluate(
         &mut self,
         model: &Model,

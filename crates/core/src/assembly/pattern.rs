@@ -56,6 +56,10 @@ pub struct Gather {
 impl Gather {
     /// Builds the pattern of `cells`, which have eight nodes each and are structurally symmetric. For a symmetric
     /// matrix the blocks above the diagonal stay zero, because the solver does not read them.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one pass over the sorted pairs fills blocks and sources"
+    )]
     pub fn new(cells: &[[u32; 8]], dofs: &DofMap, equations: &Equations, kind: Kind) -> Self {
         let n = equations.len();
         let symmetric = kind == Kind::Symmetric;
@@ -72,23 +76,7 @@ impl Gather {
         for (p, &node) in order.iter().enumerate() {
             place[node as usize] = p as u32;
         }
-        // Places (column, row) and the cell blocks that contribute to them, in cell order.
-        let mut pairs: Vec<(u64, u32)> = Vec::with_capacity(cells.len() * 64);
-        for (c, cell) in cells.iter().enumerate() {
-            let places = cell.map(|node| place[node as usize]);
-            for block in 0..64 {
-                let (a, b) = if symmetric {
-                    (block % 8, block / 8)
-                } else {
-                    (block / 8, block % 8)
-                };
-                let (row, col) = (places[a], places[b]);
-                if col != NONE && row != NONE {
-                    let pair = u64::from(col) << 32 | u64::from(row);
-                    pairs.push((pair, (c * 64 + block) as u32));
-                }
-            }
-        }
+        let pairs = block_pairs(cells, &place, symmetric);
         let pairs = sorted(pairs, order.len());
         let nodes_of = |pair: u64| (order[(pair >> 32) as usize], order[pair as u32 as usize]);
 
@@ -145,17 +133,7 @@ impl Gather {
             }
         }
         let mut chunks = chunk(&blocks, &columns, &rank, &col_ptr, dofs, equations);
-        let mut met = vec![usize::MAX; cells.len()];
-        for (k, chunk) in chunks.iter_mut().enumerate() {
-            let all = blocks[chunk.blocks.clone()].iter();
-            for source in all.flat_map(|b| &sources[b.start as usize..b.end as usize]) {
-                let cell = *source as usize / 64;
-                if met[cell] != k {
-                    met[cell] = k;
-                    chunk.cells.push(cell as u32);
-                }
-            }
-        }
+        list_cells(&mut chunks, &blocks, &sources, cells.len());
         Self {
             n,
             col_ptr,
@@ -357,4 +335,40 @@ fn chunk(
         }
     }
     chunks
+}
+
+/// Places (column, row) and the cell blocks that contribute to them, in cell order.
+fn block_pairs(cells: &[[u32; 8]], place: &[u32], symmetric: bool) -> Vec<(u64, u32)> {
+    let mut pairs: Vec<(u64, u32)> = Vec::with_capacity(cells.len() * 64);
+    for (c, cell) in cells.iter().enumerate() {
+        let places = cell.map(|node| place[node as usize]);
+        for block in 0..64 {
+            let (a, b) = if symmetric {
+                (block % 8, block / 8)
+            } else {
+                (block / 8, block % 8)
+            };
+            let (row, col) = (places[a], places[b]);
+            if col != NONE && row != NONE {
+                let pair = u64::from(col) << 32 | u64::from(row);
+                pairs.push((pair, (c * 64 + block) as u32));
+            }
+        }
+    }
+    pairs
+}
+
+/// Lists in each chunk the cells that contribute to it, each once.
+fn list_cells(chunks: &mut [Chunk], blocks: &[Block], sources: &[u32], cells: usize) {
+    let mut met = vec![usize::MAX; cells];
+    for (k, chunk) in chunks.iter_mut().enumerate() {
+        let all = blocks[chunk.blocks.clone()].iter();
+        for source in all.flat_map(|b| &sources[b.start as usize..b.end as usize]) {
+            let cell = *source as usize / 64;
+            if met[cell] != k {
+                met[cell] = k;
+                chunk.cells.push(cell as u32);
+            }
+        }
+    }
 }

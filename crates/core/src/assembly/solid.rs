@@ -194,6 +194,10 @@ impl OneElement<'_, '_> {
 
     /// Response by the material law. Virgin points that stay elastic are treated together.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the points of an element share their sums; compiled as one loop"
+    )]
     fn by_law(&mut self, frame: &Corotated, mut answers: impl Answers) -> Result<(), LocalFailure> {
         let (shape, law, setting) = (self.shape, self.law, self.setting);
         let strains = shape.strains_by_point(&frame.local);

@@ -217,6 +217,10 @@ impl Web {
 }
 
 /// δt of each point in its frame [MPa], by conjugate gradients preconditioned with the diagonal.
+#[expect(
+    clippy::too_many_lines,
+    reason = "the iteration of one least-squares problem"
+)]
 fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
     let web = Web::new(points, dofs);
     let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| -> f64 {

@@ -123,6 +123,10 @@ impl ElementShape {
     ///
     /// # Errors
     /// [`ShapeError`] if it is inverted somewhere.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the precomputed tables of an element, one after the other"
+    )]
     pub fn new(
         corners: &[[f64; 3]; 8],
         formulation: Formulation,

@@ -34,6 +34,10 @@ pub(super) struct Assembly {
 
 impl Assembly {
     /// Prepares the fronts of a tree for symmetric or unsymmetric values.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the places of all blocks in one pass"
+    )]
     pub fn new(pattern: &Pattern, tree: &Tree, kind: Kind) -> Result<Self, LinearError> {
         let n = pattern.n();
         let mut position = vec![0u32; n];

@@ -226,6 +226,10 @@ where
 /// − k)), and S = −L₂₁ U₁₂ in `schur`. Row `pivots[i]` became row i.
 ///
 /// The caller must check for vanishing pivots: their columns then contain numbers that are not finite.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a dense kernel: sizes, strides and slices"
+)]
 pub(super) fn lu<T: Number>(
     columns: &mut [T],
     rest: &mut [T],

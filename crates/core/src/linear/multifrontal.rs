@@ -281,6 +281,10 @@ impl Plan {
     }
 
     /// Assembles and eliminates front `s`.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one front: assembled, factorised and passed on"
+    )]
     fn eliminate<T: Number>(
         &self,
         s: usize,

@@ -128,6 +128,10 @@ fn step<T: Number, S: Simd, const W: usize>(
 
 /// Rows i.. of W columns: subtracts the contributions of the columns before, then solves with the diagonal block.
 #[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a dense kernel: sizes, strides and slices"
+)]
 fn below<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
     done: &[T],
@@ -323,6 +327,10 @@ fn strip<T: Number, S: Simd, const W: usize>(
 
 /// One tile of −L₂₁ L₂₁ᵀ.
 #[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a dense kernel: sizes, strides and slices"
+)]
 fn product<T: Number, S: Simd, const R: usize, const W: usize>(
     simd: S,
     columns: &[T],

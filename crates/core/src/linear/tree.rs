@@ -50,6 +50,10 @@ fn cost(m: usize, k: usize) -> f64 {
 impl Tree {
     /// Analyses a pattern whose groups are eliminated in this order, `[position] → group`, up to the change of
     /// order that makes it a postorder.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the steps of the symbolic analysis in their order"
+    )]
     pub fn new(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Result<Self, LinearError> {
         let n = graph.len();
         if n == 0 {

@@ -152,6 +152,10 @@ impl DamagePlasticity {
 
     /// [`Self::update`], with the tangent where it is wanted.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the formulas of one implicit step and its consistent tangent"
+    )]
     pub(super) fn step(
         &self,
         strain: &Vector6<f64>,

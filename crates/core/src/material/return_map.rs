@@ -192,6 +192,10 @@ impl DamagePlasticity {
     }
 
     #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the quantities that define a point on the yield surface"
+    )]
     fn state(&self, trial: &TrialStress, lambda: f64, q: f64, a: f64, eta: f64, phi: f64) -> Point {
         let mean = trial.mean - self.bulk * self.dilation * lambda;
         let s = &trial.s;

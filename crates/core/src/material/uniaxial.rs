@@ -277,24 +277,7 @@ impl Curve {
                 });
             }
         }
-        let mut segments: Vec<Segment> = nodes
-            .windows(2)
-            .map(|pair| {
-                let (from, to) = (pair[0], pair[1]);
-                let width = to.kappa - from.kappa;
-                Segment {
-                    from,
-                    stress_slope: (to.stress - from.stress) / width,
-                    effective_slope: (to.effective - from.effective) / width,
-                }
-            })
-            .collect();
-        let level = |from: &Node| Segment {
-            from: *from,
-            stress_slope: 0.0,
-            effective_slope: 0.0,
-        };
-        segments.extend(nodes.last().map(level));
+        let segments = segments(&nodes);
         Ok((Self { nodes, segments }, warnings))
     }
 
@@ -351,10 +334,35 @@ impl Curve {
     }
 }
 
+/// Segments between the nodes, and a level one behind the last.
+fn segments(nodes: &[Node]) -> Vec<Segment> {
+    let mut segments: Vec<Segment> = (nodes.windows(2))
+        .map(|pair| {
+            let (from, to) = (pair[0], pair[1]);
+            let width = to.kappa - from.kappa;
+            Segment {
+                from,
+                stress_slope: (to.stress - from.stress) / width,
+                effective_slope: (to.effective - from.effective) / width,
+            }
+        })
+        .collect();
+    segments.extend(nodes.last().map(|from| Segment {
+        from: *from,
+        stress_slope: 0.0,
+        effective_slope: 0.0,
+    }));
+    segments
+}
+
 /// Ranges of a table, whatever the element.
 ///
 /// # Errors
 /// [`TableError`], naming the row.
+#[expect(
+    clippy::too_many_lines,
+    reason = "one check after the other, each with its error"
+)]
 pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
     if rows.len() < 2 {
         return Err(TableError::TooShort { branch });

@@ -57,6 +57,10 @@ struct Group<'a> {
 impl Contact {
     /// Evaluates forces, and stiffness where the setting asks for it, of every pair. Contact cells follow those of
     /// the elements.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one list of the arrays that are divided into groups"
+    )]
     pub fn evaluate(
         &self,
         model: &Model,
@@ -192,6 +196,10 @@ impl Contact {
 
     /// Kinematics of a point, from the four computed together or alone. None without a foot or a cell.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "inlined in the hot loop; a struct of references would be built for each point"
+    )]
     fn sight(
         &self,
         at: usize,
@@ -239,6 +247,10 @@ impl pulp::WithSimd for Work<'_, '_> {
 
 /// Evaluates facet `k` of a group.
 #[inline(always)]
+#[expect(
+    clippy::too_many_lines,
+    reason = "the four points of a facet share their arrays; compiled as one loop for each vector width"
+)]
 fn facet<S: Simd, L: JointLaw + ?Sized>(
     simd: S,
     seen: &Seen,
@@ -396,14 +408,25 @@ fn facet<S: Simd, L: JointLaw + ?Sized>(
         group.joints[k] = joint;
         changed.fill(true);
     }
-    for first in 0..count {
+    write_cells(simd, &parts[..count], active, cells);
+}
+
+/// Sums the stiffness of the points of each cell into it, and marks these cells.
+#[inline(always)]
+fn write_cells<S: Simd>(
+    simd: S,
+    parts: &[(usize, Symmetric)],
+    active: &mut [bool],
+    cells: &mut [f64],
+) {
+    for first in 0..parts.len() {
         let cell = parts[first].0;
         if active[cell] {
             continue;
         }
         active[cell] = true;
         let (mut together, mut n) = ([Symmetric::default(); 4], 0);
-        for (_, part) in parts[first..count].iter().filter(|(c, _)| *c == cell) {
+        for (_, part) in parts[first..].iter().filter(|(c, _)| *c == cell) {
             together[n] = *part;
             n += 1;
         }

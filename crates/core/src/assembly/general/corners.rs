@@ -248,6 +248,10 @@ impl General {
     }
 
     /// Depth and touch of a corner that has reached a facet or is close to it.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one decision over the place of a corner"
+    )]
     fn met(
         &self,
         watch: &Watch,

@@ -104,6 +104,10 @@ impl General {
     }
 
     /// Touch of two edges that have crossed or are close to it.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one decision over the place of a crossing"
+    )]
     fn crossed(
         &self,
         [a, b]: [u32; 2],

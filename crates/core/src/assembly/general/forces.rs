@@ -28,6 +28,10 @@ struct Softness {
 impl General {
     /// Evaluates forces, and stiffness where the setting asks for it, of all touches. Their cells begin at
     /// `first_cell`.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "evaluates the touches, then sums them cell by cell"
+    )]
     pub fn evaluate(&self, trial: &mut Trial, setting: Evaluation, first_cell: usize) {
         if self.cells.is_empty() {
             return;

@@ -251,6 +251,10 @@ impl Live {
     }
 
     /// Gap and slip at positions `x` [mm] `[node]`.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the cases of a touch in the order of their precedence"
+    )]
     pub(super) fn see(&self, of: &General, x: &[[f64; 3]]) -> Option<Sight> {
         let Touch {
             kind,

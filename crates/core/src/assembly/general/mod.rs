@@ -82,6 +82,10 @@ pub struct General {
 
 impl General {
     /// Prepares the boundary facets of a model. Empty for a model without general contact.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one table of the boundary facets after the other"
+    )]
     pub fn new(model: &Model, mass: &Mass) -> Self {
         let Some(of) = &model.contact.general else {
             return Self::default();

@@ -291,7 +291,7 @@ impl<'m> Newton<'m> {
         let mut on_path = iteration > 0 || at.attempt.advance == Advance::Load;
         loop {
             timed(&mut self.clock.contact, || {
-                at.system.search(at.trial, &self.q)
+                at.system.search(at.trial, &self.q);
             });
             if solids == Solids::Secant && at.attempt.repeat {
                 setting.solids = if iteration < SOFTENED && !misled {

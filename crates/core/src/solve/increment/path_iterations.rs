@@ -69,10 +69,6 @@ impl Newton<'_> {
 
     /// q ← q + η (d₁ + δλ d₂), λ ← λ + η δλ; leaves the forces there in `trial`. `force`: −∂r/∂λ [N] `[equation]`;
     /// `searches`: whether a line search finds η, else η = 1.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the increment, and how it is evaluated"
-    )]
     pub(in crate::solve) fn follow(
         &mut self,
         at: &mut Problem<'_>,

@@ -91,7 +91,7 @@ impl Newton<'_> {
         let target = std::mem::replace(&mut self.q, at.state.q.clone());
         self.anchor(at.state);
         timed(&mut self.clock.contact, || {
-            at.system.search(at.trial, &self.q)
+            at.system.search(at.trial, &self.q);
         });
         // At the start of a step the direction of slip is unknown, because a drive may reverse.
         at.trial.shift.sticks = at.state.last.is_none();
@@ -127,7 +127,7 @@ impl Newton<'_> {
             // Weight, or another load, closes joints that were without pressure. They need the pressure of this
             // start: without it they would have no friction in the next iterate.
             timed(&mut self.clock.contact, || {
-                at.system.search(at.trial, &self.q)
+                at.system.search(at.trial, &self.q);
             });
             let start = Evaluation {
                 tangent: false,

@@ -26,10 +26,6 @@ impl Newton<'_> {
     ///
     /// # Errors
     /// A local failure of a law where it succeeded before.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the increment, and how it is evaluated"
-    )]
     pub(in crate::solve) fn settle(
         &mut self,
         at: &mut Problem<'_>,

@@ -167,6 +167,10 @@ impl Run<'_> {
     /// Displacement [mm] of the load that the history shows, and force along its direction [N]; none without loads.
     /// Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
     /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "force and displacement of a load share its weights"
+    )]
     fn loaded(&self, step: usize) -> Option<[f64; 2]> {
         let (model, state) = (self.model, &self.state);
         let told = shown_load(model, step)?;

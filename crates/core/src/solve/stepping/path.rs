@@ -128,6 +128,7 @@ impl PathMeasure {
     /// Takes the increment that ends at `trial`, with its displacements `dq` [mm] `[slot]`, its size and its change
     /// of the load factor, as measure for the next increment of `method`, which is `growth` times as long. Returns
     /// false if the increment dissipated nothing and so does not measure a dissipation.
+    #[expect(clippy::too_many_arguments, reason = "an increment and its measures")]
     pub fn learn(
         &mut self,
         method: Method,
