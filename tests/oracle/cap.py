@@ -36,6 +36,8 @@ ON_SURFACE = 1e-9
 ROUNDING = 1e-9
 #: A traction that is zero but for its sign [MPa].
 SMALLEST = 1e-300
+#: -ln(1 - D) of D = 1: its exponential is 0.
+BROKEN = 1e3
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,11 @@ class CapJoint:
     tan_psi: float = 0.0
     sigma_u: float = math.inf
     delta: float = 0.0
+
+    @property
+    def dry(self) -> bool:
+        """Whether there is no bond; then D = 1."""
+        return self.f_t == 0.0 and self.c == 0.0
 
     @cached_property
     def strengths(self) -> tuple[float, float, float]:
@@ -282,6 +289,7 @@ class _Point:
 def drive(joint: CapJoint, path: Floats) -> Curves:
     """Takes a virgin point along a path of u and two slips [mm], shape (rows, 3), straight between rows."""
     point = _Point(Law(joint))
+    point.y[LOSS] = BROKEN if joint.dry else 0.0
     rows = len(path)
     answer = Curves(np.zeros((rows, 3)), np.zeros((rows, 6)), np.zeros(rows))
     last = np.zeros(3)

@@ -164,11 +164,6 @@ class Curves:
     drift: float = 0.0
 
 
-def _slope(degrees: float) -> float:
-    sine = math.sin(math.radians(degrees))
-    return 6.0 * sine / (3.0 - sine)
-
-
 @dataclass
 class _Point:
     """A point on its way. Stresses in MPa; strains and equivalent plastic strains are multiplied by E."""

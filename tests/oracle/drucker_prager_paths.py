@@ -14,6 +14,8 @@ TUFF = DruckerPrager(2000.0, 0.2, 1.2, 35.0, 10.0, 0.4, G_I=0.03, length=50.0)
 PERFECT = replace(TUFF, psi=35.0, G_I=math.inf)
 #: An invented rock that softens in tension and in compression.
 ROCK = DruckerPrager(20000.0, 0.25, 5.0, 40.0, 20.0, 2.0, G_I=0.08, G_c=8.0, length=30.0)
+#: An invented soil.
+SOIL = DruckerPrager(60.0, 0.2, 0.05, 25.0, 5.0, 0.02, G_I=0.002, G_c=0.2, length=20.0)
 
 DRUCKER_PRAGER_CASES = [
     MaterialCase(
@@ -30,7 +32,7 @@ DRUCKER_PRAGER_CASES = [
         "dp_rock_uniax_cyclic",
         "uniaxial compression, tension, compression: both fracture energies",
         ROCK,
-        axial(24, [-0.006, 0.001, -0.012]),
+        axial(24, [-0.006, 0.001, -0.009]),
         UNIAXIAL,
     ),
     MaterialCase(
@@ -48,10 +50,10 @@ DRUCKER_PRAGER_CASES = [
         UNIAXIAL,
     ),
     MaterialCase(
-        "dp_rock_oedometric",
+        "dp_soil_oedometric",
         "confined compression without lateral strain, with an unloading",
-        ROCK,
-        axial(20, [-0.004, 0.001, -0.008]),
+        SOIL,
+        axial(20, [-0.02, -0.01, -0.04]),
     ),
     MaterialCase(
         "dp_tuff_biax_tension",

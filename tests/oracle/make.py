@@ -13,12 +13,12 @@ from pathlib import Path
 from cap_paths import CAP_CASES
 from drucker_prager_paths import DRUCKER_PRAGER_CASES
 from golden import FOLDER, text
-from paths import JOINT_CASES, MATERIAL_CASES
+from paths import JOINT_CASES, MATERIAL_CASES, JointCase, MaterialCase
 
 
 def main() -> None:
     """Runs the command."""
-    every = [*MATERIAL_CASES, *DRUCKER_PRAGER_CASES, *JOINT_CASES, *CAP_CASES]
+    every: list[MaterialCase | JointCase] = [*MATERIAL_CASES, *DRUCKER_PRAGER_CASES, *JOINT_CASES, *CAP_CASES]
     cases = {case.name: case for case in every}
     parser = argparse.ArgumentParser(description="Writes the golden curves of the oracle.")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"some of: {', '.join(cases)}")

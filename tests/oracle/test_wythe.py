@@ -29,7 +29,7 @@ from tables import Floats
 #: Implicit steps to a row, and twice as many.
 STEPS = 500
 #: Paths on which one implicit step a row has the stresses and the damage of the rates: the ratios of the effective
-#: principal stresses do not change while the material yields; the slip is straight.
+#: principal stresses do not change while the material yields; the slip is straight, at a constant pressure.
 ONE_STEP = {
     "cdp_mortar850_eff1_uniax_compression",
     "cdp_mortar2300_eff1_cyclic",
@@ -46,6 +46,12 @@ ONE_STEP = {
     "itf_T1_sheared_then_opened",
     "itf_T1_shear_cyclic_varying_pressure",
     "itf_T3_shear_cyclic_open",
+    "dp_tuff_uniax_cyclic",
+    "dp_rock_uniax_tension",
+    "dp_rock_uniax_cyclic",
+    "dp_perfect_confined",
+    "cap_plain_open_and_crush",
+    "cap_plain_shear_cyclic",
 }
 
 
@@ -148,10 +154,18 @@ def test_joints_follow_the_golden_curves(case: JointCase) -> None:
 @pytest.mark.parametrize("case", DRUCKER_PRAGER_CASES, ids=lambda case: case.name)
 def test_cones_follow_the_golden_curves(case: MaterialCase) -> None:
     golden = material_columns(read(FOLDER / f"{case.name}.csv"), case)
-    compare(case, golden, material_by_wythe, 1e-9, 1e-7)
+    # The curves are accurate to 5e-10 MPa in E times strains. Found: 2.4e-7 MPa of second order, in stresses that reach
+    # 210 MPa.
+    compare(case, golden, material_by_wythe, 1e-9, 5e-7)
+    if case.name in ONE_STEP:
+        # Ten times the largest difference, for processors that round otherwise.
+        assert np.abs(material_by_wythe(case, 1) - golden).max() < 5e-9
 
 
 @pytest.mark.parametrize("case", CAP_CASES, ids=lambda case: case.name)
 def test_joints_with_a_cap_follow_the_golden_curves(case: JointCase) -> None:
     golden = columns(read(FOLDER / f"{case.name}.csv"), [*TRACTIONS, "D"])
-    compare(case, golden, joint_by_wythe, 1e-9, 1e-7)
+    # The curves are accurate to 6e-12 MPa. Found: 1.6e-7 MPa of second order.
+    compare(case, golden, joint_by_wythe, 1e-10, 5e-7)
+    if case.name in ONE_STEP:
+        assert np.abs(joint_by_wythe(case, 1) - golden).max() < 1e-10
