@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import html
 import io
 import json
 import os
@@ -19,6 +18,7 @@ from wythe._errors import as_path, need, write_text
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
+from wythe._study._text import page
 from wythe._study._worker import MEASURES, folder_name
 
 if TYPE_CHECKING:
@@ -161,19 +161,9 @@ class Study:
 
     def _repr_html_(self) -> str:
         names = self._shown_columns(text=False)
-        cut = len(self._lines) > SHOWN_IN_HTML
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-        body: list[str] = []
-        for line in self._lines[:SHOWN_IN_HTML]:
-            told = (_told(self._cell(line, name)) for name in names)
-            cells = "".join(f"<td>{html.escape(cell)}</td>" for cell in told)
-            body.append(f"<tr>{cells}</tr>")
-        if cut:
-            body.append(f"<tr><td colspan='{len(names)}'>… {len(self) - SHOWN_IN_HTML} more</td></tr>")
-        return (
-            f"<p>{html.escape(self._title())}</p>"
-            f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-        )
+        rows = [[_told(self._cell(line, name)) for name in names] for line in self._lines[:SHOWN_IN_HTML]]
+        more = len(self) - len(rows)
+        return page(self._title(), names, rows, [f"… {more} more"] if more else [])
 
     def _title(self) -> str:
         parts = [f"{number} {status.replace('_', ' ')}" for status, number in self.statuses.items()]
