@@ -66,7 +66,9 @@ DRUCKER_PRAGER_CASES = [
         "dp_tuff_triaxial_tension",
         "equal tensile strains in all directions, with an unloading, then a tension along x: the round vertex",
         TUFF,
-        legs(*((16, strain, strain, strain, 0, 0, 0) for strain in (0.0004, 0.0001, 0.0007)), (24, 0.003, 0, 0, 0, 0, 0)),
+        legs(
+            *((16, strain, strain, strain, 0, 0, 0) for strain in (0.0004, 0.0001, 0.0007)), (24, 0.003, 0, 0, 0, 0, 0)
+        ),
     ),
     MaterialCase(
         "dp_perfect_simple_shear_cyclic",
