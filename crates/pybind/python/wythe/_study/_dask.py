@@ -126,8 +126,9 @@ class Dask:
         # The cluster may have ended already.
         with contextlib.suppress(Exception):
             self._client.unsubscribe_topic(self._topic)
-            if self._tasks:
-                self._client.cancel([task.future for task in self._tasks.values()], force=True)
+            # Ctrl-C may come before a task has its future.
+            if futures := [task.future for task in self._tasks.values() if task.future is not None]:
+                self._client.cancel(futures, force=True)
         if not finished and self._wanted > 0:
             with contextlib.suppress(Exception):
                 _kill(self._own[-1])
