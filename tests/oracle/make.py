@@ -10,13 +10,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from cap_paths import CAP_CASES
+from drucker_prager_paths import DRUCKER_PRAGER_CASES
 from golden import FOLDER, text
-from paths import JOINT_CASES, MATERIAL_CASES
+from paths import JOINT_CASES, MATERIAL_CASES, JointCase, MaterialCase
 
 
 def main() -> None:
     """Runs the command."""
-    cases = {case.name: case for case in [*MATERIAL_CASES, *JOINT_CASES]}
+    every: list[MaterialCase | JointCase] = [*MATERIAL_CASES, *DRUCKER_PRAGER_CASES, *JOINT_CASES, *CAP_CASES]
+    cases = {case.name: case for case in every}
     parser = argparse.ArgumentParser(description="Writes the golden curves of the oracle.")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"some of: {', '.join(cases)}")
     parser.add_argument("--out", type=Path, default=FOLDER, help="folder; tests/data/golden by default")

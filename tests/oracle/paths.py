@@ -1,4 +1,4 @@
-"""The materials, joints and paths of the golden curves that the oracle makes."""
+"""Golden curves of damage plasticity and of the cohesive-frictional joint: materials, joints and paths."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cap import CapJoint
 from damage_plasticity import Material
+from drucker_prager import DruckerPrager
 from joint import Joint
 from tables import Floats
 
@@ -55,7 +57,7 @@ class MaterialCase:
 
     name: str
     says: str
-    material: Material
+    material: Material | DruckerPrager
     #: Strains, or nominal stresses in the columns that `stress` names. Shape (rows, 6).
     path: Floats
     stress: tuple[str, ...] = ()
@@ -69,7 +71,7 @@ class JointCase:
 
     name: str
     says: str
-    joint: Joint
+    joint: Joint | CapJoint
     #: u and two slips [mm]. Shape (rows, 3).
     path: Floats
 

@@ -1,4 +1,4 @@
-"""Where a straight path leaves the elastic domain: shared by both laws."""
+"""Where a straight path leaves the elastic domain: shared by all laws."""
 
 from __future__ import annotations
 

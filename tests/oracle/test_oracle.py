@@ -9,10 +9,11 @@ import pytest
 
 import damage_plasticity_path
 import joint_path
+from cap_paths import CAP_CASES
 from damage_plasticity import Law, invariants, matrix
+from drucker_prager_paths import DRUCKER_PRAGER_CASES
 from golden import (
     FOLDER,
-    GAPS,
     JOINT_STATE,
     STRAINS,
     STRESSES,
@@ -43,6 +44,7 @@ from paths import (
 from tables import curve
 
 EXACT = FOLDER.parent / "exact"
+MATERIALS, JOINTS = [*MATERIAL_CASES, *DRUCKER_PRAGER_CASES], [*JOINT_CASES, *CAP_CASES]
 REFERENCE_MATERIAL, REFERENCE_JOINT = reference_material_cases(), reference_joint_cases()
 
 
@@ -53,31 +55,33 @@ def worst(a: np.ndarray, b: np.ndarray) -> float:
 # ---- The stored curves are those of the oracle --------------------------------------------------------------
 
 
-@pytest.mark.parametrize("case", MATERIAL_CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", MATERIALS, ids=lambda case: case.name)
 def test_material_curves_are_made_again(case: MaterialCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), material_table(case)
     assert list(stored) == list(made)
     # Integration with tolerances ten times smaller moves stresses by 3e-11 MPa at most, damage by 9e-13, strains
-    # and hardening variables by 3e-10 MPa / E. Ten times that for processors that round otherwise.
+    # and hardening variables by 5e-10 MPa / E. Ten times that for processors that round otherwise.
     assert worst(columns(stored, STRESSES), columns(made, STRESSES)) < 3e-10
-    assert worst(columns(stored, ["dt", "dc", "d"]), columns(made, ["dt", "dc", "d"])) < 9e-12
+    damages = [name for name in ("dt", "dc", "d") if name in stored]
+    assert worst(columns(stored, damages), columns(made, damages)) < 9e-12
     strains = [*STRAINS, "kt", "kc"]
-    assert case.material.E * worst(columns(stored, strains), columns(made, strains)) < 3e-9
+    assert case.material.E * worst(columns(stored, strains), columns(made, strains)) < 5e-9
 
 
-@pytest.mark.parametrize("case", JOINT_CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", JOINTS, ids=lambda case: case.name)
 def test_joint_curves_are_made_again(case: JointCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), joint_table(case)
     assert list(stored) == list(made)
-    # Integration with tolerances ten times smaller moves tractions by 5.4e-12 MPa at most, damage and slips by
+    # Integration with tolerances ten times smaller moves tractions by 5.9e-12 MPa at most, damage and slips by
     # 1.5e-12, work by 1.2e-11 N/mm. Ten times that for processors that round otherwise.
-    assert worst(columns(stored, TRACTIONS), columns(made, TRACTIONS)) < 5.4e-11
-    assert worst(columns(stored, GAPS + JOINT_STATE), columns(made, GAPS + JOINT_STATE)) < 1.5e-11
+    assert worst(columns(stored, TRACTIONS), columns(made, TRACTIONS)) < 5.9e-11
+    state = [name for name in stored if name not in (*TRACTIONS, WORK)]
+    assert worst(columns(stored, state), columns(made, state)) < 1.5e-11
     assert worst(stored[WORK], made[WORK]) < 1.2e-10
 
 
 def test_each_stored_curve_is_compared() -> None:
-    cases = [*MATERIAL_CASES, *JOINT_CASES, *REFERENCE_MATERIAL, *REFERENCE_JOINT]
+    cases = [*MATERIALS, *JOINTS, *REFERENCE_MATERIAL, *REFERENCE_JOINT]
     known = {case.name for case in cases}
     assert {path.stem for path in FOLDER.glob("*.csv")} == known | {"tables_brick_eff1", "tables_mortar850_eff1"}
 

@@ -12,7 +12,7 @@ import pytest
 from study_fakes import FakeModel
 from wythe import study
 from wythe._study import _progress
-from wythe._study._progress import Lines, Progress, Terminal, duration
+from wythe._study._progress import Lines, Progress, duration, terminal
 
 
 def test_the_line_tells_what_is_done_and_the_pace() -> None:
@@ -37,7 +37,7 @@ def test_times_are_said_as_people_do() -> None:
 
 def test_a_terminals_line_is_renewed_in_place() -> None:
     stream = io.StringIO()
-    sink = Terminal(stream)
+    sink = terminal(stream)
     for done in range(1000):
         sink.show(f"{done}", done, last=False)
     sink.show("end", 1000, last=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from typing import Any
 
 import numpy as np
@@ -109,7 +111,7 @@ def test_every_strip_of_a_latin_hypercube_has_one_sample() -> None:
     columns = latin_hypercube({"a": (2.0, 4.0), "b": (0, 1), "c": lognormal(1.0, 0.3)}, 50, 7)
     a = np.asarray(columns["a"])
     assert sorted(np.floor((a - 2.0) / 2.0 * 50).astype(int)) == list(range(50))
-    # Random pairings of 50 are correlated by 0.14 on the mean.
+    # Random pairings of 50 are correlated by 0.14 on the mean; exchanges make the samples more even.
     correlations = np.corrcoef([columns["a"], columns["b"], columns["c"]]) - np.eye(3)
     assert np.max(np.abs(correlations)) < 0.15
     assert expand(None, columns)[0] == {key: float(column[0]) for key, column in columns.items()}
@@ -141,7 +143,7 @@ def test_distributions_have_their_moments() -> None:
 
 
 def test_distributions_of_scipy_pass_and_agree() -> None:
-    stats = pytest.importorskip("scipy.stats")
+    stats: Any = importlib.import_module("scipy.stats")
     sigma = np.sqrt(np.log(1.09))
     theirs = stats.lognorm(sigma, scale=0.2 / np.sqrt(1.09))
     ours = latin_hypercube({"a": lognormal(0.2, 0.3)}, 30, 1)["a"]
@@ -179,3 +181,16 @@ def test_impossible_distributions_are_refused() -> None:
         normal(1.0, 0.0)
     with pytest.raises(TypeError, match="cv: expected a number, got 'x'"):
         lognormal(1.0, "x")  # type: ignore[arg-type]
+
+
+def test_a_few_samples_of_one_range_are_drawn() -> None:
+    assert 0.0 < float(latin_hypercube({"a": (0.0, 1.0)}, 1, 0)["a"][0]) < 1.0
+    two = latin_hypercube({"a": (0.0, 1.0), "b": (0.0, 1.0)}, 2, 0)
+    assert all(sorted(np.floor(2.0 * np.asarray(column, dtype=float))) == [0, 1] for column in two.values())
+
+
+def test_sampling_without_scipy_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    for draw in (lambda: latin_hypercube({"a": (0, 1)}, 4, 0), lambda: lognormal(1.0, 0.2)):
+        with pytest.raises(ImportError, match=r"this needs scipy: pip install 'wythe\[study\]'"):
+            draw()

@@ -227,9 +227,9 @@ def _place(executor: Any, job: Job, left: int) -> Place:
         if _dask.is_there():
             return _dask.local_cluster(count, job)
         return Futures(Workers(count), job, own=True)
-    if _dask.is_client(executor):
+    if _dask.is_a("Client", executor):
         return _dask.Dask(executor, job, own=[])
-    if _dask.is_cluster(executor):
+    if _dask.is_a("Cluster", executor):
         return _dask.on_cluster(executor, job)
     return Futures(executor, job, own=False)
 
@@ -240,21 +240,20 @@ def _check(
     """Checks the arguments of a study."""
     if isinstance(executor, int):
         whole("executor", executor, 1)
-    elif executor is not None and not _dask.is_cluster(executor):
+    elif executor is not None and not _dask.is_a("Cluster", executor):
         if not callable(getattr(executor, "submit", None)):
             what = "an executor with submit(), a Dask client, or a number of worker processes"
             raise expected("executor", what, executor)
     if not hasattr(model, "with_") and not callable(model):
         raise expected("model", "a wythe.Model or a function of a sample", model)
-    if measure is not None and not callable(measure):
-        raise expected("measure", "a function of the results", measure)
+    for name, function, of in (("measure", measure, "the results"), ("callback", callback, "a row")):
+        if function is not None and not callable(function):
+            raise expected(name, f"a function of {of}", function)
     if keep not in ("none", "results"):
         raise ValueError(f'keep: expected "none" or "results", got {keep!r}')
     whole("retries", retries, 0)
     if not isinstance(progress, bool):
         raise expected("progress", "True or False", progress)
-    if callback is not None and not callable(callback):
-        raise expected("callback", "a function of a row", callback)
 
 
 def _check_main() -> None:
@@ -265,18 +264,16 @@ def _check_main() -> None:
 
 def _try_out(model: Any, samples: list[Sample]) -> None:
     """Builds models of the first samples, so that an invalid key is reported before all runs fail."""
-    if not hasattr(model, "with_"):
-        return
-    first: Exception | None = None
-    for sample in samples[:TRIED]:
+    errors: list[Exception] = []
+    for sample in samples[:TRIED] if hasattr(model, "with_") else ():
         try:
             model_of(model, sample)
         except Exception as error:
-            first = first or error
+            errors.append(error)
         else:
             return
-    if first is not None:
-        raise first
+    if errors:
+        raise errors[0]
 
 
 def _header(model: Any, samples: list[Sample], measure: Any) -> Header:

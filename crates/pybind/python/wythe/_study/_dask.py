@@ -20,6 +20,8 @@ import queue
 import signal
 import time
 import uuid
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from wythe._study._errors import StudyError
@@ -41,20 +43,23 @@ def is_there() -> bool:
     return importlib.util.find_spec("distributed") is not None
 
 
-def is_client(thing: object) -> bool:
-    """Whether this is a Dask client."""
+def is_a(kind: str, thing: object) -> bool:
+    """Whether this is a Dask ``"Client"`` or ``"Cluster"``."""
     return any(
-        base.__name__ == "Client" and base.__module__.partition(".")[0] == "distributed"
+        base.__name__ == kind and base.__module__.partition(".")[0] == "distributed"
         for base in type(thing).__mro__
     )
 
 
-def is_cluster(thing: object) -> bool:
-    """Whether this is a Dask cluster."""
-    return any(
-        base.__name__ == "Cluster" and base.__module__.partition(".")[0] == "distributed"
-        for base in type(thing).__mro__
-    )
+@dataclass
+class _Task:
+    """A submitted sample."""
+
+    number: int
+    future: Any = None
+    starts: int = 0
+    late: bool = False
+    """Whether its outcome could not be fetched yet."""
 
 
 class Dask:
@@ -70,18 +75,12 @@ class Dask:
         self._work = packed(job)
         self._topic = f"wythe-study-{uuid.uuid4().hex[:12]}"
         self._sent = 0
-        # The following are indexed by the key of the task.
-        self._futures: dict[str, Any] = {}
-        self._numbers: dict[str, int] = {}
-        self._starts: dict[str, int] = {}
-        self._late: set[str] = set()
+        self._tasks: dict[str, _Task] = {}
         self._happened: queue.SimpleQueue[tuple[str, Outcome | None]] = queue.SimpleQueue()
         self.workers = 1
         self._counted = -math.inf
-        try:
+        with _reached():
             client.subscribe_topic(self._topic, self._heard)
-        except Exception as error:
-            raise _gone(error) from error
         self.room()
 
     def room(self) -> int:
@@ -89,46 +88,37 @@ class Dask:
         now = time.monotonic()
         if now - self._counted > COUNTED_EVERY:
             self._counted = now
-            try:
+            with _reached():
                 self.workers = sum(self._client.nthreads().values())
                 # Dask does not replace a worker that is killed while it starts.
                 if self._wanted > self.workers:
                     self._own[-1].scale(self._wanted)
-            except Exception as error:
-                raise _gone(error) from error
         return 2 * self.workers + 8
 
     def submit(self, number: int, sample: Sample) -> None:
         """Sends a sample."""
         self._sent += 1
         key = f"wythe-sample-{self._topic[-12:]}-{number}-{self._sent}"
-        self._numbers[key], self._starts[key] = number, 0
-        try:
-            future = self._client.submit(
+        task = self._tasks[key] = _Task(number)
+        with _reached():
+            task.future = self._client.submit(
                 _run_and_report, self._work, number, sample, self._topic, key, key=key, pure=False
             )
-        except Exception as error:
-            raise _gone(error) from error
-        self._futures[key] = future
-        future.add_done_callback(lambda _: self._happened.put((key, None)))
+        task.future.add_done_callback(lambda _: self._happened.put((key, None)))
 
     def wait(self, seconds: float) -> list[Finished | Died]:
         """Events until now, or until the time limit."""
         end = time.monotonic() + seconds
-        events: list[Finished | Died] = []
-        for key in list(self._late):
-            self._take(events, self._fetched(key))
+        late = [key for key, task in self._tasks.items() if task.late]
+        events = [event for key in late if (event := self._fetched(key)) is not None]
         while not events:
             try:
                 key, outcome = self._happened.get(timeout=max(0.0, end - time.monotonic()))
             except queue.Empty:
                 break
-            if key not in self._futures:
-                continue
-            if outcome is not None:
-                events.append(self._finished(key, outcome))
-            else:
-                self._take(events, self._fetched(key))
+            if key in self._tasks:
+                event = self._fetched(key) if outcome is None else self._finished(key, outcome)
+                events += [] if event is None else [event]
         return events
 
     def close(self, finished: bool) -> None:
@@ -136,8 +126,9 @@ class Dask:
         # The cluster may have ended already.
         with contextlib.suppress(Exception):
             self._client.unsubscribe_topic(self._topic)
-            if self._futures:
-                self._client.cancel(list(self._futures.values()), force=True)
+            # Ctrl-C may come before a task has its future.
+            if futures := [task.future for task in self._tasks.values() if task.future is not None]:
+                self._client.cancel(futures, force=True)
         if not finished and self._wanted > 0:
             with contextlib.suppress(Exception):
                 _kill(self._own[-1])
@@ -151,58 +142,51 @@ class Dask:
         key = message["key"]
         if message["outcome"] is not None:
             self._happened.put((key, message["outcome"]))
-        else:
-            self._starts[key] = self._starts.get(key, 0) + 1
+        elif key in self._tasks:
+            self._tasks[key].starts += 1
 
     def _finished(self, key: str, outcome: Outcome) -> Finished:
-        starts = max(1, self._starts[key])
-        return Finished(self._forget(key), outcome, starts)
+        task = self._forget(key)
+        return Finished(task.number, outcome, max(1, task.starts))
 
     def _fetched(self, key: str) -> Finished | Died | None:
         """Event of a finished future whose outcome was not reported."""
-        future = self._futures[key]
-        if future.status == "pending":
-            # The result was lost with its worker, and Dask repeats the task.
-            self._late.add(key)
-            return None
-        try:
-            outcome: Outcome = future.result(timeout=FETCH_S)
-        except Exception as error:
-            return self._trouble(key, future.status, error)
-        return self._finished(key, outcome)
-
-    def _trouble(self, key: str, status: str, error: Exception) -> Died | None:
-        name = type(error).__name__
-        if name == "KilledWorker":
-            worker: Any = getattr(error, "last_worker", None)
-            starts = self._starts[key]
-            certain = starts > 0 and getattr(worker, "nthreads", 0) == 1
-            why = f"its worker {getattr(worker, 'address', '')} died"
-            return Died(self._forget(key), starts, certain, why)
-        if status == "cancelled" or "Cancelled" in name:
-            raise StudyError(
-                f"executor: sample {self._numbers[key]} was cancelled there; is the Dask cluster still up?"
-            ) from error
-        if status == "error":
-            if isinstance(error, (ImportError, AttributeError, TypeError, pickle.PickleError)):
-                raise unfit(error) from error
-            starts = max(1, self._starts[key])
-            return Died(self._forget(key), starts, certain=False, why=told(error))
-        # Not fetched in time or lost.
-        self._late.add(key)
+        task = self._tasks[key]
+        # The result of a pending task was lost with its worker, and Dask repeats the task.
+        if task.future.status != "pending":
+            try:
+                outcome: Outcome = task.future.result(timeout=FETCH_S)
+            except Exception as error:
+                if (died := self._trouble(key, task, error)) is not None:
+                    return died
+            else:
+                return self._finished(key, outcome)
+        task.late = True
         return None
 
-    def _forget(self, key: str) -> int:
-        # A future with an error would stay at the scheduler.
-        self._futures.pop(key).release()
-        self._starts.pop(key)
-        self._late.discard(key)
-        return self._numbers.pop(key)
+    def _trouble(self, key: str, task: _Task, error: Exception) -> Died | None:
+        """Death of a sample, or None if its outcome was not fetched in time or lost."""
+        name, status = type(error).__name__, task.future.status
+        if name == "KilledWorker":
+            worker: Any = getattr(error, "last_worker", None)
+            certain = task.starts > 0 and getattr(worker, "nthreads", 0) == 1
+            why = f"its worker {getattr(worker, 'address', '')} died"
+            return Died(self._forget(key).number, task.starts, certain, why)
+        if status == "cancelled" or "Cancelled" in name:
+            raise StudyError(
+                f"executor: sample {task.number} was cancelled there; is the Dask cluster still up?"
+            ) from error
+        if status != "error":
+            return None
+        if isinstance(error, (ImportError, AttributeError, TypeError, pickle.PickleError)):
+            raise unfit(error) from error
+        return Died(self._forget(key).number, max(1, task.starts), certain=False, why=told(error))
 
-    @staticmethod
-    def _take(events: list[Finished | Died], event: Finished | Died | None) -> None:
-        if event is not None:
-            events.append(event)
+    def _forget(self, key: str) -> _Task:
+        task = self._tasks.pop(key)
+        # A future with an error would stay at the scheduler.
+        task.future.release()
+        return task
 
 
 def on_cluster(cluster: Any, job: Job) -> Dask:
@@ -216,12 +200,11 @@ def on_cluster(cluster: Any, job: Job) -> Dask:
         raise
 
 
-def local_cluster(count: int | None, job: Job) -> Dask:
-    """A local cluster owned by the study, with one thread per worker and by default one worker per core."""
+def local_cluster(wanted: int, job: Job) -> Dask:
+    """A local cluster owned by the study, with one thread per worker."""
     dask: Any = importlib.import_module("dask")
     distributed: Any = importlib.import_module("distributed")
     own: list[Any] = []
-    wanted = count or os.cpu_count() or 1
     # Dask reports every death at once, and the study decides on further attempts.
     settings = {
         "distributed.scheduler.allowed-failures": 0,
@@ -287,5 +270,10 @@ def _kill(cluster: Any) -> None:
         os.kill(nanny.pid, signal.SIGKILL)
 
 
-def _gone(error: Exception) -> StudyError:
-    return StudyError(f"executor: the Dask cluster is gone ({told(error)})")
+@contextlib.contextmanager
+def _reached() -> Iterator[None]:
+    """Raises a StudyError if the cluster does not answer."""
+    try:
+        yield
+    except Exception as error:
+        raise StudyError(f"executor: the Dask cluster is gone ({told(error)})") from error

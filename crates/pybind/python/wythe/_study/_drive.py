@@ -7,7 +7,7 @@ does not affect others.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
@@ -22,9 +22,10 @@ TICK = 0.5
 
 
 @dataclass
-class Course:
+class _Course:
     """Remaining samples of a study and the state of their attempts."""
 
+    place: Place
     samples: list[Sample]
     left: deque[int]
     """Numbers (from 1) of waiting samples."""
@@ -33,8 +34,44 @@ class Course:
     """Samples whose last attempt is made alone, at the end."""
     under_way: set[int] = field(default_factory=set)
     alone: int | None = None
-    attempts: dict[int, int] = field(default_factory=dict)
-    waited: dict[int, int] = field(default_factory=dict)
+    attempts: Counter[int] = field(default_factory=Counter)
+    waited: Counter[int] = field(default_factory=Counter)
+
+    def send(self) -> None:
+        """Submits as many samples as there is room for."""
+        room = self.place.room()
+        while self.left and self.alone is None and len(self.under_way) < room:
+            self._submit(self.left.popleft())
+        if self.last and not self.under_way:
+            self.alone = self.last.popleft()
+            self._submit(self.alone)
+
+    def _submit(self, number: int) -> None:
+        self.under_way.add(number)
+        self.place.submit(number, self.samples[number - 1])
+
+    def judge(self, event: Finished | Died) -> Outcome | None:
+        """Processes an event: returns the outcome of the sample, or None if it is tried again."""
+        number = event.number
+        self.under_way.discard(number)
+        alone, self.alone = self.alone == number, None
+        if isinstance(event, Finished):
+            self.attempts[number] += event.starts
+            if event.outcome["again"] and self.attempts[number] <= self.retries:
+                self.left.append(number)
+                return None
+            return event.outcome
+        starts = max(1, event.starts) if alone else event.starts
+        self.attempts[number] += starts
+        self.waited[number] += starts == 0
+        certain = event.certain or alone
+        attempts = self.attempts[number]
+        if attempts > self.retries and certain:
+            message = f"{event.why} in attempt {attempts}"
+            return Outcome(status="lost", message=message, measures={}, again=True)
+        suspect = attempts >= self.retries and not certain and starts > 0
+        (self.last if suspect or self.waited[number] >= BYSTANDER else self.left).append(number)
+        return None
 
 
 def drive(
@@ -46,60 +83,11 @@ def drive(
     show: Callable[[], None],
 ) -> None:
     """Runs the samples ``left``. ``record(number, attempts, outcome)`` returns whether to continue."""
-    course = Course(samples, deque(left), retries)
+    course = _Course(place, samples, deque(left), retries)
     while course.left or course.last or course.under_way:
-        _send(place, course)
+        course.send()
         for event in place.wait(TICK):
-            outcome = _judge(course, event)
-            if outcome is not None and not record(
-                event.number, course.attempts[event.number], outcome
-            ):
+            outcome = course.judge(event)
+            if outcome is not None and not record(event.number, course.attempts[event.number], outcome):
                 return
         show()
-
-
-def _send(place: Place, course: Course) -> None:
-    room = place.room()
-    while course.left and course.alone is None and len(course.under_way) < room:
-        _submit(place, course, course.left.popleft())
-    if course.last and not course.under_way:
-        course.alone = course.last.popleft()
-        _submit(place, course, course.alone)
-
-
-def _submit(place: Place, course: Course, number: int) -> None:
-    course.under_way.add(number)
-    place.submit(number, course.samples[number - 1])
-
-
-def _judge(course: Course, event: Finished | Died) -> Outcome | None:
-    """Processes an event: returns the outcome of the sample, or None if it is tried again."""
-    number = event.number
-    course.under_way.discard(number)
-    alone, course.alone = course.alone == number, None
-    before = course.attempts.get(number, 0)
-    if isinstance(event, Finished):
-        course.attempts[number] = before + event.starts
-        if event.outcome["again"] and course.attempts[number] <= course.retries:
-            course.left.append(number)
-            return None
-        return event.outcome
-    starts = max(1, event.starts) if alone else event.starts
-    course.attempts[number] = before + starts
-    if starts == 0:
-        course.waited[number] = course.waited.get(number, 0) + 1
-    certain = event.certain or alone
-    if course.attempts[number] > course.retries and certain:
-        return Outcome(
-            status="lost",
-            message=f"{event.why} in attempt {course.attempts[number]}",
-            measures={},
-            again=True,
-        )
-    if course.attempts[number] >= course.retries and not certain and starts > 0:
-        course.last.append(number)
-    elif course.waited.get(number, 0) >= BYSTANDER:
-        course.last.append(number)
-    else:
-        course.left.append(number)
-    return None

@@ -7,13 +7,14 @@ with its newline; an incomplete last line of a killed process is cut off. The ac
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
+import platform
 import shutil
 import stat
-import sys
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import TypedDict
 
 from wythe._study._errors import StudyError
 from wythe._study._samples import Sample
@@ -61,8 +62,10 @@ class Journal:
 
     def add(self, line: Line) -> None:
         """Writes a line to the disk, so that it survives a kill and a power failure."""
-        text = json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n"
-        self._file.write(text.encode())
+        self._write(f"{json.dumps(line, ensure_ascii=False, allow_nan=False)}\n".encode())
+
+    def _write(self, content: bytes) -> None:
+        self._file.write(content)
         self._file.flush()
         os.fsync(self._file.fileno())
 
@@ -74,8 +77,7 @@ class Journal:
 
     def _opened(self, header: Header) -> list[Line]:
         whole = self.path.read_bytes() if self.path.exists() else b""
-        # A line cut by a kill has no newline.
-        kept = whole[: whole.rfind(b"\n") + 1]
+        kept = _complete(whole)
         begin = (json.dumps(header) + "\n").encode()
         if not kept:
             if whole and not begin.startswith(whole):
@@ -92,11 +94,12 @@ class Journal:
         part = self.path.with_name(f"{NAME}.tmp")
         part.unlink(missing_ok=True)
         self._file = open(part, "xb")  # noqa: SIM115 - open until the journal is closed
-        self._file.write(kept or begin)
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        self._write(kept or begin)
         os.replace(part, self.path)
-        _sync_folder(self.folder)
+        # The name of a new file survives a power failure only if its folder is synced.
+        handle = os.open(self.folder, os.O_RDONLY)
+        os.fsync(handle)
+        os.close(handle)
         return lines
 
     def _sweep(self) -> None:
@@ -110,8 +113,12 @@ def read(folder: Path) -> tuple[Header, list[Line]]:
     path = folder / NAME
     if not path.is_file():
         raise StudyError(f"{folder} has no {NAME}, so it is not the folder of a study")
-    whole = path.read_bytes()
-    return _parsed(path, whole[: whole.rfind(b"\n") + 1])
+    return _parsed(path, _complete(path.read_bytes()))
+
+
+def _complete(content: bytes) -> bytes:
+    """The lines that end with a newline; a line that a kill cut has none."""
+    return content[: content.rfind(b"\n") + 1]
 
 
 def _parsed(path: Path, kept: bytes) -> tuple[Header, list[Line]]:
@@ -141,8 +148,7 @@ def _compare(folder: Path, found: Header, header: Header) -> None:
         "samples": "other samples",
         "measure": f"another measure ({found['measure'].partition(' ')[0] or 'none'})",
     }
-    theirs: dict[str, Any] = dict(found)
-    ours: dict[str, Any] = dict(header)
+    theirs, ours = dict(found), dict(header)
     for key, what in told.items():
         if theirs[key] != ours[key]:
             raise StudyError(
@@ -153,17 +159,6 @@ def _compare(folder: Path, found: Header, header: Header) -> None:
 
 def _foreign(path: Path) -> StudyError:
     return StudyError(f"out: {path} is not the journal of a study; choose another folder")
-
-
-def _sync_folder(folder: Path) -> None:
-    """Syncs a folder, if the system allows it, so that the name of a new file survives a power failure."""
-    if sys.platform == "win32":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 class _Lock:
@@ -185,14 +180,15 @@ class _Lock:
                 path.unlink()
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            _take(self._handle)
+            # POSIX locks work over NFS, end with the process in all cases, and are not inherited.
+            fcntl.lockf(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             who = os.read(self._handle, 64).decode(errors="replace").strip()
             os.close(self._handle)
             raise _busy(folder, who or "another process") from None
         _Lock.held.add(self._folder)
         os.ftruncate(self._handle, 0)
-        os.write(self._handle, f"process {os.getpid()} on {_host()}\n".encode())
+        os.write(self._handle, f"process {os.getpid()} on {platform.node()}\n".encode())
 
     def release(self) -> None:
         """Releases the folder."""
@@ -202,26 +198,3 @@ class _Lock:
 
 def _busy(folder: Path, who: str) -> StudyError:
     return StudyError(f"out: a study is at work in {folder} ({who}); wait for it, or choose another folder")
-
-
-def _host() -> str:
-    import platform
-
-    return platform.node()
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _take(handle: int) -> None:
-        # Far behind the text, because other processes cannot read locked bytes.
-        os.lseek(handle, 1 << 20, os.SEEK_SET)
-        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        os.lseek(handle, 0, os.SEEK_SET)
-
-else:
-    import fcntl
-
-    def _take(handle: int) -> None:
-        # POSIX locks work over NFS, end with the process in all cases, and are not inherited.
-        fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

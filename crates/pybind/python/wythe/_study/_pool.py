@@ -18,7 +18,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from wythe._study._errors import StudyError
 from wythe._study._samples import whole
@@ -30,7 +30,6 @@ GUARD = (
     "a script that starts workers must do so under `if __name__ == \"__main__\":`, because each worker "
     "imports the script"
 )
-
 
 # Number of attempts to start a process that is killed during its start.
 STARTS = 3
@@ -80,55 +79,36 @@ class Workers(Executor):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Ends the workers after their calls."""
-        with self._lock:
-            first, self._shut = not self._shut, True
-            workers = list(self._workers)
-        if cancel_futures:
-            self._cancel_waiting()
-        if first:
-            for _ in workers:
-                self._calls.put(None)
-        if wait:
-            for worker in workers:
-                worker.thread.join()
+        self._finish(wait, cancel_futures, kill=False)
 
     def kill(self) -> None:
         """Ends the workers and their calls at once."""
+        self._finish(wait=True, cancel=True, kill=True)
+
+    def _finish(self, wait: bool, cancel: bool, kill: bool) -> None:
         with self._lock:
             self._shut = True
             workers = list(self._workers)
-        self._cancel_waiting()
+        with contextlib.suppress(queue.Empty):
+            while cancel:
+                if (call := self._calls.get_nowait()) is not None:
+                    call.future.cancel()
         for worker in workers:
-            worker.kill()
+            if kill:
+                worker.kill()
+            # One end for each worker; more of them do no harm.
             self._calls.put(None)
-        for worker in workers:
+        for worker in workers if wait else ():
             worker.thread.join()
 
-    def _cancel_waiting(self) -> None:
-        kept = 0
-        while True:
-            try:
-                call = self._calls.get_nowait()
-            except queue.Empty:
-                break
-            if call is None:
-                kept += 1
-            else:
-                call.future.cancel()
-        for _ in range(kept):
-            self._calls.put(None)
 
-
-class _Call:
+class _Call(NamedTuple):
     """A submitted call."""
 
-    def __init__(
-        self, future: Future[Any], fn: Callable[..., Any], args: Any, kwargs: Any
-    ) -> None:
-        self.future = future
-        self.fn = fn
-        self.args = args
-        self.kwargs = kwargs
+    future: Future[Any]
+    fn: Callable[..., Any]
+    args: Any
+    kwargs: Any
 
 
 class _Worker:
@@ -167,7 +147,10 @@ class _Worker:
                     call.future.set_result(result)
             # Frees the arguments before the thread waits for the next call.
             del call
-        self._end()
+        if self._pipe is not None:
+            self._pipe.close()
+        if self._process is not None:
+            self._process.join()
 
     def _ask(self, call: _Call) -> Any:
         # Pickled first, so that an error of pickling is not taken for a death of the process.
@@ -218,12 +201,6 @@ class _Worker:
             self._process.start()
             theirs.close()
             return self._pipe, self._process
-
-    def _end(self) -> None:
-        if self._pipe is not None:
-            self._pipe.close()
-        if self._process is not None:
-            self._process.join()
 
 
 def _cause(process: SpawnProcess) -> str:

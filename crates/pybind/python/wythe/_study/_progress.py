@@ -6,7 +6,8 @@ import importlib
 import math
 import sys
 import time
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 from wythe._errors import say
 from wythe._run import in_notebook
@@ -18,18 +19,10 @@ TOLD_EVERY = 60.0
 NOT_SOONER = 5.0
 
 
-class Sink(Protocol):
-    """Output of the progress."""
-
-    def show(self, line: str, done: int, last: bool) -> None:
-        """Shows the line, if enough time has passed."""
-        ...
-
-
 class Progress:
     """Counts finished samples and reports the rate since the start of this call."""
 
-    def __init__(self, count: int, before: int, sink: Sink | None) -> None:
+    def __init__(self, count: int, before: int, sink: InPlace | Lines | None) -> None:
         self._count = count
         self._before = before
         self._sink = sink
@@ -64,19 +57,20 @@ class Progress:
         return ", ".join(parts)
 
 
-class Terminal:
-    """One line, updated in place."""
+class InPlace:
+    """One line, updated in place by ``write(line, last)`` and not more often than ``every`` [s]."""
 
-    def __init__(self, stream: Any) -> None:
-        self._stream = stream
-        self._shown = -RENEWED_EVERY
+    def __init__(self, write: Callable[[str, bool], object], every: float) -> None:
+        self._write = write
+        self._every = every
+        self._shown = -math.inf
 
     def show(self, line: str, done: int, last: bool) -> None:
         """Overwrites the previous line."""
         now = time.monotonic()
-        if last or now - self._shown >= RENEWED_EVERY:
+        if last or now - self._shown >= self._every:
             self._shown = now
-            say(self._stream, f"\r\x1b[K{line}" + ("\n" if last else ""))
+            self._write(line, last)
 
 
 class Lines:
@@ -97,30 +91,24 @@ class Lines:
             say(self._stream, f"{line}\n")
 
 
-class Notebook:
-    """A line below the cell, updated in place."""
-
-    def __init__(self) -> None:
-        display: Any = importlib.import_module("IPython.display")
-        self._handle = display.display({"text/plain": "study"}, raw=True, display_id=True)
-        self._shown = -1.0
-
-    def show(self, line: str, done: int, last: bool) -> None:
-        """Updates the line."""
-        now = time.monotonic()
-        if last or now - self._shown >= 5.0 * RENEWED_EVERY:
-            self._shown = now
-            self._handle.update({"text/plain": line}, raw=True)
+def terminal(stream: Any) -> InPlace:
+    """The line of a terminal."""
+    return InPlace(lambda line, last: say(stream, f"\r\x1b[K{line}" + ("\n" if last else "")), RENEWED_EVERY)
 
 
-def sink(count: int) -> Sink:
+def notebook() -> InPlace:
+    """A line below the cell."""
+    display: Any = importlib.import_module("IPython.display")
+    handle = display.display({"text/plain": "study"}, raw=True, display_id=True)
+    return InPlace(lambda line, _: handle.update({"text/plain": line}, raw=True), 5.0 * RENEWED_EVERY)
+
+
+def sink(count: int) -> InPlace | Lines:
     """The output that suits this process."""
     if in_notebook():
-        return Notebook()
+        return notebook()
     stream = sys.stderr
-    if stream is not None and stream.isatty():
-        return Terminal(stream)
-    return Lines(stream, count)
+    return terminal(stream) if stream is not None and stream.isatty() else Lines(stream, count)
 
 
 def duration(seconds: float) -> str:

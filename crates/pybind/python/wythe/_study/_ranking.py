@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import html
+import importlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wythe._errors import need
 from wythe._study._quantity import quantity
+from wythe._study._text import page
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
@@ -63,25 +64,25 @@ class Ranking:
         return pandas.DataFrame(list(self.ranks), columns=["parameter", "spearman", "regression"])
 
     def __repr__(self) -> str:
-        width = max([len("parameter"), *(len(rank["parameter"]) for rank in self.ranks)])
+        width = max(len(name) for name in ("parameter", *(rank["parameter"] for rank in self.ranks)))
         lines = [f"{'parameter':<{width}}  spearman  regression"]
-        for rank in self.ranks:
+        for rank, (name, spearman, regression) in zip(self.ranks, self._cells(), strict=True):
             bar = "█" * round(12 * abs(rank["spearman"]))
-            text = f"{rank['parameter']:<{width}}  {rank['spearman']:+8.2f}  {_told(rank['regression'])}"
-            lines.append(f"{text}  {bar}".rstrip())
+            lines.append(f"{name:<{width}}  {spearman:>8}  {regression:>10}  {bar}".rstrip())
         return "\n".join([self._title(), *lines, *self._notes()])
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{html.escape(rank['parameter'])}</td><td>{rank['spearman']:+.2f}</td>"
-            f"<td>{_told(rank['regression']).strip()}</td></tr>"
+        return page(self._title(), ("parameter", "spearman", "regression"), self._cells(), self._notes())
+
+    def _cells(self) -> list[tuple[str, str, str]]:
+        return [
+            (
+                rank["parameter"],
+                f"{rank['spearman']:+.2f}",
+                "–" if math.isnan(rank["regression"]) else f"{rank['regression']:+.2f}",
+            )
             for rank in self.ranks
-        )
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes())
-        return (
-            f"<p>{html.escape(self._title())}</p><table><thead><tr><th>parameter</th><th>spearman</th>"
-            f"<th>regression</th></tr></thead><tbody>{rows}</tbody></table>{notes}"
-        )
+        ]
 
     def _title(self) -> str:
         unsure = f", {self.not_converged} of them not converged" if self.not_converged else ""
@@ -127,8 +128,14 @@ def ranked(
         left_out.update((name, why) for name in columns)
         columns = {}
     regression, r_squared = _regression(columns, y)
+    need("scipy", "study")
+    stats = importlib.import_module("scipy.stats")
     ranks = [
-        Rank(parameter=name, spearman=spearman(column, y), regression=regression[name])
+        Rank(
+            parameter=name,
+            spearman=float(stats.spearmanr(column, y).statistic),
+            regression=regression[name],
+        )
         for name, column in columns.items()
     ]
     ranks.sort(key=lambda rank: -abs(rank["spearman"]))
@@ -143,41 +150,19 @@ def ranked(
     )
 
 
-def spearman(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Spearman's rank correlation: Pearson's correlation of the ranks, with mean ranks for ties."""
-    a, b = mean_ranks(x), mean_ranks(y)
-    a, b = a - a.mean(), b - b.mean()
-    return float(np.clip(a @ b / math.sqrt((a @ a) * (b @ b)), -1.0, 1.0))
-
-
-def mean_ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Ranks from 1; equal values have their mean rank."""
-    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
-    last = np.cumsum(counts)
-    means: NDArray[np.float64] = last - (counts - 1) / 2.0
-    return means[place]
-
-
 def _regression(
     columns: Mapping[str, NDArray[np.float64]], y: NDArray[np.float64]
 ) -> tuple[dict[str, float], float]:
     """Coefficients of standardised columns and R²; NaN if the columns do not determine them."""
-    nothing = dict.fromkeys(columns, math.nan)
+    nothing = dict.fromkeys(columns, math.nan), math.nan
     if not columns or y.size < len(columns) + 2:
-        return nothing, math.nan
-    x = np.stack([_standard(column) for column in columns.values()], axis=1)
-    z = _standard(y)
+        return nothing
+    x, z = ((a - a.mean(axis=0)) / a.std(axis=0) for a in (np.stack([*columns.values()], axis=1), y))
     coefficients, _, rank, _ = np.linalg.lstsq(x, z, rcond=1e-10)
     if rank < len(columns):
-        return nothing, math.nan
+        return nothing
     rest = z - x @ coefficients
-    named = {name: float(value) for name, value in zip(columns, coefficients, strict=True)}
-    return named, float(1.0 - (rest @ rest) / (z @ z))
-
-
-def _standard(column: NDArray[np.float64]) -> NDArray[np.float64]:
-    standard: NDArray[np.float64] = (column - column.mean()) / column.std()
-    return standard
+    return dict(zip(columns, map(float, coefficients), strict=True)), float(1.0 - rest @ rest / (z @ z))
 
 
 def _constant(column: NDArray[np.float64]) -> bool:
@@ -201,7 +186,3 @@ def _numbers(cells: Sequence[object]) -> NDArray[np.float64] | None:
         numbers.append(read[0])
         units.add(read[1])
     return np.array(numbers, dtype=np.float64) if len(units) <= 1 else None
-
-
-def _told(regression: float) -> str:
-    return "         –" if math.isnan(regression) else f"{regression:+10.2f}"

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from statistics import NormalDist
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._errors import expected
+from wythe._errors import expected, need
 from wythe._study._quantity import quantity
 from wythe._study._samples import plain, whole
-
-# Number of random pairings of the columns, of which the least correlated is used.
-PAIRINGS = 20
 
 
 @runtime_checkable
@@ -28,44 +24,28 @@ class Distribution(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Normal:
-    """Normal distribution with a mean and a standard deviation."""
+def normal(mean: float, cv: float) -> Distribution:
+    """Normal distribution with this mean and coefficient of variation (deviation / \\|mean\\|).
 
-    mean: float
-    deviation: float
-
-    def ppf(self, q: Any, /) -> NDArray[np.float64]:
-        """Quantiles."""
-        return np.asarray(self.mean + self.deviation * _standard_normal(q))
-
-
-@dataclass(frozen=True)
-class Lognormal:
-    """Lognormal distribution with a mean and a coefficient of variation."""
-
-    mean: float
-    cv: float
-
-    def ppf(self, q: Any, /) -> NDArray[np.float64]:
-        """Quantiles: the logarithm is normal with σ² = ln(1 + cv²), μ = ln(mean) − σ²/2."""
-        variance = math.log1p(self.cv**2)
-        return np.exp(
-            math.log(self.mean) - variance / 2.0 + math.sqrt(variance) * _standard_normal(q)
-        )
-
-
-def normal(mean: float, cv: float) -> Normal:
-    """Normal distribution with this mean and coefficient of variation (deviation / \\|mean\\|)."""
+    It is a frozen ``scipy.stats.norm``; needs SciPy (``pip install 'wythe[study]'``).
+    """
     mean, cv = _number("mean", mean), _positive("cv", cv)
     if mean == 0.0:
         raise ValueError("mean: expected a number other than 0, of which cv is a part")
-    return Normal(mean, cv * abs(mean))
+    frozen: Distribution = _scipy("stats").norm(mean, cv * abs(mean))
+    return frozen
 
 
-def lognormal(mean: float, cv: float) -> Lognormal:
-    """Lognormal distribution with this mean and coefficient of variation, for positive quantities such as strengths."""
-    return Lognormal(_positive("mean", mean), _positive("cv", cv))
+def lognormal(mean: float, cv: float) -> Distribution:
+    """Lognormal distribution with this mean and coefficient of variation, for positive quantities such as strengths.
+
+    It is a frozen ``scipy.stats.lognorm``; needs SciPy (``pip install 'wythe[study]'``).
+    """
+    mean, cv = _positive("mean", mean), _positive("cv", cv)
+    # The logarithm is normal with sigma^2 = ln(1 + cv^2) and the mean ln(mean) - sigma^2/2.
+    deviation = math.sqrt(math.log1p(cv**2))
+    frozen: Distribution = _scipy("stats").lognorm(deviation, scale=mean / math.hypot(1.0, cv))
+    return frozen
 
 
 def latin_hypercube(
@@ -73,10 +53,12 @@ def latin_hypercube(
 ) -> dict[str, NDArray[Any]]:
     """Latin hypercube samples, as columns for ``study(model, samples=...)``.
 
-    Each range is divided into ``count`` strips of equal probability with one sample each. The least correlated of
-    several random pairings is used. A range is a pair of bounds of a uniform distribution (``(0.16, 0.24)`` or
+    Each range is divided into ``count`` strips of equal probability with one sample each. Pairs of samples exchange
+    values as long as that makes the samples more even (``scipy.stats.qmc.LatinHypercube`` with the optimization
+    ``"random-cd"``). A range is a pair of bounds of a uniform distribution (``(0.16, 0.24)`` or
     ``("0.16 MPa", "0.24 MPa")``), or an object with ``.ppf``: ``lognormal(mean, cv)``, ``normal(mean, cv)`` or a
-    distribution of scipy.stats. The same seed gives the same samples.
+    distribution of scipy.stats. The same seed gives the same samples in one version of SciPy. Needs SciPy
+    (``pip install 'wythe[study]'``).
     """
     if not isinstance(ranges, Mapping) or not ranges:
         what = 'a mapping of deck keys to ranges, such as {"interfaces.joint.f_t": (0.16, 0.24)}'
@@ -85,26 +67,10 @@ def latin_hypercube(
     for key in ranges:
         if not isinstance(key, str) or not key:
             raise expected("ranges", 'keys such as "interfaces.joint.f_t"', key)
-    random = np.random.default_rng(seed)
-    strips = _pairing(random, len(ranges), count)
-    # [key][sample], strictly within (0, 1) because ppf may be infinite at the ends.
-    within = np.clip((strips + random.random(strips.shape)) / count, 1e-12, 1.0 - 1e-12)
-    return {key: _stretch(key, of, q) for (key, of), q in zip(ranges.items(), within, strict=True)}
-
-
-def _pairing(random: np.random.Generator, keys: int, count: int) -> NDArray[np.int64]:
-    """Index of the strip of each sample in each range: [key][sample]."""
-    best: NDArray[np.int64] | None = None
-    least = math.inf
-    for _ in range(PAIRINGS):
-        strips = np.array([random.permutation(count) for _ in range(keys)])
-        if keys == 1 or count < 3:
-            return strips
-        largest = float(np.max(np.abs(np.corrcoef(strips) - np.eye(keys))))
-        if best is None or largest < least:
-            best, least = strips, largest
-    assert best is not None
-    return best
+    sampler = _scipy("stats.qmc").LatinHypercube(len(ranges), optimization="random-cd", rng=seed)
+    # Strictly within (0, 1), because ppf may be infinite at the ends.
+    within = np.clip(sampler.random(count), 1e-12, 1.0 - 1e-12)
+    return {key: _stretch(key, of, q) for (key, of), q in zip(ranges.items(), within.T, strict=True)}
 
 
 def _stretch(key: str, of: object, q: NDArray[np.float64]) -> NDArray[Any]:
@@ -127,10 +93,10 @@ def _stretch(key: str, of: object, q: NDArray[np.float64]) -> NDArray[Any]:
     return values if unit == "" else np.array([f"{float(value)!r} {unit}" for value in values])
 
 
-def _standard_normal(q: Any) -> NDArray[np.float64]:
-    quantile = NormalDist().inv_cdf
-    parts = np.asarray(q, dtype=np.float64)
-    return np.array([quantile(float(part)) for part in parts.ravel()]).reshape(parts.shape)
+def _scipy(module: str) -> Any:
+    """A module of SciPy."""
+    need("scipy", "study")
+    return importlib.import_module(f"scipy.{module}")
 
 
 def _number(name: str, value: object) -> float:

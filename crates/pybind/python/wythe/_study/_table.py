@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import html
 import io
 import json
 import os
@@ -19,6 +18,7 @@ from wythe._errors import as_path, need, write_text
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
+from wythe._study._text import page
 from wythe._study._worker import MEASURES, folder_name
 
 if TYPE_CHECKING:
@@ -144,36 +144,24 @@ class Study:
 
     def __repr__(self) -> str:
         names = self._shown_columns(text=True)
-        table = [[*names]]
-        lines = self._lines
-        cut = len(lines) > SHOWN
-        head, tail = (lines[: SHOWN - 4], lines[-4:]) if cut else (lines, [])
-        table.extend([_told(self._cell(line, name)) for name in names] for line in head)
-        if cut:
-            table.append(["…"] * len(names))
-        table.extend([_told(self._cell(line, name)) for name in names] for line in tail)
-        widths = [max(len(row[at]) for row in table) for at in range(len(names))]
-        body = "\n".join(
+        rows = self._texts(names, self._lines)
+        if len(rows) > SHOWN:
+            rows[SHOWN - 4 : -4] = [["…"] * len(names)]
+        widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
+        table = [
             "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in table
-        )
-        return "\n".join([self._title(), *([body] if lines else []), *self._messages()])
+            for row in (names, *rows)
+        ]
+        return "\n".join([self._title(), *(table if rows else []), *self._messages()])
 
     def _repr_html_(self) -> str:
         names = self._shown_columns(text=False)
-        cut = len(self._lines) > SHOWN_IN_HTML
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-        body: list[str] = []
-        for line in self._lines[:SHOWN_IN_HTML]:
-            told = (_told(self._cell(line, name)) for name in names)
-            cells = "".join(f"<td>{html.escape(cell)}</td>" for cell in told)
-            body.append(f"<tr>{cells}</tr>")
-        if cut:
-            body.append(f"<tr><td colspan='{len(names)}'>… {len(self) - SHOWN_IN_HTML} more</td></tr>")
-        return (
-            f"<p>{html.escape(self._title())}</p>"
-            f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-        )
+        more = len(self) - SHOWN_IN_HTML
+        notes = [f"… {more} more"] if more > 0 else []
+        return page(self._title(), names, self._texts(names, self._lines[:SHOWN_IN_HTML]), notes)
+
+    def _texts(self, names: list[str], lines: list[Line]) -> list[list[str]]:
+        return [[_told(self._cell(line, name)) for name in names] for line in lines]
 
     def _title(self) -> str:
         parts = [f"{number} {status.replace('_', ' ')}" for status, number in self.statuses.items()]
@@ -219,16 +207,12 @@ def _names(mappings: Any) -> tuple[str, ...]:
 
 
 def _array(cells: list[Any]) -> NDArray[Any]:
-    given = [cell for cell in cells if cell is not None]
-    if given and all(isinstance(cell, bool) for cell in given) and len(given) == len(cells):
-        return np.array(cells, dtype=np.bool_)
-    numbers = all(isinstance(cell, (bool, int, float)) for cell in given)
-    if numbers and given and len(given) == len(cells) and all(isinstance(c, int) for c in given):
-        return np.array(cells, dtype=np.int64)
-    if numbers:
+    # The narrowest type first; a bool is an int.
+    for kind, dtype in ((bool, np.bool_), (int, np.int64), (str, np.str_)):
+        if cells and all(isinstance(cell, kind) for cell in cells):
+            return np.array(cells, dtype=dtype)
+    if all(cell is None or isinstance(cell, (int, float)) for cell in cells):
         return np.array([np.nan if cell is None else cell for cell in cells], dtype=np.float64)
-    if all(isinstance(cell, str) for cell in cells):
-        return np.array(cells, dtype=np.str_)
     column = np.empty(len(cells), dtype=np.object_)
     column[:] = cells
     return column
