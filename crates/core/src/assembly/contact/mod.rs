@@ -60,16 +60,24 @@ pub struct Contact {
     pub(super) candidates: Candidates,
     pub(super) cells: Vec<[u32; 8]>,
     version: usize,
+    distances: Distances,
+    /// Positions at the last search of candidates [mm]. `[node]`
+    searched_at: Vec<[f64; 3]>,
+}
+
+/// Distances of the search.
+#[derive(Clone, Copy, Debug)]
+struct Distances {
+    /// Search radius across a gap [mm].
     radius: f64,
+    /// How far surfaces may move before candidates are searched again [mm].
+    skin: f64,
     /// How far beyond the rim of a surface a point still belongs to it, over half a facet [-].
     rim: f64,
-    skin: f64,
     /// Depth behind a facet up to which a point may come into contact with it [mm].
     behind: f64,
     /// Depth behind the next facet up to which a point may come to it from another facet [mm].
     step: f64,
-    /// Positions at the last search of candidates [mm]. `[node]`
-    searched_at: Vec<[f64; 3]>,
 }
 
 impl Contact {
@@ -85,7 +93,7 @@ impl Contact {
         if self.points.is_empty() {
             f64::INFINITY
         } else {
-            self.radius
+            self.distances.radius
         }
     }
 
@@ -138,16 +146,18 @@ impl Contact {
             candidates: Candidates::default(),
             cells: Vec::new(),
             version: 0,
-            radius: surfaces.search_radius.unwrap_or(chosen),
-            // In general contact the edges carry facets beyond rims.
-            rim: if surfaces.general.is_some() {
-                STAY
-            } else {
-                RIM
+            distances: Distances {
+                radius: surfaces.search_radius.unwrap_or(chosen),
+                // In general contact the edges carry facets beyond rims.
+                rim: if surfaces.general.is_some() {
+                    STAY
+                } else {
+                    RIM
+                },
+                skin: SKIN * edge,
+                behind: 0.5 * BEHIND * edge,
+                step: STEP * edge,
             },
-            skin: SKIN * edge,
-            behind: 0.5 * BEHIND * edge,
-            step: STEP * edge,
             searched_at: Vec::new(),
         }
     }
@@ -213,7 +223,7 @@ impl Contact {
         let boxes: Vec<Aabb> = (0..self.slave.facets.len())
             .map(|f| Aabb::of(&self.positions(f, x)))
             .collect();
-        let reach = self.radius + self.skin;
+        let reach = self.distances.radius + self.distances.skin;
         let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
         self.searched_at.clear();
         self.searched_at.extend_from_slice(x);

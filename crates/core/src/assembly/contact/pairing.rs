@@ -6,7 +6,7 @@ use wythe_contact::pairs::stays_on;
 use wythe_contact::surface::blend;
 use wythe_contact::{PointPair, extend, pair_point};
 
-use super::Contact;
+use super::{Contact, Distances};
 use crate::assembly::Trial;
 
 impl Contact {
@@ -24,6 +24,12 @@ impl Contact {
         }
         trial.joints.gaps.resize(self.points.len(), 0.0);
         let (free, x_start) = (&trial.joints.free, &trial.x_start);
+        let Distances {
+            radius,
+            behind,
+            step,
+            ..
+        } = self.distances;
         trial
             .joints
             .pairs
@@ -38,11 +44,10 @@ impl Contact {
                         (*pair, *anchor) = Default::default();
                         continue;
                     }
-                    let known = pair
-                        .facet
-                        .filter(|_| seen && stays_on(pair.xi) && gaps[p].abs() <= self.radius);
+                    let known = (pair.facet)
+                        .filter(|_| seen && stays_on(pair.xi) && gaps[p].abs() <= radius);
                     let is_free = free[4 * f + p];
-                    let depth = if is_free { self.behind } else { self.step };
+                    let depth = if is_free { behind } else { step };
                     let above = known.is_some() && gaps[p] >= -depth;
                     let found = known.map(|facet| (facet, pair.xi));
                     let found = found.or_else(|| self.pair(f, p, *pair, x));
@@ -80,7 +85,7 @@ impl Contact {
             || self.searched_at.iter().zip(x).any(|(a, b)| {
                 let d: f64 = (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum();
                 // Both surfaces move, so each may use half of the margin.
-                d > 0.25 * self.skin * self.skin
+                d > 0.25 * self.distances.skin * self.distances.skin
             })
     }
 
@@ -101,7 +106,7 @@ impl Contact {
             candidates,
             &self.master,
             x,
-            [self.radius, self.rim],
+            [self.distances.radius, self.distances.rim],
         )
     }
 

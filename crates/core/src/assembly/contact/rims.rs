@@ -61,7 +61,7 @@ impl Contact {
         let way = self.position(p / 4, p % 4, x) - blend(&weights_at(pair.xi), &corners);
         let [normal, _, _] = frame_at(&corners, pair.xi);
         let along = way - normal * normal.dot(&way);
-        along.norm() <= AT_REST * self.skin
+        along.norm() <= AT_REST * self.distances.skin
     }
 
     /// Place on the rim of a point that lies beyond it: the weights of its slave facet's corners, and its foot.
@@ -74,7 +74,13 @@ impl Contact {
     ) -> Option<([f64; 4], PointPair)> {
         let f = p / 4;
         let point = self.position(f, p % 4, x);
-        let (facet, rim) = rim_point(&point, self.candidates.of(f), &self.master, x, self.radius)?;
+        let (facet, rim) = rim_point(
+            &point,
+            self.candidates.of(f),
+            &self.master,
+            x,
+            self.distances.radius,
+        )?;
         let master = self.master.corners(facet as usize, x);
         let foot = extend(&point, &master, rim.xi)?;
         if stays_on(foot.xi) {
@@ -89,8 +95,8 @@ impl Contact {
         let within = (0..2).all(|i| beyond(i) <= ROUNDING);
         // A point that comes from the side lies behind the facet.
         let gap = (on_slave.point - target).dot(&rim.normal);
-        let above = before.facet.is_some() || gap >= -self.behind;
-        if !(within && above && gap.abs() <= self.radius) {
+        let above = before.facet.is_some() || gap >= -self.distances.behind;
+        if !(within && above && gap.abs() <= self.distances.radius) {
             return None;
         }
         let pair = PointPair {

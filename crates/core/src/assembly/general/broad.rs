@@ -57,24 +57,28 @@ impl Nearby {
             Aabb::of(both)
         };
         let reach = |size: f64| NEAR * size + self.margin;
-        let facets: Vec<Aabb> = of.surface.facets.iter().map(|f| over(f)).collect();
+        let facets: Vec<Aabb> = of.faces.surface.facets.iter().map(|f| over(f)).collect();
         let tree = Bvh::build(&facets);
-        let corners = of.nodes.par_iter().map_init(Vec::new, |stack, &node| {
-            let own = of.facets_at(node);
-            let (body, held) = (
-                of.body(own[0]),
-                own.iter().all(|&f| of.held_facet[f as usize]),
-            );
-            let query = over(&[node]).fattened(reach(of.node_size[node as usize]));
-            let mut found = Vec::new();
-            tree.query(&facets, &query, stack, |f| {
-                if of.body(f) != body && !(held && of.held_facet[f as usize]) {
-                    found.push([node, f]);
-                }
+        let corners = of
+            .faces
+            .nodes
+            .par_iter()
+            .map_init(Vec::new, |stack, &node| {
+                let own = of.facets_at(node);
+                let (body, held) = (
+                    of.body(own[0]),
+                    own.iter().all(|&f| of.faces.held_facet[f as usize]),
+                );
+                let query = over(&[node]).fattened(reach(of.faces.node_size[node as usize]));
+                let mut found = Vec::new();
+                tree.query(&facets, &query, stack, |f| {
+                    if of.body(f) != body && !(held && of.faces.held_facet[f as usize]) {
+                        found.push([node, f]);
+                    }
+                });
+                found.sort_unstable();
+                found
             });
-            found.sort_unstable();
-            found
-        });
         self.corners = corners.flatten_iter().collect();
 
         let sharp = &general.skin.edges;
@@ -85,9 +89,9 @@ impl Nearby {
             .map_init(Vec::new, |stack, a| {
                 let edge = &sharp[a as usize];
                 let held = |e: &crate::model::boundary_facets::SharpEdge| {
-                    e.facets.iter().all(|&f| of.held_facet[f as usize])
+                    e.facets.iter().all(|&f| of.faces.held_facet[f as usize])
                 };
-                let size = edge.facets.map(|f| of.size[f as usize]);
+                let size = edge.facets.map(|f| of.faces.size[f as usize]);
                 let query = edges[a as usize].fattened(reach(size[0].min(size[1])));
                 let mut found = Vec::new();
                 tree.query(&edges, &query, stack, |b| {
@@ -162,11 +166,11 @@ kind = "free"
         };
         let reach = |size: f64| NEAR * size + nearby.margin;
         let mut corners = Vec::new();
-        for &n in &of.nodes {
-            let query = over(&[n]).fattened(reach(of.node_size[n as usize]));
-            for f in 0..of.surface.facets.len() {
-                let other = of.surface.body[f] != of.body(of.facets_at(n)[0]);
-                if other && over(&of.surface.facets[f]).touches(&query) {
+        for &n in &of.faces.nodes {
+            let query = over(&[n]).fattened(reach(of.faces.node_size[n as usize]));
+            for f in 0..of.faces.surface.facets.len() {
+                let other = of.faces.surface.body[f] != of.body(of.facets_at(n)[0]);
+                if other && over(&of.faces.surface.facets[f]).touches(&query) {
                     corners.push([n, f as u32]);
                 }
             }
@@ -174,7 +178,7 @@ kind = "free"
         let sharp = &of.of.as_ref().unwrap().skin.edges;
         let mut edges = Vec::new();
         for a in 0..sharp.len() {
-            let size = sharp[a].facets.map(|f| of.size[f as usize]);
+            let size = sharp[a].facets.map(|f| of.faces.size[f as usize]);
             let query = over(&sharp[a].nodes).fattened(reach(size[0].min(size[1])));
             for b in a + 1..sharp.len() {
                 let other = of.body(sharp[a].facets[0]) != of.body(sharp[b].facets[0]);
@@ -184,7 +188,7 @@ kind = "free"
             }
         }
         assert!(!corners.is_empty() && !edges.is_empty());
-        assert!(corners.len() < of.nodes.len() * of.surface.facets.len() / 4);
+        assert!(corners.len() < of.faces.nodes.len() * of.faces.surface.facets.len() / 4);
         assert_eq!(nearby.corners, corners);
         assert_eq!(nearby.edges, edges);
         assert!(nearby.holds(&x0, &x) && !nearby.holds(&model.mesh.nodes, &x));

@@ -46,7 +46,11 @@ impl General {
             }
             let corner = self.corner_of(slave, node)?;
             let point = self.corner_point(slave, corner, x0);
-            let foot = extend(&point, &self.surface.corners(facet as usize, x0), [0.0; 2])?;
+            let foot = extend(
+                &point,
+                &self.faces.surface.corners(facet as usize, x0),
+                [0.0; 2],
+            )?;
             let bodies = [self.body(slave), self.body(facet)];
             let size = self.pair_size(node, facet);
             let lost = foot.gap < -self.flush(size, bodies);
@@ -91,7 +95,7 @@ impl General {
         (first..last)
             .filter(|&f| of.skin.element[f] == element)
             .all(|f| {
-                let corners = self.surface.corners(f, x);
+                let corners = self.faces.surface.corners(f, x);
                 let centre = corners
                     .iter()
                     .map(|c| Vector3::from(*c))
@@ -117,11 +121,11 @@ impl General {
     }
 
     fn corner_of(&self, facet: u32, node: u32) -> Option<usize> {
-        (self.surface.facets[facet as usize].iter()).position(|&n| n == node)
+        (self.faces.surface.facets[facet as usize].iter()).position(|&n| n == node)
     }
 
     pub(super) fn corner_point(&self, facet: u32, corner: usize, x: &[[f64; 3]]) -> Vector3<f64> {
-        let corners = self.surface.corners(facet as usize, x);
+        let corners = self.faces.surface.corners(facet as usize, x);
         let weights = &self.weights[corner];
         (0..4).fold(Vector3::zeros(), |sum, a| {
             sum + Vector3::from(corners[a]) * weights[a]
@@ -129,7 +133,7 @@ impl General {
     }
 
     fn pair_size(&self, node: u32, facet: u32) -> f64 {
-        self.node_size[node as usize].min(self.size[facet as usize])
+        self.faces.node_size[node as usize].min(self.faces.size[facet as usize])
     }
 
     fn watched_of(&self, node: u32) -> &[Watch] {
@@ -144,7 +148,7 @@ impl General {
         let corner = self.corner_of(slave, touch.first)?;
         let point = self.corner_point(slave, corner, x);
         let foot_on = |f: u32, guess| {
-            let foot = extend(&point, &self.surface.corners(f as usize, x), guess)?;
+            let foot = extend(&point, &self.faces.surface.corners(f as usize, x), guess)?;
             let most = 1.0 + STAY;
             (foot.xi[0].abs() <= most && foot.xi[1].abs() <= most).then_some(foot)
         };
@@ -235,7 +239,7 @@ impl General {
     /// Whether two facets of one body face each other. At such an inner corner both act.
     fn is_inner(&self, a: u32, b: u32, x: &[[f64; 3]]) -> bool {
         let centre = |f: u32| {
-            let corners = self.surface.corners(f as usize, x);
+            let corners = self.faces.surface.corners(f as usize, x);
             corners
                 .iter()
                 .map(|c| Vector3::from(*c))
@@ -268,7 +272,7 @@ impl General {
             lost,
         } = *watch;
         let size = self.pair_size(node, facet);
-        let master = self.surface.corners(facet as usize, x);
+        let master = self.faces.surface.corners(facet as usize, x);
         let foot = extend(&self.corner_point(slave, corner, x), &master, from.at)?;
         if foot.gap > NEAR * size || self.is_planned(node, slave, facet, -from.gap) {
             return None;
@@ -349,7 +353,7 @@ impl General {
             return range;
         }
         for &f in self.facets_at(node) {
-            let nodes = self.surface.facets[f as usize];
+            let nodes = self.faces.surface.facets[f as usize];
             let Some(k) = self.corner_of(f, node) else {
                 continue;
             };
@@ -386,7 +390,7 @@ impl General {
     fn corner_area(&self, node: u32, slave: u32, facet: u32, x: &[[f64; 3]]) -> f64 {
         let normal = self.normal(facet, x);
         let area = |f: u32| {
-            let [a, b, c, d] = self.surface.corners(f as usize, x).map(Vector3::from);
+            let [a, b, c, d] = self.faces.surface.corners(f as usize, x).map(Vector3::from);
             0.5 * (c - a).cross(&(d - b)).norm()
         };
         let loaded: f64 = (self.facets_at(node).iter())
@@ -397,9 +401,9 @@ impl General {
         if self.normal(slave, x).dot(&normal) > FLAT {
             return whole;
         }
-        let corners = self.surface.corners(slave as usize, x);
+        let corners = self.faces.surface.corners(slave as usize, x);
         let within = 1.0 + 20.0 * STAY;
-        let both = self.surface.facets[facet as usize].iter().any(|&n| {
+        let both = self.faces.surface.facets[facet as usize].iter().any(|&n| {
             let foot = extend(&Vector3::from(x[n as usize]), &corners, [0.0; 2]);
             foot.is_some_and(|foot| foot.xi[0].abs() <= within && foot.xi[1].abs() <= within)
         });

@@ -128,7 +128,7 @@ impl General {
         ];
         let sizes = first.facets.into_iter().chain(second.facets);
         let size = sizes
-            .map(|f| self.size[f as usize])
+            .map(|f| self.faces.size[f as usize])
             .fold(f64::INFINITY, f64::min);
         if seen.gap > NEAR * size || self.is_planned_edge(&first, &second) {
             return None;
@@ -146,7 +146,7 @@ impl General {
         let inset = |over: bool| if over { rim } else { END };
         let range = tips.map(|over| [inset(over), 1.0 - inset(over)]);
         let over = (0..2).all(|i| (range[i][0]..=range[i][1]).contains(&seen.at[i]));
-        let side = self.size[facets[0] as usize].min(self.size[facets[1] as usize]);
+        let side = self.faces.size[facets[0] as usize].min(self.faces.size[facets[1] as usize]);
         let (from_one, from_other) = (self.ends(a, x0), self.ends(b, x0));
         let from = Place {
             at: crossing_along(&from_one, &from_other, &seen.normal).unwrap_or(seen.at),
@@ -225,7 +225,7 @@ impl General {
         if cosine < FLAT {
             return false;
         }
-        let corners = self.surface.corners(facet as usize, x);
+        let corners = self.faces.surface.corners(facet as usize, x);
         let centre = corners
             .iter()
             .map(|c| Vector3::from(*c))

@@ -174,7 +174,7 @@ impl General {
     /// Movement of the nodes of two facets [mm].
     pub(super) fn way(&self, facets: [u32; 2], [x0, x]: [&[[f64; 3]]; 2]) -> [[f64; 3]; 8] {
         let mut way = [[0.0; 3]; 8];
-        let nodes = facets.map(|f| self.surface.facets[f as usize]);
+        let nodes = facets.map(|f| self.faces.surface.facets[f as usize]);
         for (u, &n) in way.iter_mut().zip(nodes.iter().flatten()) {
             let (from, to) = (x0[n as usize], x[n as usize]);
             *u = [0, 1, 2].map(|i| to[i] - from[i]);

@@ -226,19 +226,19 @@ impl Live {
         }
         let inverse: f64 = match self.touch.kind {
             Kind::Corner => {
-                let own = of.inverse_mass[self.touch.first as usize];
+                let own = of.faces.inverse_mass[self.touch.first as usize];
                 let weights = surface::weights_at(self.touch.at);
-                let nodes = of.surface.facets[b as usize];
+                let nodes = of.faces.surface.facets[b as usize];
                 let others = nodes.iter().zip(weights);
                 own + others
-                    .map(|(&n, w)| w * w * of.inverse_mass[n as usize])
+                    .map(|(&n, w)| w * w * of.faces.inverse_mass[n as usize])
                     .sum::<f64>()
             }
             Kind::Edges => [self.touch.first, self.touch.second]
                 .iter()
                 .zip(self.touch.at)
                 .map(|(&e, s)| {
-                    let [p, q] = of.sharp(e).nodes.map(|n| of.inverse_mass[n as usize]);
+                    let [p, q] = of.sharp(e).nodes.map(|n| of.faces.inverse_mass[n as usize]);
                     (1.0 - s) * (1.0 - s) * p + s * s * q
                 })
                 .sum(),
@@ -266,16 +266,16 @@ impl Live {
         } = self.touch;
         match kind {
             Kind::Corner => {
-                let slave = of.surface.corners(facets[0] as usize, x);
-                let master = of.surface.corners(facets[1] as usize, x);
-                let corner = of.surface.facets[facets[0] as usize]
+                let slave = of.faces.surface.corners(facets[0] as usize, x);
+                let master = of.faces.surface.corners(facets[1] as usize, x);
+                let corner = of.faces.surface.facets[facets[0] as usize]
                     .iter()
                     .position(|&n| n == first)?;
                 let (from, xi) = self.anchor;
                 let anchor = if from == second {
                     Anchor::Same(xi)
                 } else {
-                    let corners = of.surface.corners(from as usize, x);
+                    let corners = of.faces.surface.corners(from as usize, x);
                     Anchor::At(surface::point_at(&corners, xi).into())
                 };
                 let kin = Kinematics::new(&slave, &of.weights[corner], &master, at, anchor)?;
@@ -299,7 +299,7 @@ impl Live {
                 ];
                 for (edge, facet, from, s, sign) in parts {
                     let [p, q] = of.sharp(edge).nodes;
-                    for (a, &n) in of.surface.facets[facet as usize].iter().enumerate() {
+                    for (a, &n) in of.faces.surface.facets[facet as usize].iter().enumerate() {
                         if n == p {
                             weights[from + a] = sign * (1.0 - s);
                         } else if n == q {
@@ -331,7 +331,7 @@ impl Live {
         if self.touch.kind == Kind::Edges || from == self.touch.second {
             return *old;
         }
-        let there = frame_at(&of.surface.corners(from as usize, x), xi);
+        let there = frame_at(&of.faces.surface.corners(from as usize, x), xi);
         let shear = to_frame([old.traction[1], old.traction[2]], &there, frame);
         InterfaceHistory {
             slip: to_frame(old.slip, &there, frame),

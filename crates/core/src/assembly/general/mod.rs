@@ -9,6 +9,7 @@
 mod broad;
 mod corners;
 mod edges;
+mod faces;
 mod forces;
 mod live;
 
@@ -17,14 +18,15 @@ use std::collections::{HashMap, HashSet};
 use crate::state::{Kind, Touch};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use wythe_contact::{CohesiveFrictional, Part, Surface, corner_points};
+use wythe_contact::{CohesiveFrictional, Part, corner_points};
 
 use super::{Contact, Mass, Trial};
 use crate::model::Model;
-use crate::model::general::{GeneralContact, shortest_side};
+use crate::model::general::GeneralContact;
 use crate::state::State;
 use broad::Nearby;
 use corners::Watch;
+use faces::Faces;
 pub use live::Live;
 
 /// Gap up to which a possible touch has a place in the matrix, over the shortest side of the facets.
@@ -42,20 +44,7 @@ const STAY: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub struct General {
     of: Option<GeneralContact>,
-    surface: Surface,
-    /// Start of each node's entries in `around`, the facets at nodes. `[node]`
-    around_start: Vec<u32>,
-    around: Vec<u32>,
-    /// Nodes of the boundary facets.
-    nodes: Vec<u32>,
-    /// Shortest side of each facet [mm]. `[facet]`
-    size: Vec<f64>,
-    /// Shortest side of the facets at a node [mm]. `[node]`
-    node_size: Vec<f64>,
-    /// Whether all nodes of a facet are fully supported. `[facet]`
-    held_facet: Vec<bool>,
-    /// Inverse mass of a node; 0 where it is fully supported [1/tonne]. `[node]`
-    inverse_mass: Vec<f64>,
+    faces: Faces,
     /// Weights of points slightly inwards of a facet's corners. `[corner][corner]`
     weights: [[f64; 4]; 4],
     /// Slave facets of planned contact among the boundary facets. `[slave facet]`
@@ -82,77 +71,19 @@ pub struct General {
 
 impl General {
     /// Prepares the boundary facets of a model. Empty for a model without general contact.
-    #[expect(
-        clippy::too_many_lines,
-        reason = "one table of the boundary facets after the other"
-    )]
     pub fn new(model: &Model, mass: &Mass) -> Self {
         let Some(of) = &model.contact.general else {
             return Self::default();
         };
-        let (x, skin) = (&model.mesh.nodes, &of.skin);
-        let surface = Surface {
-            facets: skin.facets.clone(),
-            body: skin.body.clone(),
-        };
-        let mut count = vec![0_u32; x.len() + 1];
-        for &n in skin.facets.iter().flatten() {
-            count[n as usize + 1] += 1;
-        }
-        for n in 0..x.len() {
-            count[n + 1] += count[n];
-        }
-        let (around_start, mut next) = (count.clone(), count);
-        let mut around = vec![0; 4 * skin.facets.len()];
-        for (f, facet) in skin.facets.iter().enumerate() {
-            for &n in facet {
-                around[next[n as usize] as usize] = f as u32;
-                next[n as usize] += 1;
-            }
-        }
-        let size: Vec<f64> = (0..skin.facets.len())
-            .map(|f| shortest_side(&surface.corners(f, x)))
-            .collect();
-        let mut node_size = vec![f64::INFINITY; x.len()];
-        for (facet, &size) in skin.facets.iter().zip(&size) {
-            for &n in facet {
-                node_size[n as usize] = node_size[n as usize].min(size);
-            }
-        }
-        let mut held = vec![[false; 3]; x.len()];
-        for support in &model.supports {
-            for &n in &support.nodes {
-                for i in 0..3 {
-                    held[n as usize][i] |= support.fixed[i];
-                }
-            }
-        }
-        let held: Vec<bool> = held.iter().map(|h| h.iter().all(|h| *h)).collect();
-        let inverse_mass = mass
-            .node
-            .iter()
-            .zip(&held)
-            .map(|(&m, &held)| if held || m <= 0.0 { 0.0 } else { 1.0 / m })
-            .collect();
+        let faces = Faces::new(model, &of.skin, mass);
         let unit = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         Self {
-            held_facet: (skin.facets.iter())
-                .map(|f| f.iter().all(|&n| held[n as usize]))
-                .collect(),
-            nodes: (0..x.len() as u32)
-                .filter(|&n| around_start[n as usize] < around_start[n as usize + 1])
-                .collect(),
-            nearby: Nearby::new(&size),
+            nearby: Nearby::new(&faces.size),
             planned: planned_facets(model, of),
             weights: corner_points(&unit, &Part::WHOLE).map(|p| p.weights),
-            depth: vec![0.0; skin.body.last().map_or(0, |b| *b as usize + 1)],
+            depth: vec![0.0; faces.surface.body.last().map_or(0, |b| *b as usize + 1)],
             of: Some(of.clone()),
-            surface,
-            around_start,
-            around,
-            size,
-            node_size,
-            inverse_mass,
+            faces,
             ..Self::default()
         }
     }
@@ -173,16 +104,15 @@ impl General {
     }
 
     fn facets_at(&self, node: u32) -> &[u32] {
-        let range = self.around_start[node as usize]..self.around_start[node as usize + 1];
-        &self.around[range.start as usize..range.end as usize]
+        self.faces.at(node)
     }
 
     fn normal(&self, facet: u32, x: &[[f64; 3]]) -> Vector3<f64> {
-        crate::model::general::normal(&self.surface.corners(facet as usize, x))
+        crate::model::general::normal(&self.faces.surface.corners(facet as usize, x))
     }
 
     fn body(&self, facet: u32) -> u32 {
-        self.surface.body[facet as usize]
+        self.faces.surface.body[facet as usize]
     }
 
     /// Depth up to which two bodies count as flush, with facets of shortest side `size` [mm] (theory/contact.md,
@@ -203,7 +133,7 @@ impl General {
         for touch in &state.touches {
             let deep = -(touch.history.opening + touch.offset).min(0.0);
             for f in touch.facets {
-                let depth = &mut self.depth[self.surface.body[f as usize] as usize];
+                let depth = &mut self.depth[self.faces.surface.body[f as usize] as usize];
                 *depth = depth.max(deep);
             }
         }
@@ -325,7 +255,7 @@ impl General {
         if cells.len() != before || cells.len() != self.cell_nodes.len() || before == 0 {
             self.cell_nodes.clear();
             self.cell_nodes.extend(cells.iter().map(|pair| {
-                let [a, b] = pair.map(|f| self.surface.facets[f as usize]);
+                let [a, b] = pair.map(|f| self.faces.surface.facets[f as usize]);
                 [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
             }));
         }
