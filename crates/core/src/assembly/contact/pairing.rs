@@ -65,13 +65,11 @@ impl Contact {
                                 x_start,
                             )
                     };
-                    *pair = match found.filter(comes) {
-                        Some((facet, xi)) => PointPair {
-                            facet: Some(facet),
-                            xi,
-                        },
-                        None => PointPair::default(),
+                    let paired = |(facet, xi)| PointPair {
+                        facet: Some(facet),
+                        xi,
                     };
+                    *pair = found.filter(comes).map(paired).unwrap_or_default();
                     if anchor.facet.is_none() {
                         *anchor = *pair;
                     }
