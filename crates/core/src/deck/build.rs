@@ -9,7 +9,7 @@ use super::held::{Holding, require_held, require_held_each_way};
 use super::loading::{Loading, loading};
 use super::loads;
 use super::masonry;
-use super::meeting::{Meeting, meeting};
+use super::meeting::{Meeting, Touching, meeting};
 use super::overlap;
 use super::probes;
 use super::quantity::Quantity;
@@ -19,7 +19,7 @@ use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::symmetry;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
-use crate::model::scene::{Beam, Model, NamedMaterial, Spring, Support};
+use crate::model::scene::{Model, NamedMaterial, Spring, Support};
 
 impl Model {
     /// Builds the model that a deck describes; returns it with all warnings.
@@ -36,21 +36,13 @@ impl Model {
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;
         errors.keep(require_mass(deck, &bodies));
-        let (supports, springs) = (
-            errors.keep(bodies.supports()),
-            errors.keep(bodies.springs()),
-        );
-        let is_known = supports.is_some() && springs.is_some();
-        let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
-        let held_by_deck = supports.len();
-        supports.extend(
-            errors
-                .keep(symmetry::supports(deck, &bodies))
-                .unwrap_or_default(),
-        );
+        let restraints = Restraints::of(deck, &bodies, &mut errors);
+        let Restraints {
+            supports, springs, ..
+        } = &restraints;
         let probes = errors.keep(probes::probes(deck, &bodies));
         let top = masonry::level_beam(&bodies);
-        let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
+        let loading = errors.keep(loading(deck, &bodies, top, supports, springs));
         let Surfaces {
             parameters,
             meeting:
@@ -70,45 +62,30 @@ impl Model {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, &mut contact));
-        let mut parts = deck.contact.parts.map(f64::from);
-        parts.sort_by(f64::total_cmp);
-        let points = 4.0 * contact.slave_facets.len() as f64 * parts[1] * parts[2];
-        if points > amount::MOST_POINTS {
-            return Err(errors.and(deck.error(
-                "contact.parts",
-                format!("{points} points of contact are too many"),
-                "at most 1e7: cut facets into fewer parts",
-            )));
+        if let Err(error) = require_few_points(deck, contact.slave_facets.len()) {
+            return Err(errors.and(error));
         }
         contact.divide(deck.contact.parts, &bodies.mesh.nodes);
-        // Supports of symmetry planes come after `held_by_deck`: they hold no body against motion in the plane.
-        let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
-        let mut floats = None;
-        if moved && is_known {
-            let holding = Holding {
-                supports: &supports,
-                springs: &springs,
-                beams: &beams,
-                steps: &steps,
-            };
-            let is_held = require_held(deck, &bodies, &held, &touching).and_then(|floats| {
-                require_held_each_way(deck, &bodies, &touching, holding).map(|()| floats)
-            });
-            floats = errors.keep(is_held).flatten();
-        }
+        let holding = Holding {
+            supports,
+            springs,
+            beams: &beams,
+            steps: &steps,
+        };
+        let floats = (moved && restraints.are_known)
+            .then(|| restraints.floating(deck, &bodies, &touching, holding))
+            .and_then(|floats| errors.keep(floats).flatten());
         let overlaps = errors
             .keep(overlap::overlaps(deck, &bodies))
             .unwrap_or_default();
         let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
-        let planes = &supports[held_by_deck..];
-        errors.keep(symmetry::judge_held(
-            deck,
-            &bodies,
-            planes,
-            &springs,
-            named.all(),
-            &steps,
-        ));
+        let actions = symmetry::Actions {
+            springs,
+            loads: named.all(),
+            steps: &steps,
+        };
+        let planes = &supports[restraints.of_deck..];
+        errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
         let names = std::mem::take(&mut bodies.materials);
         let initial_velocity = std::mem::take(&mut bodies.velocity);
         let imported = std::mem::take(&mut bodies.warnings);
@@ -122,9 +99,9 @@ impl Model {
             contact,
             loads: named.assign(&mut steps),
             beams,
-            supports,
+            supports: restraints.supports,
             initial_velocity,
-            springs,
+            springs: restraints.springs,
             probes: probes.unwrap_or_default(),
             steps,
             output: errors.keep(deck.output()).unwrap_or_default(),
@@ -146,13 +123,70 @@ fn nothing_to_load(deck: &Deck) -> ModelError {
     )
 }
 
-/// Nodes that are held by supports, springs or faces that move as one.
-fn nodes_held(supports: &[Support], springs: &[Spring], beams: &[Beam]) -> Vec<u32> {
-    let of_supports = supports.iter().map(|s| &s.nodes);
-    let of_springs = springs.iter().map(|s| &s.nodes);
-    let of_beams = beams.iter().map(|b| &b.nodes);
-    let all = of_supports.chain(of_springs).chain(of_beams);
-    all.flatten().copied().collect()
+/// Supports and springs of a scene.
+struct Restraints {
+    /// Those of the deck, then those of planes of symmetry, which hold no body against motion in the plane.
+    supports: Vec<Support>,
+    /// Number of supports of the deck.
+    of_deck: usize,
+    springs: Vec<Spring>,
+    /// Whether the supports and springs of the deck have no errors.
+    are_known: bool,
+}
+
+impl Restraints {
+    fn of(deck: &Deck, bodies: &Bodies<'_>, errors: &mut Errors) -> Self {
+        let supports = errors.keep(bodies.supports());
+        let springs = errors.keep(bodies.springs());
+        let are_known = supports.is_some() && springs.is_some();
+        let mut supports = supports.unwrap_or_default();
+        let of_deck = supports.len();
+        supports.extend(
+            errors
+                .keep(symmetry::supports(deck, bodies))
+                .into_iter()
+                .flatten(),
+        );
+        Self {
+            supports,
+            of_deck,
+            springs: springs.unwrap_or_default(),
+            are_known,
+        }
+    }
+
+    /// Rejects bodies that neither these, nor faces that move as one, nor other bodies hold.
+    fn floating(
+        &self,
+        deck: &Deck,
+        bodies: &Bodies<'_>,
+        touching: &[Touching],
+        holding: Holding<'_>,
+    ) -> Result<Option<Warning>, ModelError> {
+        let of_supports = self.supports[..self.of_deck].iter().map(|s| &s.nodes);
+        let of_springs = self.springs.iter().map(|s| &s.nodes);
+        let of_beams = holding.beams.iter().map(|b| &b.nodes);
+        let held = of_supports.chain(of_springs).chain(of_beams);
+        let held: Vec<u32> = held.flatten().copied().collect();
+        let floats = require_held(deck, bodies, &held, touching)?;
+        require_held_each_way(deck, bodies, touching, holding)?;
+        Ok(floats)
+    }
+}
+
+/// Rejects more points of contact than [`amount::MOST_POINTS`].
+fn require_few_points(deck: &Deck, facets: usize) -> Result<(), ModelError> {
+    let mut parts = deck.contact.parts.map(f64::from);
+    parts.sort_by(f64::total_cmp);
+    let points = 4.0 * facets as f64 * parts[1] * parts[2];
+    if points <= amount::MOST_POINTS {
+        return Ok(());
+    }
+    Err(deck.error(
+        "contact.parts",
+        format!("{points} points of contact are too many"),
+        "at most 1e7: cut facets into fewer parts",
+    ))
 }
 
 fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {

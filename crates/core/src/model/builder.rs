@@ -362,7 +362,7 @@ impl Block {
 }
 
 /// Points of a grid, x fastest.
-fn grid([a, b, c]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+pub(crate) fn grid([a, b, c]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..a * b * c).map(move |n| [n % a, n / a % b, n / (a * b)])
 }
 

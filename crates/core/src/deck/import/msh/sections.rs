@@ -1,7 +1,7 @@
 //! Reads the sections of a `.msh`.
 
 use super::cursor::{Cursor, Endian};
-use super::gather::Gathered;
+use super::gather::{Element, Gathered};
 use crate::deck::import::numbers::real;
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Wrong};
 use crate::error::is_hidden;
@@ -185,7 +185,16 @@ pub(super) fn elements(
             for node in &mut nodes[..corners] {
                 *node = cursor.size()?;
             }
-            gathered.element(kind, tag, &nodes[..corners], &groups, place)?;
+            let nodes = &nodes[..corners];
+            gathered.element(
+                Element {
+                    kind,
+                    tag,
+                    nodes,
+                    place,
+                },
+                &groups,
+            )?;
             require_countable(cursor, gathered)?;
         }
     }
@@ -232,7 +241,16 @@ fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(),
                 *node = cursor.tag(2)?;
             }
             let groups: &[i64] = if group == 0 { &[] } else { &[group] };
-            gathered.element(kind, tag, &nodes[..corners], groups, place)?;
+            let nodes = &nodes[..corners];
+            gathered.element(
+                Element {
+                    kind,
+                    tag,
+                    nodes,
+                    place,
+                },
+                groups,
+            )?;
             require_countable(cursor, gathered)?;
             place = next_line(cursor);
             read += 1;
