@@ -1,6 +1,6 @@
 //! Builds a [`Model`] from Rust, block by block, without a deck.
 
-use super::general::GeneralContact;
+use super::general::{DryStiffness, GeneralContact};
 use super::probes::{Probe, ProbeQuantity};
 use super::scene::{Beam, HeldBy, NamedMaterial, Step, Support};
 use super::surfaces::{JointSide, joint_stiffness};
@@ -135,6 +135,10 @@ impl ModelBuilder {
 
     /// Adds a block with its lower corner at `low` and edges `size` along the axes [mm], of `cells` elements along
     /// x, y, z.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "examples and models of users call it so; a block is its name, place, size, mesh and material"
+    )]
     pub fn block(
         &mut self,
         name: &str,
@@ -183,20 +187,15 @@ impl ModelBuilder {
     /// Makes a face a slave face: its points carry `law` where they meet a master face of another block. The finer
     /// of two faces should be the slave.
     pub fn slave(&mut self, block: &Block, face: Face, law: LawId) {
-        let contact = &mut self.model.contact;
         for facet in block.facets(face) {
-            contact.slave_facets.push(facet);
-            contact.slave_body.push(block.body);
-            contact.slave_law.push(law.0);
+            self.model.contact.add_slave(facet, block.body, law.0);
         }
     }
 
     /// Makes a face a master face.
     pub fn master(&mut self, block: &Block, face: Face) {
-        let contact = &mut self.model.contact;
         for facet in block.facets(face) {
-            contact.master_facets.push(facet);
-            contact.master_body.push(block.body);
+            self.model.contact.add_master(facet, block.body);
         }
     }
 
@@ -206,7 +205,7 @@ impl ModelBuilder {
         let Model {
             mesh, materials, ..
         } = &self.model;
-        let contact = GeneralContact::new("dry", mesh, materials, mu, 500.0, None);
+        let contact = GeneralContact::new("dry", mesh, materials, mu, DryStiffness::Penalty(500.0));
         self.model.contact.general = Some(contact);
     }
 
