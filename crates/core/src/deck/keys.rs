@@ -1,5 +1,7 @@
 //! An example of every key of a deck, shown by errors where the key is missing or cannot be read.
 
+use strsim::levenshtein;
+
 /// Last part of the path of a key, and a valid line.
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("format", "format = 1"),
@@ -409,7 +411,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     known
         .filter(|k| k.chars().count().abs_diff(length) <= allowed)
         .take(MOST_MEANT)
-        .map(|k| (edit_distance(&name.to_lowercase(), &k.to_lowercase()), k))
+        .map(|k| (levenshtein(&name.to_lowercase(), &k.to_lowercase()), k))
         .filter(|(distance, _)| *distance <= allowed)
         .min()
         .map(|(_, k)| k)
@@ -420,19 +422,3 @@ const LONGEST_MEANT: usize = 100;
 
 /// Largest number of known names that are compared: advice must not take longer than the check.
 const MOST_MEANT: usize = 2000;
-
-/// Levenshtein distance: insertions, deletions, substitutions.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
