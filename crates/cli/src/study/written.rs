@@ -132,22 +132,12 @@ impl CaseFile {
                 .into());
         }
         let short = short(source, "short", self.short.as_ref())?;
-        let mut methods: Vec<CaseMethod> = Vec::new();
-        for (i, method) in self.methods.iter().enumerate() {
-            let path = format!("methods.{i}");
-            if methods.iter().any(|m| m.name == method.name) {
-                return Err(error(&format!("{path}.name"), "two methods have this name").into());
-            }
-            methods.push(CaseMethod {
-                name: method.name.clone(),
-                set: pairs(source, &format!("{path}.set"), &method.set)?,
-            });
-        }
-        let deck = Deck::load(folder.join(&self.deck), &[])?;
-        let own = deck.columns();
+        let methods = methods(source, &self.methods)?;
+        let deck = folder.join(&self.deck);
+        let own = Deck::load(&deck, &[])?.columns();
         let columns: Vec<String> = History::names().into_iter().chain(own).collect();
-        let mut expect = Vec::new();
-        for (i, written) in self.expect.into_iter().enumerate() {
+        let written = self.expect.into_iter().enumerate();
+        let expect = written.map(|(i, written)| {
             let checker = Checker {
                 source,
                 path: format!("expect.{i}"),
@@ -155,8 +145,9 @@ impl CaseFile {
                 folder,
                 advice,
             };
-            expect.push(checker.expectation(written)?);
-        }
+            checker.expectation(written)
+        });
+        let expect = expect.collect::<Result<Vec<_>, _>>()?;
         if expect.iter().all(|e| e.wanted == Wanted::Reported) {
             return Err(error(
                 "expect",
@@ -170,7 +161,7 @@ impl CaseFile {
             title: self.title,
             mechanics: self.mechanics,
             source: self.source,
-            deck: folder.join(self.deck),
+            deck,
             steps: self.steps,
             short,
             energy: self.energy.unwrap_or(ENERGY),
@@ -180,6 +171,24 @@ impl CaseFile {
             expect,
         })
     }
+}
+
+/// Methods of a case, each name once.
+fn methods(source: &Source, written: &[MethodFile]) -> Result<Vec<CaseMethod>, StudyError> {
+    let mut methods: Vec<CaseMethod> = Vec::new();
+    for (i, method) in written.iter().enumerate() {
+        let path = format!("methods.{i}");
+        if methods.iter().any(|m| m.name == method.name) {
+            let key = format!("{path}.name");
+            let error = source.error(&key, "two methods have this name", &advice(&key));
+            return Err(error.into());
+        }
+        methods.push(CaseMethod {
+            name: method.name.clone(),
+            set: pairs(source, &format!("{path}.set"), &method.set)?,
+        });
+    }
+    Ok(methods)
 }
 
 /// The text of a case at `path`, the name by which errors call it and the folder that it stands in.

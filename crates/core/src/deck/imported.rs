@@ -1,7 +1,7 @@
 //! An imported mesh in a scene: its placement, materials, bodies and their faces.
 
 use super::body::{Body, BodyFace};
-use super::import::{self, ImportedMesh, Lengths, SIDES, Units};
+use super::import::{self, ImportedMesh, Lengths, SIDES, Units, root};
 use super::keys::nearest;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckImport, Material, Rotation, validate};
@@ -466,14 +466,4 @@ pub(super) fn lengths(
         median: lengths[lengths.len() / 2],
         most: *lengths.last()?,
     })
-}
-
-fn root(parent: &mut [u32], node: u32) -> u32 {
-    let mut node = node;
-    while parent[node as usize] != node {
-        let above = parent[node as usize];
-        parent[node as usize] = parent[above as usize];
-        node = above;
-    }
-    node
 }

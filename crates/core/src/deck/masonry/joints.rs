@@ -53,13 +53,17 @@ struct Rectangle {
 impl Rectangle {
     /// Box around all faces that may touch this one.
     fn around(&self) -> Aabb {
-        let [[a, b], [c, d]] = self.range;
-        let flat = Aabb {
-            min: [a, c, self.plane],
-            max: [b, d, self.plane],
-        };
-        flat.fattened(TOUCH)
+        around(self.range, self.plane)
     }
+}
+
+/// Box around all rectangles that may touch this one, in a plane along its normal.
+fn around([[a, b], [c, d]]: [[f64; 2]; 2], plane: f64) -> Aabb {
+    let flat = Aabb {
+        min: [a, c, plane],
+        max: [b, d, plane],
+    };
+    flat.fattened(TOUCH)
 }
 
 /// Adds the joints of all walls to the surfaces; returns the bodies that touch.
@@ -352,12 +356,7 @@ struct Facet {
 impl Facet {
     /// Box around all facets that may touch this one.
     fn around(&self) -> Aabb {
-        let [[a, b], [c, d]] = self.range;
-        let flat = Aabb {
-            min: [a, c, self.plane],
-            max: [b, d, self.plane],
-        };
-        flat.fattened(TOUCH)
+        around(self.range, self.plane)
     }
 }
 

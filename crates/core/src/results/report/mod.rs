@@ -132,22 +132,15 @@ impl Report {
             let (still, each) = scene.sizes();
             let around = text.page(&data, &notes).len() + still;
             let room = limit.saturating_sub(around) / each;
-            let at_peak = peak
-                .and_then(|peak| (0..times.len()).min_by_key(|&f| row_of_frame[f].abs_diff(peak)));
-            let kept = view::choose(times.len(), at_peak, room);
-            if kept.len() < times.len() {
+            let chosen = chosen_frames(&row_of_frame, &rows, peak, room);
+            if chosen.len() < times.len() {
                 notes.push(format!(
                     "The wall is shown at {} of {} frames, so that the page stays below {} MB; results.vtkhdf has all.",
-                    kept.len(),
+                    chosen.len(),
                     times.len(),
                     limit as f64 / 1e6
                 ));
             }
-            let place = |frame: usize| {
-                rows.binary_search(&row_of_frame[frame])
-                    .unwrap_or_else(|near| near)
-            };
-            let chosen: Vec<(usize, usize)> = kept.into_iter().map(|f| (f, place(f))).collect();
             let view = scene.with_frames(&chosen, &mut notes);
             frames = view.frames.len();
             data.view = Some(view);
@@ -168,6 +161,23 @@ impl Report {
     pub fn write(&self, path: &Path) -> io::Result<()> {
         write_whole(path, self.html.as_bytes())
     }
+}
+
+/// Frames for which the page has room, each with its place among the `rows` of the charts.
+fn chosen_frames(
+    row_of_frame: &[usize],
+    rows: &[usize],
+    peak: Option<usize>,
+    room: usize,
+) -> Vec<(usize, usize)> {
+    let count = row_of_frame.len();
+    let at_peak = peak.and_then(|peak| (0..count).min_by_key(|&f| row_of_frame[f].abs_diff(peak)));
+    let place = |frame: usize| {
+        rows.binary_search(&row_of_frame[frame])
+            .unwrap_or_else(|near| near)
+    };
+    let kept = view::choose(count, at_peak, room).into_iter();
+    kept.map(|f| (f, place(f))).collect()
 }
 
 /// The result of reading a file; a failure is added to the notes.
