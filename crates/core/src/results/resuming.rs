@@ -205,15 +205,7 @@ impl StoppedRun {
                 return self.begin_anew(model, &why, warnings);
             }
         };
-        if let Some(why) = &lines.made_anew {
-            let kept = set_aside(&path, HISTORY);
-            warnings.push(format!(
-                "{HISTORY} cannot be read ({why}): {kept}it is made anew from {FIELDS}"
-            ));
-        }
-        let history = writing(&path, HISTORY, |file| {
-            HistoryWriter::resume(file, model, &lines.bytes)
-        })?;
+        let history = self.continue_history(model, &lines, &mut warnings)?;
         let (fields, last_frame) = match fields {
             Ok(both) => both,
             Err(why) => (self.new_fields(model, &why, &mut warnings)?, None),
@@ -268,19 +260,36 @@ impl StoppedRun {
         })
     }
 
+    /// Writer behind these lines. A file that was rebuilt is put in the place of the damaged one.
+    fn continue_history(
+        &self,
+        model: &Model,
+        lines: &Lines,
+        warnings: &mut Vec<String>,
+    ) -> Result<HistoryWriter, OutputError> {
+        if let Some(why) = &lines.made_anew {
+            let kept = set_aside(&self.path, HISTORY);
+            warnings.push(format!(
+                "{HISTORY} cannot be read ({why}): {kept}it is made anew from {FIELDS}"
+            ));
+        }
+        let resume = |file: &Path| HistoryWriter::resume(file, model, &lines.bytes);
+        writing(&self.path, HISTORY, resume)
+    }
+
     /// Fields without the frames of a file that cannot be read.
     fn new_fields(
         &self,
         model: &Model,
         why: &str,
         warnings: &mut Vec<String>,
-    ) -> Result<VtkHdfWriter, ResumeError> {
+    ) -> Result<VtkHdfWriter, OutputError> {
         let (kept, frames) = (set_aside(&self.path, FIELDS), self.file.frames);
         warnings.push(format!(
             "{FIELDS} cannot be read ({why}): {kept}it begins anew, without the {frames} frames before"
         ));
         let create = |file: &Path| VtkHdfWriter::create(file, model);
-        Ok(writing(&self.path, FIELDS, create)?)
+        writing(&self.path, FIELDS, create)
     }
 
     /// Warning about messages that the deck no longer wants.

@@ -328,7 +328,8 @@ fn legend_of_lines(
     mirrored: bool,
 ) -> std::fmt::Result {
     let left = WIDTH / 2.0;
-    let line = |stroke: String| move |y: f64| format!(r#"<path d="M{left:.0} {y:.0}h24" {stroke}/>"#);
+    let line =
+        |stroke: String| move |y: f64| format!(r#"<path d="M{left:.0} {y:.0}h24" {stroke}/>"#);
     let mut row = 0.0;
     let mut entry = |mark: &dyn Fn(f64) -> String, text: &str| {
         let y = top + 20.0 * row + 7.0;

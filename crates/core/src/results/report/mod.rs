@@ -104,13 +104,9 @@ impl Report {
         let row_of_frame: Vec<usize> = times.iter().map(|t| nearest(&history.rows, *t)).collect();
         let mut rows = series::chosen(history.rows.len(), row_of_frame.iter().copied().chain(peak));
         rows.dedup();
-        if rows.len() < history.rows.len() {
-            notes.push(format!(
-                "The charts show {} of {} increments.",
-                rows.len(),
-                history.rows.len()
-            ));
-        }
+        notes.extend(some_of(rows.len(), history.rows.len(), |some, all| {
+            format!("The charts show {some} of {all} increments.")
+        }));
         let title = title(folder, deck.as_deref(), fields.as_ref());
         let mut data = Data {
             series: Series::of(&history, &driven, peak, &rows),
@@ -133,14 +129,13 @@ impl Report {
             let around = text.page(&data, &notes).len() + still;
             let room = limit.saturating_sub(around) / each;
             let chosen = chosen_frames(&row_of_frame, &rows, peak, room);
-            if chosen.len() < times.len() {
-                notes.push(format!(
-                    "The wall is shown at {} of {} frames, so that the page stays below {} MB; results.vtkhdf has all.",
-                    chosen.len(),
-                    times.len(),
-                    limit as f64 / 1e6
-                ));
-            }
+            notes.extend(some_of(chosen.len(), times.len(), |some, all| {
+                let megabytes = limit as f64 / 1e6;
+                format!(
+                    "The wall is shown at {some} of {all} frames, so that the page stays below {megabytes} MB; \
+                     results.vtkhdf has all."
+                )
+            }));
             let view = scene.with_frames(&chosen, &mut notes);
             frames = view.frames.len();
             data.view = Some(view);
@@ -161,6 +156,11 @@ impl Report {
     pub fn write(&self, path: &Path) -> io::Result<()> {
         write_whole(path, self.html.as_bytes())
     }
+}
+
+/// A note if some are shown and not all.
+fn some_of(some: usize, all: usize, note: impl Fn(usize, usize) -> String) -> Option<String> {
+    (some < all).then(|| note(some, all))
 }
 
 /// Frames for which the page has room, each with its place among the `rows` of the charts.
