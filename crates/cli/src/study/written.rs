@@ -111,25 +111,19 @@ impl CaseFile {
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
         let error = |path: &str, message: &str| source.error(path, message, &advice(path));
         if self.energy.is_some_and(|e| e > ENERGY) && self.why.is_empty() {
-            return Err(source
-                .error(
-                    "energy",
-                    "a larger energy imbalance wants a reason",
-                    "say why beside it: why = \"…\"",
-                )
-                .into());
+            let (message, help) = (
+                "a larger energy imbalance wants a reason",
+                "say why beside it: why = \"…\"",
+            );
+            return Err(source.error("energy", message, help).into());
         }
         if self.energy.is_some_and(|e| e.is_nan() || e <= 0.0) {
             return Err(error("energy", "must be above 0").into());
         }
         if self.expect.is_empty() {
-            return Err(source
-                .error(
-                    "",
-                    "the case expects nothing: a wrong answer would pass",
-                    "write one [[expect]] or more",
-                )
-                .into());
+            let message = "the case expects nothing: a wrong answer would pass";
+            let error = source.error("", message, "write one [[expect]] or more");
+            return Err(error.into());
         }
         let short = short(source, "short", self.short.as_ref())?;
         let methods = methods(source, &self.methods)?;
@@ -149,11 +143,8 @@ impl CaseFile {
         });
         let expect = expect.collect::<Result<Vec<_>, _>>()?;
         if expect.iter().all(|e| e.wanted == Wanted::Reported) {
-            return Err(error(
-                "expect",
-                "all of it is only reported: a wrong answer would pass",
-            )
-            .into());
+            let message = "all of it is only reported: a wrong answer would pass";
+            return Err(error("expect", message).into());
         }
         Ok(Case {
             number: self.number,

@@ -4,7 +4,7 @@ use strsim::levenshtein;
 
 /// Examples of all keys, one a line, behind the last part of the path of its key and ` => ` where the line does not
 /// begin with that.
-const EXAMPLES: &str = r##"format = 1
+const EXAMPLES: &str = r#"format = 1
 title = "Wall J7D"
 fidelity = "auto"  # or "full", "elastic"
 [materials.brick]
@@ -199,7 +199,7 @@ rise = "400 mm"  # with span, or angle
 thickness = "110 mm"
 width = "200 mm"
 voussoirs = 11
-arch.mesh => mesh = [1, 1, 1]  # along the arch, its width, its thickness"##;
+arch.mesh => mesh = [1, 1, 1]  # along the arch, its width, its thickness"#;
 
 /// Last part of the path of each key, and a valid line.
 pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {

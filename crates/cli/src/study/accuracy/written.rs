@@ -178,17 +178,13 @@ impl SceneFile {
         let begins = reference.curve.first().map_or(0.0, |point| point[0]);
         let from = self.from.unwrap_or(begins.max(0.0));
         if !(from >= 0.0 && from < self.to && self.to.is_finite()) {
-            return Err(error(
-                "to",
-                "must be beyond `from`, which is 0 or more".to_owned(),
-            ));
+            let what = "must be beyond `from`, which is 0 or more".to_owned();
+            return Err(error("to", what));
         }
         let short_to = self.short_to.unwrap_or(self.to);
         if !(from < short_to && short_to <= self.to) {
-            return Err(error(
-                "short_to",
-                "must lie between `from` and `to`".to_owned(),
-            ));
+            let what = "must lie between `from` and `to`".to_owned();
+            return Err(error("short_to", what));
         }
         let short = short(source, "short", self.short.as_ref())?;
         let choices = context.choices(self.choices)?;

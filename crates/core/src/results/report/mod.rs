@@ -68,6 +68,13 @@ struct Measured<'a> {
     points: &'a [(f64, f64)],
 }
 
+impl<'a> Measured<'a> {
+    fn of(experiment: &'a Experiment) -> Self {
+        let Experiment { name, points, .. } = experiment;
+        Self { name, points }
+    }
+}
+
 impl Report {
     /// Creates the page of a folder, whose run may have ended, be in progress or have been killed.
     ///
@@ -110,10 +117,7 @@ impl Report {
         let title = title(folder, deck.as_deref(), fields.as_ref());
         let mut data = Data {
             series: Series::of(&history, &driven, peak, &rows),
-            experiment: experiment.map(|e| Measured {
-                name: &e.name,
-                points: &e.points,
-            }),
+            experiment: experiment.map(Measured::of),
             view: None,
         };
         let text = Text {
