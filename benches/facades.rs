@@ -36,6 +36,7 @@ fn facade([units, courses]: [usize; 2]) -> Model {
     model
 }
 
+#[expect(clippy::too_many_lines, reason = "a study, from its runs to its table")]
 fn main() {
     let most: Option<usize> = std::env::var("WYTHE_BENCH_UNITS")
         .ok()

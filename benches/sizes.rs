@@ -49,6 +49,7 @@ fn pool(threads: usize) -> ThreadPool {
     pool.expect("threads")
 }
 
+#[expect(clippy::too_many_lines, reason = "a study, from its runs to its table")]
 fn main() {
     let most: Option<usize> = std::env::var("WYTHE_BENCH_UNKNOWNS")
         .ok()

@@ -265,7 +265,7 @@ impl Deck {
                 return Ok(deck);
             }
         }
-        let nothing = || ModelError::new(file, text, None, "", "the deck cannot be read", "");
+        let nothing = || ModelError::new((file, text), None, "", "the deck cannot be read", "");
         let mut all = Errors::default();
         for error in errors {
             all.push(error);
