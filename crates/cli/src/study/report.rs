@@ -158,7 +158,7 @@ fn costs(page: &mut String, cells: &[Cell]) {
 }
 
 /// Text within a table.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 

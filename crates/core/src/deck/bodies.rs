@@ -9,14 +9,13 @@ use super::mirrors::Mirror;
 use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
-use super::schema::Rotation;
 use super::schema::{Deck, DeckBlock, Material, Names};
 use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::Mesh;
 use crate::model::builder::grid;
-use crate::model::scene::{HeldBy, Spring, Support, turned};
+use crate::model::scene::{HeldBy, Spring, Support};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
@@ -509,10 +508,5 @@ fn laid(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
 
 /// Rotates a point about the origin by the rotation of its block [mm].
 fn turned_with(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
-    block.rotate.map_or(x, |Rotation { axis, angle }| {
-        let (d, sign) = axis.axis();
-        let mut unit = [0.0; 3];
-        unit[d] = sign;
-        turned(x, unit, angle.get().to_radians())
-    })
+    block.rotate.map_or(x, |rotation| rotation.turn(x))
 }

@@ -4,11 +4,10 @@ use super::body::{Body, BodyFace};
 use super::import::{self, ImportedMesh, Lengths, SIDES, Units, root};
 use super::keys::nearest;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckImport, Material, Rotation, validate};
+use super::schema::{Deck, DeckImport, Material, validate};
 use crate::element::hexahedron::{area_vector, dot, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::model::mesh::Mesh;
-use crate::model::scene::turned;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
@@ -285,12 +284,7 @@ impl Imported {
 
 /// Position of a point of an import [mm]: turned about the origin, then moved.
 fn laid(import: &DeckImport, x: [f64; 3]) -> [f64; 3] {
-    let x = import.rotate.map_or(x, |Rotation { axis, angle }| {
-        let (d, sign) = axis.axis();
-        let mut unit = [0.0; 3];
-        unit[d] = sign;
-        turned(x, unit, angle.get().to_radians())
-    });
+    let x = import.rotate.map_or(x, |rotation| rotation.turn(x));
     let at = import.at.map(Quantity::get);
     [0, 1, 2].map(|d| at[d] + x[d])
 }

@@ -3,6 +3,7 @@
 use super::Direction;
 use crate::deck::quantity::{Angle, Length, SpringStiffness, Velocity};
 use crate::model::axis::Axis;
+use crate::model::scene::turned;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
@@ -58,6 +59,16 @@ pub struct Rotation {
     pub axis: Direction,
     /// Angle [deg].
     pub angle: Angle,
+}
+
+impl Rotation {
+    /// A point turned about the origin.
+    pub(in crate::deck) fn turn(self, x: [f64; 3]) -> [f64; 3] {
+        let (d, sign) = self.axis.axis();
+        let mut unit = [0.0; 3];
+        unit[d] = sign;
+        turned(x, unit, self.angle.get().to_radians())
+    }
 }
 
 /// Contact between faces: points on slave faces against master faces.
