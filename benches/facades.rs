@@ -12,7 +12,7 @@ use rayon::ThreadPoolBuilder;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::model::scene::Fidelity;
-use wythe::results::plotting::{Spot, scatter};
+use wythe::results::plotting::{Scatter, Spot};
 
 const DECK: &str = include_str!("facade.toml");
 /// Units a course and courses.
@@ -36,6 +36,7 @@ fn facade([units, courses]: [usize; 2]) -> Model {
     model
 }
 
+#[expect(clippy::too_many_lines, reason = "a study, from its runs to its table")]
 fn main() {
     let most: Option<usize> = std::env::var("WYTHE_BENCH_UNITS")
         .ok()
@@ -91,6 +92,14 @@ fn main() {
     }
     let axes = ["units", "CPU time of a solve [ms]"];
     let title = "Façades with one crack";
-    let svg = scatter(title, axes, &names, &spots, &[], None).expect("a chart");
+    let svg = Scatter {
+        title,
+        axes,
+        series: &names,
+        spots: &spots,
+        ..Scatter::default()
+    }
+    .svg()
+    .expect("a chart");
     growth::write("facades", &table, &svg);
 }

@@ -139,6 +139,7 @@ fn run(wall: &Wall, threads: usize) -> (SummaryFile, Option<f64>) {
     (summary, ratio)
 }
 
+#[expect(clippy::too_many_lines, reason = "a study, from its runs to its table")]
 fn main() {
     let variable = |name| std::env::var(name).ok();
     let rounds = variable("WYTHE_BENCH_ROUNDS").and_then(|text| text.parse().ok());

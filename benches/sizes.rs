@@ -12,7 +12,7 @@ use growth::exponent;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use wythe::deck::Deck;
 use wythe::model::Model;
-use wythe::results::plotting::{Spot, scatter};
+use wythe::results::plotting::{Scatter, Spot};
 use wythe::results::usage::peak_memory_megabytes;
 
 /// Units a course and courses, in steps of some 2.6. The memory of a process never falls, so sizes only grow.
@@ -49,6 +49,7 @@ fn pool(threads: usize) -> ThreadPool {
     pool.expect("threads")
 }
 
+#[expect(clippy::too_many_lines, reason = "a study, from its runs to its table")]
 fn main() {
     let most: Option<usize> = std::env::var("WYTHE_BENCH_UNKNOWNS")
         .ok()
@@ -116,6 +117,14 @@ fn main() {
     let series: Vec<&str> = names.iter().map(String::as_str).collect();
     let axes = ["unknowns", "wall time of a solve [ms], memory [MB]"];
     let title = "Shear walls of 10,000 to 500,000 unknowns";
-    let svg = scatter(title, axes, &series, &spots, &[], None).expect("a chart");
+    let svg = Scatter {
+        title,
+        axes,
+        series: &series,
+        spots: &spots,
+        ..Scatter::default()
+    }
+    .svg()
+    .expect("a chart");
     growth::write("sizes", &table, &svg);
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use wythe::linear::{Backend, LinearSolver};
-use wythe::results::plotting::{Spot, scatter};
+use wythe::results::plotting::{Scatter, Spot};
 
 use super::matrices::{Matrix, NAMES, large_wall, matrix};
 
@@ -179,7 +179,14 @@ pub fn scale(threads: usize, repeats: usize) {
         });
     let spots: Vec<Spot> = spots.collect();
     let title = format!("Cholesky factorisation of walls, threads: {threads}");
-    let svg = scatter(&title, ["unknowns", "time [ms]"], &names, &spots, &[], None);
+    let svg = Scatter {
+        title: &title,
+        axes: ["unknowns", "time [ms]"],
+        series: &names,
+        spots: &spots,
+        ..Scatter::default()
+    }
+    .svg();
     let folder = format!("{}/docs/linear-solver", env!("CARGO_MANIFEST_DIR"));
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(format!("{folder}/table.csv"), table).expect("a table");

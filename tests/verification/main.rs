@@ -1,6 +1,11 @@
 //! Units, laws, elements, contact and the solver against closed forms, differences and each other. The modules mirror the
 //! rooms of the library (ARCHITECTURE.md).
 
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test is read from its input to what it checks, and many are tables of cases"
+)]
+
 #[path = "../common/mod.rs"]
 mod common;
 

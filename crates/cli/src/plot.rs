@@ -44,29 +44,7 @@ pub fn plot(arguments: &Plot) -> Result<(), Failure> {
         format!("cracks_{:04}", first.snapshot.number),
         crack_pattern_of(&first.snapshot),
     ));
-    let axis = main_axis(&first.snapshot.frame);
-    for (along, name) in [
-        (Along::Height, "deflection_height"),
-        (Along::Length, "deflection_length"),
-    ] {
-        // In its plane a wall is stiff along its length.
-        if along == Along::Length && axis == 0 {
-            continue;
-        }
-        let bent: Vec<(String, Deflection)> = runs
-            .iter()
-            .map(|run| {
-                let Snapshot { mesh, frame, .. } = &run.snapshot;
-                let name = format!("{}, {}", run.line.name, run.snapshot.caption());
-                (name, Deflection::of(mesh, frame, along, axis))
-            })
-            .filter(|(_, deflection)| !deflection.points.is_empty())
-            .collect();
-        if !bent.is_empty() {
-            let svg = deflections(title, along, axis, &bent).map_err(|why| undrawn(&why))?;
-            pictures.push((name.to_owned(), svg));
-        }
-    }
+    pictures.extend(deflections_of(&runs, first)?);
     let out = match &arguments.out {
         Some(out) => out.clone(),
         None => arguments.folder.join("plots"),
@@ -84,6 +62,33 @@ pub fn plot(arguments: &Plot) -> Result<(), Failure> {
         .map(|p| format!("{}\n", p.display()))
         .collect();
     print(&lines.concat())
+}
+
+/// Pictures of the deflections of runs over height and length, with their names; `first` gives title and axis.
+fn deflections_of(runs: &[Run], first: &Run) -> Result<Vec<(String, String)>, Failure> {
+    let axis = main_axis(&first.snapshot.frame);
+    let mut pictures = Vec::new();
+    for (along, name) in [
+        (Along::Height, "deflection_height"),
+        (Along::Length, "deflection_length"),
+    ] {
+        // In its plane a wall is stiff along its length.
+        if along == Along::Length && axis == 0 {
+            continue;
+        }
+        let bent = |run: &Run| {
+            let Snapshot { mesh, frame, .. } = &run.snapshot;
+            let name = format!("{}, {}", run.line.name, run.snapshot.caption());
+            (name, Deflection::of(mesh, frame, along, axis))
+        };
+        let bent = runs.iter().map(bent);
+        let bent: Vec<_> = bent.filter(|(_, bent)| !bent.points.is_empty()).collect();
+        if !bent.is_empty() {
+            let svg = deflections(&first.snapshot.title, along, axis, &bent);
+            pictures.push((name.to_owned(), svg.map_err(|why| undrawn(&why))?));
+        }
+    }
+    Ok(pictures)
 }
 
 /// Curve and frame of a run.

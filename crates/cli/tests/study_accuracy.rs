@@ -205,6 +205,10 @@ fn a_reference_that_ends_early_is_not_made() {
 }
 
 #[test]
+#[expect(
+    clippy::too_many_lines,
+    reason = "one study, from its draft to its pages"
+)]
 fn a_model_of_ones_own_is_drafted_and_run() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("torn.toml");

@@ -67,10 +67,9 @@ pub(crate) fn printable_in_place(text: &str) -> String {
 pub const MOST_ERRORS: usize = 200;
 
 impl ModelError {
-    /// An error at `span` (bytes) of the text of the file `file`.
+    /// An error at `span` (bytes) of a file, of which name and text are given.
     pub fn new(
-        file: &str,
-        text: impl Into<Arc<str>>,
+        (file, text): (&str, impl Into<Arc<str>>),
         span: Option<Range<usize>>,
         key: impl Into<String>,
         message: impl Into<String>,

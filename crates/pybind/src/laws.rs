@@ -387,6 +387,7 @@ fn constants([E, nu]: [f64; 2]) -> ElasticParameters {
 
 /// Drives points of a joint law, see [`drive_interface`](crate::point::drive_interface).
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn drive_joint_law<'py>(
     py: Python<'py>,
     law: PythonLaw,
@@ -406,6 +407,7 @@ pub fn drive_joint_law<'py>(
 
 /// Drives points of a solid law, see [`drive_material`](crate::point::drive_material).
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn drive_solid_law<'py>(
     py: Python<'py>,
     law: PythonLaw,

@@ -42,6 +42,24 @@ impl<'a, const N: usize> Paths<'a, N> {
             by_stress,
         })
     }
+
+    /// Rows of one path.
+    fn rows(&self, path: usize) -> Vec<Row<N>> {
+        let (values, _) = self.values.as_chunks::<N>();
+        let values = values.iter().skip(path * self.times.len());
+        let target = |i: usize, value: f64| {
+            if self.by_stress[i] {
+                Target::Stress(value)
+            } else {
+                Target::Strain(value)
+            }
+        };
+        let row = |(values, &time): (&[f64; N], &f64)| Row {
+            time,
+            targets: std::array::from_fn(|i| target(i, values[i])),
+        };
+        values.zip(self.times).map(row).collect()
+    }
 }
 
 /// Results of one path; rows without a result are NaN. `[row]`
@@ -69,6 +87,7 @@ impl<const N: usize, const M: usize> Answers<'_, N, M> {
 /// Drives the material `materials.N` of the deck along path N; a single material is used for all paths.
 #[pyfunction]
 #[pyo3(signature = (deck, names, length, values, times, by_stress, substeps))]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn drive_material<'py>(
     py: Python<'py>,
     deck: &str,
@@ -85,12 +104,8 @@ pub fn drive_material<'py>(
         .map(|law| law.map(|(law, _)| law))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    drive_solids(
-        py,
-        &Paths::new(&values, &times, by_stress)?,
-        substeps,
-        &laws,
-    )
+    let paths = Paths::new(&values, &times, by_stress)?;
+    drive_solids(py, &paths, substeps, &laws)
 }
 
 /// Drives law N along path N; a single law is used for all paths.
@@ -113,6 +128,7 @@ pub fn drive_solids<'py>(
 /// Drives interfaces in the same way.
 #[pyfunction]
 #[pyo3(signature = (deck, names, values, times, by_stress, substeps))]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn drive_interface<'py>(
     py: Python<'py>,
     deck: &str,
@@ -128,12 +144,8 @@ pub fn drive_interface<'py>(
         .map(|name| deck.interface(name))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| errors::of_model(py, &error, Text::Made))?;
-    drive_joints(
-        py,
-        &Paths::new(&values, &times, by_stress)?,
-        substeps,
-        &laws,
-    )
+    let paths = Paths::new(&values, &times, by_stress)?;
+    drive_joints(py, &paths, substeps, &laws)
 }
 
 /// Drives law N along path N; a single law is used for all paths.
@@ -172,80 +184,60 @@ fn drive<'py, const N: usize, const M: usize>(
     let mut stresses = vec![[f64::NAN; N]; all];
     let mut states = vec![[f64::NAN; M]; all];
     let mut tangents = vec![[[f64::NAN; N]; N]; all];
-    let (values, _) = paths.values.as_chunks::<N>();
-    let one = |path: usize, values: &[[f64; N]], out: &mut Answers<'_, N, M>| {
-        let targets = |values: &[f64; N]| -> [Target; N] {
-            std::array::from_fn(|i| {
-                if paths.by_stress[i] {
-                    Target::Stress(values[i])
-                } else {
-                    Target::Strain(values[i])
-                }
-            })
-        };
-        let rows: Vec<Row<N>> = values
-            .iter()
-            .zip(paths.times)
-            .map(|(values, &time)| Row {
-                time,
-                targets: targets(values),
-            })
-            .collect();
-        let failure = follow(path, &rows, out)?;
+    // Chunks cannot be empty.
+    let size = rows.max(1);
+    let pieces = strains
+        .chunks_mut(size)
+        .zip(stresses.chunks_mut(size))
+        .zip(states.chunks_mut(size))
+        .zip(tangents.chunks_mut(size))
+        .map(|(((strains, stresses), states), tangents)| Answers {
+            strains,
+            stresses,
+            states,
+            tangents,
+        });
+    let pieces: Vec<_> = pieces.enumerate().collect();
+    let one = |(path, mut out): (usize, Answers<'_, N, M>)| {
+        let rows = paths.rows(path);
+        let failure = follow(path, &rows, &mut out)?;
         let why = failure.why.explain(&rows[failure.row], layout);
         Some((path, failure.row, why))
     };
-    let failure = if rows == 0 {
-        None
-    } else {
-        let pieces: Vec<_> = values
-            .chunks(rows)
-            .zip(strains.chunks_mut(rows))
-            .zip(stresses.chunks_mut(rows))
-            .zip(states.chunks_mut(rows))
-            .zip(tangents.chunks_mut(rows))
-            .map(|((((values, strains), stresses), states), tangents)| {
-                let out = Answers {
-                    strains,
-                    stresses,
-                    states,
-                    tangents,
-                };
-                (values, out)
-            })
-            .collect();
-        let take = |(path, (values, mut out)): (usize, (&[[f64; N]], Answers<'_, N, M>))| {
-            one(path, values, &mut out)
-        };
-        py.detach(|| -> Result<_, rayon::ThreadPoolBuildError> {
-            if count == 1 || all < MANY {
-                // All paths are computed, even after a failure.
-                let failures: Vec<_> = pieces.into_iter().enumerate().filter_map(take).collect();
-                return Ok(failures.into_iter().next());
-            }
-            // A separate pool, as for runs.
-            let pool = rayon::ThreadPoolBuilder::new().build()?;
-            let failed = pool.install(|| {
-                let failures = pieces.into_par_iter().enumerate().filter_map(take);
-                failures.min_by_key(|(path, _, _)| *path)
-            });
-            Ok(failed)
-        })
-        .map_err(|error| errors::bug(&format!("no threads: {error}")))?
-    };
+    let failure = py
+        .detach(|| first_failure(pieces, all >= MANY, one))
+        .map_err(|error| errors::bug(&format!("no threads: {error}")))?;
     let shape = |last: &[usize]| {
         let lengths = [count, rows].into_iter().chain(last.iter().copied());
         lengths.map(Some).collect::<Vec<_>>()
     };
+    let tangents = tangents.into_flattened().into_flattened();
     let arrays = [
         shaped(py, strains.into_flattened(), shape(&[N]))?,
         shaped(py, stresses.into_flattened(), shape(&[N]))?,
         shaped(py, states.into_flattened(), shape(&[M]))?,
-        shaped(
-            py,
-            tangents.into_flattened().into_flattened(),
-            shape(&[N, N]),
-        )?,
+        shaped(py, tangents, shape(&[N, N]))?,
     ];
     Ok((arrays, failure))
+}
+
+/// Path, row and reason of a failure.
+type Failed = (usize, usize, String);
+
+/// Computes all pieces, even after a failure, and returns the failure of the first path that has one.
+fn first_failure<T: Send>(
+    pieces: Vec<T>,
+    are_many: bool,
+    one: impl Fn(T) -> Option<Failed> + Sync + Send,
+) -> Result<Option<Failed>, rayon::ThreadPoolBuildError> {
+    if pieces.len() == 1 || !are_many {
+        let failures: Vec<_> = pieces.into_iter().filter_map(one).collect();
+        return Ok(failures.into_iter().next());
+    }
+    // A separate pool, as for runs.
+    let pool = rayon::ThreadPoolBuilder::new().build()?;
+    Ok(pool.install(|| {
+        let failures = pieces.into_par_iter().filter_map(one);
+        failures.min_by_key(|(path, _, _)| *path)
+    }))
 }

@@ -78,6 +78,8 @@ impl Recorder for Told<'_> {
 
 /// Python callbacks of a run: `on_row(json)` returns whether to continue, `on_note(text)`.
 struct Listener<'py> {
+    /// Number of threads of the solver; none: all processors.
+    threads: Option<NonZeroUsize>,
     on_row: Option<Bound<'py, PyAny>>,
     on_note: Option<Bound<'py, PyAny>>,
 }
@@ -85,6 +87,7 @@ struct Listener<'py> {
 /// Runs the deck into the folder `out`. Ctrl-C and errors of callbacks are raised after the folder is complete.
 #[pyfunction]
 #[pyo3(signature = (deck, out, threads, on_row, on_note, laws=None))]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn run<'py>(
     py: Python<'py>,
     deck: &Deck,
@@ -111,16 +114,18 @@ pub fn run<'py>(
     let model = changed.as_ref().unwrap_or(model);
     let created = py.detach(|| RunDirectory::of_deck(&out, model, deck.deck()));
     let directory = created.map_err(|error| errors::of_output(py, &error))?;
-    let listener = Listener { on_row, on_note };
-    let ended = record(
-        py,
-        model,
-        &warnings,
-        directory,
+    let listener = Listener {
         threads,
-        &listener,
-        |recorder| solve::run(model, recorder),
-    );
+        on_row,
+        on_note,
+    };
+    let output = Output {
+        directory,
+        warnings,
+    };
+    let ended = record(py, model, output, &listener, |recorder| {
+        solve::run(model, recorder)
+    });
     // The failure of a law is the cause of how the run ended.
     failure.raised(py)?;
     ended
@@ -159,37 +164,40 @@ pub fn resume<'py>(
         checkpoint,
         warnings: of_files,
     } = resumed;
-    let mut all: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    all.extend(of_files);
-    let listener = Listener { on_row, on_note };
-    record(
-        py,
-        &model,
-        &all,
+    let warnings = warnings.iter().map(ToString::to_string).chain(of_files);
+    let output = Output {
         directory,
+        warnings: warnings.collect(),
+    };
+    let listener = Listener {
         threads,
-        &listener,
-        |recorder| match checkpoint {
-            Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
-            None => solve::run(&model, recorder),
-        },
-    )?;
+        on_row,
+        on_note,
+    };
+    record(py, &model, output, &listener, |recorder| match checkpoint {
+        Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
+        None => solve::run(&model, recorder),
+    })?;
     Ok(true)
+}
+
+/// Folder of a run, and warnings for its summary.
+struct Output {
+    directory: RunDirectory,
+    warnings: Vec<String>,
 }
 
 /// Solves on another thread while the calling thread listens.
 fn record<'py>(
     py: Python<'py>,
     model: &Model,
-    warnings: &[String],
-    directory: RunDirectory,
-    threads: Option<NonZeroUsize>,
+    output: Output,
     listener: &Listener<'py>,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
 ) -> PyResult<()> {
     // A pool per run: the global pool would not survive a fork and has a fixed number of threads.
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, NonZeroUsize::get))
+        .num_threads(listener.threads.map_or(0, NonZeroUsize::get))
         .thread_name(|i| format!("wythe-{i}"))
         .build()
         .map_err(|error| errors::bug(&format!("no threads: {error}")))?;
@@ -197,7 +205,7 @@ fn record<'py>(
     let (events, told) = channel();
     let (answer, answers) = channel();
     let mut sink = Told {
-        directory,
+        directory: output.directory,
         events,
         answers: listener.on_row.is_some().then_some(answers),
         stop: &stop,
@@ -215,7 +223,7 @@ fn record<'py>(
             .map_err(|_| errors::bug("the solver panicked"))
     })?;
     let summary = ended.map_err(|error| errors::of_run(py, error))?;
-    py.detach(|| directory.finish(model, &summary, warnings))
+    py.detach(|| directory.finish(model, &summary, &output.warnings))
         .map_err(|error| errors::of_output(py, &error))?;
     raised.map_or(Ok(()), Err)
 }

@@ -293,14 +293,14 @@ fn points_are_paired_with_and_without_memory_alike() {
                 .unwrap();
             system.search(&mut trial, &q);
             system.search(&mut anew, &q);
-            for (known, found) in trial.joints.pairs.iter().zip(&anew.pairs) {
+            for (known, found) in trial.joints.pairs.iter().zip(&anew.joints.pairs) {
                 assert_eq!(known.facet, found.facet);
                 for i in 0..2 {
                     // Two projections from different starts; coordinates of 60 mm over facets of 20.
                     assert!((known.xi[i] - found.xi[i]).abs() < 1e-13);
                 }
             }
-            assert_eq!(trial.joints.anchors.len(), anew.anchors.len());
+            assert_eq!(trial.joints.anchors.len(), anew.joints.anchors.len());
             let changed = state.pairs.iter().zip(&trial.joints.pairs);
             passed += changed
                 .filter(|(a, b)| a.facet != b.facet && b.facet.is_some())

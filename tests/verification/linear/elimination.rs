@@ -57,9 +57,9 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         // Without the numbers in the message: there are thousands.
         let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(same(&trial.force, &all.force));
-        assert!(trial.joints.status == all.status);
-        assert!(trial.solids.history == all.material);
-        assert!(trial.joints.history == all.interface);
+        assert!(trial.joints.status == all.joints.status);
+        assert!(trial.solids.history == all.solids.history);
+        assert!(trial.joints.history == all.joints.history);
         let (entries, _) = system
             .analyse(&equations, Backend::MultifrontalLlt)
             .unwrap();
@@ -68,9 +68,9 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         system.fill(&all, &mut whole);
         assert!(same(&some, &whole));
         // Something has happened, and not everywhere.
-        let damaged = all.interface.iter().filter(|h| h.damage > 0.0).count();
+        let damaged = all.joints.history.iter().filter(|h| h.damage > 0.0).count();
         assert!(
-            damaged > 0 && damaged < all.interface.len() / 4,
+            damaged > 0 && damaged < all.joints.history.len() / 4,
             "{damaged}"
         );
         // What is far is not looked at: what stands there stays.

@@ -334,6 +334,10 @@ mod tests {
     }
 
     #[test]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a table of wrong files and their messages"
+    )]
     fn what_is_wrong_is_said_with_file_line_and_column() {
         let cases: [(&str, &[&str], &str); 10] = [
             (

@@ -65,6 +65,18 @@ pub enum Short {
     None,
 }
 
+impl Short {
+    /// Adds the keys of the short form, if it is asked for; returns false if there is none.
+    pub fn extend(&self, set: &mut Vec<(String, String)>, short: bool) -> bool {
+        match (self, short) {
+            (Self::None, true) => return false,
+            (Self::Set(more), true) => set.extend(more.iter().cloned()),
+            _ => {}
+        }
+        true
+    }
+}
+
 /// A method that a case brings itself: overrides of the deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseMethod {

@@ -8,6 +8,7 @@ use super::cell::{Cell, Verdict};
 use super::expect::percent;
 use super::method::METHODS;
 use super::stability::Study;
+use wythe_core::results::plotting::svg;
 
 /// Width of a cell, height of a cell, width of the titles, height of the names [px].
 const CELL: (i32, i32) = (118, 34);
@@ -34,13 +35,9 @@ pub fn picture(study: &Study) -> Result<String, String> {
     let most = study.rows.iter().map(|r| r.cells.len()).max().unwrap_or(0);
     let width = 2 * MARGIN + TITLES + CELL.0 * columns.len().max(most) as i32;
     let height = 2 * MARGIN + NAMES + CELL.1 * study.rows.len() as i32 + LEGEND;
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
-    draw(&root, study, &columns).map_err(|error| error.to_string())?;
-    root.present().map_err(|error| error.to_string())?;
-    drop(root);
-    svg.push('\n');
-    Ok(svg)
+    svg((width as u32, height as u32), |root| {
+        draw(root, study, &columns)
+    })
 }
 
 /// Methods of the atlas that any case was taken through.

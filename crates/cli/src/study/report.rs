@@ -106,11 +106,34 @@ fn case(page: &mut String, row: &Row) {
             size(case.energy)
         ));
     }
+    costs(page, &row.cells);
+    for cell in row.cells.iter().filter(|c| !c.procedures.is_empty()) {
+        let all: Vec<String> = cell
+            .procedures
+            .iter()
+            .map(|(name, count)| format!("{name} {count}"))
+            .collect();
+        page.push_str(&format!(
+            "\n{} took increments by {}.\n",
+            cell.method,
+            all.join(", ")
+        ));
+    }
+    let why = |cell: &Cell| Some(format!("* {}: {}.\n", cell.method, cell.why()?));
+    let told: Vec<String> = row.cells.iter().filter_map(why).collect();
+    if !told.is_empty() {
+        page.push('\n');
+        page.push_str(&told.concat());
+    }
+}
+
+/// The table of a case: verdict and cost of each method.
+fn costs(page: &mut String, cells: &[Cell]) {
     page.push_str(
         "\n| Method | | increments | solves | cuts | CPU s | energies | out of balance |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
-    for cell in &row.cells {
+    for cell in cells {
         let cost = &cell.cost;
         if cost.iterations == 0 {
             let name = escaped(&cell.method);
@@ -132,28 +155,10 @@ fn case(page: &mut String, row: &Row) {
             cell.out_of_balance
         ));
     }
-    for cell in row.cells.iter().filter(|c| !c.procedures.is_empty()) {
-        let all: Vec<String> = cell
-            .procedures
-            .iter()
-            .map(|(name, count)| format!("{name} {count}"))
-            .collect();
-        page.push_str(&format!(
-            "\n{} took increments by {}.\n",
-            cell.method,
-            all.join(", ")
-        ));
-    }
-    let why = |cell: &Cell| Some(format!("* {}: {}.\n", cell.method, cell.why()?));
-    let told: Vec<String> = row.cells.iter().filter_map(why).collect();
-    if !told.is_empty() {
-        page.push('\n');
-        page.push_str(&told.concat());
-    }
 }
 
 /// Text within a table.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 

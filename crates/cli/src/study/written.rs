@@ -111,43 +111,27 @@ impl CaseFile {
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
         let error = |path: &str, message: &str| source.error(path, message, &advice(path));
         if self.energy.is_some_and(|e| e > ENERGY) && self.why.is_empty() {
-            return Err(source
-                .error(
-                    "energy",
-                    "a larger energy imbalance wants a reason",
-                    "say why beside it: why = \"…\"",
-                )
-                .into());
+            let (message, help) = (
+                "a larger energy imbalance wants a reason",
+                "say why beside it: why = \"…\"",
+            );
+            return Err(source.error("energy", message, help).into());
         }
         if self.energy.is_some_and(|e| e.is_nan() || e <= 0.0) {
             return Err(error("energy", "must be above 0").into());
         }
         if self.expect.is_empty() {
-            return Err(source
-                .error(
-                    "",
-                    "the case expects nothing: a wrong answer would pass",
-                    "write one [[expect]] or more",
-                )
-                .into());
+            let message = "the case expects nothing: a wrong answer would pass";
+            let error = source.error("", message, "write one [[expect]] or more");
+            return Err(error.into());
         }
         let short = short(source, "short", self.short.as_ref())?;
-        let mut methods: Vec<CaseMethod> = Vec::new();
-        for (i, method) in self.methods.iter().enumerate() {
-            let path = format!("methods.{i}");
-            if methods.iter().any(|m| m.name == method.name) {
-                return Err(error(&format!("{path}.name"), "two methods have this name").into());
-            }
-            methods.push(CaseMethod {
-                name: method.name.clone(),
-                set: pairs(source, &format!("{path}.set"), &method.set)?,
-            });
-        }
-        let deck = Deck::load(folder.join(&self.deck), &[])?;
-        let own = deck.columns();
+        let methods = methods(source, &self.methods)?;
+        let deck = folder.join(&self.deck);
+        let own = Deck::load(&deck, &[])?.columns();
         let columns: Vec<String> = History::names().into_iter().chain(own).collect();
-        let mut expect = Vec::new();
-        for (i, written) in self.expect.into_iter().enumerate() {
+        let written = self.expect.into_iter().enumerate();
+        let expect = written.map(|(i, written)| {
             let checker = Checker {
                 source,
                 path: format!("expect.{i}"),
@@ -155,14 +139,12 @@ impl CaseFile {
                 folder,
                 advice,
             };
-            expect.push(checker.expectation(written)?);
-        }
+            checker.expectation(written)
+        });
+        let expect = expect.collect::<Result<Vec<_>, _>>()?;
         if expect.iter().all(|e| e.wanted == Wanted::Reported) {
-            return Err(error(
-                "expect",
-                "all of it is only reported: a wrong answer would pass",
-            )
-            .into());
+            let message = "all of it is only reported: a wrong answer would pass";
+            return Err(error("expect", message).into());
         }
         Ok(Case {
             number: self.number,
@@ -170,7 +152,7 @@ impl CaseFile {
             title: self.title,
             mechanics: self.mechanics,
             source: self.source,
-            deck: folder.join(self.deck),
+            deck,
             steps: self.steps,
             short,
             energy: self.energy.unwrap_or(ENERGY),
@@ -180,6 +162,24 @@ impl CaseFile {
             expect,
         })
     }
+}
+
+/// Methods of a case, each name once.
+fn methods(source: &Source, written: &[MethodFile]) -> Result<Vec<CaseMethod>, StudyError> {
+    let mut methods: Vec<CaseMethod> = Vec::new();
+    for (i, method) in written.iter().enumerate() {
+        let path = format!("methods.{i}");
+        if methods.iter().any(|m| m.name == method.name) {
+            let key = format!("{path}.name");
+            let error = source.error(&key, "two methods have this name", &advice(&key));
+            return Err(error.into());
+        }
+        methods.push(CaseMethod {
+            name: method.name.clone(),
+            set: pairs(source, &format!("{path}.set"), &method.set)?,
+        });
+    }
+    Ok(methods)
 }
 
 /// The text of a case at `path`, the name by which errors call it and the folder that it stands in.

@@ -146,14 +146,14 @@ pub(super) fn require_countable(deck: &Deck) -> Result<(), (String, Refusal)> {
             if long { "length" } else { "courses" }
         }
     };
-    let refusal = Refusal {
-        key: key.to_owned(),
-        message: format!("{bodies} units and blocks of {elements} elements in all are too many"),
-        help: format!(
+    let refusal = Refusal::new(
+        key,
+        format!("{bodies} units and blocks of {elements} elements in all are too many"),
+        format!(
             "at most {MOST_BODIES:e} units and blocks, {MOST_ELEMENTS:e} elements: coarsen `mesh`, build a part, or see \
              that the unit of length is right"
         ),
-    };
+    );
     Err((path.clone(), refusal))
 }
 

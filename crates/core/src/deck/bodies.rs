@@ -9,13 +9,13 @@ use super::mirrors::Mirror;
 use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
-use super::schema::Rotation;
 use super::schema::{Deck, DeckBlock, Material, Names};
 use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::Mesh;
-use crate::model::scene::{HeldBy, Spring, Support, turned};
+use crate::model::builder::grid;
+use crate::model::scene::{HeldBy, Spring, Support};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
@@ -101,25 +101,30 @@ impl<'a> Bodies<'a> {
         }
         bodies.lay_arch();
         bodies.lay_mirrors();
-        let searched = deck.probes.len() + deck.loads().len();
-        if searched.saturating_mul(bodies.mesh.nodes.len()) > MOST_SEARCHED {
-            errors.push(deck.error(
-                if deck.probes.is_empty() {
-                    "steps"
-                } else {
-                    "probes"
-                },
-                format!(
-                    "{searched} probes and loads are too many for {} nodes",
-                    bodies.mesh.nodes.len()
-                ),
-                "at most 1e9 of both, multiplied",
-            ));
-        }
+        errors.keep(bodies.require_few_searches());
         if bodies.velocity.iter().all(|v| *v == [0.0; 3]) {
             bodies.velocity.clear();
         }
         errors.end(bodies)
+    }
+
+    /// Rejects more searches for points than [`MOST_SEARCHED`].
+    fn require_few_searches(&self) -> Result<(), ModelError> {
+        let (deck, nodes) = (self.deck, self.mesh.nodes.len());
+        let searched = deck.probes.len() + deck.loads().len();
+        if searched.saturating_mul(nodes) <= MOST_SEARCHED {
+            return Ok(());
+        }
+        let path = if deck.probes.is_empty() {
+            "steps"
+        } else {
+            "probes"
+        };
+        Err(deck.error(
+            path,
+            format!("{searched} probes and loads are too many for {nodes} nodes"),
+            "at most 1e9 of both, multiplied",
+        ))
     }
 
     /// Returns the wall to which body `body` belongs as a unit, if any.
@@ -191,10 +196,9 @@ impl<'a> Bodies<'a> {
                 .material
                 .as_ref()
                 .map_or(unit, |name| self.solid(name, rigid));
-            let name = laid.name(&wall.name);
             let materials = [own, mortar.unwrap_or(own)];
             let lines = lines.as_ref().map(|lines| &lines[i]);
-            let body = masonry::append(&mut self.mesh, said, laid, name, materials, lines);
+            let body = masonry::append(&mut self.mesh, &wall, laid, materials, lines);
             self.all.push(body);
         }
         self.walls.push(wall);
@@ -222,19 +226,13 @@ impl<'a> Bodies<'a> {
         }
         let copies = block.copies.unwrap_or([1; 3]);
         let pitch = block.pitch.map_or([0.0; 3], |p| p.map(Quantity::get));
-        for k in 0..copies[2] {
-            for j in 0..copies[1] {
-                for i in 0..copies[0] {
-                    let at = [i, j, k];
-                    let moved =
-                        shape.map(|x| [0, 1, 2].map(|d| x[d] + f64::from(at[d]) * pitch[d]));
-                    let name = match block.copies {
-                        Some(_) => format!("{}-{i}-{j}-{k}", block.name),
-                        None => block.name.clone(),
-                    };
-                    self.add(name, moved, block.mesh, material);
-                }
-            }
+        for at @ [i, j, k] in grid(copies.map(|n| n as usize)) {
+            let moved = shape.map(|x| [0, 1, 2].map(|d| x[d] + at[d] as f64 * pitch[d]));
+            let name = match block.copies {
+                Some(_) => format!("{}-{i}-{j}-{k}", block.name),
+                None => block.name.clone(),
+            };
+            self.add(name, moved, block.mesh, material);
         }
         let velocity = block.velocity.map(Quantity::get);
         self.velocity.resize(self.mesh.nodes.len(), velocity);
@@ -510,10 +508,5 @@ fn laid(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
 
 /// Rotates a point about the origin by the rotation of its block [mm].
 fn turned_with(block: &DeckBlock, x: [f64; 3]) -> [f64; 3] {
-    block.rotate.map_or(x, |Rotation { axis, angle }| {
-        let (d, sign) = axis.axis();
-        let mut unit = [0.0; 3];
-        unit[d] = sign;
-        turned(x, unit, angle.get().to_radians())
-    })
+    block.rotate.map_or(x, |rotation| rotation.turn(x))
 }

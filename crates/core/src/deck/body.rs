@@ -2,6 +2,7 @@
 
 use crate::element::hexahedron::{Corners, Face, PLACES, area_vector, norm, point};
 use crate::model::Mesh;
+use crate::model::builder::grid;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -52,6 +53,84 @@ pub struct Grid<'a> {
     pub material: &'a dyn Fn([usize; 3]) -> Option<u16>,
     /// Position of the node i, j, k [mm].
     pub node: &'a dyn Fn([usize; 3]) -> [f64; 3],
+}
+
+/// Number of a cell that has no element.
+const EMPTY: usize = usize::MAX;
+
+impl Grid<'_> {
+    /// Index of the node at corner `p` of a cell.
+    fn corner(&self, at: [usize; 3], p: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.cells;
+        let [i, j, k] = [0, 1, 2].map(|d| at[d] + p[d]);
+        (k * (ny + 1) + j) * (nx + 1) + i
+    }
+
+    /// Index of a cell.
+    fn cell(&self, [i, j, k]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.cells;
+        (k * ny + j) * nx + i
+    }
+
+    /// Appends the nodes of solid cells to the mesh; returns their numbers. `[node of the grid]`
+    fn append_nodes(&self, mesh: &mut Mesh) -> Vec<u32> {
+        let places = self.cells.map(|n| n + 1);
+        let mut used = vec![false; places.iter().product()];
+        for at in grid(self.cells).filter(|at| (self.material)(*at).is_some()) {
+            for p in PLACES {
+                used[self.corner(at, p)] = true;
+            }
+        }
+        let mut numbers = vec![u32::MAX; used.len()];
+        for (n, at) in grid(places).enumerate().filter(|(n, _)| used[*n]) {
+            numbers[n] = mesh.nodes.len() as u32;
+            mesh.nodes.push((self.node)(at));
+        }
+        numbers
+    }
+
+    /// Appends the solid cells to the mesh as elements of body `number`; returns their numbers. `[cell]`
+    fn append_elements(&self, mesh: &mut Mesh, nodes: &[u32], number: u32) -> Vec<usize> {
+        let element = |at: [usize; 3]| {
+            let Some(material) = (self.material)(at) else {
+                return EMPTY;
+            };
+            let corners = PLACES.map(|p| nodes[self.corner(at, p)]);
+            mesh.elements.push(corners);
+            mesh.material.push(material);
+            mesh.unit.push(number);
+            mesh.course.push(0);
+            mesh.elements.len() - 1
+        };
+        grid(self.cells).map(element).collect()
+    }
+
+    /// Facets of solid cells on one side that no other solid cell covers, with their `elements`. `[cell]`
+    fn facets(&self, mesh: &Mesh, elements: &[usize], face: Face) -> Vec<(usize, [u32; 4])> {
+        let (axis, high) = face.side();
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let is_solid = |at: [usize; 3]| elements[self.cell(at)] != EMPTY;
+        let is_covered = |at: [usize; 3]| {
+            let mut next = at;
+            match (high, at[axis].checked_sub(1)) {
+                (true, _) => next[axis] += 1,
+                (false, Some(below)) => next[axis] = below,
+                (false, None) => return false,
+            }
+            next[axis] < self.cells[axis] && is_solid(next)
+        };
+        let cells = grid([axis, u, v].map(|d| self.cells[d])).map(|[layer, a, b]| {
+            let mut at = [0; 3];
+            (at[axis], at[u], at[v]) = (layer, a, b);
+            at
+        });
+        let open = cells.filter(|at| is_solid(*at) && !is_covered(*at));
+        open.map(|at| {
+            let e = elements[self.cell(at)];
+            (e, face.corners().map(|c| mesh.elements[e][c]))
+        })
+        .collect()
+    }
 }
 
 impl Body {
@@ -109,72 +188,11 @@ impl Body {
     /// Nodes, elements and facets are numbered along ξ first, then η, ζ.
     pub fn new(mesh: &mut Mesh, name: String, grid: &Grid<'_>) -> Self {
         let number = mesh.unit.last().map_or(0, |u| u + 1);
-        let [nx, ny, nz] = grid.cells;
-        let cells = || {
-            let planes = (0..nz).flat_map(move |k| (0..ny).map(move |j| (j, k)));
-            planes.flat_map(move |(j, k)| (0..nx).map(move |i| [i, j, k]))
-        };
-        let place = |[i, j, k]: [usize; 3]| (k * (ny + 1) + j) * (nx + 1) + i;
-        let corner = |[i, j, k]: [usize; 3], p: [usize; 3]| [i + p[0], j + p[1], k + p[2]];
-        let mut used = vec![false; (nx + 1) * (ny + 1) * (nz + 1)];
-        for at in cells().filter(|at| (grid.material)(*at).is_some()) {
-            for p in PLACES {
-                used[place(corner(at, p))] = true;
-            }
-        }
         let first_node = mesh.nodes.len() as u32;
-        let mut numbers = vec![u32::MAX; used.len()];
-        for k in 0..=nz {
-            for j in 0..=ny {
-                for i in 0..=nx {
-                    let at = place([i, j, k]);
-                    if used[at] {
-                        numbers[at] = mesh.nodes.len() as u32;
-                        mesh.nodes.push((grid.node)([i, j, k]));
-                    }
-                }
-            }
-        }
-        let mut elements = vec![usize::MAX; nx * ny * nz];
-        let element = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
-        for at in cells() {
-            let Some(material) = (grid.material)(at) else {
-                continue;
-            };
-            elements[element(at)] = mesh.elements.len();
-            mesh.elements
-                .push(PLACES.map(|p| numbers[place(corner(at, p))]));
-            mesh.material.push(material);
-            mesh.unit.push(number);
-            mesh.course.push(0);
-        }
-        let is_solid = |at: [usize; 3]| elements[element(at)] != usize::MAX;
-        let is_covered = |at: [usize; 3], face: Face| {
-            let (axis, high) = face.side();
-            let mut next = at;
-            match (high, at[axis].checked_sub(1)) {
-                (true, _) => next[axis] += 1,
-                (false, Some(below)) => next[axis] = below,
-                (false, None) => return false,
-            }
-            next[axis] < grid.cells[axis] && is_solid(next)
-        };
+        let nodes = grid.append_nodes(mesh);
+        let elements = grid.append_elements(mesh, &nodes, number);
         let faces = Face::ALL.map(|(name, face)| {
-            let (axis, _) = face.side();
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            let mut facets = Vec::new();
-            for b in 0..grid.cells[v] {
-                for a in 0..grid.cells[u] {
-                    for layer in 0..grid.cells[axis] {
-                        let mut at = [0; 3];
-                        (at[axis], at[u], at[v]) = (layer, a, b);
-                        if is_solid(at) && !is_covered(at, face) {
-                            let e = elements[element(at)];
-                            facets.push((e, face.corners().map(|c| mesh.elements[e][c])));
-                        }
-                    }
-                }
-            }
+            let facets = grid.facets(mesh, &elements, face);
             let outline = |f: &(usize, [u32; 4])| f.1.map(|n| mesh.nodes[n as usize]);
             BodyFace {
                 name: Cow::Borrowed(name),

@@ -19,7 +19,8 @@ use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::symmetry;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
-use crate::model::scene::{Beam, Model, NamedMaterial, Spring, Support};
+use crate::model::probes::Probe;
+use crate::model::scene::{Model, NamedMaterial, Spring, Support};
 
 impl Model {
     /// Builds the model that a deck describes; returns it with all warnings.
@@ -36,105 +37,124 @@ impl Model {
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;
         errors.keep(require_mass(deck, &bodies));
-        let (supports, springs) = (
-            errors.keep(bodies.supports()),
-            errors.keep(bodies.springs()),
-        );
-        let is_known = supports.is_some() && springs.is_some();
-        let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
-        let held_by_deck = supports.len();
-        supports.extend(
-            errors
-                .keep(symmetry::supports(deck, &bodies))
-                .unwrap_or_default(),
-        );
-        let probes = errors.keep(probes::probes(deck, &bodies));
-        let top = masonry::level_beam(&bodies);
-        let loading = errors.keep(loading(deck, &bodies, top, &supports, &springs));
-        let Surfaces {
-            parameters,
-            meeting:
-                Meeting {
-                    mut contact,
-                    touching,
-                    warnings,
-                },
-        } = match surfaces(deck, &bodies) {
-            Ok(surfaces) => surfaces,
-            // The sizes of the elements are unknown here, so that softening cannot be checked.
+        let mut parts = match Parts::of(deck, &bodies, &mut errors) {
+            Ok(parts) => parts,
             Err(error) => return Err(errors.and(error)),
         };
-        let moved = loading.is_some();
-        let Loading { beams, mut steps } = loading.unwrap_or_default();
-        errors.keep(symmetry::judge(deck, &bodies, &beams, &mut steps));
-        contact.points = deck.contact.points;
-        contact.search_radius = deck.contact.search_radius.map(Quantity::get);
-        errors.keep(scatter::scatter(deck, &mut contact));
-        let mut parts = deck.contact.parts.map(f64::from);
-        parts.sort_by(f64::total_cmp);
-        let points = 4.0 * contact.slave_facets.len() as f64 * parts[1] * parts[2];
-        if points > amount::MOST_POINTS {
-            return Err(errors.and(deck.error(
-                "contact.parts",
-                format!("{points} points of contact are too many"),
-                "at most 1e7: cut facets into fewer parts",
-            )));
-        }
-        contact.divide(deck.contact.parts, &bodies.mesh.nodes);
-        // Supports of symmetry planes come after `held_by_deck`: they hold no body against motion in the plane.
-        let held = nodes_held(&supports[..held_by_deck], &springs, &beams);
-        let mut floats = None;
-        if moved && is_known {
-            let holding = Holding {
-                supports: &supports,
-                springs: &springs,
-                beams: &beams,
-                steps: &steps,
-            };
-            let is_held = require_held(deck, &bodies, &held, &touching).and_then(|floats| {
-                require_held_each_way(deck, &bodies, &touching, holding).map(|()| floats)
-            });
-            floats = errors.keep(is_held).flatten();
-        }
-        let overlaps = errors
-            .keep(overlap::overlaps(deck, &bodies))
-            .unwrap_or_default();
+        let floats = errors.keep(parts.floating(deck, &bodies)).flatten();
+        let overlaps = errors.keep(overlap::overlaps(deck, &bodies));
         let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
-        let planes = &supports[held_by_deck..];
-        errors.keep(symmetry::judge_held(
-            deck,
-            &bodies,
-            planes,
-            &springs,
-            named.all(),
-            &steps,
-        ));
+        let actions = symmetry::Actions {
+            springs: &parts.springs,
+            loads: named.all(),
+            steps: &parts.loading.steps,
+        };
+        let planes = &parts.supports[parts.of_deck..];
+        errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
         let names = std::mem::take(&mut bodies.materials);
-        let initial_velocity = std::mem::take(&mut bodies.velocity);
-        let imported = std::mem::take(&mut bodies.warnings);
         bodies.mesh.names = bodies.names();
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,
-            materials: named_materials(names, parameters),
+            materials: named_materials(names, parts.parameters),
             formulation: deck.element.formulation,
-            contact,
-            loads: named.assign(&mut steps),
-            beams,
-            supports,
-            initial_velocity,
-            springs,
-            probes: probes.unwrap_or_default(),
-            steps,
+            contact: parts.meeting.contact,
+            loads: named.assign(&mut parts.loading.steps),
+            beams: parts.loading.beams,
+            supports: parts.supports,
+            initial_velocity: bodies.velocity,
+            springs: parts.springs,
+            probes: parts.probes,
+            steps: parts.loading.steps,
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
             fidelity: deck.fidelity,
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();
-        let laid = imported.into_iter().chain(bond).chain(warnings);
-        let laid = laid.chain(overlaps).chain(floats).collect();
-        findings::judged(deck, model, laid, errors)
+        let laid = bodies.warnings.into_iter().chain(bond);
+        let laid = laid.chain(parts.meeting.warnings);
+        let laid = laid.chain(overlaps.unwrap_or_default()).chain(floats);
+        findings::judged(deck, model, laid.collect(), errors)
+    }
+}
+
+/// Parts of a model that follow from its bodies.
+struct Parts {
+    /// Supports of the deck, then those of planes of symmetry, which hold no body against motion in the plane.
+    supports: Vec<Support>,
+    /// Number of supports of the deck.
+    of_deck: usize,
+    springs: Vec<Spring>,
+    probes: Vec<Probe>,
+    loading: Loading,
+    /// Parameters of the materials.
+    parameters: Vec<MaterialParameters>,
+    meeting: Meeting,
+    /// Whether supports, springs and loading of the deck have no errors.
+    are_known: bool,
+}
+
+impl Parts {
+    /// Collects the parts. Parts with errors are empty.
+    ///
+    /// # Errors
+    /// Unknown contact surfaces: the sizes of the elements are unknown then, so that softening cannot be checked.
+    fn of(deck: &Deck, bodies: &Bodies<'_>, errors: &mut Errors) -> Result<Self, ModelError> {
+        let supports = errors.keep(bodies.supports());
+        let springs = errors.keep(bodies.springs());
+        let is_held = supports.is_some() && springs.is_some();
+        let (mut supports, springs) = (supports.unwrap_or_default(), springs.unwrap_or_default());
+        let of_deck = supports.len();
+        let of_planes = errors.keep(symmetry::supports(deck, bodies));
+        supports.extend(of_planes.unwrap_or_default());
+        let probes = errors.keep(probes::probes(deck, bodies));
+        let top = masonry::level_beam(bodies);
+        let loading = errors.keep(loading(deck, bodies, top, &supports, &springs));
+        let (parameters, mut meeting) = surfaces(deck, bodies)?;
+        let are_known = is_held && loading.is_some();
+        let mut loading = loading.unwrap_or_default();
+        let Loading { beams, steps } = &mut loading;
+        errors.keep(symmetry::judge(deck, bodies, beams, steps));
+        let contact = &mut meeting.contact;
+        contact.points = deck.contact.points;
+        contact.search_radius = deck.contact.search_radius.map(Quantity::get);
+        errors.keep(scatter::scatter(deck, contact));
+        require_few_points(deck, contact.slave_facets.len())?;
+        contact.divide(deck.contact.parts, &bodies.mesh.nodes);
+        Ok(Self {
+            supports,
+            of_deck,
+            springs,
+            probes: probes.unwrap_or_default(),
+            loading,
+            parameters,
+            meeting,
+            are_known,
+        })
+    }
+
+    /// Rejects bodies that neither supports, springs and faces that move as one nor other bodies hold.
+    fn floating(&self, deck: &Deck, bodies: &Bodies<'_>) -> Result<Option<Warning>, ModelError> {
+        if !self.are_known {
+            return Ok(None);
+        }
+        let Loading { beams, steps } = &self.loading;
+        let of_supports = self.supports[..self.of_deck].iter().map(|s| &s.nodes);
+        let of_springs = self.springs.iter().map(|s| &s.nodes);
+        let of_beams = beams.iter().map(|b| &b.nodes);
+        let held = of_supports.chain(of_springs).chain(of_beams);
+        let held: Vec<u32> = held.flatten().copied().collect();
+        let touching = &self.meeting.touching;
+        let floats = require_held(deck, bodies, &held, touching)?;
+        let holding = Holding {
+            supports: &self.supports,
+            springs: &self.springs,
+            beams,
+            steps,
+        };
+        require_held_each_way(deck, bodies, touching, holding)?;
+        Ok(floats)
     }
 }
 
@@ -146,13 +166,19 @@ fn nothing_to_load(deck: &Deck) -> ModelError {
     )
 }
 
-/// Nodes that are held by supports, springs or faces that move as one.
-fn nodes_held(supports: &[Support], springs: &[Spring], beams: &[Beam]) -> Vec<u32> {
-    let of_supports = supports.iter().map(|s| &s.nodes);
-    let of_springs = springs.iter().map(|s| &s.nodes);
-    let of_beams = beams.iter().map(|b| &b.nodes);
-    let all = of_supports.chain(of_springs).chain(of_beams);
-    all.flatten().copied().collect()
+/// Rejects more points of contact than [`amount::MOST_POINTS`].
+fn require_few_points(deck: &Deck, facets: usize) -> Result<(), ModelError> {
+    let mut parts = deck.contact.parts.map(f64::from);
+    parts.sort_by(f64::total_cmp);
+    let points = 4.0 * facets as f64 * parts[1] * parts[2];
+    if points <= amount::MOST_POINTS {
+        return Ok(());
+    }
+    Err(deck.error(
+        "contact.parts",
+        format!("{points} points of contact are too many"),
+        "at most 1e7: cut facets into fewer parts",
+    ))
 }
 
 fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {
@@ -163,22 +189,16 @@ fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> V
 }
 
 /// Parameters of the materials, and the contact surfaces.
-struct Surfaces {
-    parameters: Vec<MaterialParameters>,
-    meeting: Meeting,
-}
-
-fn surfaces(deck: &Deck, bodies: &Bodies<'_>) -> Result<Surfaces, ModelError> {
+fn surfaces(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+) -> Result<(Vec<MaterialParameters>, Meeting), ModelError> {
     let materials = bodies.materials.iter();
     let parameters = materials
         .map(|name| bodies.parameters(name))
         .collect::<Result<Vec<_>, _>>()?;
     let elastic: Vec<_> = parameters.iter().map(|p| *p.elastic()).collect();
-    let meeting = meeting(deck, bodies, &elastic)?;
-    Ok(Surfaces {
-        parameters,
-        meeting,
-    })
+    Ok((parameters, meeting(deck, bodies, &elastic)?))
 }
 
 fn require_steps(deck: &Deck) -> Result<(), ModelError> {

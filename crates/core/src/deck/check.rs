@@ -11,7 +11,7 @@ use crate::material::{MaterialHistory, MaterialParameters};
 use crate::model::Model;
 use crate::model::mirrored;
 use crate::model::mirrored::MirrorPlane;
-use crate::model::scene::{ContactPoints, Fidelity, Step, Tangent};
+use crate::model::scene::{ContactPoints, Fidelity, NamedMaterial, Step, Tangent};
 use crate::model::sizes::Sizes;
 use crate::model::sizes::sizes;
 use std::borrow::Cow;
@@ -174,50 +174,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         elements[usize::from(*material)].push(e);
     }
     for (material, elements) in model.materials.iter().zip(&elements) {
-        let name = &material.name;
-        let lengths = findings::equivalent_lengths(model, elements);
-        let (Some(low), Some(high)) = (lengths.first(), lengths.last()) else {
-            continue;
-        };
-        let kind = match &material.parameters {
-            MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
-            MaterialParameters::DruckerPrager(p) => {
-                let (f_t, f_c) = (p.tensile_strength, p.compressive_strength());
-                let limits = match p.longest() {
-                    [t, c] if t.is_infinite() && c.is_infinite() => "no softening".to_owned(),
-                    [t, c] => {
-                        format!("snap-back from {t:.1} mm (tension) and {c:.1} mm (compression) on")
-                    }
-                };
-                format!("f_t {f_t:.3} MPa, f_c {f_c:.3} MPa, {limits}")
-            }
-            MaterialParameters::Custom(law) => format!("law `{}`", law.name()),
-            MaterialParameters::DamagePlasticity(p) => {
-                let limit = [&p.tension, &p.compression].map(|rows| {
-                    snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio)
-                });
-                let bands = if p.has_bands() {
-                    let [low, high] = findings::band_widths(model, elements);
-                    format!("{low:.1} to {high:.1} mm across a crack, ")
-                } else {
-                    String::new()
-                };
-                let reference = p
-                    .reference_length
-                    .map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
-                format!(
-                    "{bands}reference length {reference}, snap-back above {:.2} (tension) and {:.2} \
-                     (compression) times it",
-                    limit[0], limit[1]
-                )
-            }
-        };
-        let lengths = if high - low < 0.05 {
-            format!("{low:.1} mm")
-        } else {
-            format!("{low:.1} to {high:.1} mm")
-        };
-        notes.push(format!("material {name}: l_eq {lengths}; {kind}"));
+        notes.extend(material_note(model, material, elements));
     }
     for (name, f) in findings::interfaces(deck, model) {
         notes.extend(interface_notes(name, f, model));
@@ -235,6 +192,50 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     }
     notes.extend(pivot_note(model));
     notes
+}
+
+/// Note on a material and the sizes of its elements; none without elements.
+fn material_note(model: &Model, material: &NamedMaterial, elements: &[usize]) -> Option<String> {
+    let lengths = findings::equivalent_lengths(model, elements);
+    let (low, high) = (lengths.first()?, lengths.last()?);
+    let kind = match &material.parameters {
+        MaterialParameters::Elastic(_) => "linear elastic".to_owned(),
+        MaterialParameters::DruckerPrager(p) => {
+            let (f_t, f_c) = (p.tensile_strength, p.compressive_strength());
+            let limits = match p.longest() {
+                [t, c] if t.is_infinite() && c.is_infinite() => "no softening".to_owned(),
+                [t, c] => {
+                    format!("snap-back from {t:.1} mm (tension) and {c:.1} mm (compression) on")
+                }
+            };
+            format!("f_t {f_t:.3} MPa, f_c {f_c:.3} MPa, {limits}")
+        }
+        MaterialParameters::Custom(law) => format!("law `{}`", law.name()),
+        MaterialParameters::DamagePlasticity(p) => {
+            let [tension, compression] = [&p.tension, &p.compression]
+                .map(|rows| snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(_, ratio)| ratio));
+            let bands = if p.has_bands() {
+                let [low, high] = findings::band_widths(model, elements);
+                format!("{low:.1} to {high:.1} mm across a crack, ")
+            } else {
+                String::new()
+            };
+            let reference = p
+                .reference_length
+                .map_or_else(|| "none".to_owned(), |l| format!("{l} mm"));
+            format!(
+                "{bands}reference length {reference}, snap-back above {tension:.2} (tension) and {compression:.2} \
+                 (compression) times it"
+            )
+        }
+    };
+    let lengths = if high - low < 0.05 {
+        format!("{low:.1} mm")
+    } else {
+        format!("{low:.1} to {high:.1} mm")
+    };
+    let name = &material.name;
+    Some(format!("material {name}: l_eq {lengths}; {kind}"))
 }
 
 /// Notes on bond and mesh of a wall.

@@ -40,7 +40,7 @@ pub(super) fn judge(
                 if let Some(does) =
                     contradicted(deck, i, axis, *motion).filter(|_| beam_of(i) == Some(b))
                 {
-                    errors.push(refusal(deck, i, &step.name, (beam, axis), &names, does));
+                    errors.push(refusal(deck, i, (beam, axis), &names, does));
                 }
                 *motion = BeamMotion::Locked;
             }
@@ -72,7 +72,6 @@ fn contradicted(deck: &Deck, i: usize, axis: usize, motion: BeamMotion) -> Optio
 fn refusal(
     deck: &Deck,
     i: usize,
-    step: &str,
     (beam, axis): (&Beam, usize),
     supports: &[&str],
     does: Does,
@@ -105,9 +104,10 @@ fn refusal(
     deck.error(
         &format!("steps.{i}.{key}"),
         format!(
-            "the support on {} holds all of {} in {direction}, in which step {i} ({step}) {verb}",
+            "the support on {} holds all of {} in {direction}, in which step {i} ({}) {verb}",
             supports.join(" and on "),
-            beam.name
+            beam.name,
+            of.name()
         ),
         help,
     )

@@ -3,7 +3,7 @@
 use super::schema::Deck;
 use crate::error::ModelError;
 use crate::model::Model;
-use crate::model::general::GeneralContact;
+use crate::model::general::{DryStiffness, GeneralContact};
 
 /// General contact of a model, if its deck asks for it.
 ///
@@ -16,16 +16,15 @@ pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContac
     let Some(interface) = deck.interfaces.get(name) else {
         return Err(deck.error("contact.general", "there is no such interface", "name one"));
     };
-    let given = match (interface.normal_stiffness, interface.shear_stiffness) {
-        (Some(normal), Some(shear)) => Some([normal.get(), shear.get()]),
-        _ => None,
+    let stiffness = match (interface.normal_stiffness, interface.shear_stiffness) {
+        (Some(normal), Some(shear)) => DryStiffness::Given([normal.get(), shear.get()]),
+        _ => DryStiffness::Penalty(interface.penalty()),
     };
     Ok(Some(GeneralContact::new(
         name,
         &model.mesh,
         &model.materials,
         interface.mu.get(),
-        interface.penalty(),
-        given,
+        stiffness,
     )))
 }

@@ -24,12 +24,7 @@ pub(super) fn require_held(
     // Bodies that moved freely in an earlier step may have come to rest.
     let pressed = presses(deck, step) || at_rest > 0;
     let mut held = vec![false; bodies.all.len()];
-    let mut body_of = vec![0; bodies.mesh.nodes.len()];
-    for (e, nodes) in bodies.mesh.elements.iter().enumerate() {
-        for n in nodes {
-            body_of[*n as usize] = bodies.mesh.unit[e] as usize;
-        }
-    }
+    let body_of = body_of(bodies);
     for n in held_nodes {
         held[body_of[*n as usize]] = true;
     }
@@ -40,12 +35,7 @@ pub(super) fn require_held(
     };
     let joints = touching.iter().filter(joins).map(|t| t.bodies);
     let boxes = overlap::boxes(bodies);
-    let near = match deck.contact.general {
-        Some(_) => overlap::near(&boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?,
-        None => Vec::new(),
-    };
-    // With general contact a body may rest on any neighbour.
-    let near = near.iter().map(|(a, b)| (*a as u32, *b as u32));
+    let near = neighbours(deck, bodies, &boxes)?;
     let unheld = unheld_bodies(&held, joints.chain(near));
     let Some(&body) = unheld.first() else {
         return Ok(None);
@@ -67,6 +57,33 @@ pub(super) fn require_held(
     }
     let touches = |t: &&Touching| [t.bodies.0, t.bodies.1].contains(&(body as u32));
     Err(loose(deck, &path, &who, touching.iter().find(touches)))
+}
+
+/// Body of each node. `[node]`
+fn body_of(bodies: &Bodies<'_>) -> Vec<usize> {
+    let mut body_of = vec![0; bodies.mesh.nodes.len()];
+    for (nodes, unit) in bodies.mesh.elements.iter().zip(&bodies.mesh.unit) {
+        for n in nodes {
+            body_of[*n as usize] = *unit as usize;
+        }
+    }
+    body_of
+}
+
+/// Pairs of bodies beside each other: with general contact a body may rest on any neighbour.
+fn neighbours(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    boxes: &[[[f64; 2]; 3]],
+) -> Result<Vec<(u32, u32)>, ModelError> {
+    if deck.contact.general.is_none() {
+        return Ok(Vec::new());
+    }
+    let near = overlap::near(boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?;
+    Ok(near
+        .into_iter()
+        .map(|(a, b)| (a as u32, b as u32))
+        .collect())
 }
 
 /// Supports, springs, beams and steps of a scene.
@@ -118,17 +135,9 @@ pub(super) fn require_held_each_way(
             // With mass in all materials, `auto` changes to inertia.
             && !(step.procedure == DeckProcedure::Auto && all_has_mass)
     };
-    let mut body_of = vec![0; bodies.mesh.nodes.len()];
-    for (e, nodes) in bodies.mesh.elements.iter().enumerate() {
-        for n in nodes {
-            body_of[*n as usize] = bodies.mesh.unit[e] as usize;
-        }
-    }
+    let body_of = body_of(bodies);
     let boxes = overlap::boxes(bodies);
-    let near = match deck.contact.general {
-        Some(_) => overlap::near(&boxes, -BESIDE).map_err(|crowded| crowded.error(deck, bodies))?,
-        None => Vec::new(),
-    };
+    let near = neighbours(deck, bodies, &boxes)?;
     let count = deck.steps.len().min(holding.steps.len());
     for (i, step) in deck.steps[..count].iter().enumerate() {
         if !asked(step) {
@@ -140,8 +149,7 @@ pub(super) fn require_held_each_way(
                 held[body_of[n as usize]] = true;
             }
             let joints = touching.iter().map(|t| t.bodies);
-            let near = near.iter().map(|(a, b)| (*a as u32, *b as u32));
-            let unheld = unheld_bodies(&held, joints.chain(near));
+            let unheld = unheld_bodies(&held, joints.chain(near.iter().copied()));
             let Some(&body) = unheld.first() else {
                 continue;
             };

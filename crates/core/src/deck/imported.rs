@@ -1,14 +1,13 @@
 //! An imported mesh in a scene: its placement, materials, bodies and their faces.
 
 use super::body::{Body, BodyFace};
-use super::import::{self, ImportedMesh, Lengths, SIDES, Units};
+use super::import::{self, ImportedMesh, Lengths, SIDES, Units, root};
 use super::keys::nearest;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckImport, Material, Rotation, validate};
+use super::schema::{Deck, DeckImport, Material, validate};
 use crate::element::hexahedron::{area_vector, dot, norm};
 use crate::error::{Errors, ModelError, Warning};
 use crate::model::mesh::Mesh;
-use crate::model::scene::turned;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
@@ -62,12 +61,30 @@ impl Imported {
         };
         let mut mesh = ImportedMesh::load(&file, &units).map_err(wrong)?;
         mesh.check().map_err(wrong)?;
-        let mut warnings: Vec<Warning> = mesh
+        let warnings = mesh
             .notes
             .iter()
             .map(|note| deck.warning(&format!("{path}.file"), format!("{}: {note}", said.file)))
             .collect();
-        let (materials, material) = materials(deck, said, &path, &mesh, &mut warnings)?;
+        // A material of the deck replaces one of the same name in the file.
+        let mut assignment = Assignment {
+            deck,
+            said,
+            path: &path,
+            mesh: &mesh,
+            materials: Vec::new(),
+            of: vec![Assignment::NONE; mesh.elements.len()],
+            warnings,
+        };
+        assignment.of_deck()?;
+        assignment.of_file()?;
+        assignment.require_all()?;
+        let Assignment {
+            materials,
+            of,
+            warnings,
+            ..
+        } = assignment;
         for x in &mut mesh.nodes {
             *x = laid(said, *x);
         }
@@ -76,7 +93,7 @@ impl Imported {
             bodies: mesh.bodies(),
             mesh,
             materials,
-            material,
+            material: of,
             faces: Vec::new(),
             skin: Vec::new(),
             sets: HashMap::new(),
@@ -267,145 +284,158 @@ impl Imported {
 
 /// Position of a point of an import [mm]: turned about the origin, then moved.
 fn laid(import: &DeckImport, x: [f64; 3]) -> [f64; 3] {
-    let x = import.rotate.map_or(x, |Rotation { axis, angle }| {
-        let (d, sign) = axis.axis();
-        let mut unit = [0.0; 3];
-        unit[d] = sign;
-        turned(x, unit, angle.get().to_radians())
-    });
+    let x = import.rotate.map_or(x, |rotation| rotation.turn(x));
     let at = import.at.map(Quantity::get);
     [0, 1, 2].map(|d| at[d] + x[d])
 }
 
-/// Names of the materials that an import uses, with those that its file defines; and the material of each element.
-type OfElements = (Vec<(String, Option<Material>)>, Vec<u16>);
+/// Materials of an import, as they are given to its elements.
+struct Assignment<'a> {
+    deck: &'a Deck,
+    said: &'a DeckImport,
+    path: &'a str,
+    mesh: &'a ImportedMesh,
+    /// Names of the materials, with those that the file defines.
+    materials: Vec<(String, Option<Material>)>,
+    /// Index into `materials`. `[element]`
+    of: Vec<u16>,
+    warnings: Vec<Warning>,
+}
 
-/// Materials of the elements: those that the deck gives to sets, else those of the sections of the file. A material
-/// of the deck replaces one of the same name in the file.
-fn materials(
-    deck: &Deck,
-    said: &DeckImport,
-    path: &str,
-    mesh: &ImportedMesh,
-    warnings: &mut Vec<Warning>,
-) -> Result<OfElements, ModelError> {
+impl Assignment<'_> {
+    /// Material of elements that have none yet.
     const NONE: u16 = u16::MAX;
-    let file = format!("{path}.file");
-    let mut names: Vec<String> = Vec::new();
-    let mut index = |name: &str| {
-        let found = names.iter().position(|n| n == name);
-        found.unwrap_or_else(|| {
-            names.push(name.to_owned());
-            names.len() - 1
-        }) as u16
-    };
-    let mut of = vec![NONE; mesh.elements.len()];
-    for (set, name) in &said.materials {
-        let key = format!("{path}.materials.{set}");
-        let elements = mesh.elements_of(set).ok_or_else(|| {
-            let known: Vec<&str> = mesh.names_of_elements();
-            let help = nearest(set, known.iter().copied()).map_or_else(
-                || format!("the file has {}", known.join(", ")),
-                |near| format!("did you mean `{near}`?"),
-            );
-            let message = format!("{} has no set of elements named `{set}`", said.file);
-            deck.error(&key, message, &help)
-        })?;
-        let material = index(name);
+
+    /// Gives a material to elements.
+    ///
+    /// # Errors
+    /// An element that has another material.
+    fn give(&mut self, material: u16, elements: Vec<u32>) -> Result<(), usize> {
         for e in elements.into_iter().map(|e| e as usize) {
-            if of[e] != NONE && of[e] != material {
+            if self.of[e] != Self::NONE && self.of[e] != material {
+                return Err(e);
+            }
+            self.of[e] = material;
+        }
+        Ok(())
+    }
+
+    /// Gives the materials of the deck to its sets.
+    fn of_deck(&mut self) -> Result<(), ModelError> {
+        let (deck, said, mesh) = (self.deck, self.said, self.mesh);
+        for (set, name) in &said.materials {
+            let key = format!("{}.materials.{set}", self.path);
+            let elements = mesh.elements_of(set).ok_or_else(|| {
+                let known: Vec<&str> = mesh.names_of_elements();
+                let help = nearest(set, known.iter().copied()).map_or_else(
+                    || format!("the file has {}", known.join(", ")),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                let message = format!("{} has no set of elements named `{set}`", said.file);
+                deck.error(&key, message, &help)
+            })?;
+            let found = self.materials.iter().position(|(n, _)| n == name);
+            let material = found.unwrap_or_else(|| {
+                self.materials.push((name.clone(), None));
+                self.materials.len() - 1
+            });
+            self.give(material as u16, elements).map_err(|e| {
                 let message = format!("{} is in another set with a material, too", mesh.name_of(e));
-                return Err(deck.error(&key, message, "let the sets not overlap"));
-            }
-            of[e] = material;
+                deck.error(&key, message, "let the sets not overlap")
+            })?;
         }
+        Ok(())
     }
-    let said_count = names.len();
-    let mut own: Vec<(String, Option<Material>)> = Vec::new();
-    let mut index = HashMap::new();
-    for section in &mesh.sections {
-        let left = |e: &&u32| {
-            let of = of[**e as usize];
-            of == NONE || usize::from(of) >= said_count
-        };
-        let elements: Vec<u32> = section.elements.iter().filter(left).copied().collect();
-        if elements.is_empty() {
-            continue;
-        }
-        let key = section.material.to_uppercase();
-        let material = if let Some(material) = index.get(&key) {
-            *material
-        } else {
-            let found = brought(deck, said, path, mesh, &section.material, warnings)?;
-            own.push(found);
-            let material = (said_count + own.len() - 1) as u16;
-            index.insert(key, material);
-            material
-        };
-        for e in elements.into_iter().map(|e| e as usize) {
-            if of[e] != NONE && of[e] != material {
+
+    /// Gives the materials of the sections of the file to elements without one of the deck.
+    fn of_file(&mut self) -> Result<(), ModelError> {
+        let (deck, mesh) = (self.deck, self.mesh);
+        let of_deck = self.materials.len();
+        let mut index = HashMap::new();
+        for section in &mesh.sections {
+            let left = |e: &&u32| {
+                let of = self.of[**e as usize];
+                of == Self::NONE || usize::from(of) >= of_deck
+            };
+            let elements: Vec<u32> = section.elements.iter().filter(left).copied().collect();
+            if elements.is_empty() {
+                continue;
+            }
+            let key = section.material.to_uppercase();
+            let material = if let Some(material) = index.get(&key) {
+                *material
+            } else {
+                let brought = self.brought(&section.material)?;
+                self.materials.push(brought);
+                let material = (self.materials.len() - 1) as u16;
+                index.insert(key, material);
+                material
+            };
+            self.give(material, elements).map_err(|e| {
                 let message = format!("{} is in two solid sections", mesh.name_of(e));
-                return Err(deck.error(&file, message, "let the sets of sections not overlap"));
-            }
-            of[e] = material;
+                deck.error(
+                    &self.file(),
+                    message,
+                    "let the sets of sections not overlap",
+                )
+            })?;
         }
+        Ok(())
     }
-    if let Some(e) = of.iter().position(|m| *m == NONE) {
-        let error = mesh.wrong_element(
+
+    fn require_all(&self) -> Result<(), ModelError> {
+        let Some(e) = self.of.iter().position(|m| *m == Self::NONE) else {
+            return Ok(());
+        };
+        let error = self.mesh.wrong_element(
             e,
             "has no material: no set of `materials` and no section of the file has it",
             "",
         );
-        let known = mesh.names_of_elements().join(", ");
-        let help = format!(
-            "{}; the file has the sets {known}",
-            crate::deck::keys::example_at("imports.materials")
-        );
-        return Err(deck.error(&file, error.to_string(), &help));
+        let known = self.mesh.names_of_elements().join(", ");
+        let example = crate::deck::keys::example_at("imports.materials");
+        let help = format!("{example}; the file has the sets {known}");
+        Err(self.deck.error(&self.file(), error.to_string(), &help))
     }
-    let all = names.into_iter().map(|name| (name, None)).chain(own);
-    Ok((all.collect(), of))
-}
 
-/// A material named in the file: that of the deck if it has one of this name, else that of the file.
-fn brought(
-    deck: &Deck,
-    said: &DeckImport,
-    path: &str,
-    mesh: &ImportedMesh,
-    name: &str,
-    warnings: &mut Vec<Warning>,
-) -> Result<(String, Option<Material>), ModelError> {
-    if let Some(known) = import::find(name, deck.materials.keys().map(String::as_str)) {
-        return Ok((known.to_owned(), None));
+    /// Path of the file in the deck.
+    fn file(&self) -> String {
+        format!("{}.file", self.path)
     }
-    let file = format!("{path}.file");
-    let of_name = |m: &&import::ImportedMaterial| m.name.eq_ignore_ascii_case(name);
-    let Some(material) = mesh.materials.iter().find(of_name) else {
-        return Err(deck.error(
-            &file,
-            format!(
-                "{} has a section of the material {name}, but no such material",
-                said.file
-            ),
-            "write the material in the file, or in the deck, or say `materials` for the set",
-        ));
-    };
-    let lengths = mesh.lengths_of(name);
-    let (made, notes) = material.in_a_deck(lengths).map_err(|why| {
-        let line = material.place.line;
-        let message = format!("{} line {line}: material {name}: {why}", said.file);
-        let help = "write the material in the deck, where it stands in place of this one";
-        deck.error(&file, message, help)
-    })?;
-    for note in notes {
-        warnings.push(deck.warning(&file, format!("{}: material {name}: {note}", said.file)));
+
+    /// A material named in the file: that of the deck if it has one of this name, else that of the file.
+    fn brought(&mut self, name: &str) -> Result<(String, Option<Material>), ModelError> {
+        let (deck, said, file) = (self.deck, self.said, self.file());
+        if let Some(known) = import::find(name, deck.materials.keys().map(String::as_str)) {
+            return Ok((known.to_owned(), None));
+        }
+        let of_name = |m: &&import::ImportedMaterial| m.name.eq_ignore_ascii_case(name);
+        let Some(material) = self.mesh.materials.iter().find(of_name) else {
+            return Err(deck.error(
+                &file,
+                format!(
+                    "{} has a section of the material {name}, but no such material",
+                    said.file
+                ),
+                "write the material in the file, or in the deck, or say `materials` for the set",
+            ));
+        };
+        let lengths = self.mesh.lengths_of(name);
+        let (made, notes) = material.in_a_deck(lengths).map_err(|why| {
+            let line = material.place.line;
+            let message = format!("{} line {line}: material {name}: {why}", said.file);
+            let help = "write the material in the deck, where it stands in place of this one";
+            deck.error(&file, message, help)
+        })?;
+        let warning = |note| deck.warning(&file, format!("{}: material {name}: {note}", said.file));
+        self.warnings.extend(notes.into_iter().map(warning));
+        let mut errors = Errors::default();
+        let path = format!("{}.materials.{name}", self.path);
+        for error in validate::imported_material(deck, &path, &made) {
+            errors.push(error);
+        }
+        errors.end((material.name.clone(), Some(made)))
     }
-    let mut errors = Errors::default();
-    for error in validate::imported_material(deck, &format!("{path}.materials.{name}"), &made) {
-        errors.push(error);
-    }
-    errors.end((material.name.clone(), Some(made)))
 }
 
 /// Equivalent lengths V^(1/3) of elements [mm].
@@ -430,14 +460,4 @@ pub(super) fn lengths(
         median: lengths[lengths.len() / 2],
         most: *lengths.last()?,
     })
-}
-
-fn root(parent: &mut [u32], node: u32) -> u32 {
-    let mut node = node;
-    while parent[node as usize] != node {
-        let above = parent[node as usize];
-        parent[node as usize] = parent[above as usize];
-        node = above;
-    }
-    node
 }

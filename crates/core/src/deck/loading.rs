@@ -54,36 +54,23 @@ pub(super) fn loading(
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         // A beam that the last step has driven is locked in place.
-        for motion in now.iter_mut().flatten() {
-            if let BeamMotion::Driven(_) = motion {
-                *motion = BeamMotion::Locked;
-            }
+        let driven = |motion: &&mut BeamMotion| matches!(motion, BeamMotion::Driven(_));
+        for motion in now.iter_mut().flatten().filter(driven) {
+            *motion = BeamMotion::Locked;
         }
         let mut far_ends = vec![[0.0; 3]; springs.len()];
-        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-        let displacement = sign * step.drive();
+        let (axis, displacement) = driven_by(step);
         let beam = beam_of(step);
         if let Some(b) = beam.filter(|_| step.face.is_none()) {
             let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
             load[b][2] = force.unwrap_or(load[b][2]);
             now[b] = level_beam(step, load[b][2], now[b][2]);
         } else if let Some(b) = beam {
-            let free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
             if step.kind == StepKind::Preload {
                 let force = errors.keep(pressure(deck, i, step, &beams[b]));
                 load[b] = force.unwrap_or_default();
             }
-            for d in 0..3 {
-                let pressed = step.kind == StepKind::Preload && beams[b].normal[d].abs() > ALONG;
-                let driven = step.kind == StepKind::Drive && d == axis;
-                now[b][d] = if driven {
-                    BeamMotion::Driven(displacement)
-                } else if pressed || free(d) {
-                    BeamMotion::Force(load[b][d])
-                } else {
-                    BeamMotion::Locked
-                };
-            }
+            now[b] = face_motion(step, beams[b].normal, load[b]);
         } else if let Some(name) = &step.spring {
             match spring_of(deck, i, springs, name, axis) {
                 Ok(s) => far_ends[s][axis] = displacement,
@@ -92,8 +79,7 @@ pub(super) fn loading(
         }
         // The history records the driven face; before a drive, the face of the next drive.
         let driven = deck.steps[i..].iter().find_map(|s| {
-            let (axis, _) = s.direction.map_or((0, 1.0), Direction::axis);
-            (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, axis)))?
+            (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, driven_by(s).0)))?
         });
         // In a wall that is never driven it records the load on top.
         let driven = driven.or_else(|| top.then_some((0, 2)).filter(|_| beam == Some(0)));
@@ -127,10 +113,32 @@ fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 
         motion[2] = BeamMotion::Force(load);
     }
     if step.kind == StepKind::Drive {
-        let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-        motion[axis] = BeamMotion::Driven(sign * step.drive());
+        let (axis, displacement) = driven_by(step);
+        motion[axis] = BeamMotion::Driven(displacement);
     }
     motion
+}
+
+/// Axis and displacement of a drive [mm].
+fn driven_by(step: &DeckStep) -> (usize, f64) {
+    let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
+    (axis, sign * step.drive())
+}
+
+/// Motion of a face that a step presses or drives, under its load [N].
+fn face_motion(step: &DeckStep, normal: [f64; 3], load: [f64; 3]) -> [BeamMotion; 3] {
+    let (axis, displacement) = driven_by(step);
+    let is_free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
+    [0, 1, 2].map(|d| {
+        let pressed = step.kind == StepKind::Preload && normal[d].abs() > ALONG;
+        if step.kind == StepKind::Drive && d == axis {
+            BeamMotion::Driven(displacement)
+        } else if pressed || is_free(d) {
+            BeamMotion::Force(load[d])
+        } else {
+            BeamMotion::Locked
+        }
+    })
 }
 
 /// Index of the spring whose far end step `i` moves along `axis`.

@@ -3,7 +3,7 @@
 use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::Masonry;
-use super::schema::{Deck, Names};
+use super::schema::{Deck, DeckArch, DeckBlock, Names};
 use crate::element::hexahedron::Face;
 use crate::error::ModelError;
 use std::collections::{HashMap, HashSet};
@@ -70,70 +70,72 @@ impl NameRegistry {
             return None;
         }
         let (mut roll, mut twice) = (Self::default(), Vec::new());
+        let own_name = "give each a name of its own";
+        let two_blocks = |path: &str, name: &str| {
+            deck.error(
+                path,
+                format!("there are two blocks named `{name}`"),
+                own_name,
+            )
+        };
         for wall in walls {
             if !roll.add_wall(wall) {
-                twice.push(deck.error(
-                    &format!("{}.name", wall.path),
-                    format!("there are two walls named `{}`", wall.name),
-                    "give each a name of its own",
-                ));
+                let message = format!("there are two walls named `{}`", wall.name);
+                twice.push(deck.error(&format!("{}.name", wall.path), message, own_name));
             }
         }
         for (index, block) in deck.blocks.iter().enumerate() {
-            let first = roll.count;
-            let mut new = true;
-            let names = match block.stack {
-                Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
-                None => names_of_copies(&block.name, block.copies),
-            };
-            for name in names {
-                new &= roll.add(name);
-            }
-            if block.copies.is_some() || block.stack.is_some() {
-                new &= roll.group(&block.name, first);
-            }
-            if !new {
-                twice.push(deck.error(
-                    &format!("blocks.{index}.name"),
-                    format!("there are two blocks named `{}`", block.name),
-                    "give each a name of its own",
-                ));
+            if !roll.add_block(block) {
+                twice.push(two_blocks(&format!("blocks.{index}.name"), &block.name));
             }
         }
         for (i, beam) in deck.beams.iter().enumerate() {
             if !roll.add(beam.name.clone()) {
-                twice.push(deck.error(
-                    &format!("beams.{i}.name"),
-                    format!("there are two blocks named `{}`", beam.name),
-                    "give each a name of its own",
-                ));
+                twice.push(two_blocks(&format!("beams.{i}.name"), &beam.name));
             }
         }
         for (i, import) in deck.imports.iter().enumerate() {
             let imported = imports.and_then(|all| all.get(i));
             roll.add_import(&import.name, imported);
         }
-        if let Some(arch) = &deck.arch {
-            let first = roll.count;
-            let mut new = true;
-            for i in 0..arch.voussoirs {
-                new &= roll.add(format!("voussoir-{i}"));
-            }
-            new &= roll.group("voussoir", first);
-            let springing = roll.count;
-            for side in ["left", "right"] {
-                new &= roll.add(format!("springing-{side}"));
-            }
-            new &= roll.group("springing", springing);
-            if !new {
-                twice.push(deck.error(
-                    "arch",
-                    "a block has the name of a stone of the arch",
-                    "call it neither `voussoir` nor `springing`",
-                ));
-            }
+        if let Some(arch) = &deck.arch
+            && !roll.add_arch(arch)
+        {
+            twice.push(deck.error(
+                "arch",
+                "a block has the name of a stone of the arch",
+                "call it neither `voussoir` nor `springing`",
+            ));
         }
         Some((roll, twice))
+    }
+
+    /// Adds a block, or its copies and the block; returns false if a name is taken.
+    fn add_block(&mut self, block: &DeckBlock) -> bool {
+        let first = self.count;
+        let names = match block.stack {
+            Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
+            None => names_of_copies(&block.name, block.copies),
+        };
+        let new = self.add_all(names);
+        let is_group = block.copies.is_some() || block.stack.is_some();
+        (!is_group || self.group(&block.name, first)) && new
+    }
+
+    /// Adds the stones of an arch; returns false if a name is taken.
+    fn add_arch(&mut self, arch: &DeckArch) -> bool {
+        let first = self.count;
+        let mut new = self.add_all((0..arch.voussoirs).map(|i| format!("voussoir-{i}")));
+        new &= self.group("voussoir", first);
+        let springing = self.count;
+        new &= self.add_all(["springing-left", "springing-right"].map(str::to_owned));
+        self.group("springing", springing) && new
+    }
+
+    /// Adds bodies; returns false if a name is taken.
+    fn add_all(&mut self, names: impl IntoIterator<Item = String>) -> bool {
+        let taken = names.into_iter().filter(|name| !self.add(name.clone()));
+        taken.count() == 0
     }
 
     /// Adds the units of a wall, and the wall; returns false if a name is taken.

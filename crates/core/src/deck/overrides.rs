@@ -45,10 +45,7 @@ pub(super) fn set<'a>(
     at: usize,
     value: Spanned<DeValue<'a>>,
 ) -> Result<(), String> {
-    let (part, below) = match path.split_once('.') {
-        Some((part, below)) => (part, Some(below)),
-        None => (path, None),
-    };
+    let (part, below) = first_part(path);
     if part.is_empty() {
         return Err("the key is not a dotted path".to_owned());
     }
@@ -76,6 +73,12 @@ pub(super) fn set<'a>(
     }
 }
 
+/// The first part of a path, and the rest.
+fn first_part(path: &str) -> (&str, Option<&str>) {
+    let parts = path.split_once('.');
+    parts.map_or((path, None), |(part, below)| (part, Some(below)))
+}
+
 fn set_value<'a>(
     inside: &mut Spanned<DeValue<'a>>,
     name: &str,
@@ -86,10 +89,7 @@ fn set_value<'a>(
     match inside.get_mut() {
         DeValue::Table(table) => set(table, path, at, value),
         DeValue::Array(array) => {
-            let (part, below) = match path.split_once('.') {
-                Some((part, below)) => (part, Some(below)),
-                None => (path, None),
-            };
+            let (part, below) = first_part(path);
             let count = array.len();
             let entry = part
                 .parse::<usize>()

@@ -279,71 +279,17 @@ fn add_touching(
     contact: &DeckContact,
     path: &str,
 ) -> Result<(), ModelError> {
-    struct Side {
-        patch: Patch,
-        outline: [[f64; 3]; 4],
-        facet_area: f64,
-        area: f64,
-    }
     // Crowded scenes are rejected before their faces are compared.
     overlap::near(&overlap::boxes(bodies), overlap::TOUCHING)
         .map_err(|crowded| crowded.error(deck, bodies))?;
-    let mut sides = Vec::new();
-    for (b, block) in bodies.all.iter().enumerate() {
-        for (f, face) in block.faces[..block.skin].iter().enumerate() {
-            let facet_area = face.mean_facet();
-            for outline in &face.outlines {
-                sides.push(Side {
-                    patch: (b, f),
-                    outline: *outline,
-                    facet_area,
-                    area: norm(area_vector(outline)),
-                });
-            }
-        }
-    }
-    let boxes: Vec<Aabb> = sides
-        .iter()
-        .map(|side| touch::surroundings(&side.outline))
-        .collect();
-    let tree = Bvh::build(&boxes);
-    let (mut stack, mut near, mut tried) = (Vec::new(), Vec::new(), 0);
-    let mut found = Vec::new();
-    for (i, a) in sides.iter().enumerate() {
-        near.clear();
-        tree.query(&boxes, &boxes[i], &mut stack, |j| near.push(j as usize));
-        let others = |j: &usize| {
-            sides[*j].patch.0 != a.patch.0 && !bodies.in_one_wall(a.patch.0, sides[*j].patch.0)
-        };
-        near.retain(others);
-        tried += near.len();
-        if tried > MOST_TOUCHING * sides.len() + 10_000 {
-            let message = format!(
-                "{} and very many others are in one place",
-                bodies.called(a.patch.0)
-            );
-            let help =
-                "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
-            return Err(deck.error(path, message, help));
-        }
-        for b in near.iter().filter(|j| **j > i).map(|j| &sides[*j]) {
-            let reach = TOUCHES * a.area.min(b.area).sqrt();
-            let touches = touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach);
-            if !touches {
-                continue;
-            }
-            let finer = b.facet_area < a.facet_area * (1.0 - 1e-6);
-            let coarser = b.facet_area > a.facet_area * (1.0 + 1e-6);
-            let (slave, master) = if finer || (!coarser && b.patch.0 < a.patch.0) {
-                (b.patch, a.patch)
-            } else {
-                (a.patch, b.patch)
-            };
-            found.push((slave, master));
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
+    let mut found = touching(bodies).map_err(|body| {
+        let message = format!(
+            "{} and very many others are in one place",
+            bodies.called(body)
+        );
+        let help = "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
+        deck.error(path, message, help)
+    })?;
     let count = found.len();
     found.retain(|(a, b)| !pairings.paired(bodies, *a, *b));
     if count == 0 {
@@ -363,4 +309,76 @@ fn add_touching(
         add(deck, bodies, pairings, new)?;
     }
     Ok(())
+}
+
+/// A flat part of a face.
+struct Side {
+    patch: Patch,
+    outline: [[f64; 3]; 4],
+    facet_area: f64,
+    area: f64,
+}
+
+/// Flat parts of the boundaries of all bodies.
+fn sides(bodies: &Bodies<'_>) -> Vec<Side> {
+    let mut sides = Vec::new();
+    for (b, block) in bodies.all.iter().enumerate() {
+        for (f, face) in block.faces[..block.skin].iter().enumerate() {
+            let facet_area = face.mean_facet();
+            sides.extend(face.outlines.iter().map(|outline| Side {
+                patch: (b, f),
+                outline: *outline,
+                facet_area,
+                area: norm(area_vector(outline)),
+            }));
+        }
+    }
+    sides
+}
+
+/// Slave and master of all faces of different bodies that touch at rest, in ascending order.
+///
+/// # Errors
+/// A body that is near too many others.
+fn touching(bodies: &Bodies<'_>) -> Result<Vec<(Patch, Patch)>, usize> {
+    let sides = sides(bodies);
+    let boxes: Vec<Aabb> = sides
+        .iter()
+        .map(|side| touch::surroundings(&side.outline))
+        .collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near, mut tried) = (Vec::new(), Vec::new(), 0);
+    let mut found = Vec::new();
+    for (i, a) in sides.iter().enumerate() {
+        near.clear();
+        tree.query(&boxes, &boxes[i], &mut stack, |j| near.push(j as usize));
+        near.retain(|j: &usize| {
+            let other = sides[*j].patch.0;
+            other != a.patch.0 && !bodies.in_one_wall(a.patch.0, other)
+        });
+        tried += near.len();
+        if tried > MOST_TOUCHING * sides.len() + 10_000 {
+            return Err(a.patch.0);
+        }
+        for b in near.iter().filter(|j| **j > i).map(|j| &sides[*j]) {
+            let reach = TOUCHES * a.area.min(b.area).sqrt();
+            if touch::distance(&a.outline, &b.outline).is_some_and(|d| d.abs() <= reach) {
+                found.push(slave_first(a, b));
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
+}
+
+/// Slave and master of two faces: the finer one is the slave, else that of the first block.
+fn slave_first(a: &Side, b: &Side) -> (Patch, Patch) {
+    let finer = b.facet_area < a.facet_area * (1.0 - 1e-6);
+    let coarser = b.facet_area > a.facet_area * (1.0 + 1e-6);
+    if finer || (!coarser && b.patch.0 < a.patch.0) {
+        (b.patch, a.patch)
+    } else {
+        (a.patch, b.patch)
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::keys;
-use super::quantity::Quantity;
+use super::quantity::{Length, Quantity};
 use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Names};
 use crate::element::hexahedron::{difference, norm};
 use crate::error::{Errors, ModelError};
@@ -94,15 +94,27 @@ fn nodes(
     let Some(near) = place.near else {
         return Ok(nodes);
     };
+    Ok(vec![nearest(deck, mesh, &nodes, near, path)?])
+}
+
+/// The node nearest to `near`, a key of `path`.
+///
+/// # Errors
+/// A point farther from all nodes than the size of the model.
+pub(super) fn nearest(
+    deck: &Deck,
+    mesh: &Mesh,
+    nodes: &[u32],
+    near: [Length; 3],
+    path: &str,
+) -> Result<u32, ModelError> {
     let near = near.map(Quantity::get);
-    let away = |n: &u32| norm(difference(mesh.nodes[*n as usize], near));
-    let nearest = nodes
-        .iter()
-        .map(|n| (away(n), *n))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let away = |n: u32| norm(difference(mesh.nodes[n as usize], near));
+    let nearest = nodes.iter().map(|&n| (away(n), n));
+    let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
     let size = mesh.diagonal();
     match nearest {
-        Some((distance, node)) if distance <= size => Ok(vec![node]),
+        Some((distance, node)) if distance <= size => Ok(node),
         _ => {
             let distance = nearest.map_or(f64::INFINITY, |n| n.0);
             Err(deck.error(

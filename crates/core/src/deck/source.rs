@@ -276,8 +276,7 @@ impl Source {
             let within = span.start - line.start..span.end - line.start;
             let text = errors::printable_in_place(&self.text[line.clone()]);
             return ModelError::new(
-                &format!("--set {key}"),
-                text,
+                (&format!("--set {key}"), text),
                 Some(within),
                 path,
                 message,
@@ -285,8 +284,7 @@ impl Source {
             );
         }
         ModelError::new(
-            &self.file,
-            Arc::clone(&self.file_text),
+            (&self.file, Arc::clone(&self.file_text)),
             span,
             path,
             message,

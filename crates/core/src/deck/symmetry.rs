@@ -204,6 +204,13 @@ pub(super) fn judge(
     errors.end(())
 }
 
+/// Springs and loads of a scene, and the steps in which they act.
+pub(super) struct Actions<'a> {
+    pub(super) springs: &'a [Spring],
+    pub(super) loads: &'a [Load],
+    pub(super) steps: &'a [Step],
+}
+
 /// Rejects springs, velocities and loads across a plane on nodes that it holds. `held`: supports of the planes.
 ///
 /// # Errors
@@ -212,9 +219,7 @@ pub(super) fn judge_held(
     deck: &Deck,
     bodies: &Bodies<'_>,
     held: &[Support],
-    springs: &[Spring],
-    loads: &[Load],
-    steps: &[Step],
+    actions: &Actions<'_>,
 ) -> Result<(), ModelError> {
     let mut errors = Errors::default();
     for (plane, held) in Plane::all(deck).iter().zip(held) {
@@ -224,15 +229,15 @@ pub(super) fn judge_held(
         }
         let is_held = |n: u32| is_held[n as usize];
         let d = plane.axis;
-        for (s, step) in steps.iter().enumerate() {
-            for (spring, end) in springs.iter().zip(&step.springs) {
+        for (s, step) in actions.steps.iter().enumerate() {
+            for (spring, end) in actions.springs.iter().zip(&step.springs) {
                 if end[d] != 0.0 && spring.nodes.iter().any(|n| is_held(*n)) {
                     let message = plane.across(&format!("the spring {} is driven", spring.name));
                     errors.push(deck.error(&format!("steps.{s}.direction"), message, HELP));
                 }
             }
             for (l, said) in deck.steps[s].loads.iter().enumerate() {
-                let load = loads.iter().find(|load| load.name == said.name);
+                let load = actions.loads.iter().find(|load| load.name == said.name);
                 if load.is_some_and(|load| acts_across(d, said, load, &is_held)) {
                     let message = plane.across(&format!(
                         "the load {} acts on nodes that are held",

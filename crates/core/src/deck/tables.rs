@@ -194,6 +194,10 @@ fn cell(name: &str, branch: Branch, row: usize, column: Option<usize>) -> String
 }
 
 /// Converts the error of a law to one at its place in the deck, with advice.
+#[expect(
+    clippy::too_many_lines,
+    reason = "one match: key, message and advice of each error of a law stand side by side"
+)]
 pub(super) fn refusal(
     deck: &Deck,
     name: &str,

@@ -194,6 +194,10 @@ mod tests {
 
     /// What is screened as elastic is so by the law, and what is well inside is screened, on both sides of
     /// the surface and on it to the last bit, in any direction.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one loop over materials and directions"
+    )]
     #[test]
     fn screening_is_safe_and_sharp() {
         let mut screened = 0;

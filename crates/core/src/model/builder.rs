@@ -1,6 +1,6 @@
 //! Builds a [`Model`] from Rust, block by block, without a deck.
 
-use super::general::GeneralContact;
+use super::general::{DryStiffness, GeneralContact};
 use super::probes::{Probe, ProbeQuantity};
 use super::scene::{Beam, HeldBy, NamedMaterial, Step, Support};
 use super::surfaces::{JointSide, joint_stiffness};
@@ -183,20 +183,15 @@ impl ModelBuilder {
     /// Makes a face a slave face: its points carry `law` where they meet a master face of another block. The finer
     /// of two faces should be the slave.
     pub fn slave(&mut self, block: &Block, face: Face, law: LawId) {
-        let contact = &mut self.model.contact;
         for facet in block.facets(face) {
-            contact.slave_facets.push(facet);
-            contact.slave_body.push(block.body);
-            contact.slave_law.push(law.0);
+            self.model.contact.add_slave(facet, block.body, law.0);
         }
     }
 
     /// Makes a face a master face.
     pub fn master(&mut self, block: &Block, face: Face) {
-        let contact = &mut self.model.contact;
         for facet in block.facets(face) {
-            contact.master_facets.push(facet);
-            contact.master_body.push(block.body);
+            self.model.contact.add_master(facet, block.body);
         }
     }
 
@@ -206,7 +201,7 @@ impl ModelBuilder {
         let Model {
             mesh, materials, ..
         } = &self.model;
-        let contact = GeneralContact::new("dry", mesh, materials, mu, 500.0, None);
+        let contact = GeneralContact::new("dry", mesh, materials, mu, DryStiffness::Penalty(500.0));
         self.model.contact.general = Some(contact);
     }
 
@@ -362,7 +357,7 @@ impl Block {
 }
 
 /// Points of a grid, x fastest.
-fn grid([a, b, c]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+pub(crate) fn grid([a, b, c]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..a * b * c).map(move |n| [n % a, n / a % b, n / (a * b)])
 }
 

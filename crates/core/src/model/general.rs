@@ -24,16 +24,23 @@ pub struct GeneralContact {
     pub elastic: Vec<[f64; 2]>,
 }
 
+/// Stiffness of the law of general contact.
+#[derive(Clone, Copy, Debug)]
+pub enum DryStiffness {
+    /// This factor times E/h and G/h of the element behind a facet (theory/joint.md, eqs 32 and 33).
+    Penalty(f64),
+    /// Normal and shear stiffness [N/mm³].
+    Given([f64; 2]),
+}
+
 impl GeneralContact {
-    /// Makes the data for the bodies of a mesh. The law is dry. Its stiffness is `penalty` times E/h
-    /// (theory/joint.md, eqs 32 and 33), or `given`, normal and shear [N/mm³].
+    /// Makes the data for the bodies of a mesh. The law is dry.
     pub fn new(
         interface: &str,
         mesh: &Mesh,
         materials: &[NamedMaterial],
         mu: f64,
-        penalty: f64,
-        given: Option<[f64; 2]>,
+        stiffness: DryStiffness,
     ) -> Self {
         let skin = BoundaryFacets::of(mesh);
         let elastic: Vec<[f64; 2]> = skin
@@ -48,7 +55,10 @@ impl GeneralContact {
             .collect();
         let stiffness = elastic
             .iter()
-            .map(|k| given.unwrap_or(k.map(|k| penalty * k)))
+            .map(|k| match stiffness {
+                DryStiffness::Penalty(factor) => k.map(|k| factor * k),
+                DryStiffness::Given(stiffness) => stiffness,
+            })
             .collect();
         Self {
             interface: interface.to_owned(),

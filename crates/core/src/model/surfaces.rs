@@ -59,6 +59,17 @@ pub struct ContactSurfaces {
 }
 
 impl ContactSurfaces {
+    pub(crate) fn add_slave(&mut self, facet: [u32; 4], body: u32, law: u16) {
+        self.slave_facets.push(facet);
+        self.slave_body.push(body);
+        self.slave_law.push(law);
+    }
+
+    pub(crate) fn add_master(&mut self, facet: [u32; 4], body: u32) {
+        self.master_facets.push(facet);
+        self.master_body.push(body);
+    }
+
     /// Slave facets with their bodies, as input of the contact search.
     pub fn slave(&self) -> Surface {
         Surface {
@@ -113,9 +124,7 @@ impl ContactSurfaces {
         for ((facet, body), law) in facets.into_iter().zip(bodies).zip(laws) {
             let axes = directions(&facet.map(|n| x[n as usize]));
             for part in Part::grid(axes.map(|axis| counts[axis])) {
-                self.slave_facets.push(facet);
-                self.slave_body.push(body);
-                self.slave_law.push(law);
+                self.add_slave(facet, body, law);
                 self.slave_part.push(part);
             }
         }

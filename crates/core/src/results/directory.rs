@@ -152,8 +152,8 @@ impl RunDirectory {
         Ok(run)
     }
 
-    /// Directory with open files.
-    fn begun(path: &Path, lock: File, model: &Model, files: Files) -> Self {
+    /// Directory with open files, which reach at least the checkpoint if a run continues.
+    pub(super) fn begun(path: &Path, lock: File, model: &Model, files: Files) -> Self {
         let Files {
             history,
             fields,
@@ -181,26 +181,22 @@ impl RunDirectory {
         }
     }
 
-    /// Continues in a locked folder whose files reach at least the checkpoint, with these rows and the last frame
-    /// before it.
+    /// Continues after these rows and the last frame before the checkpoint.
     pub(super) fn resumed(
-        path: &Path,
-        lock: File,
+        mut self,
         model: &Model,
-        files: Files,
         (rows, last_frame): (&[HistoryRow], Option<Frame>),
         file: &CheckpointFile,
     ) -> Self {
-        let mut run = Self::begun(path, lock, model, files);
         for row in rows {
-            run.count(model, row);
+            self.count(model, row);
         }
-        run.last_frame = last_frame.map(Arc::new);
-        (run.wall_before, run.cpu_before) = (file.wall_s, file.cpu_s);
-        run.deck.clone_from(&file.deck);
-        run.deck_folder.clone_from(&file.deck_folder);
-        run.way_to_deck_folder.clone_from(&file.way_to_deck_folder);
-        run
+        self.last_frame = last_frame.map(Arc::new);
+        (self.wall_before, self.cpu_before) = (file.wall_s, file.cpu_s);
+        self.deck.clone_from(&file.deck);
+        self.deck_folder.clone_from(&file.deck_folder);
+        self.way_to_deck_folder.clone_from(&file.way_to_deck_folder);
+        self
     }
 
     /// Stores a copy of the deck with its overrides in the folder, in [`FIELDS`] and in [`MESSAGES`].

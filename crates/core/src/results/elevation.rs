@@ -54,7 +54,7 @@ pub fn crack_pattern_of(snapshot: &Snapshot) -> String {
 fn elevation(title: &str, mesh: &Mesh, frame: &Frame, joints: &[Joint], caption: &str) -> String {
     let scale = magnification(mesh, frame);
     let quads = quads(mesh, frame, scale);
-    let [x0, z0, x1, z1] = bounds(&quads);
+    let [x0, z0, x1, z1] = bounds(quads.iter().flat_map(|q| q.corners));
     let (length, tall) = (x1 - x0, z1 - z0);
     // Limits the height of the picture of a slender scene.
     let zoom = (WIDTH - 2.0 * MARGIN) / length.max(tall / TALLEST).max(f64::MIN_POSITIVE);
@@ -365,17 +365,11 @@ pub(super) fn suitable(extent: f64, largest: f64) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// x₀, z₀, x₁, z₁ of all corners; a unit square without corners.
-fn bounds(quads: &[Quad]) -> [f64; 4] {
-    let corners = quads.iter().flat_map(|q| q.corners);
-    let start = [
-        f64::INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NEG_INFINITY,
-    ];
-    let found = corners.fold(start, |b, [x, z]| {
-        [b[0].min(x), b[1].min(z), b[2].max(x), b[3].max(z)]
+/// Lower and upper bounds of corners: x₀, y₀, x₁, y₁; a unit square without corners.
+pub(super) fn bounds(corners: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
+    let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let found = corners.fold([low, low, high, high], |b, [x, y]| {
+        [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)]
     });
     if found[0] <= found[2] {
         found

@@ -15,13 +15,7 @@ const MARK: RGBColor = RGBColor(178, 34, 34);
 /// # Errors
 /// Message of plotters if it cannot draw.
 pub fn load_displacement(title: &str, curve: &Curve) -> Result<String, String> {
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    draw(&root, title, curve).map_err(|error| error.to_string())?;
-    root.present().map_err(|error| error.to_string())?;
-    drop(root);
-    svg.push('\n');
-    Ok(svg)
+    super::plotting::svg(SIZE, |root| draw(root, title, curve))
 }
 
 type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>;

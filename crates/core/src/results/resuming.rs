@@ -189,13 +189,7 @@ impl StoppedRun {
                 why,
             })?;
         let mut warnings = Vec::new();
-        let version = env!("CARGO_PKG_VERSION");
-        if self.file.version != version {
-            warnings.push(format!(
-                "the run began with wythe {}, this is {version}: last digits may differ",
-                self.file.version
-            ));
-        }
+        warnings.extend(self.other_version());
         let lines = self.history(model);
         let rows = match &lines {
             Ok(lines) => read_history(&path.join(HISTORY), &lines.bytes)?.rows,
@@ -208,38 +202,15 @@ impl StoppedRun {
         let lines = match lines {
             Ok(lines) => lines,
             Err(why) => {
-                let kept = set_aside(&path, HISTORY);
-                warnings.push(format!(
-                    "{HISTORY} cannot be read ({why}), nor made anew from {FIELDS}: {kept}the run begins anew"
-                ));
                 // Removes the temporary files of the fields and messages.
                 drop((fields, messages));
-                return Ok(Resumed {
-                    directory: RunDirectory::begin(&path, self.lock, model)?,
-                    checkpoint: None,
-                    warnings,
-                });
+                return self.begin_anew(model, &why, warnings);
             }
         };
-        if let Some(why) = &lines.made_anew {
-            let kept = set_aside(&path, HISTORY);
-            warnings.push(format!(
-                "{HISTORY} cannot be read ({why}): {kept}it is made anew from {FIELDS}"
-            ));
-        }
-        let history = writing(&path, HISTORY, |file| {
-            HistoryWriter::resume(file, model, &lines.bytes)
-        })?;
+        let history = self.continue_history(model, &lines, &mut warnings)?;
         let (fields, last_frame) = match fields {
             Ok(both) => both,
-            Err(why) => {
-                let (kept, frames) = (set_aside(&path, FIELDS), self.file.frames);
-                warnings.push(format!(
-                    "{FIELDS} cannot be read ({why}): {kept}it begins anew, without the {frames} frames before"
-                ));
-                let create = |file: &Path| VtkHdfWriter::create(file, model);
-                (writing(&path, FIELDS, create)?, None)
-            }
+            Err(why) => (self.new_fields(model, &why, &mut warnings)?, None),
         };
         let messages = match messages {
             Some(Ok((messages, new))) => {
@@ -248,11 +219,7 @@ impl StoppedRun {
             }
             Some(Err(why)) => self.new_messages(model, &why, &mut warnings)?,
             None => {
-                if self.file.messages.is_some() {
-                    warnings.push(format!(
-                        "{MESSAGES} ends here: the deck wants none any more"
-                    ));
-                }
+                warnings.extend(self.messages_end());
                 None
             }
         };
@@ -261,13 +228,76 @@ impl StoppedRun {
             fields,
             messages,
         };
-        let rows = (&rows[..], last_frame);
-        let directory = RunDirectory::resumed(&path, self.lock, model, files, rows, &self.file);
+        let begun = RunDirectory::begun(&path, self.lock, model, files);
         Ok(Resumed {
-            directory,
+            directory: begun.resumed(model, (&rows, last_frame), &self.file),
             checkpoint: Some(self.file.solver),
             warnings,
         })
+    }
+
+    /// Warning about a run that another version began.
+    fn other_version(&self) -> Option<String> {
+        let (began, version) = (&self.file.version, env!("CARGO_PKG_VERSION"));
+        (began != version).then(|| {
+            format!("the run began with wythe {began}, this is {version}: last digits may differ")
+        })
+    }
+
+    /// Begins the run again, since its history is lost.
+    fn begin_anew(
+        self,
+        model: &Model,
+        why: &str,
+        mut warnings: Vec<String>,
+    ) -> Result<Resumed, ResumeError> {
+        let kept = set_aside(&self.path, HISTORY);
+        warnings.push(format!(
+            "{HISTORY} cannot be read ({why}), nor made anew from {FIELDS}: {kept}the run begins anew"
+        ));
+        Ok(Resumed {
+            directory: RunDirectory::begin(&self.path, self.lock, model)?,
+            checkpoint: None,
+            warnings,
+        })
+    }
+
+    /// Writer behind these lines. A file that was rebuilt is put in the place of the damaged one.
+    fn continue_history(
+        &self,
+        model: &Model,
+        lines: &Lines,
+        warnings: &mut Vec<String>,
+    ) -> Result<HistoryWriter, OutputError> {
+        if let Some(why) = &lines.made_anew {
+            let kept = set_aside(&self.path, HISTORY);
+            warnings.push(format!(
+                "{HISTORY} cannot be read ({why}): {kept}it is made anew from {FIELDS}"
+            ));
+        }
+        let resume = |file: &Path| HistoryWriter::resume(file, model, &lines.bytes);
+        writing(&self.path, HISTORY, resume)
+    }
+
+    /// Fields without the frames of a file that cannot be read.
+    fn new_fields(
+        &self,
+        model: &Model,
+        why: &str,
+        warnings: &mut Vec<String>,
+    ) -> Result<VtkHdfWriter, OutputError> {
+        let (kept, frames) = (set_aside(&self.path, FIELDS), self.file.frames);
+        warnings.push(format!(
+            "{FIELDS} cannot be read ({why}): {kept}it begins anew, without the {frames} frames before"
+        ));
+        let create = |file: &Path| VtkHdfWriter::create(file, model);
+        writing(&self.path, FIELDS, create)
+    }
+
+    /// Warning about messages that the deck no longer wants.
+    fn messages_end(&self) -> Option<String> {
+        let ends = || format!("{MESSAGES} ends here: the deck wants none any more");
+        self.file.messages.is_some().then(ends)
     }
 
     /// Complete lines of the history up to the checkpoint, rebuilt from the fields if the file is damaged; or the

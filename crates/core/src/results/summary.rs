@@ -245,6 +245,7 @@ mod tests {
     use crate::results::fake;
 
     #[test]
+    #[expect(clippy::too_many_lines, reason = "a list of keys")]
     fn the_keys_are_those_promised_in_their_order() {
         let (curve, energy) = (Curve::default(), EnergyBalance::default());
         let verdict = Verdict {

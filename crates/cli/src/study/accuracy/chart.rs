@@ -3,7 +3,7 @@
 use super::front::front;
 use super::outcome::Studied;
 use super::scene::Group;
-use wythe_core::results::plotting::{Spot, scatter};
+use wythe_core::results::plotting::{Scatter, Spot};
 
 /// Errors below this part of the uncertainty of the reference are drawn there: they are smaller by accident [-].
 const LEAST: f64 = 0.05;
@@ -39,18 +39,18 @@ pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
         .chain(["peer"])
         .collect();
     let told = format!("uncertainty of the reference, {:.2} %", 100.0 * floor);
-    scatter(
-        &studied.scene.name(),
-        [
+    let chart = Scatter {
+        title: &studied.scene.name(),
+        axes: [
             "CPU time over that of the default",
             "error: the larger of peak and energy [%]",
         ],
-        &series,
-        &spots,
-        &on,
-        Some((100.0 * floor, &told)),
-    )
-    .map(Some)
+        series: &series,
+        spots: &spots,
+        front: &on,
+        floor: Some((100.0 * floor, &told)),
+    };
+    chart.svg().map(Some)
 }
 
 /// Peers that came to the end, as a series of their own.

@@ -52,34 +52,13 @@ pub fn draft(
     let last = last.ok_or(DraftError::NoCurve("it has no steps"))?;
     let compared = compared(deck, last)?;
     let refined = refined(deck);
-    let reference = [refined.clone(), scaled(deck, last, 0.5)].concat();
     let how = if refined.is_empty() {
         "half the increments; its mesh is that of the model, which no key refines."
     } else {
         "elements of half the size along every side (a layer of mortar stays one), half the increments."
     };
-    let was = deck.to_toml()?;
-    // What the deck refuses, or says already, is none of its choices.
-    let chooses = |choice: &Choice| {
-        let all = [set, &choice.set].concat();
-        let with = Deck::load(file, &all)
-            .ok()
-            .and_then(|deck| deck.to_toml().ok());
-        with.is_some_and(|with| with != was || choice.group == Group::Threads)
-    };
-    let default = Choice::new("default", Group::Default, Vec::new());
-    let offered = offered(deck, last).into_iter();
-    let offered = offered.filter(|choice| choice.threads <= threads && chooses(choice));
-    let choices = std::iter::once(default)
-        .chain(offered)
-        .map(|choice| ChoiceFile {
-            set: lines(&choice.set),
-            name: choice.name,
-            group: choice.group,
-            threads: choice.threads,
-            factor: choice.factor,
-            short: choice.short,
-        });
+    let reference = [refined, scaled(deck, last, 0.5)].concat();
+    let choices = choices(deck, file, set, threads)?;
     // Relative, so that both may be moved together; from one drive to another there is no way.
     let way = pathdiff::diff_paths(file, folder).unwrap_or_else(|| file.to_owned());
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
@@ -117,13 +96,45 @@ pub fn draft(
             factor: None,
             command: None,
         },
-        choices: choices.collect(),
+        choices,
         peers: Vec::new(),
     };
     let text = toml::to_string(&draft)?;
     Ok(format!(
         "# A scene for `wythe study accuracy-speed`, drafted from the model; docs/reference/studies.md lists the keys. It stays as you change it.\n{text}"
     ))
+}
+
+/// The default and all that may be chosen instead. What the deck refuses, or says already, is none of its choices.
+fn choices(
+    deck: &Deck,
+    file: &Path,
+    set: &[(String, String)],
+    threads: usize,
+) -> Result<Vec<ChoiceFile>, DraftError> {
+    let was = deck.to_toml()?;
+    let chooses = |choice: &Choice| {
+        let all = [set, &choice.set].concat();
+        let with = Deck::load(file, &all)
+            .ok()
+            .and_then(|deck| deck.to_toml().ok());
+        with.is_some_and(|with| with != was || choice.group == Group::Threads)
+    };
+    let default = Choice::new("default", Group::Default, Vec::new());
+    let offered = offered(deck, deck.steps.len().saturating_sub(1)).into_iter();
+    let offered = offered.filter(|choice| choice.threads <= threads && chooses(choice));
+    let written = |choice: Choice| ChoiceFile {
+        set: lines(&choice.set),
+        name: choice.name,
+        group: choice.group,
+        threads: choice.threads,
+        factor: choice.factor,
+        short: choice.short,
+    };
+    Ok(std::iter::once(default)
+        .chain(offered)
+        .map(written)
+        .collect())
 }
 
 /// Keys and values as `--set` has them.

@@ -234,10 +234,8 @@ impl Scene {
     /// Keys of the deck and their values in the short or the full form of a choice; none if the form does not run it.
     pub fn overrides(&self, choice: &Choice, short: bool) -> Option<Vec<(String, String)>> {
         let mut set = self.set.clone();
-        match (&self.short, short) {
-            (Short::None, true) => return None,
-            (Short::Set(more), true) => set.extend(more.iter().cloned()),
-            _ => {}
+        if !self.short.extend(&mut set, short) {
+            return None;
         }
         set.extend(choice.set.iter().cloned());
         (choice.short || !short).then_some(set)

@@ -167,62 +167,34 @@ impl SceneFile {
             let what = format!("the deck has {last} steps, counted from 0, and no step {step}");
             return Err(error("steps", what));
         }
-        let reference = reference(self.reference, [x, y], source, folder, &error)?;
+        let context = Context {
+            source,
+            folder,
+            columns: [x, y],
+            error: &error,
+        };
+        let reference = context.reference(self.reference)?;
         // What acts before the first of these rows may have moved what is compared.
         let begins = reference.curve.first().map_or(0.0, |point| point[0]);
         let from = self.from.unwrap_or(begins.max(0.0));
         if !(from >= 0.0 && from < self.to && self.to.is_finite()) {
-            return Err(error(
-                "to",
-                "must be beyond `from`, which is 0 or more".to_owned(),
-            ));
+            let what = "must be beyond `from`, which is 0 or more".to_owned();
+            return Err(error("to", what));
         }
         let short_to = self.short_to.unwrap_or(self.to);
         if !(from < short_to && short_to <= self.to) {
-            return Err(error(
-                "short_to",
-                "must lie between `from` and `to`".to_owned(),
-            ));
+            let what = "must lie between `from` and `to`".to_owned();
+            return Err(error("short_to", what));
         }
         let short = short(source, "short", self.short.as_ref())?;
-        let choices = choices(source, self.choices, &error)?;
-        let of_peer =
-            |(i, peer): (usize, PeerFile)| checked_peer(peer, i, [x, y], self.to, folder, &error);
-        let peers: Vec<Peer> = self
-            .peers
-            .into_iter()
-            .enumerate()
-            .map(of_peer)
-            .collect::<Result<_, _>>()?;
-        for (i, peer) in peers.iter().enumerate() {
-            let others = choices
-                .iter()
-                .map(|c| &c.name)
-                .chain(peers[..i].iter().map(|p| &p.name));
-            if others.into_iter().any(|name| *name == peer.name) {
-                let what = "two choices or peers have this name".to_owned();
-                return Err(error(&format!("peers.{i}.name"), what));
-            }
-        }
+        let choices = context.choices(self.choices)?;
+        let peers = context.peers(self.peers, self.to, &choices)?;
         let there = reference.there();
         for to in [self.to, short_to].into_iter().filter(|_| there) {
             Known::new(&reference.curve, [from, to], reference.peak)
                 .map_err(|why| error("reference.file", why))?;
         }
-        // Every choice is tried on the deck now: a slip in the last one would be found after hours.
-        for (i, choice) in choices.iter().enumerate() {
-            let forms = match &short {
-                Short::Set(more) if choice.short => vec![Vec::new(), more.clone()],
-                _ => vec![Vec::new()],
-            };
-            for form in forms {
-                let all = [set.clone(), form, choice.set.clone()].concat();
-                Deck::load(&deck, &all).map_err(|why| {
-                    let what = format!("the deck of `{}` is wrong: {why}", choice.name);
-                    error(&format!("choices.{i}"), what)
-                })?;
-            }
-        }
+        try_all(&deck, &set, &short, &choices, &error)?;
         Ok(Scene {
             number: self.number,
             title: self.title,
@@ -268,47 +240,28 @@ fn signed(column: &str) -> (&str, f64) {
 
 type Error<'a> = dyn Fn(&str, String) -> StudyError + 'a;
 
-fn choices(
-    source: &Source,
-    written: Vec<ChoiceFile>,
+/// Tries every choice on the deck now: a slip in the last one would be found after hours.
+fn try_all(
+    deck: &Path,
+    set: &[(String, String)],
+    short: &Short,
+    choices: &[Choice],
     error: &Error<'_>,
-) -> Result<Vec<Choice>, StudyError> {
-    let mut choices: Vec<Choice> = Vec::new();
-    for (i, written) in written.into_iter().enumerate() {
-        let key = |name: &str| format!("choices.{i}.{name}");
-        if choices.iter().any(|c| c.name == written.name) {
-            return Err(error(&key("name"), "two choices have this name".to_owned()));
+) -> Result<(), StudyError> {
+    for (i, choice) in choices.iter().enumerate() {
+        let mut forms = vec![&[][..]];
+        if let (Short::Set(more), true) = (short, choice.short) {
+            forms.push(more);
         }
-        // The table of a scene is a CSV file.
-        named(&written.name, &key("name"), error)?;
-        if written.threads == 0 {
-            return Err(error(&key("threads"), "must be 1 or more".to_owned()));
+        for form in forms {
+            let all = [set, form, &choice.set].concat();
+            Deck::load(deck, &all).map_err(|why| {
+                let what = format!("the deck of `{}` is wrong: {why}", choice.name);
+                error(&format!("choices.{i}"), what)
+            })?;
         }
-        if !(written.factor.is_finite() && written.factor > 0.0) {
-            return Err(error(&key("factor"), "must be above 0".to_owned()));
-        }
-        choices.push(Choice {
-            set: pairs(source, &key("set"), &written.set)?,
-            name: written.name,
-            group: written.group,
-            threads: written.threads,
-            factor: written.factor,
-            short: written.short,
-        });
     }
-    let mut defaults = choices.iter().filter(|c| c.group == Group::Default);
-    match (defaults.next(), defaults.next()) {
-        (Some(default), None) if default.short => Ok(choices),
-        (Some(_), None) => Err(error(
-            "choices",
-            "the default must be in the short form, too".to_owned(),
-        )),
-        (None, _) => Err(error(
-            "choices",
-            "none of the choices is the default".to_owned(),
-        )),
-        _ => Err(error("choices", "two choices are the default".to_owned())),
-    }
+    Ok(())
 }
 
 fn named(name: &str, key: &str, error: &Error<'_>) -> Result<(), StudyError> {
@@ -319,93 +272,164 @@ fn named(name: &str, key: &str, error: &Error<'_>) -> Result<(), StudyError> {
     Ok(())
 }
 
-fn checked_peer(
-    written: PeerFile,
-    i: usize,
-    [x, y]: [&str; 2],
-    to: f64,
-    folder: &Path,
-    error: &Error<'_>,
-) -> Result<Peer, StudyError> {
-    let key = |name: &str| format!("peers.{i}.{name}");
-    named(&written.name, &key("name"), error)?;
-    if !(written.default_cpu.is_finite() && written.default_cpu > 0.0) {
-        return Err(error(&key("default_cpu"), "must be above 0".to_owned()));
-    }
-    let file = folder.join(&written.file);
-    let x = written.x.as_deref().unwrap_or(x);
-    let curve = curve::read(&file, x, written.y.as_deref().unwrap_or(y))?;
-    let spent = curve::read(&file, x, &written.cpu)?;
-    let Some(cpu) = spent_to(&spent, to).filter(|cpu| *cpu > 0.0) else {
-        let what = format!("its curve does not come to {to}, or its time there is not above 0");
-        return Err(error(&key("file"), what));
-    };
-    let curve = curve.into_iter().map(|[x, y]| [x, written.y_factor * y]);
-    Ok(Peer {
-        name: written.name,
-        differs: written.differs,
-        curve: curve.collect(),
-        file,
-        cpu,
-        default_cpu: written.default_cpu,
-    })
+/// What the parts of a scene are checked with.
+#[derive(Clone, Copy)]
+struct Context<'a> {
+    source: &'a Source,
+    folder: &'a Path,
+    /// Columns that are compared.
+    columns: [&'a str; 2],
+    error: &'a Error<'a>,
 }
 
-fn reference(
-    written: ReferenceFile,
-    [x, y]: [&str; 2],
-    source: &Source,
-    folder: &Path,
-    error: &Error<'_>,
-) -> Result<Reference, StudyError> {
-    let key = |name: &str| format!("reference.{name}");
-    if !(written.uncertainty.is_finite() && written.uncertainty > 0.0) {
-        let what = "must be above 0: no number is exact".to_owned();
-        return Err(error(&key("uncertainty"), what));
-    }
-    if written.peak.is_some_and(|p| !(p.is_finite() && p > 0.0)) {
-        return Err(error(&key("peak"), "must be above 0".to_owned()));
-    }
-    let origin = match (written.set, written.command) {
-        (Some(set), None) => Origin::Run(Choice {
-            name: "reference".to_owned(),
-            group: Group::Several,
-            set: pairs(source, &key("set"), &set)?,
-            threads: written.threads.max(1),
-            factor: written.factor.unwrap_or(1.0),
-            short: false,
-        }),
-        (None, Some(command)) => Origin::Command(command),
-        _ => {
-            let what = "a reference says its `set` or its `command`, one of them".to_owned();
-            return Err(error(&key("command"), what));
+impl Context<'_> {
+    fn choices(&self, written: Vec<ChoiceFile>) -> Result<Vec<Choice>, StudyError> {
+        let Self { source, error, .. } = *self;
+        let mut choices: Vec<Choice> = Vec::new();
+        for (i, written) in written.into_iter().enumerate() {
+            let key = |name: &str| format!("choices.{i}.{name}");
+            if choices.iter().any(|c| c.name == written.name) {
+                return Err(error(&key("name"), "two choices have this name".to_owned()));
+            }
+            // The table of a scene is a CSV file.
+            named(&written.name, &key("name"), error)?;
+            if written.threads == 0 {
+                return Err(error(&key("threads"), "must be 1 or more".to_owned()));
+            }
+            if !(written.factor.is_finite() && written.factor > 0.0) {
+                return Err(error(&key("factor"), "must be above 0".to_owned()));
+            }
+            choices.push(Choice {
+                set: pairs(source, &key("set"), &written.set)?,
+                name: written.name,
+                group: written.group,
+                threads: written.threads,
+                factor: written.factor,
+                short: written.short,
+            });
         }
-    };
-    let file = folder.join(&written.file);
-    let columns = [
-        written.x.as_deref().unwrap_or(x),
-        written.y.as_deref().unwrap_or(y),
-    ];
-    // Before it was made there is none.
-    let curve = if file.exists() || matches!(origin, Origin::Command(_)) {
-        curve::read(&file, columns[0], columns[1])?
-    } else {
-        Vec::new()
-    };
-    let pattern = folder.join(PATTERN);
-    Ok(Reference {
-        pattern: pattern
-            .exists()
-            .then(|| Pattern::read(&pattern))
-            .transpose()?,
-        curve: curve
-            .into_iter()
-            .map(|[x, y]| [x, written.y_factor * y])
-            .collect(),
-        peak: written.peak,
-        file,
-        how: written.how,
-        uncertainty: written.uncertainty,
-        origin,
-    })
+        let mut defaults = choices.iter().filter(|c| c.group == Group::Default);
+        match (defaults.next(), defaults.next()) {
+            (Some(default), None) if default.short => Ok(choices),
+            (Some(_), None) => Err(error(
+                "choices",
+                "the default must be in the short form, too".to_owned(),
+            )),
+            (None, _) => Err(error(
+                "choices",
+                "none of the choices is the default".to_owned(),
+            )),
+            _ => Err(error("choices", "two choices are the default".to_owned())),
+        }
+    }
+
+    /// Checks the peers, whose names must differ from each other and from those of the choices.
+    fn peers(
+        &self,
+        written: Vec<PeerFile>,
+        to: f64,
+        choices: &[Choice],
+    ) -> Result<Vec<Peer>, StudyError> {
+        let checked = written.into_iter().enumerate();
+        let checked = checked.map(|(i, peer)| self.peer(i, peer, to));
+        let peers = checked.collect::<Result<Vec<Peer>, _>>()?;
+        for (i, peer) in peers.iter().enumerate() {
+            let of_choices = choices.iter().map(|c| &c.name);
+            let mut others = of_choices.chain(peers[..i].iter().map(|p| &p.name));
+            if others.any(|name| *name == peer.name) {
+                let what = "two choices or peers have this name".to_owned();
+                return Err((self.error)(&format!("peers.{i}.name"), what));
+            }
+        }
+        Ok(peers)
+    }
+
+    fn peer(&self, i: usize, written: PeerFile, to: f64) -> Result<Peer, StudyError> {
+        let Self {
+            error,
+            columns: [x, y],
+            ..
+        } = *self;
+        let key = |name: &str| format!("peers.{i}.{name}");
+        named(&written.name, &key("name"), error)?;
+        if !(written.default_cpu.is_finite() && written.default_cpu > 0.0) {
+            return Err(error(&key("default_cpu"), "must be above 0".to_owned()));
+        }
+        let file = self.folder.join(&written.file);
+        let x = written.x.as_deref().unwrap_or(x);
+        let curve = curve::read(&file, x, written.y.as_deref().unwrap_or(y))?;
+        let spent = curve::read(&file, x, &written.cpu)?;
+        let Some(cpu) = spent_to(&spent, to).filter(|cpu| *cpu > 0.0) else {
+            let what = format!("its curve does not come to {to}, or its time there is not above 0");
+            return Err(error(&key("file"), what));
+        };
+        let curve = curve.into_iter().map(|[x, y]| [x, written.y_factor * y]);
+        Ok(Peer {
+            name: written.name,
+            differs: written.differs,
+            curve: curve.collect(),
+            file,
+            cpu,
+            default_cpu: written.default_cpu,
+        })
+    }
+
+    fn reference(&self, written: ReferenceFile) -> Result<Reference, StudyError> {
+        let Self {
+            source,
+            folder,
+            columns: [x, y],
+            error,
+        } = *self;
+        let key = |name: &str| format!("reference.{name}");
+        if !(written.uncertainty.is_finite() && written.uncertainty > 0.0) {
+            let what = "must be above 0: no number is exact".to_owned();
+            return Err(error(&key("uncertainty"), what));
+        }
+        if written.peak.is_some_and(|p| !(p.is_finite() && p > 0.0)) {
+            return Err(error(&key("peak"), "must be above 0".to_owned()));
+        }
+        let origin = match (written.set, written.command) {
+            (Some(set), None) => Origin::Run(Choice {
+                name: "reference".to_owned(),
+                group: Group::Several,
+                set: pairs(source, &key("set"), &set)?,
+                threads: written.threads.max(1),
+                factor: written.factor.unwrap_or(1.0),
+                short: false,
+            }),
+            (None, Some(command)) => Origin::Command(command),
+            _ => {
+                let what = "a reference says its `set` or its `command`, one of them".to_owned();
+                return Err(error(&key("command"), what));
+            }
+        };
+        let file = folder.join(&written.file);
+        let columns = [
+            written.x.as_deref().unwrap_or(x),
+            written.y.as_deref().unwrap_or(y),
+        ];
+        // Before it was made there is none.
+        let curve = if file.exists() || matches!(origin, Origin::Command(_)) {
+            curve::read(&file, columns[0], columns[1])?
+        } else {
+            Vec::new()
+        };
+        let pattern = folder.join(PATTERN);
+        Ok(Reference {
+            pattern: pattern
+                .exists()
+                .then(|| Pattern::read(&pattern))
+                .transpose()?,
+            curve: curve
+                .into_iter()
+                .map(|[x, y]| [x, written.y_factor * y])
+                .collect(),
+            peak: written.peak,
+            file,
+            how: written.how,
+            uncertainty: written.uncertainty,
+            origin,
+        })
+    }
 }

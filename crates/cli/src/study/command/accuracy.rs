@@ -1,6 +1,5 @@
 //! `wythe study accuracy-speed`: error against time over the choices that a user has.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
@@ -14,7 +13,7 @@ use miette::miette;
 use wythe_core::deck::Deck;
 use wythe_core::files::write_whole;
 
-use super::{chosen, failed, other};
+use super::{chosen, failed, other, page_before};
 use crate::arguments::AccuracySpeed;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -157,7 +156,7 @@ fn written_out(
     // A part of the scenes leaves the sections of the others.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
-        _ => written(&beside.join(PAGE))?,
+        _ => page_before(&beside.join(PAGE))?,
     };
     let advice = advice(dir)?;
     let text = page(all, &advice, &link(out), &before);
@@ -201,14 +200,6 @@ fn unmade(file: &Path, why: &str) -> Failure {
         "{} is not made: its run {why}",
         file.display()
     ))
-}
-
-/// The page as it stands; nothing if there is none.
-fn written(file: &Path) -> Result<String, Failure> {
-    match std::fs::read_to_string(file) {
-        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
-        read => read.map_err(|why| failed(file, why)),
-    }
 }
 
 /// The line of a run as it ends.

@@ -6,6 +6,7 @@ mod zoo;
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -125,6 +126,14 @@ fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
         }
     }
     line
+}
+
+/// A page as it stands before it is written; nothing if there is none.
+fn page_before(file: &Path) -> Result<String, Failure> {
+    match std::fs::read_to_string(file) {
+        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|why| failed(file, why)),
+    }
 }
 
 /// An error in words.

@@ -1,6 +1,5 @@
 //! `wythe study validation`: what comes out beside what is known.
 
-use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -10,7 +9,7 @@ use crate::study::validation::{
     Case, Options, Outcome, Validated, cases, chart, index, page, table, validate,
 };
 
-use super::{chosen, failed, other};
+use super::{chosen, failed, other, page_before};
 use crate::arguments::Validation;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -59,19 +58,11 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     // A part of the cases leaves the rows of the others.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
-        _ => listed(&beside.join(INDEX))?,
+        _ => page_before(&beside.join(INDEX))?,
     };
     let name = out.file_name().unwrap_or(out.as_os_str()).to_string_lossy();
     write(beside, INDEX, index(&all, &name, &before).as_bytes())?;
     print(&format!("{}written to {}\n", summary(&all), out.display()))
-}
-
-/// The page that lists the cases as it stands; nothing if there is none.
-fn listed(file: &Path) -> Result<String, Failure> {
-    match std::fs::read_to_string(file) {
-        Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),
-        read => read.map_err(|why| failed(file, why)),
-    }
 }
 
 /// The page of a case and what stands beside it.

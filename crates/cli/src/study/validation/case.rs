@@ -146,10 +146,8 @@ impl Run {
     /// Keys of the deck and their values in the short or the full form; none if there is no short form.
     pub fn overrides(&self, short: bool) -> Option<Vec<(String, String)>> {
         let mut set = self.set.clone();
-        match (&self.short, short) {
-            (Short::None, true) => return None,
-            (Short::Set(more), true) => set.extend(more.iter().cloned()),
-            _ => {}
+        if !self.short.extend(&mut set, short) {
+            return None;
         }
         Some(set)
     }

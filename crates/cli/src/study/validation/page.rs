@@ -7,6 +7,7 @@ use super::case::{Case, Content};
 use super::outcome::{Outcome, Validated};
 use crate::study::cell::Verdict;
 use crate::study::expect::{Expectation, Measure, Measured, Wanted, percent};
+use crate::study::report::escaped;
 
 impl Validated {
     /// Expectations of a run in this form.
@@ -310,9 +311,4 @@ fn digits(value: f64) -> String {
     } else {
         format!("{value:.4e}")
     }
-}
-
-/// For a cell of a table.
-fn escaped(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
 }

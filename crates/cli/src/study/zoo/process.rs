@@ -16,34 +16,36 @@ const GRACE: Duration = Duration::from_secs(5);
 /// Wall time that it may take, over its CPU time, where the machine is busy: one that waits for ever uses no CPU.
 const BUSY: f64 = 20.0;
 
-/// Runs `program run DECK --out FOLDER` on so many threads. None: the user stopped it.
-///
-/// `limit`: of CPU time where the system tells it of another process, of wall time elsewhere. What the process wrote until
-/// then stays.
+/// A call of `program run DECK --out FOLDER`.
+#[derive(Clone, Copy)]
+pub struct Call<'a> {
+    /// The program, and what comes before `run`.
+    pub program: &'a [OsString],
+    pub deck: &'a Path,
+    pub folder: &'a Path,
+    pub set: &'a [(String, String)],
+    pub threads: usize,
+    /// Limit of CPU time where the system tells it of another process, of wall time elsewhere.
+    pub limit: Duration,
+}
+
+/// Runs a program. None: the user stopped it. What the process wrote until then stays.
 ///
 /// # Errors
 /// The process cannot be started or waited for.
-pub fn run(
-    program: &[OsString],
-    deck: &Path,
-    folder: &Path,
-    set: &[(String, String)],
-    threads: usize,
-    limit: Duration,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> io::Result<Option<Ended>> {
-    let Some((first, rest)) = program.split_first() else {
+pub fn run(call: &Call<'_>, stop: &(dyn Fn() -> bool + Sync)) -> io::Result<Option<Ended>> {
+    let Some((first, rest)) = call.program.split_first() else {
         return Err(io::Error::other("there is no program to run it with"));
     };
     let mut command = Command::new(first);
     command
         .args(rest)
         .arg("run")
-        .arg(deck)
+        .arg(call.deck)
         .arg("--out")
-        .arg(folder);
-    command.args(["--quiet", "--threads", &threads.to_string()]);
-    for (key, value) in set {
+        .arg(call.folder);
+    command.args(["--quiet", "--threads", &call.threads.to_string()]);
+    for (key, value) in call.set {
         command.arg("--set").arg(format!("{key}={value}"));
     }
     command
@@ -62,7 +64,7 @@ pub fn run(
             }
             String::from_utf8_lossy(&bytes).into_owned()
         });
-        let waited = wait(&mut child, limit, stop);
+        let waited = wait(&mut child, call.limit, stop);
         if waited.is_err() {
             end(&mut child);
         }
@@ -127,11 +129,22 @@ mod tests {
         ["sh", "-c", script, "sh"].map(OsString::from).to_vec()
     }
 
+    fn call(program: &[OsString], limit: f64) -> Call<'_> {
+        Call {
+            program,
+            deck: Path::new("1.toml"),
+            folder: Path::new("1.out"),
+            set: &[],
+            threads: 1,
+            limit: Duration::from_secs_f64(limit),
+        }
+    }
+
     fn run(script: &str, limit: f64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Ended> {
-        let set = [("output.mcap".to_owned(), "false".to_owned())];
-        let (deck, folder) = (Path::new("1.toml"), Path::new("1.out"));
-        let limit = Duration::from_secs_f64(limit);
-        super::run(&shell(script), deck, folder, &set, 1, limit, stop).unwrap()
+        let set = &[("output.mcap".to_owned(), "false".to_owned())];
+        let program = shell(script);
+        let call = call(&program, limit);
+        super::run(&Call { set, ..call }, stop).unwrap()
     }
 
     #[test]
@@ -158,9 +171,7 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_an_error() {
         let program = [OsString::from("/no/such/wythe")];
-        let (deck, folder) = (Path::new("1.toml"), Path::new("1.out"));
-        let limit = Duration::from_secs(1);
-        assert!(super::run(&program, deck, folder, &[], 1, limit, &|| false).is_err());
-        assert!(super::run(&[], deck, folder, &[], 1, limit, &|| false).is_err());
+        assert!(super::run(&call(&program, 1.0), &|| false).is_err());
+        assert!(super::run(&call(&[], 1.0), &|| false).is_err());
     }
 }

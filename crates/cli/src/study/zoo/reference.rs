@@ -2,6 +2,7 @@
 
 use wythe_core::model::Model;
 use wythe_core::results::Curve;
+use wythe_core::results::comparison::points_of;
 
 /// Parts of the increments that the default takes.
 const PART: f64 = 0.1;
@@ -59,7 +60,7 @@ impl Difference {
         let begin = reference.start().0;
         let range = reference.points().iter().map(|p| (p.0 - begin).abs());
         let same = (ends[0] - ends[1]).abs() <= SAME * range.fold(0.0, f64::max);
-        let [mut run, mut reference] = [run, reference].map(clone_with_start);
+        let [mut run, mut reference] = [run, reference].map(points_of);
         let mut to = ends[0];
         if !same {
             let side = (ends[1] - begin).signum();
@@ -74,12 +75,6 @@ impl Difference {
             area: work(&run) / work(&reference) - 1.0,
         })
     }
-}
-
-fn clone_with_start(curve: &Curve) -> Vec<(f64, f64)> {
-    std::iter::once(curve.start())
-        .chain(curve.points().iter().copied())
-        .collect()
 }
 
 /// Leaves the curve up to where it first comes to `to`, linear between its points; `side`: 1 or −1, where it goes.

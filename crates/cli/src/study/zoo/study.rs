@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use super::process;
+use super::process::{self, Call};
 use super::reference::{Difference, careful};
 use super::row::{OUT_OF_TIME, ZooRow, read, table};
 use super::wall::Wall;
@@ -135,6 +135,11 @@ pub fn zoo(
         folder.write_deck(&wall)?;
         jobs.push((wall, before));
     }
+    let zoo = Zoo {
+        folder,
+        options,
+        stop,
+    };
     let rows = Mutex::new(known);
     let keep = |row: ZooRow| -> Result<(), IoError> {
         let mut rows = rows
@@ -147,7 +152,7 @@ pub fn zoo(
         write_whole(&path, table(&rows).as_bytes()).map_err(failed(&path))
     };
     let job = |(wall, before): (Wall, Option<ZooRow>)| -> Result<(), IoError> {
-        if let Some(row) = one(&wall, before, folder, options, stop)? {
+        if let Some(row) = zoo.one(&wall, before)? {
             progress(&row);
             keep(row)?;
         }
@@ -160,85 +165,96 @@ pub fn zoo(
         .unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
-/// Runs a wall, and its reference if one is asked for. None: the user stopped it.
-fn one(
-    wall: &Wall,
-    before: Option<ZooRow>,
-    folder: &Folder,
-    options: &Options,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<ZooRow>, IoError> {
-    let mut row = if let Some(row) = before {
-        row
-    } else {
-        let out = folder.run(wall.seed);
-        match run(wall, folder, &out, &[], options.limit, options, stop)? {
-            Some(row) => row,
-            None => return Ok(None),
-        }
-    };
-    // Without a model there is nothing to compare.
-    let deck = Deck::from_str(&wall.deck, "zoo.toml").ok();
-    let model = deck.and_then(|deck| Model::from_deck(&deck).ok());
-    if let (true, Some((model, _))) = (options.reference, model) {
-        let (out, limit) = (folder.reference(wall.seed), options.limit * LONGER);
-        match run(wall, folder, &out, &careful(&model), limit, options, stop)? {
-            None => return Ok(None),
-            Some(reference) => {
-                let curves = [folder.run(wall.seed), out].map(|path| curve(&path));
-                let completed = [&row, &reference].iter().all(|r| r.status == "completed");
-                let difference = match &curves {
-                    [Some(run), Some(reference)] => Difference::of(run, reference, completed),
-                    _ => None,
-                };
-                row.compared(&reference, difference);
-                row.limit_s = row.limit_s.max(options.limit.as_secs_f64());
-            }
-        }
-    }
-    Ok(Some(row))
+/// What all runs of a zoo share.
+struct Zoo<'a> {
+    folder: &'a Folder,
+    options: &'a Options,
+    stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// One run of a wall.
-fn run(
-    wall: &Wall,
-    folder: &Folder,
-    out: &Path,
-    set: &[(String, String)],
-    limit: Duration,
-    options: &Options,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<ZooRow>, IoError> {
-    // Those of an earlier run would be taken for those of one that is refused and leaves none.
-    for name in [HISTORY, SUMMARY] {
-        let path = out.join(name);
-        match std::fs::remove_file(&path) {
-            Err(why) if why.kind() != ErrorKind::NotFound => return Err(failed(&path)(why)),
-            _ => {}
+impl Zoo<'_> {
+    /// Runs a wall, and its reference if one is asked for. None: the user stopped it.
+    fn one(&self, wall: &Wall, before: Option<ZooRow>) -> Result<Option<ZooRow>, IoError> {
+        let Self {
+            folder, options, ..
+        } = self;
+        let mut row = if let Some(row) = before {
+            row
+        } else {
+            let out = folder.run(wall.seed);
+            match self.run(wall, &out, &[], options.limit)? {
+                Some(row) => row,
+                None => return Ok(None),
+            }
+        };
+        // Without a model there is nothing to compare.
+        let deck = Deck::from_str(&wall.deck, "zoo.toml").ok();
+        let model = deck.and_then(|deck| Model::from_deck(&deck).ok());
+        if let (true, Some((model, _))) = (options.reference, model) {
+            let (out, limit) = (folder.reference(wall.seed), options.limit * LONGER);
+            match self.run(wall, &out, &careful(&model), limit)? {
+                None => return Ok(None),
+                Some(reference) => {
+                    let curves = [folder.run(wall.seed), out].map(|path| curve(&path));
+                    let completed = [&row, &reference].iter().all(|r| r.status == "completed");
+                    let difference = match &curves {
+                        [Some(run), Some(reference)] => Difference::of(run, reference, completed),
+                        _ => None,
+                    };
+                    row.compared(&reference, difference);
+                    row.limit_s = row.limit_s.max(options.limit.as_secs_f64());
+                }
+            }
         }
+        Ok(Some(row))
     }
-    // The messages are many times the rest, and nobody replays them here.
-    let mut set = set.to_vec();
-    set.push(("output.mcap".to_owned(), "false".to_owned()));
-    let deck = folder.deck(wall.seed);
-    let program = &options.program;
-    let ended = process::run(program, &deck, out, &set, options.threads, limit, stop);
-    let name = Path::new(
-        program
-            .first()
-            .map_or("wythe".as_ref(), OsString::as_os_str),
-    );
-    let Some(ended) = ended.map_err(failed(name))? else {
-        return Ok(None);
-    };
-    if ended.code == Some(INTERRUPTED) {
-        // Ctrl-C reached it first.
-        return Ok(None);
+
+    /// One run of a wall.
+    fn run(
+        &self,
+        wall: &Wall,
+        out: &Path,
+        set: &[(String, String)],
+        limit: Duration,
+    ) -> Result<Option<ZooRow>, IoError> {
+        // Those of an earlier run would be taken for those of one that is refused and leaves none.
+        for name in [HISTORY, SUMMARY] {
+            let path = out.join(name);
+            match std::fs::remove_file(&path) {
+                Err(why) if why.kind() != ErrorKind::NotFound => return Err(failed(&path)(why)),
+                _ => {}
+            }
+        }
+        // The messages are many times the rest, and nobody replays them here.
+        let mut set = set.to_vec();
+        set.push(("output.mcap".to_owned(), "false".to_owned()));
+        let program = &self.options.program;
+        let call = Call {
+            program,
+            deck: &self.folder.deck(wall.seed),
+            folder: out,
+            set: &set,
+            threads: self.options.threads,
+            limit,
+        };
+        let ended = process::run(&call, self.stop);
+        let name = Path::new(
+            program
+                .first()
+                .map_or("wythe".as_ref(), OsString::as_os_str),
+        );
+        let Some(ended) = ended.map_err(failed(name))? else {
+            return Ok(None);
+        };
+        if ended.code == Some(INTERRUPTED) {
+            // Ctrl-C reached it first.
+            return Ok(None);
+        }
+        let mut row = ZooRow::of_wall(wall);
+        row.took(out, &ended, limit.as_secs_f64())
+            .map_err(|why| failed(out)(std::io::Error::other(why)))?;
+        Ok(Some(row))
     }
-    let mut row = ZooRow::of_wall(wall);
-    row.took(out, &ended, limit.as_secs_f64())
-        .map_err(|why| failed(out)(std::io::Error::other(why)))?;
-    Ok(Some(row))
 }
 
 /// The load-displacement curve of a run; none where it left none.

@@ -62,6 +62,31 @@ pub struct Bonding {
     pub mu: f64,
 }
 
+impl Solid {
+    /// A solid with values in these ranges; the compressive strength is so many `times` the tensile one.
+    fn drawn(r: &mut PythonRandom, e: [f64; 2], f_t: [f64; 2], times: [f64; 2]) -> Self {
+        let e = r.uniform(e[0], e[1]);
+        let f_t = r.uniform(f_t[0], f_t[1]);
+        let f_c = f_t * r.uniform(times[0], times[1]);
+        Self { e, f_t, f_c }
+    }
+}
+
+impl Bonding {
+    fn drawn(r: &mut PythonRandom) -> Self {
+        let c = r.uniform(0.05, 0.9);
+        let tan_phi = r.uniform(0.5, 1.05);
+        let mu = tan_phi * r.uniform(0.7, 1.0);
+        let f_t = c * r.uniform(0.2, 0.9) / tan_phi.max(1.0);
+        Self {
+            f_t,
+            c,
+            tan_phi,
+            mu,
+        }
+    }
+}
+
 /// What is done to a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Load {
@@ -167,24 +192,9 @@ impl Wall {
         while courses * units_long > UNITS_AT_MOST {
             courses = (courses * 0.8).trunc().max(4.0);
         }
-        let solid = |r: &mut PythonRandom, e: [f64; 2], f_t: [f64; 2], times: [f64; 2]| {
-            let e = r.uniform(e[0], e[1]);
-            let f_t = r.uniform(f_t[0], f_t[1]);
-            let f_c = f_t * r.uniform(times[0], times[1]);
-            Solid { e, f_t, f_c }
-        };
-        let brick = solid(r, [3000.0, 20000.0], [0.8, 4.0], [4.0, 12.0]);
-        let mortar = solid(r, [600.0, 9000.0], [0.3, 2.0], [5.0, 10.0]);
-        let c = r.uniform(0.05, 0.9);
-        let tan_phi = r.uniform(0.5, 1.05);
-        let mu = tan_phi * r.uniform(0.7, 1.0);
-        let f_t = c * r.uniform(0.2, 0.9) / tan_phi.max(1.0);
-        let bonding = Bonding {
-            f_t,
-            c,
-            tan_phi,
-            mu,
-        };
+        let brick = Solid::drawn(r, [3000.0, 20000.0], [0.8, 4.0], [4.0, 12.0]);
+        let mortar = Solid::drawn(r, [600.0, 9000.0], [0.3, 2.0], [5.0, 10.0]);
+        let bonding = Bonding::drawn(r);
         let pressure = r.choice(&PRESSURES).min(0.3 * brick.f_c.min(mortar.f_c));
         let load = r.choice(&LOADS);
         let mut wall = Self {

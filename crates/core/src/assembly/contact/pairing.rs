@@ -16,13 +16,10 @@ impl Contact {
         // At the positions of the last force evaluation, feet and gaps of points that stay on their facets are
         // known.
         let seen = trial.joints.seen_at == *x;
-        if !seen {
-            trial.joints.seen_at.clear();
-        }
         if self.has_moved(x) {
             self.search_from(x);
         }
-        trial.joints.gaps.resize(self.points.len(), 0.0);
+        trial.joints.forget_unless(seen, self.points.len());
         let (free, x_start) = (&trial.joints.free, &trial.x_start);
         let Distances {
             radius,
@@ -41,7 +38,7 @@ impl Contact {
             .for_each(|(f, ((pairs, anchors), gaps))| {
                 for (p, (pair, anchor)) in pairs.iter_mut().zip(anchors).enumerate() {
                     if self.is_image(4 * f + p) {
-                        (*pair, *anchor) = Default::default();
+                        (*pair, *anchor) = <_>::default();
                         continue;
                     }
                     let known = (pair.facet)

@@ -53,6 +53,15 @@ impl TrialJoints {
         // An evaluation that fails ends early. Its missing entries must be empty, not those of an earlier increment.
         self.energy.clear();
     }
+
+    /// Makes room for the gaps of `points`, and forgets where they were evaluated unless that was at the present
+    /// positions.
+    pub(in crate::assembly) fn forget_unless(&mut self, seen: bool, points: usize) {
+        if !seen {
+            self.seen_at.clear();
+        }
+        self.gaps.resize(points, 0.0);
+    }
 }
 
 /// Touches of general contact.

@@ -1,7 +1,6 @@
 //! Writes a first deck for a mesh: its materials as tables, its sets in comments.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use super::{ImportedMesh, Lengths};
 use crate::deck::imported::lengths;
@@ -16,55 +15,57 @@ impl ImportedMesh {
     /// Values that TOML cannot represent; none are expected here.
     pub fn as_deck(&self, name: &str, file: &str, units: &str) -> Result<String, String> {
         let mut materials: BTreeMap<&str, Material> = BTreeMap::new();
-        let mut missing: Vec<(&str, String)> = Vec::new();
-        let mut remarks = self.notes.clone();
-        for own in &self.materials {
-            let (made, notes) = match own.in_a_deck(self.lengths_of(&own.name)) {
-                Ok(made) => made,
-                Err(why) => {
-                    missing.push((own.name.as_str(), why));
-                    continue;
-                }
-            };
-            remarks.extend(
-                notes
-                    .into_iter()
-                    .map(|n| format!("material {}: {n}", own.name)),
-            );
-            materials.insert(&own.name, made);
-        }
-        let quoted = |text: &str| toml::Value::from(text).to_string();
-        let mut text = format!(
-            "#:schema ./{SCHEMA}\n# The mesh {file}: {} nodes, {} elements, {} bodies.\n",
+        let mut missing = Vec::new();
+        let mut lines = vec![format!(
+            "#:schema ./{SCHEMA}\n# The mesh {file}: {} nodes, {} elements, {} bodies.",
             self.nodes.len(),
             self.elements.len(),
             self.bodies().names.len()
-        );
-        let mut say = |line: String| {
-            let written = writeln!(text, "{line}");
-            debug_assert!(written.is_ok(), "writing to a string does not fail");
-        };
-        for remark in remarks {
-            say(format!("# {}", remark.replace('\n', " ")));
+        )];
+        let remark = |note: &str| format!("# {}", note.replace('\n', " "));
+        lines.extend(self.notes.iter().map(|note| remark(note)));
+        for own in &self.materials {
+            let name = own.name.as_str();
+            match own.in_a_deck(self.lengths_of(name)) {
+                Ok((made, notes)) => {
+                    let notes = notes
+                        .iter()
+                        .map(|n| remark(&format!("material {name}: {n}")));
+                    lines.extend(notes);
+                    materials.insert(name, made);
+                }
+                Err(why) => missing.push(not_taken(name, &why)),
+            }
         }
-        say(format!("\nformat = 1\ntitle = {}\n", quoted(name)));
-        say(format!(
-            "[[imports]]\nname = {}\nfile = {}\nunits = {}",
-            quoted(name),
-            quoted(file),
-            quoted(units)
+        let [name_of_import, file, units] = [name, file, units].map(quoted);
+        lines.push(format!(
+            "\nformat = 1\ntitle = {name_of_import}\n\n[[imports]]\nname = {name_of_import}\nfile = {file}\n\
+             units = {units}"
         ));
         if self.sections.is_empty() {
             let first = self.element_sets.keys().next();
-            let set = first.map_or("SET", String::as_str);
-            say(format!(
-                "# The file has no sections: say which set is of which material.\n# materials = {{ {} = \
-                 \"brick\" }}",
-                quoted(set)
+            let set = quoted(first.map_or("SET", String::as_str));
+            lines.push(format!(
+                "# The file has no sections: say which set is of which material.\n# materials = {{ {set} = \
+                 \"brick\" }}"
             ));
         }
-        say("\n# Bodies, sets and surfaces, called by these names:".to_owned());
-        for (what, names) in [
+        lines.push("\n# Bodies, sets and surfaces, called by these names:".to_owned());
+        lines.extend(self.names_of_all(name));
+        let tables: BTreeMap<&str, _> = [("materials", materials)].into();
+        let tables = toml::to_string(&tables).map_err(|why| why.to_string())?;
+        lines.push(format!("\n{tables}"));
+        lines.extend(missing);
+        let surface = self.surfaces.keys().next();
+        let surface = surface.map_or("SURFACE", String::as_str);
+        lines.push(left_to_say(&quoted(&format!("{name}.{surface}"))));
+        lines.push(String::new());
+        Ok(lines.join("\n"))
+    }
+
+    /// Comments with the first names of each kind, as a deck calls them.
+    fn names_of_all(&self, import: &str) -> Vec<String> {
+        let kinds: [(&str, Vec<String>); 4] = [
             ("bodies", self.bodies().names),
             ("surfaces", self.surfaces.keys().cloned().collect()),
             ("sets of nodes", self.node_sets.keys().cloned().collect()),
@@ -72,46 +73,15 @@ impl ImportedMesh {
                 "sets of elements",
                 self.element_sets.keys().cloned().collect(),
             ),
-        ] {
-            let some: Vec<String> = names
-                .iter()
-                .take(SOME)
-                .map(|n| format!("{name}.{n}"))
-                .collect();
+        ];
+        let kinds = kinds.iter().filter(|(_, names)| !names.is_empty());
+        let line = |(what, names): &(&str, Vec<String>)| {
+            let some = names.iter().take(SOME).map(|n| format!("{import}.{n}"));
+            let some = some.collect::<Vec<_>>().join(", ").replace('\n', " ");
             let rest = if names.len() > SOME { ", ..." } else { "" };
-            if !some.is_empty() {
-                say(format!(
-                    "#   {what}: {}{rest}",
-                    some.join(", ").replace('\n', " ")
-                ));
-            }
-        }
-        let tables: BTreeMap<&str, _> = [("materials", materials)].into();
-        let tables = toml::to_string(&tables).map_err(|why| why.to_string())?;
-        say(format!("\n{tables}"));
-        for (name, why) in missing {
-            let why = why.replace('\n', " ");
-            say(format!(
-                "# The material {} of the file cannot be taken: {why}. Write it yourself:",
-                quoted(name)
-            ));
-            say(format!(
-                "# [materials.{}]\n# E = \"10000 MPa\"\n# nu = 0.2\n# density = \"1800 kg/m^3\"\n",
-                quoted(name)
-            ));
-        }
-        let surface = self.surfaces.keys().next();
-        let face = surface.map_or_else(|| format!("{name}.SURFACE"), |s| format!("{name}.{s}"));
-        say(format!(
-            "# What is left to say:\n\
-             # [interfaces.joint]\n# f_t = \"0.2 MPa\"\n# c = \"0.22 MPa\"\n# tan_phi = 0.75\n# mu = 0.75\n\
-             # zeta = 4.38\n# xi = 1.1\n# u_k = \"0.36 mm\"\n# delta_k = \"0.4 mm\"\n#\n\
-             # [[contacts]]  # without slave and master: all that touches at rest\n# interface = \"joint\"\n#\n\
-             # [[supports]]\n# on = {0}\n#\n\
-             # [[steps]]\n# kind = \"drive\"\n# face = {0}\n# direction = \"x\"\n# displacement = \"1 mm\"",
-            quoted(&face)
-        ));
-        Ok(text)
+            format!("#   {what}: {some}{rest}")
+        };
+        kinds.map(line).collect()
     }
 
     /// Equivalent lengths of the elements whose sections name a material.
@@ -123,6 +93,32 @@ impl ImportedMesh {
             of.flat_map(|s| s.elements.iter().map(|e| *e as usize)),
         )
     }
+}
+
+/// A name or text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+/// Comment on a material that a deck cannot have.
+fn not_taken(name: &str, why: &str) -> String {
+    let (name, why) = (quoted(name), why.replace('\n', " "));
+    format!(
+        "# The material {name} of the file cannot be taken: {why}. Write it yourself:\n\
+         # [materials.{name}]\n# E = \"10000 MPa\"\n# nu = 0.2\n# density = \"1800 kg/m^3\"\n"
+    )
+}
+
+/// Comment with the decisions that are left, for a face of the mesh.
+fn left_to_say(face: &str) -> String {
+    format!(
+        "# What is left to say:\n\
+         # [interfaces.joint]\n# f_t = \"0.2 MPa\"\n# c = \"0.22 MPa\"\n# tan_phi = 0.75\n# mu = 0.75\n\
+         # zeta = 4.38\n# xi = 1.1\n# u_k = \"0.36 mm\"\n# delta_k = \"0.4 mm\"\n#\n\
+         # [[contacts]]  # without slave and master: all that touches at rest\n# interface = \"joint\"\n#\n\
+         # [[supports]]\n# on = {face}\n#\n\
+         # [[steps]]\n# kind = \"drive\"\n# face = {face}\n# direction = \"x\"\n# displacement = \"1 mm\""
+    )
 }
 
 /// Largest number of names that are listed.

@@ -199,7 +199,8 @@ fn get<'a, T>(sets: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
         .or_else(|| sets.get(find(name, sets.keys().map(String::as_str))?))
 }
 
-fn root(parent: &mut [u32], node: u32) -> u32 {
+/// Root of the tree of a node.
+pub(in crate::deck) fn root(parent: &mut [u32], node: u32) -> u32 {
     let mut node = node;
     while parent[node as usize] != node {
         let above = parent[node as usize];

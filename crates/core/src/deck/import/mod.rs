@@ -15,6 +15,7 @@ mod names;
 mod numbers;
 mod units;
 
+pub(in crate::deck) use facets::root;
 pub use facets::{Bodies, SIDES};
 pub use included::included;
 pub use material::{ImportedMaterial, Lengths, Measure, Softening};

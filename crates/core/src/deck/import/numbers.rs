@@ -24,6 +24,12 @@ pub(super) fn real(text: &str) -> Option<f64> {
     is_sound(number).then_some(number)
 }
 
+/// Parses the numbers of a line; fields that are empty have the value `empty`.
+pub(super) fn numbers(fields: &[&str], empty: f64) -> Option<Vec<f64>> {
+    let number = |f: &&str| if f.is_empty() { Some(empty) } else { real(f) };
+    fields.iter().map(number).collect()
+}
+
 /// Parses a label, from 1.
 pub(super) fn label(text: &str) -> Option<u64> {
     text.trim().parse().ok().filter(|&label| label > 0)

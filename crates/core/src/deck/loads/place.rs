@@ -1,6 +1,7 @@
 //! Nodes and facets on which a load acts: faces, blocks, the node nearest to a point, the nodes along a line.
 
 use crate::deck::keys;
+use crate::deck::probes;
 use crate::deck::quantity::{Length, Quantity};
 use crate::deck::schema::{Deck, DeckLoad, Names};
 use crate::element::hexahedron::{difference, dot, norm};
@@ -83,26 +84,8 @@ impl<'a> Site<'a> {
         load: &DeckLoad,
         near: [Length; 3],
     ) -> Result<u32, ModelError> {
-        let near = near.map(Quantity::get);
         let nodes = self.on(path, load, false)?.nodes;
-        let away = |n: u32| norm(difference(self.mesh.nodes[n as usize], near));
-        let nearest = nodes.iter().map(|&n| (away(n), n));
-        let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
-        let size = self.mesh.diagonal();
-        match nearest {
-            Some((distance, node)) if distance <= size => Ok(node),
-            _ => {
-                let distance = nearest.map_or(f64::INFINITY, |n| n.0);
-                Err(self.deck.error(
-                    &format!("{path}.near"),
-                    format!(
-                        "the nearest node is {distance:.4} mm away, farther than the model is large \
-                         ({size:.4} mm)"
-                    ),
-                    "see that the unit of length is right: bare numbers are in mm",
-                ))
-            }
-        }
+        probes::nearest(self.deck, self.mesh, &nodes, near, path)
     }
 
     /// Tributary lengths of the nodes along the line of a load [mm]: half the distance to the next ones on either

@@ -79,14 +79,14 @@ impl Sizes {
         if whole <= MOST_UNITS {
             return Ok(());
         }
-        Err(Refusal {
-            key: "length".to_owned(),
-            message: format!(
+        Err(Refusal::new(
+            "length",
+            format!(
                 "{} mm are {whole} units of {} mm in a course",
                 self.length, self.unit
             ),
-            help: format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
-        })
+            format!("at most {MOST_UNITS}: is the unit of length the one meant?"),
+        ))
     }
 
     /// Length of the closer that shifts a course by a quarter of a stretcher and its joint.
@@ -95,11 +95,11 @@ impl Sizes {
         if closer > 0.0 {
             return Ok(closer);
         }
-        Err(Refusal {
-            key: "head_joint".to_owned(),
-            message: format!("the joint ({} mm) leaves nothing of a closer", self.head),
-            help: "a closer is a quarter of a unit: make the head joint thinner".to_owned(),
-        })
+        Err(Refusal::new(
+            "head_joint",
+            format!("the joint ({} mm) leaves nothing of a closer", self.head),
+            "a closer is a quarter of a unit: make the head joint thinner",
+        ))
     }
 }
 
@@ -111,12 +111,11 @@ pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let sizes = Sizes::of(wall);
     sizes.require_few()?;
     if wall.bond == Bond::Pattern && wall.pattern.iter().all(|c| c.leaves.is_empty()) {
-        return Err(Refusal {
-            key: "pattern".to_owned(),
-            message: "the bond is a pattern, and there is none".to_owned(),
-            help: "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course"
-                .to_owned(),
-        });
+        return Err(Refusal::new(
+            "pattern",
+            "the bond is a pattern, and there is none",
+            "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course",
+        ));
     }
     match wall.bond {
         Bond::Stretcher => with_headers(wall, &sizes, &stretchers(wall)?),
@@ -188,18 +187,18 @@ fn filled(cycle: &[f64], length: f64, sizes: &Sizes) -> Result<Vec<f64>, Refusal
 
 fn within_joint(sizes: &Sizes, below: f64) -> Refusal {
     let (length, head) = (sizes.length, sizes.head);
-    Refusal {
-        key: "length".to_owned(),
-        message: format!(
+    Refusal::new(
+        "length",
+        format!(
             "{length} mm ends within a head joint: the last unit ends at {below} mm and the next begins at \
              {} mm",
             below + head
         ),
-        help: format!(
+        format!(
             "take {below} mm for whole units, or {} mm for a half unit more",
             below + head + (sizes.unit - head) / 2.0
         ),
-    }
+    )
 }
 
 fn stack(sizes: &Sizes) -> Result<Vec<Slot>, Refusal> {
@@ -215,18 +214,18 @@ fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
     };
     let first = overlap - sizes.head;
     if first <= 0.0 || overlap >= sizes.unit {
-        return Err(Refusal {
-            key: "overlap".to_owned(),
-            message: format!(
+        return Err(Refusal::new(
+            "overlap",
+            format!(
                 "units of {} mm cannot overlap by {overlap} mm: the first unit of every second course would \
                  be {first} mm long",
                 sizes.unit
             ),
-            help: format!(
+            format!(
                 "more than the head joint, less than a unit; half bond is {} mm",
                 f64::midpoint(sizes.unit, sizes.head)
             ),
-        });
+        ));
     }
     let rest = Sizes {
         length: sizes.length - overlap,
@@ -251,17 +250,17 @@ fn with_headers(
         if every > 0 && k % every + 1 == every {
             let thickness = 2.0 * sizes.width + sizes.collar;
             if (thickness - sizes.unit).abs() > sizes.tolerance() {
-                return Err(Refusal {
-                    key: "header_courses".to_owned(),
-                    message: format!(
+                return Err(Refusal::new(
+                    "header_courses",
+                    format!(
                         "headers of {} mm do not fit through two leaves of {thickness} mm",
                         sizes.unit
                     ),
-                    help: format!(
+                    format!(
                         "length of the unit = 2 times its thickness + the collar joint: collar_joint = {}",
                         sizes.unit - 2.0 * sizes.width
                     ),
-                });
+                ));
             }
             return headers(sizes);
         }
@@ -316,14 +315,14 @@ fn header_bond(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
 fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<CourseRow>, Refusal> {
     let collar = sizes.unit - 2.0 * sizes.width;
     if collar < -sizes.tolerance() {
-        return Err(Refusal {
-            key: "unit".to_owned(),
-            message: format!(
+        return Err(Refusal::new(
+            "unit",
+            format!(
                 "two stretchers of {} mm are thicker than a header of {} mm is long",
                 sizes.width, sizes.unit
             ),
-            help: "length of the unit = 2 times its thickness + a joint".to_owned(),
-        });
+            "length of the unit = 2 times its thickness + a joint",
+        ));
     }
     let row = |through| CourseRow {
         through,
@@ -421,14 +420,11 @@ fn written(
                     || (s.start + s.length - end).abs() <= sizes.tolerance()
             };
             if !row.slots.iter().any(|s| there(s) || near(s)) {
-                return Err(Refusal {
-                    key: format!("pattern.{k}.leaves.{l}.{key}"),
-                    message: format!(
-                        "at {end} mm, where the wall ends, this leaf has no unit but a joint"
-                    ),
-                    help: "shift `offset`, or change a length, so that a unit ends or is cut there"
-                        .to_owned(),
-                });
+                return Err(Refusal::new(
+                    format!("pattern.{k}.leaves.{l}.{key}"),
+                    format!("at {end} mm, where the wall ends, this leaf has no unit but a joint"),
+                    "shift `offset`, or change a length, so that a unit ends or is cut there",
+                ));
             }
         }
         rows.push(row);
@@ -450,11 +446,11 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
     let (unit, joint, length) = (sizes.unit, sizes.head, sizes.length);
     let tolerance = sizes.tolerance();
     if unit > length + tolerance {
-        return Err(Refusal {
-            key: "unit".to_owned(),
-            message: format!("the unit ({unit} mm) is longer than the wall ({length} mm)"),
-            help: "lengthen the wall or shorten the unit".to_owned(),
-        });
+        return Err(Refusal::new(
+            "unit",
+            format!("the unit ({unit} mm) is longer than the wall ({length} mm)"),
+            "lengthen the wall or shorten the unit",
+        ));
     }
     // n units with their head joints, then the rest for the bat.
     let pitch = unit + joint;
@@ -468,11 +464,11 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
         }
         let half = (unit - joint) / 2.0;
         if half <= 0.0 {
-            return Err(Refusal {
-                key: "head_joint".to_owned(),
-                message: format!("the joint ({joint} mm) leaves nothing of a half unit"),
-                help: "a head joint is shorter than a unit".to_owned(),
-            });
+            return Err(Refusal::new(
+                "head_joint",
+                format!("the joint ({joint} mm) leaves nothing of a half unit"),
+                "a head joint is shorter than a unit",
+            ));
         }
         let mut odd = units.clone();
         odd[0] = half;
@@ -481,18 +477,18 @@ pub fn course_pattern(wall: &Wall) -> Result<[Vec<Slot>; 2], Refusal> {
     }
     if bat <= tolerance {
         let below = whole * pitch - joint;
-        return Err(Refusal {
-            key: "length".to_owned(),
-            message: format!(
+        return Err(Refusal::new(
+            "length",
+            format!(
                 "{length} mm ends within a head joint: {whole} units fill {below} mm and the next \
                  begins at {} mm",
                 below + joint
             ),
-            help: format!(
+            format!(
                 "take {below} mm for {whole} whole units, or {} mm for a half unit more",
                 below + joint + (unit - joint) / 2.0
             ),
-        });
+        ));
     }
     let mut even = units;
     even.push(bat);

@@ -10,7 +10,6 @@ use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
-use crate::error::ModelError;
 use crate::material::ElasticParameters;
 use crate::model::Mesh;
 use crate::model::scene::ContactSurfaces;
@@ -54,25 +53,26 @@ struct Rectangle {
 impl Rectangle {
     /// Box around all faces that may touch this one.
     fn around(&self) -> Aabb {
-        let [[a, b], [c, d]] = self.range;
-        let flat = Aabb {
-            min: [a, c, self.plane],
-            max: [b, d, self.plane],
-        };
-        flat.fattened(TOUCH)
+        around(self.range, self.plane)
     }
 }
 
+/// Box around all rectangles that may touch this one, in a plane along its normal.
+fn around([[a, b], [c, d]]: [[f64; 2]; 2], plane: f64) -> Aabb {
+    let flat = Aabb {
+        min: [a, c, plane],
+        max: [b, d, plane],
+    };
+    flat.fattened(TOUCH)
+}
+
 /// Adds the joints of all walls to the surfaces; returns the bodies that touch.
-///
-/// # Errors
-/// Unknown interface.
 pub(in crate::deck) fn joints(
     deck: &Deck,
     bodies: &Bodies<'_>,
     elastic: &[ElasticParameters],
     contact: &mut ContactSurfaces,
-) -> Result<Vec<Touching>, ModelError> {
+) -> Vec<Touching> {
     let pairs = touching(&bodies.walls);
     let mut masters: BTreeMap<(usize, usize), Vec<(usize, Face)>> = BTreeMap::new();
     let mut met: BTreeSet<(usize, usize)> = BTreeSet::new();
@@ -82,78 +82,139 @@ pub(in crate::deck) fn joints(
         masters.entry(key).or_default().push(master);
         met.insert((master.0, place(&MASTERS, master.1)));
     }
-    let mut touching = Vec::new();
+    let mut joints = Joints {
+        deck,
+        bodies,
+        elastic,
+        contact,
+        touching: Vec::new(),
+    };
     for ((body, face), masters) in &mut masters {
         masters.sort_by_key(|(b, f)| (*b, *f as usize));
-        let face = SLAVES[*face];
-        slaves(
-            deck,
-            bodies,
-            elastic,
-            (*body, face),
-            masters,
-            contact,
-            &mut touching,
-        )?;
+        joints.slaves(*body, SLAVES[*face], masters);
     }
     for (body, face) in met {
         let body = &bodies.all[body];
         for (_, facet) in &body.faces[MASTERS[face] as usize].facets {
-            contact.master_facets.push(*facet);
-            contact.master_body.push(body.number);
+            joints.contact.add_master(*facet, body.number);
         }
     }
-    mirrors(deck, bodies, elastic, contact);
-    Ok(touching)
+    joints.mirrors();
+    joints.touching
 }
 
-/// Adds the joints that planes of symmetry cut at their middle, where units meet the mirrors.
-fn mirrors(
-    deck: &Deck,
-    bodies: &Bodies<'_>,
-    elastic: &[ElasticParameters],
-    contact: &mut ContactSurfaces,
-) {
-    let mesh = &bodies.mesh;
-    for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
-        contact.master_facets.push(mirror.facet);
-        // No body has this number, so that the mirror is another body for all of them.
-        contact.master_body.push(u32::MAX - number);
-        let wall = &bodies.walls[mirror.wall];
-        let name = interface_at(wall, mirror.axis);
-        let Some(interface) = deck.interfaces.get(name) else {
-            continue; // rejected when the deck was read
-        };
-        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
-            if !unit.mirror[mirror.axis] {
-                continue;
-            }
-            let body = &bodies.all[body];
-            let joint = 2.0 * unit.joint(mirror.axis, mirror.face.side().1);
-            for facet in facets(mesh, body, mirror.face, mirror.axis) {
-                let side = |element: usize, size: f64| JointSide {
-                    material: &elastic[usize::from(mesh.material[element])],
-                    size,
-                };
-                // In the whole wall the mortar meets the image of the element behind the mortar.
-                let inner = behind(mesh, body, &facet, mirror.face).filter(|_| joint > 0.0);
-                let law = match inner {
-                    None => {
-                        let here = side(facet.element, facet.size);
-                        law_between(contact, name, interface, here, here)
-                    }
-                    Some((element, size)) => {
-                        let (here, there) = (side(facet.element, joint), side(element, size));
-                        law_between(contact, name, interface, here, there)
-                    }
-                };
-                let law = mirrored_law(contact, law);
-                contact.slave_facets.push(facet.nodes);
-                contact.slave_body.push(body.number);
-                contact.slave_law.push(law);
+/// Joints of walls that are being built.
+struct Joints<'a> {
+    deck: &'a Deck,
+    bodies: &'a Bodies<'a>,
+    /// Constants of the materials by index.
+    elastic: &'a [ElasticParameters],
+    contact: &'a mut ContactSurfaces,
+    touching: Vec<Touching>,
+}
+
+impl<'a> Joints<'a> {
+    /// One side of a joint: material of an element, and its size normal to the joint [mm].
+    fn side(&self, element: usize, size: f64) -> JointSide<'a> {
+        let material = self.bodies.mesh.material[element];
+        JointSide {
+            material: &self.elastic[usize::from(material)],
+            size,
+        }
+    }
+
+    /// Adds the joints that planes of symmetry cut at their middle, where units meet the mirrors.
+    fn mirrors(&mut self) {
+        let (bodies, mesh) = (self.bodies, &self.bodies.mesh);
+        for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
+            // No body has this number, so that the mirror is another body for all of them.
+            self.contact.add_master(mirror.facet, u32::MAX - number);
+            let wall = &bodies.walls[mirror.wall];
+            let name = interface_at(wall, mirror.axis);
+            let Some(interface) = self.deck.interfaces.get(name) else {
+                continue; // rejected when the deck was read
+            };
+            for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
+                if !unit.mirror[mirror.axis] {
+                    continue;
+                }
+                let body = &bodies.all[body];
+                let joint = 2.0 * unit.joint(mirror.axis, mirror.face.side().1);
+                for facet in facets(mesh, body, mirror.face, mirror.axis) {
+                    // In the whole wall the mortar meets the image of the element behind the mortar.
+                    let inner = behind(mesh, body, &facet, mirror.face).filter(|_| joint > 0.0);
+                    let [here, there] = match inner {
+                        None => [self.side(facet.element, facet.size); 2],
+                        Some((element, size)) => {
+                            [self.side(facet.element, joint), self.side(element, size)]
+                        }
+                    };
+                    let law = law_between(self.contact, name, interface, here, there);
+                    let law = mirrored_law(self.contact, law);
+                    self.contact.add_slave(facet.nodes, body.number, law);
+                }
             }
         }
     }
+
+    /// Adds facets and laws of one slave face, a unit of a wall.
+    fn slaves(&mut self, slave: usize, face: Face, masters: &[(usize, Face)]) {
+        let (bodies, mesh) = (self.bodies, &self.bodies.mesh);
+        let Some(wall) = bodies.wall_of(slave) else {
+            return;
+        };
+        let (axis, _) = face.side();
+        let name = interface_at(wall, axis);
+        let Some(interface) = self.deck.interfaces.get(name) else {
+            return; // rejected when the deck was read
+        };
+        let body = &bodies.all[slave];
+        let others: Vec<Facet> = masters
+            .iter()
+            .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
+            .collect();
+        let boxes: Vec<Aabb> = others.iter().map(Facet::around).collect();
+        let tree = Bvh::build(&boxes);
+        let (mut stack, mut near) = (Vec::new(), Vec::new());
+        let nominal = joint_thickness(wall, &wall.units[slave - wall.bodies.start], face);
+        for facet in &facets_in_order(mesh, body, face) {
+            near.clear();
+            tree.query(&boxes, &facet.around(), &mut stack, |i| {
+                near.push(i as usize);
+            });
+            near.sort_unstable();
+            let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
+                continue; // above an opening
+            };
+            let here = self.side(facet.element, nominal.unwrap_or(facet.size));
+            let there = self.side(facing.element, facing.size);
+            let law = law_between(self.contact, name, interface, here, there);
+            self.contact.add_slave(facet.nodes, body.number, law);
+            let bodies = (body.number, facing.body);
+            if self.touching.last().is_none_or(|t| t.bodies != bodies) {
+                self.touching.push(Touching {
+                    bodies,
+                    interface: name.to_owned(),
+                });
+            }
+        }
+    }
+}
+
+/// Facets of a slave face. Those of bed joints run along the wall first, so that the points of a joint are
+/// consecutive.
+fn facets_in_order(mesh: &Mesh, body: &Body, face: Face) -> Vec<Facet> {
+    let (axis, _) = face.side();
+    let mut facets = facets(mesh, body, face, axis);
+    if axis == 2 {
+        let corner = |m: &Facet| (m.range[0][0], m.range[1][0]);
+        facets.sort_by(|a, b| {
+            corner(a)
+                .partial_cmp(&corner(b))
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+    }
+    facets
 }
 
 /// The element of a body behind that of a facet, and its size normal to the facet [mm].
@@ -258,81 +319,6 @@ fn sides(walls: &[Masonry<'_>], face: Face) -> Vec<Rectangle> {
     sides
 }
 
-/// Adds facets and laws of one slave face.
-fn slaves(
-    deck: &Deck,
-    bodies: &Bodies<'_>,
-    elastic: &[ElasticParameters],
-    (slave, face): (usize, Face),
-    masters: &[(usize, Face)],
-    contact: &mut ContactSurfaces,
-    touching: &mut Vec<Touching>,
-) -> Result<(), ModelError> {
-    let Some(wall) = bodies.wall_of(slave) else {
-        return Ok(());
-    };
-    let unit = &wall.units[slave - wall.bodies.start];
-    let (axis, _) = face.side();
-    let name = interface_at(wall, axis);
-    let Some(interface) = deck.interfaces.get(name) else {
-        return Ok(()); // rejected when the deck was read
-    };
-    let mesh = &bodies.mesh;
-    let body = &bodies.all[slave];
-    let others: Vec<Facet> = masters
-        .iter()
-        .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
-        .collect();
-    let boxes: Vec<Aabb> = others.iter().map(Facet::around).collect();
-    let tree = Bvh::build(&boxes);
-    let (mut stack, mut near) = (Vec::new(), Vec::new());
-    let mut facets_here = facets(mesh, body, face, axis);
-    if axis == 2 {
-        // Along the wall first, so that the points of a joint are consecutive.
-        let corner = |m: &Facet| (m.range[0][0], m.range[1][0]);
-        facets_here.sort_by(|a, b| {
-            corner(a)
-                .partial_cmp(&corner(b))
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
-    }
-    let nominal = joint_thickness(wall, unit, face);
-    for facet in &facets_here {
-        near.clear();
-        tree.query(&boxes, &facet.around(), &mut stack, |i| {
-            near.push(i as usize);
-        });
-        near.sort_unstable();
-        let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
-            continue; // above an opening
-        };
-        let size = nominal.unwrap_or(facet.size);
-        let here = JointSide {
-            material: &elastic[usize::from(mesh.material[facet.element])],
-            size,
-        };
-        let there = JointSide {
-            material: &elastic[usize::from(mesh.material[facing.element])],
-            size: facing.size,
-        };
-        let law = law_between(contact, name, interface, here, there);
-        contact.slave_facets.push(facet.nodes);
-        contact.slave_body.push(body.number);
-        contact.slave_law.push(law);
-        let bodies = (body.number, facing.body);
-        if touching
-            .last()
-            .is_none_or(|t: &Touching| t.bodies != bodies)
-        {
-            touching.push(Touching {
-                bodies,
-                interface: name.to_owned(),
-            });
-        }
-    }
-    Ok(())
-}
-
 /// Interface of the joints normal to an axis.
 fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
     let (along, _) = wall.wall.axes();
@@ -370,12 +356,7 @@ struct Facet {
 impl Facet {
     /// Box around all facets that may touch this one.
     fn around(&self) -> Aabb {
-        let [[a, b], [c, d]] = self.range;
-        let flat = Aabb {
-            min: [a, c, self.plane],
-            max: [b, d, self.plane],
-        };
-        flat.fattened(TOUCH)
+        around(self.range, self.plane)
     }
 }
 

@@ -4,7 +4,7 @@
 //! it, if another unit follows there. Where another wall passes through, the units that end there have the joint to
 //! it.
 
-use super::course::{CourseRow, Sizes, courses};
+use super::course::{CourseRow, Sizes, Slot, courses};
 use super::openings;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Bond, Deck, Wall};
@@ -65,6 +65,18 @@ pub struct Refusal {
 }
 
 impl Refusal {
+    pub(in crate::deck) fn new(
+        key: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self {
+            key: key.into(),
+            message: message.into(),
+            help: help.into(),
+        }
+    }
+
     /// Converts it to an error of the wall at `path`.
     pub fn at(self, deck: &Deck, path: &str) -> ModelError {
         deck.error(&format!("{path}.{}", self.key), self.message, &self.help)
@@ -221,26 +233,18 @@ fn pieces(
             ];
             let end = slot.start + slot.length;
             for interval in &free {
-                let along = [
-                    slot.start.max(interval.along[0]),
-                    end.min(interval.along[1]),
-                ];
-                if along[1] - along[0] <= sizes.tolerance() {
+                let Some(along) = interval.part_of(slot, sizes) else {
                     continue;
-                }
+                };
                 let is_cut = along != [slot.start, end];
                 let sliver = along[1] - along[0] < SLIVER * sizes.unit.min(slot.length);
                 if is_cut && sliver {
                     return Err(sliver_of(interval, along, k, r));
                 }
-                let touches = |side: usize| {
-                    let gap = (along[side] - interval.along[side]).abs();
-                    gap <= sizes.head + sizes.tolerance()
-                };
                 pieces.push(Piece {
                     along,
                     through,
-                    reach: [0, 1].map(|side| interval.reach[side].filter(|_| touches(side))),
+                    reach: interval.reached_by(along, sizes),
                     row: r,
                     material: row.material.clone(),
                     kind: Kind::Unit(0),
@@ -263,20 +267,24 @@ fn pieces(
             courses: lintel.courses,
         }),
     );
-    // Leaves from front to back, within a leaf from left to right.
+    number(&mut pieces);
+    Ok(pieces)
+}
+
+/// Sorts pieces from the front leaf to the back and from left to right, and numbers the units among them.
+fn number(pieces: &mut [Piece]) {
     pieces.sort_by(|a, b| {
         (a.row, a.along[0])
             .partial_cmp(&(b.row, b.along[0]))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     let mut index = 0;
-    for piece in &mut pieces {
+    for piece in pieces {
         if let Kind::Unit(i) = &mut piece.kind {
             *i = index;
             index += 1;
         }
     }
-    Ok(pieces)
 }
 
 /// A range of a course between cuts.
@@ -286,6 +294,22 @@ struct Interval<'a> {
     reach: [Option<f64>; 2],
     /// Cuts at its ends.
     cut: [Option<&'a Cut>; 2],
+}
+
+impl Interval<'_> {
+    /// Range of the part of a unit in this interval [mm], if there is any.
+    fn part_of(&self, slot: &Slot, sizes: &Sizes) -> Option<[f64; 2]> {
+        let [low, high] = self.along;
+        let along = [slot.start.max(low), (slot.start + slot.length).min(high)];
+        (along[1] - along[0] > sizes.tolerance()).then_some(along)
+    }
+
+    /// Ends of the joints to cuts that a piece at `along` reaches.
+    fn reached_by(&self, along: [f64; 2], sizes: &Sizes) -> [Option<f64>; 2] {
+        let touches =
+            |side: usize| (along[side] - self.along[side]).abs() <= sizes.head + sizes.tolerance();
+        [0, 1].map(|side| self.reach[side].filter(|_| touches(side)))
+    }
 }
 
 /// Ranges of a course between its cuts and beside the headers of the leaves in front.
@@ -344,15 +368,15 @@ fn sliver_of(interval: &Interval<'_>, along: [f64; 2], k: u32, leaf: usize) -> R
     let cut = interval.cut[side].or(interval.cut[1 - side]);
     let what = cut.map_or("a header, or the end of the wall,", |cut| &cut.what);
     let [from, to] = along;
-    Refusal {
-        key: cut.map_or_else(|| "pattern".to_owned(), |cut| cut.key.clone()),
-        message: format!(
+    Refusal::new(
+        cut.map_or_else(|| "pattern".to_owned(), |cut| cut.key.clone()),
+        format!(
             "{what} leaves a sliver of {:.2} mm of a unit in course {k}, leaf {leaf}, from {from:.2} to \
              {to:.2} mm along the wall",
             to - from
         ),
-        help: "let it end at a head joint, or farther into the unit".to_owned(),
-    }
+        "let it end at a head joint, or farther into the unit",
+    )
 }
 
 /// Pieces of a course in the order of their starts.

@@ -122,41 +122,26 @@ fn require_countable(wall: &Wall, units: &[Unit], before: f64) -> Result<f64, Re
         return Ok(elements);
     }
     let most = amount::MOST_ELEMENTS;
-    Err(Refusal {
-        key: "mesh".to_owned(),
-        message: format!(
+    Err(Refusal::new(
+        "mesh",
+        format!(
             "{} units, up to {:.0} elements each, are too many",
             units.len(),
             units.iter().map(of).fold(0.0, f64::max)
         ),
-        help: format!(
+        format!(
             "at most {most:e} elements in all: `mesh` is that of a unit as large as `unit`, and longer ones have more"
         ),
-    })
+    ))
 }
 
 /// Rejects sizes and counts from which no wall can be built, before any unit is placed.
 fn require_sound(wall: &Wall) -> Result<(), Refusal> {
-    let refuse = |key: &str, message: String, help: &str| {
-        Err(Refusal {
-            key: key.to_owned(),
-            message,
-            help: help.to_owned(),
-        })
-    };
-    let positive = [
-        ("unit", wall.unit[0]),
-        ("unit", wall.unit[1]),
-        ("unit", wall.unit[2]),
-        ("length", wall.length),
-    ];
-    for (key, size) in positive {
+    let [length, thickness, height] = wall.unit.map(|size| ("unit", size));
+    for (key, size) in [length, thickness, height, ("length", wall.length)] {
         if size.get() <= 0.0 {
-            return refuse(
-                key,
-                format!("{} mm is not positive", size.get()),
-                "give a length above 0",
-            );
+            let message = format!("{} mm is not positive", size.get());
+            return Err(Refusal::new(key, message, "give a length above 0"));
         }
     }
     let joints = [
@@ -166,56 +151,54 @@ fn require_sound(wall: &Wall) -> Result<(), Refusal> {
     ];
     for (key, size) in joints {
         if let Some(size) = size.filter(|size| size.get() < 0.0) {
-            return refuse(
+            let message = format!("{} mm is negative", size.get());
+            return Err(Refusal::new(
                 key,
-                format!("{} mm is negative", size.get()),
+                message,
                 "give 0 (units that touch) or more",
-            );
+            ));
         }
     }
     if u16::try_from(wall.courses).is_err() {
-        return refuse(
-            "courses",
-            format!("{} courses are too many", wall.courses),
-            "at most 65535",
-        );
+        let message = format!("{} courses are too many", wall.courses);
+        return Err(Refusal::new("courses", message, "at most 65535"));
     }
-    let reach = course::MOST_UNITS * wall.unit[0].get();
     for (k, course) in wall.pattern.iter().enumerate() {
-        let sizes = course
-            .leaves
-            .iter()
-            .flat_map(|l| l.units.iter().chain(&l.thickness));
-        if sizes.chain(&course.height).any(|size| size.get() <= 0.0) {
-            let key = format!("pattern.{k}");
-            return refuse(
-                &key,
-                "a size is not positive".to_owned(),
-                "heights, thicknesses and units are above 0",
-            );
-        }
-        for (l, leaf) in course.leaves.iter().enumerate() {
-            let offset = leaf.offset.get();
-            if offset.abs() > reach {
-                let key = format!("pattern.{k}.leaves.{l}.offset");
-                return refuse(
-                    &key,
-                    format!("the leaf would begin at {offset} mm"),
-                    "where its first unit begins; below 0 it is cut",
-                );
-            }
-            let units = amount::units_of(wall, leaf);
-            if units > course::MOST_UNITS + leaf.units.len() as f64 {
-                let key = format!("pattern.{k}.leaves.{l}.units");
-                return refuse(
-                    &key,
-                    format!("{units} units are too many for a course"),
-                    "at most 1e4: is the unit of length the one meant?",
-                );
-            }
-        }
+        require_sound_course(wall, k, course)?;
     }
     course::Sizes::of(wall).require_few()
+}
+
+/// Rejects sizes and counts of course `k` of a pattern.
+fn require_sound_course(wall: &Wall, k: usize, course: &DeckCourse) -> Result<(), Refusal> {
+    let leaves = course.leaves.iter();
+    let sizes = leaves.flat_map(|l| l.units.iter().chain(&l.thickness));
+    if sizes.chain(&course.height).any(|size| size.get() <= 0.0) {
+        return Err(Refusal::new(
+            format!("pattern.{k}"),
+            "a size is not positive",
+            "heights, thicknesses and units are above 0",
+        ));
+    }
+    for (l, leaf) in course.leaves.iter().enumerate() {
+        let offset = leaf.offset.get();
+        if offset.abs() > course::MOST_UNITS * wall.unit[0].get() {
+            return Err(Refusal::new(
+                format!("pattern.{k}.leaves.{l}.offset"),
+                format!("the leaf would begin at {offset} mm"),
+                "where its first unit begins; below 0 it is cut",
+            ));
+        }
+        let units = amount::units_of(wall, leaf);
+        if units > course::MOST_UNITS + leaf.units.len() as f64 {
+            return Err(Refusal::new(
+                format!("pattern.{k}.leaves.{l}.units"),
+                format!("{units} units are too many for a course"),
+                "at most 1e4: is the unit of length the one meant?",
+            ));
+        }
+    }
+    Ok(())
 }
 
 impl Masonry<'_> {

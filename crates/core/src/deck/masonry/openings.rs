@@ -49,11 +49,7 @@ pub(super) fn spanned(wall: &Wall, opening: &DeckOpening) -> [f64; 2] {
 fn require_within(wall: &Wall, opening: &DeckOpening, o: usize) -> Result<(), Refusal> {
     let (from, to, length) = (opening.from.get(), opening.to.get(), wall.length.get());
     let refuse = |key: &str, message: String, help: &str| {
-        Err(Refusal {
-            key: format!("openings.{o}.{key}"),
-            message,
-            help: help.to_owned(),
-        })
+        Err(Refusal::new(format!("openings.{o}.{key}"), message, help))
     };
     if !(from >= 0.0 && from < to && to <= length) {
         return refuse(

@@ -26,7 +26,7 @@ pub(super) struct Plan {
 /// # Errors
 /// Walls in the same place that cannot pass through each other.
 pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
-    let walls: Vec<(String, &str, &Wall)> = deck.walls().collect();
+    let walls: Vec<Named> = deck.walls().collect();
     let mut plan = Plan {
         cuts: vec![Vec::new(); walls.len()],
         joined: vec![Vec::new(); walls.len()],
@@ -41,39 +41,15 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
     for b in 1..walls.len() {
         for a in 0..b {
             let common = [0, 1, 2].map(|d| {
-                [
-                    boxes[a][d][0].max(boxes[b][d][0]),
-                    boxes[a][d][1].min(boxes[b][d][1]),
-                ]
+                let ([low, high], [from, to]) = (boxes[a][d], boxes[b][d]);
+                [low.max(from), high.min(to)]
             });
             let tolerance = TOLERANCE * walls[a].2.unit[0].get();
             if common.iter().any(|[low, high]| high - low <= tolerance) {
                 continue;
             }
-            let refuse = |message: String, help: &str| {
-                let refusal = Refusal {
-                    key: "at".to_owned(),
-                    message,
-                    help: help.to_owned(),
-                };
-                Err((walls[b].0.clone(), refusal))
-            };
-            let ((_, first, wall), (_, second, other)) = (&walls[a], &walls[b]);
-            if wall.axes().0 == other.axes().0 {
-                return refuse(
-                    format!("{first} and {second} run along the same axis and overlap"),
-                    "make one wall of them, or move one by `at`",
-                );
-            }
-            let level = wall.at[2].get() == other.at[2].get()
-                && wall.unit[2].get() == other.unit[2].get()
-                && wall.bed_joint.get() == other.bed_joint.get();
-            if !level {
-                return refuse(
-                    format!("{first} and {second} meet, and their courses are not level"),
-                    "give both the same height of units, bed joint and height of `at`",
-                );
-            }
+            let refuse = |refusal: Refusal| (walls[b].0.clone(), refusal);
+            require_crossing(&walls[a], &walls[b]).map_err(refuse)?;
             for (own, through, parity) in [(a, b, 1), (b, a, 0)] {
                 let wall = walls[own].2;
                 let d = wall.axes().0;
@@ -90,6 +66,31 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
         }
     }
     Ok(plan)
+}
+
+/// Path, name and description of a wall.
+type Named<'a> = (String, &'a str, &'a Wall);
+
+/// Requires that two walls in the same place cross, and that their courses are level.
+fn require_crossing((_, first, wall): &Named, (_, second, other): &Named) -> Result<(), Refusal> {
+    if wall.axes().0 == other.axes().0 {
+        return Err(Refusal::new(
+            "at",
+            format!("{first} and {second} run along the same axis and overlap"),
+            "make one wall of them, or move one by `at`",
+        ));
+    }
+    let level = wall.at[2].get() == other.at[2].get()
+        && wall.unit[2].get() == other.unit[2].get()
+        && wall.bed_joint.get() == other.bed_joint.get();
+    if !level {
+        return Err(Refusal::new(
+            "at",
+            format!("{first} and {second} meet, and their courses are not level"),
+            "give both the same height of units, bed joint and height of `at`",
+        ));
+    }
+    Ok(())
 }
 
 /// Bounding box of a wall [mm]. `[xyz][low, high]`

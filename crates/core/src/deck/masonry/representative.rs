@@ -9,6 +9,7 @@
 //!
 //! Its nodes are its own. The collar joint lies behind it in the same way.
 
+use super::Masonry;
 use super::layout::Unit;
 use crate::deck::body::{Body, Grid};
 use crate::deck::quantity::Quantity;
@@ -40,12 +41,12 @@ impl Planes {
 /// planes of the unit, if they do not follow from the wall's mesh.
 pub(in crate::deck) fn append(
     mesh: &mut Mesh,
-    wall: &Wall,
+    masonry: &Masonry<'_>,
     unit: &Unit,
-    name: String,
     materials: [u16; 2],
     lines: Option<&[Vec<f64>; 3]>,
 ) -> Body {
+    let wall = masonry.wall;
     let (along, through) = wall.axes();
     let counts = elements(wall, unit);
     let filled = wall.head_filling.get() * (unit.own[through][1] - unit.own[through][0]);
@@ -85,7 +86,7 @@ pub(in crate::deck) fn append(
     };
     let body = Body::new(
         mesh,
-        name,
+        unit.name(&masonry.name),
         &Grid {
             cells,
             material: &|at| {

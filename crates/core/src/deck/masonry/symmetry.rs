@@ -63,11 +63,7 @@ pub(super) fn cut(
 
 /// An error about a plane, with its path.
 fn refusal(plane: &Plane, key: &str, message: String, help: &str) -> (String, Refusal) {
-    let refusal = Refusal {
-        key: key.to_owned(),
-        message,
-        help: help.to_owned(),
-    };
+    let refusal = Refusal::new(key, message, help);
     (plane.path.clone(), refusal)
 }
 

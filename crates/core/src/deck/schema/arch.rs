@@ -3,16 +3,16 @@
 use crate::deck::quantity::{Angle, Length};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 
 /// An arch in the plane x, z about the origin, with its crown on the z axis.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckArch {
     /// Radius of the centre line [mm]; or `span`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
     /// Clear span between the feet of the intrados [mm]; or `radius`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub span: Option<Length>,
     /// Thickness in the radial direction [mm].
     pub thickness: Length,
@@ -21,10 +21,8 @@ pub struct DeckArch {
     /// Number of voussoirs.
     pub voussoirs: u32,
     /// Angle of embrace [deg]; if absent, it follows from `span` and `rise`, or the arch is a semicircle.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Angle>,
     /// Clear rise of the intrados over its feet [mm], with `span`; or `angle`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rise: Option<Length>,
     /// Material of voussoirs and springings.
     pub material: String,

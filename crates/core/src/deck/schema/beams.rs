@@ -4,8 +4,10 @@ use super::Names;
 use crate::deck::quantity::{Density, Length};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 
 /// A loading beam: a nearly rigid block on level faces.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckBeam {
@@ -21,7 +23,6 @@ pub struct DeckBeam {
     /// Interface between the beam and the faces on which it lies.
     pub interface: String,
     /// Density [tonne/mm³]; that of air if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Density>,
 }
 

@@ -3,32 +3,31 @@
 use super::Direction;
 use crate::deck::quantity::{Angle, Length, SpringStiffness, Velocity};
 use crate::model::axis::Axis;
+use crate::model::scene::turned;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+use serde_with::skip_serializing_none;
 use std::borrow::Cow;
 use std::fmt;
 
 /// A block of hex8: a box by its size, any hexahedron by its eight corners, or a grid of nodes.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckBlock {
     /// Name, used by faces, supports and springs.
     pub name: String,
     /// Length (x), thickness (y), height (z) of a box [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[Length; 3]>,
     /// Position of its lowest corner, or displacement of `corners` and `nodes` [mm].
     #[serde(default)]
     pub at: [Length; 3],
     /// Rotation about the point `at`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate: Option<Rotation>,
     /// Corners [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above. `[corner][xyz]`
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<[[Length; 3]; 8]>,
     /// File of the nodes of its grid: x, y, z per line [mm], along x first, then y, then z.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<String>,
     /// Material.
     pub material: String,
@@ -43,16 +42,12 @@ pub struct DeckBlock {
     #[serde(default)]
     pub velocity: [Velocity; 3],
     /// Number of blocks in a column, named `NAME-0` (the lowest), `NAME-1`, …
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stack: Option<u32>,
     /// Interface of the joints of a column.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub interface: Option<String>,
     /// Number of copies along x, y, z.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub copies: Option<[u32; 3]>,
     /// Distances between copies [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch: Option<[Length; 3]>,
 }
 
@@ -66,15 +61,24 @@ pub struct Rotation {
     pub angle: Angle,
 }
 
+impl Rotation {
+    /// A point turned about the origin.
+    pub(in crate::deck) fn turn(self, x: [f64; 3]) -> [f64; 3] {
+        let (d, sign) = self.axis.axis();
+        let mut unit = [0.0; 3];
+        unit[d] = sign;
+        turned(x, unit, self.angle.get().to_radians())
+    }
+}
+
 /// Contact between faces: points on slave faces against master faces.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckContact {
     /// Slave faces, the finer side. Without slave and master all faces that touch at rest are paired.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub slave: Option<Names>,
     /// Master faces.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub master: Option<Names>,
     /// Interface.
     pub interface: String,

@@ -9,7 +9,6 @@ use super::Deck;
 use super::rows::rows;
 use crate::deck::quantity::{Acceleration, Number, Time};
 use crate::error::ModelError;
-use crate::input;
 use crate::model::scene::GroundMotion;
 
 impl Deck {
@@ -30,15 +29,7 @@ impl Deck {
         for (i, file) in ground.files().into_iter().enumerate() {
             let Some(file) = file else { continue };
             let key = format!("steps.{step}.ground.{}", ["x", "y", "z"][i]);
-            let path = self.folder().join(file);
-            let text = input::text(&path, input::MOST_OF_TABLE).map_err(|why| {
-                let message = format!("{}: {why}", path.display());
-                self.error(
-                    &key,
-                    message,
-                    "name a CSV file, relative to the deck's folder",
-                )
-            })?;
+            let (path, text) = self.table(&key, file)?;
             motion.acceleration[i] = record(&text, unit * factors[i]).map_err(|(line, why)| {
                 self.error(
                     &key,

@@ -4,9 +4,11 @@ use super::{Deck, Names, Rotation};
 use crate::deck::quantity::{Length, Velocity};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use std::collections::BTreeMap;
 
 /// A mesh of Abaqus (`.inp`) or Gmsh (`.msh`).
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckImport {
@@ -21,7 +23,6 @@ pub struct DeckImport {
     #[serde(default)]
     pub at: [Length; 3],
     /// Rotation about its origin, before the displacement.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rotate: Option<Rotation>,
     /// Materials of the deck by sets of elements of the file; other elements have the material of the file.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

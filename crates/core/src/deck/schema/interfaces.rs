@@ -6,10 +6,12 @@ use crate::deck::quantity::{
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use wythe_contact::softening::Softening;
 use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
 
 /// Parameters of an interface.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -29,63 +31,45 @@ pub struct Interface {
     /// Residual friction μ [-].
     pub mu: Number,
     /// Brittleness in tension ζ [-]; not needed by a dry joint.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta: Option<Number>,
     /// Brittleness in shear ξ [-]; not needed by a dry joint.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub xi: Option<Number>,
     /// Ultimate opening u_k [mm]; or `G_I`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub u_k: Option<Length>,
     /// Fracture energy in tension G_I [N/mm]; or `u_k`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub G_I: Option<FractureEnergy>,
     /// Ultimate slip δ_k [mm]; or `G_II`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub delta_k: Option<Length>,
     /// Fracture energy in shear without normal stress G_II [N/mm]; or `delta_k`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub G_II: Option<FractureEnergy>,
     /// Compressive strength f_m [MPa]; of `cap`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub f_m: Option<Pressure>,
     /// Energy of crushing above the residual strength f_m/7, G_fc [N/mm]; of `cap`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub G_fc: Option<FractureEnergy>,
     /// Plastic closing at the compressive strength κ_p [mm]; of `cap`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub kappa_p: Option<Length>,
     /// Weight of the normal traction in the cap C_nn [-]; of `cap`, 1 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub C_nn: Option<Number>,
     /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub C_ss: Option<Number>,
     /// Dilatancy tan ψ₀ at the start of slip, without normal stress [-]; of `cap`, 0 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tan_psi: Option<Number>,
     /// Pressure σ_u above which slip does not dilate [MPa]; of `cap`, unlimited if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma_u: Option<Pressure>,
     /// Decay of the dilatancy with plastic slip δ [1/mm]; of `cap`, 0 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub delta: Option<InverseLength>,
     /// Stiffness over the representative stiffness of the facing elements [-]. The default is 500, or 50 for joints
     /// of walls with mortar in decks without general contact.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub penalty_factor: Option<Number>,
     /// Explicit normal stiffness k_n [N/mm³].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_stiffness: Option<InterfaceStiffness>,
     /// Explicit shear stiffness k_s [N/mm³].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_stiffness: Option<InterfaceStiffness>,
     /// Coupling of opening and slip.
     #[serde(default)]
     #[schemars(with = "CouplingSchema")]
     pub coupling: Coupling,
     /// Scatter of the bond strength from unit to unit; none if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub scatter: Option<Scatter>,
 }
 

@@ -5,7 +5,6 @@ use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
 use crate::error::ModelError;
-use crate::input;
 use crate::material::LawOutput;
 use crate::model::amplitude::Amplitude;
 use crate::model::scene::Fidelity;
@@ -13,45 +12,37 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
 /// A named load: its place, given where it is named first, and its value at the end of the step.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLoad {
     /// Name, by which later steps change its value; its columns in the history begin with it.
     pub name: String,
     /// Faces; for a force also blocks.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
     /// A point at rest [mm]: the load acts on the nearest node, of those of `on` if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
     /// Start of a line at rest [mm]: the load acts on the nodes along it, of those of `on` if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<[Length; 3]>,
     /// End of the line [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<[Length; 3]>,
     /// Largest distance of these nodes from the line [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<Length>,
     /// Pressure on faces [MPa], compression positive.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
     /// Whether the pressure turns with the faces, like that of an airbag; true if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub follower: Option<bool>,
     /// Force over the area of faces at rest [MPa].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<[Pressure; 3]>,
     /// Total force [N].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<[Force; 3]>,
     /// Force over the length of the line at rest [N/mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_force: Option<[LineForce; 3]>,
 }
 
@@ -200,12 +191,7 @@ impl Deck {
     }
 
     fn amplitude_of_file(&self, key: &str, file: &str) -> Result<Amplitude, ModelError> {
-        let path = self.folder().join(file);
-        let text = input::text(&path, input::MOST_OF_TABLE).map_err(|why| {
-            let message = format!("{}: {why}", path.display());
-            let help = "name a CSV file, relative to the deck's folder";
-            self.error(key, message, help)
-        })?;
+        let (path, text) = self.table(key, file)?;
         record(&text).map_err(|(line, why)| {
             let help = "a line has a time and a factor, such as 2.5, -0.75; times ascend from 0, in any unit: \
                         the last is the end of the step";

@@ -9,8 +9,10 @@ use crate::material::{
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 
 /// Parameters of a material.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -29,22 +31,16 @@ pub struct Material {
     #[serde(default)]
     pub density: Density,
     /// Drucker–Prager: cohesion of Mohr–Coulomb c [MPa].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub c: Option<Pressure>,
     /// Drucker–Prager: friction angle φ of Mohr–Coulomb [deg].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phi: Option<Angle>,
     /// Drucker–Prager: dilation angle ψ [deg]; φ if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub psi: Option<Angle>,
     /// Drucker–Prager: uniaxial tensile strength f_t [MPa].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub f_t: Option<Pressure>,
     /// Drucker–Prager: fracture energy in tension [N/mm]; if absent, no softening.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub G_I: Option<FractureEnergy>,
     /// Drucker–Prager: fracture energy in compression [N/mm]; if absent, no softening.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub G_c: Option<FractureEnergy>,
     /// Uniaxial tension; empty: linear elastic.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -74,7 +70,6 @@ pub struct Material {
     #[serde(default)]
     pub viscosity: Time,
     /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_length: Option<Length>,
     /// Length of an element that is compared with `reference_length`: the cube root of its volume, or its length
     /// across the crack.

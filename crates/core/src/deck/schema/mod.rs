@@ -62,12 +62,14 @@ use crate::material::MaterialParameters;
 use crate::model::scene::{ContactPoints, Fidelity, Output};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use wythe_contact::InterfaceLaw;
 
 /// A deck: the whole of a model file.
+#[skip_serializing_none]
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Deck {
@@ -87,7 +89,6 @@ pub struct Deck {
     #[serde(default)]
     pub interfaces: BTreeMap<String, Interface>,
     /// The wall. A deck without a scene serves only to drive single points.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<Wall>,
     /// Further walls, by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -99,7 +100,6 @@ pub struct Deck {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub imports: Vec<DeckImport>,
     /// An arch of voussoirs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<DeckArch>,
     /// Contact between faces of blocks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -144,6 +144,7 @@ pub struct Element {
 }
 
 /// `[contact]`.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
@@ -152,10 +153,8 @@ pub struct Contact {
     /// Number of parts along x, y and z into which a slave facet is divided, each with its own points.
     pub parts: [u32; 3],
     /// Largest distance between a point and its master facet [mm]; chosen by the solver if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub search_radius: Option<Length>,
     /// Dry interface of contact between any faces of different bodies; if absent, only paired faces are in contact.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub general: Option<String>,
 }
 
@@ -171,6 +170,7 @@ impl Default for Contact {
 }
 
 /// `[output]`.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
@@ -181,7 +181,6 @@ pub struct DeckOutput {
     /// Number of frames of fields between scenes in `run.mcap`.
     pub scene_every: usize,
     /// Measured load-displacement curve: a CSV file in the folder of the deck.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
 }
 
@@ -266,7 +265,7 @@ impl Deck {
                 return Ok(deck);
             }
         }
-        let nothing = || ModelError::new(file, text, None, "", "the deck cannot be read", "");
+        let nothing = || ModelError::new((file, text), None, "", "the deck cannot be read", "");
         let mut all = Errors::default();
         for error in errors {
             all.push(error);

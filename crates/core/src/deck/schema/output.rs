@@ -5,7 +5,6 @@
 use super::Deck;
 use crate::error::ModelError;
 use crate::experiment::{Experiment, ExperimentError};
-use crate::input;
 use crate::model::scene::{MeasuredCurve, Output};
 
 impl Deck {
@@ -28,12 +27,7 @@ impl Deck {
 
     fn experiment(&self, file: &str) -> Result<MeasuredCurve, ModelError> {
         let key = "output.experiment";
-        let path = self.folder().join(file);
-        let text = input::text(&path, input::MOST_OF_TABLE).map_err(|why| {
-            let message = format!("{}: {why}", path.display());
-            let help = "name a CSV file, relative to the deck's folder";
-            self.error(key, message, help)
-        })?;
+        let (path, text) = self.table(key, file)?;
         let curve = Experiment::of_text(&path, &text).map_err(|error| {
             let help = match &error {
                 ExperimentError::Content { help, .. } => help.as_str(),

@@ -7,23 +7,22 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 use std::borrow::Cow;
 use std::fmt;
 
 /// A column of the history: the motion of a place, or of two places relative to each other.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckProbe {
     /// Name; the name of the column begins with it.
     pub name: String,
     /// Blocks or faces: the probe measures the mean of their nodes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
     /// A point at rest [mm]: the probe measures the nearest node, of those of `on` if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
     /// A place whose motion is subtracted.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub minus: Option<DeckPlace>,
     /// Positive direction.
     pub direction: Direction,
@@ -33,13 +32,12 @@ pub struct DeckProbe {
 }
 
 /// Nodes of a scene: names as they stand, or a table of `on` and `near`.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeckPlace {
     /// Blocks or faces.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Names>,
     /// A point at rest [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near: Option<[Length; 3]>,
 }
 

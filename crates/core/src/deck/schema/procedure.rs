@@ -4,6 +4,7 @@ use crate::deck::quantity::{Frequency, Length, Number, Time};
 use crate::model::scene::{Procedure, Rayleigh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 
 /// `procedure` of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -39,14 +40,13 @@ pub struct DeckControl {
 }
 
 /// `stop` of a driven step: conditions that end it before its full displacement.
+#[skip_serializing_none]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckStop {
     /// The force falls to this fraction of the largest one of the step [-].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub below_peak: Option<Number>,
     /// The step has driven this distance [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Length>,
 }
 
@@ -61,17 +61,15 @@ pub struct DeckRayleigh {
 }
 
 /// `ground` of a step: a record of acceleration for each direction.
+#[skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckGround {
     /// File with the acceleration along the wall.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<String>,
     /// File with the acceleration through the wall.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<String>,
     /// File with the upward acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<String>,
 }
 

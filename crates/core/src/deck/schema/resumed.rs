@@ -122,23 +122,20 @@ impl Deck {
                 "with {is} the step takes {duration} s at the speed it began with, not {says} s"
             ));
         }
-        let sizes = old.increments();
-        let [initial, max, min] =
-            [sizes.initial, sizes.max, sizes.min].map(|size| Some(Number::new(part * size)));
-        let increments = DeckIncrements {
-            initial,
-            max,
-            min,
-            peak: old.increments.peak,
-        };
-        let now = step.increments();
-        let same = near(now.initial, part * sizes.initial)
-            && near(now.max, part * sizes.max)
-            && near(now.min, part * sizes.min)
-            && near(now.peak, sizes.peak);
+        let (sizes, now) = (old.increments(), step.increments());
+        let [initial, max, min] = [sizes.initial, sizes.max, sizes.min].map(|size| part * size);
         if step.increments == old.increments {
-            step.increments = increments;
-        } else if !same {
+            step.increments = DeckIncrements {
+                initial: Some(Number::new(initial)),
+                max: Some(Number::new(max)),
+                min: Some(Number::new(min)),
+                peak: old.increments.peak,
+            };
+        } else if !(near(now.initial, initial)
+            && near(now.max, max)
+            && near(now.min, min)
+            && near(now.peak, sizes.peak))
+        {
             return refuse("the increments of the step cannot change with its length".to_owned());
         }
         Ok(part)

@@ -1,6 +1,25 @@
 //! Files of numbers that belong to a deck: a fixed number per line, with comments and a line of column names.
 
+use super::Deck;
 use crate::deck::quantity::is_sound;
+use crate::error::ModelError;
+use crate::input;
+use std::path::PathBuf;
+
+impl Deck {
+    /// Path and text of a file of numbers that the deck names at `key`.
+    pub(super) fn table(&self, key: &str, file: &str) -> Result<(PathBuf, String), ModelError> {
+        let path = self.folder().join(file);
+        match input::text(&path, input::MOST_OF_TABLE) {
+            Ok(text) => Ok((path, text)),
+            Err(why) => Err(self.error(
+                key,
+                format!("{}: {why}", path.display()),
+                "name a CSV file, relative to the deck's folder",
+            )),
+        }
+    }
+}
 
 /// Line of a row (from 1), and its numbers.
 pub(super) type Row<const N: usize> = (usize, [f64; N]);

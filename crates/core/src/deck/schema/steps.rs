@@ -10,60 +10,47 @@ use crate::model::axis::Axis;
 use crate::model::scene::{Increments, Tangent, Tolerance};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_with::skip_serializing_none;
 
 /// A step. Keys that belong to another kind of step are rejected by the check.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckStep {
     /// Name; the kind if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Kind of the step.
     pub kind: StepKind,
     /// Preload: pressure on the top [MPa], compression positive.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub top_pressure: Option<Pressure>,
     /// Drive: direction of the top beam.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<Direction>,
     /// Drive: displacement of the top beam in this step [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Length>,
     /// Drive in x or y: vertical motion of the beam; locked if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical: Option<Vertical>,
     /// Preload, drive of blocks: faces that move as one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub face: Option<Names>,
     /// Drive: amplitudes in both directions, instead of `displacement`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cycles: Option<DeckCycles>,
     /// Preload of blocks: pressure on the face [MPa], compression positive.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Pressure>,
     /// Preload, drive of blocks: directions in which the face moves freely under its load.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub free: Option<Vec<Axis>>,
     /// Drive of blocks: the spring whose far end moves, instead of a face.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<String>,
     /// Preload, drive: the beam of `[[beams]]` that is pressed or driven.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub beam: Option<String>,
     /// Gravity, free: acceleration of gravity [mm/s²].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Acceleration>,
     /// Gravity, free: inclination of the ground [deg]. Tilt: inclination at the end of the step [deg].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Angle>,
     /// Gravity, tilt, free: horizontal axis about which the ground is turned, right-handed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<Direction>,
     /// Named loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<DeckLoad>,
     /// Factor of the drive and the loads over the fraction of the step's duration; linear from 0 to 1 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<DeckAmplitude>,
     /// Duration [s]; viscosity is measured in this time.
     #[serde(default = "one_second")]
@@ -75,31 +62,23 @@ pub struct DeckStep {
     #[serde(default)]
     pub procedure: DeckProcedure,
     /// Displacement control: the displacement that controls the load.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<DeckControl>,
     /// Drive: conditions that end the step before its full displacement.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stop: Option<DeckStop>,
     /// Tangents.
     #[serde(default)]
     pub tangent: Tangent,
     /// Dynamic: α of HHT-α, from −1/3 to 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<Number>,
     /// Dynamic: Rayleigh damping.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<DeckRayleigh>,
     /// Dynamic: records of ground acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<DeckGround>,
     /// Unit of the accelerations in these records [mm/s²]; 1 mm/s² if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_unit: Option<Acceleration>,
     /// Factors of these records in each direction; 1 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_factor: Option<DeckGroundFactor>,
     /// Time in the records at which the step begins [s]; 0 if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_start: Option<Time>,
     /// Sizes of increments as fractions of the step.
     #[serde(default)]
@@ -190,30 +169,27 @@ pub enum Vertical {
 }
 
 /// `increments`; defaults depend on the kind of the step.
+#[skip_serializing_none]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckIncrements {
     /// First increment.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial: Option<Number>,
     /// Largest increment.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<Number>,
     /// Smallest increment.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<Number>,
     /// Fraction of the largest force that may be missed at a peak between two increments; increments are shortened
     /// there. 1: no peak control.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub peak: Option<Number>,
 }
 
 /// `tolerance`.
+#[skip_serializing_none]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckTolerance {
     /// Largest out-of-balance force over the mean nodal force [-]; the default depends on the procedure.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<Number>,
     /// Number of iterations after which the increment is rejected.
     pub max_iterations: usize,

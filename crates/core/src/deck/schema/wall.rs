@@ -5,16 +5,17 @@ use crate::model::axis::Axis;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+use serde_with::skip_serializing_none;
 use std::borrow::Cow;
 use std::fmt;
 
 /// A wall of representative elements. Each is a unit with the bed joint on top of it, the head joint at its far end
 /// and the collar joint behind it.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Name, used by supports, contacts and steps; `wall` if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Position of its lowest corner [mm].
     #[serde(default, skip_serializing_if = "at_origin")]
@@ -29,7 +30,6 @@ pub struct Wall {
     /// Thickness of the head joints [mm]; 0: dry joints.
     pub head_joint: Length,
     /// Thickness of the collar joints between leaves [mm]; that of the head joints if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub collar_joint: Option<Length>,
     /// Fraction of the head joints that is filled with mortar [-].
     #[serde(default = "filled", skip_serializing_if = "is_filled")]
@@ -45,13 +45,11 @@ pub struct Wall {
     #[serde(default)]
     pub bond: Bond,
     /// Stretcher bond: distance between head joints of neighbouring courses [mm].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<Length>,
     /// Number of leaves, one behind the other.
     #[serde(default = "one_leaf", skip_serializing_if = "is_one_leaf")]
     pub leaves: u32,
     /// Number of courses after which one is a course of headers through two leaves; none if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub header_courses: Option<u32>,
     /// A written bond: courses from the lowest one; the sequence repeats.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -62,15 +60,12 @@ pub struct Wall {
     /// Material of the units.
     pub unit_material: String,
     /// Material of the joints; absent in a dry wall.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mortar_material: Option<String>,
     /// Interface between representative elements.
     pub interface: String,
     /// Interface at head joints, if different.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub head_interface: Option<String>,
     /// Interface at collar joints, if different.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub collar_interface: Option<String>,
     /// Number of elements of a representative element.
     #[serde(default)]
@@ -133,22 +128,22 @@ impl FilledFrom {
 }
 
 /// A course of a written bond.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckCourse {
     /// Height of its units [mm]; that of the wall's units if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<Length>,
     /// Leaves, from the front.
     pub leaves: Vec<DeckLeaf>,
 }
 
 /// A leaf of a course.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLeaf {
     /// Thickness [mm]; that of the wall's units if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<Length>,
     /// Start of its first unit [mm]; the part below 0 is cut off.
     #[serde(default)]
@@ -159,11 +154,11 @@ pub struct DeckLeaf {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub headers: Vec<u32>,
     /// Material of its units, if different.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
 
 /// An opening through the whole thickness of a wall.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckOpening {
@@ -176,11 +171,11 @@ pub struct DeckOpening {
     /// Number of courses that it interrupts.
     pub courses: u32,
     /// Lintel; if absent, the courses above span the opening.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lintel: Option<DeckLintel>,
 }
 
 /// A lintel: one long unit over an opening.
+#[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeckLintel {
@@ -190,7 +185,6 @@ pub struct DeckLintel {
     #[serde(default = "one_course")]
     pub courses: u32,
     /// Material; that of the units if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
 

@@ -199,14 +199,11 @@ impl Cut<'_> {
             ..ContactSurfaces::default()
         };
         for (f, nodes) in self.facets(&contact.slave_facets) {
-            half.slave_facets.push(nodes);
-            half.slave_body.push(contact.slave_body[f]);
-            half.slave_law.push(contact.slave_law[f]);
+            half.add_slave(nodes, contact.slave_body[f], contact.slave_law[f]);
             half.slave_part.extend(contact.slave_part.get(f));
         }
         for (f, nodes) in self.facets(&contact.master_facets) {
-            half.master_facets.push(nodes);
-            half.master_body.push(contact.master_body[f]);
+            half.add_master(nodes, contact.master_body[f]);
         }
         half
     }

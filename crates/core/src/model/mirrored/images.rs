@@ -1,7 +1,7 @@
 //! Mirror images of the nodes, elements and facets of a model in a plane.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hash, Hasher};
+use rustc_hash::{FxBuildHasher, FxHashMap};
+use std::hash::Hash;
 
 use crate::model::Model;
 use crate::model::scene::ContactSurfaces;
@@ -180,42 +180,10 @@ impl Images {
     }
 }
 
-/// Hash function for integers. Collisions by intent need no protection, since places and nodes come from a mesh.
-#[derive(Default)]
-struct Mixer(u64);
-
-impl Hasher for Mixer {
-    fn write(&mut self, bytes: &[u8]) {
-        for part in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..part.len()].copy_from_slice(part);
-            self.write_u64(u64::from_le_bytes(word));
-        }
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        self.write_u64(u64::from(word));
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        self.write_u64(word as u64);
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(26) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-}
-
-type Map<K> = HashMap<K, u32, BuildHasherDefault<Mixer>>;
-
-/// Map by key. None if two entries have the same key.
-fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<Map<K>> {
-    let mut map =
-        Map::with_capacity_and_hasher(entries.size_hint().0, BuildHasherDefault::default());
+/// Map by key. None if two entries have the same key. Collisions by intent need no protection, since places and nodes
+/// come from a mesh.
+fn unique<K: Eq + Hash>(entries: impl Iterator<Item = (K, u32)>) -> Option<FxHashMap<K, u32>> {
+    let mut map = FxHashMap::with_capacity_and_hasher(entries.size_hint().0, FxBuildHasher);
     for (key, value) in entries {
         if map.insert(key, value).is_some() {
             return None;

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
-use crate::model::Model;
+use crate::model::{Mesh, Model};
 use crate::results::Snapshot;
 use crate::state::OutputField;
 
@@ -40,12 +40,7 @@ pub fn solids(snapshot: &Snapshot) -> String {
         xml.reals(&output.name, 1, &output.values);
     }
     xml.small("yielded", frame.yielded.iter().map(|&y| u8::from(y)));
-    xml.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
-    xml.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));
-    xml.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
-    xml.close("CellData");
-    xml.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
-    xml.end()
+    xml.end_of_solids(mesh)
 }
 
 /// Solids of a model at rest, with the labels of the elements.
@@ -73,12 +68,7 @@ pub fn model(model: &Model) -> String {
     xml.whole("beam", beam_of.into_iter());
     xml.close("PointData");
     xml.open("CellData");
-    xml.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
-    xml.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));
-    xml.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
-    xml.close("CellData");
-    xml.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
-    xml.end()
+    xml.end_of_solids(mesh)
 }
 
 /// Contact facets, slaves first, with their law (-1 for a master) and body.
@@ -144,6 +134,16 @@ pub fn collection(files: &[(f64, String)]) -> String {
 struct Xml(String);
 
 impl Xml {
+    /// Labels and corners of the elements, and the end of the file.
+    fn end_of_solids(mut self, mesh: &Mesh) -> String {
+        self.whole("material", mesh.material.iter().map(|&m| i64::from(m)));
+        self.whole("unit", mesh.unit.iter().map(|&u| i64::from(u)));
+        self.whole("course", mesh.course.iter().map(|&c| i64::from(c)));
+        self.close("CellData");
+        self.cells(&mesh.nodes, mesh.elements.as_flattened(), 8, HEXAHEDRON);
+        self.end()
+    }
+
     fn begin(points: usize, cells: usize, time: f64) -> Self {
         let mut xml = Self(String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \

@@ -179,13 +179,7 @@ pub(super) fn picture(
     band: &[Point],
     lines: &[(Line, Pen)],
 ) -> Result<String, String> {
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    draw(&root, title, axes, band, lines).map_err(|error| error.to_string())?;
-    root.present().map_err(|error| error.to_string())?;
-    drop(root);
-    svg.push('\n');
-    Ok(svg)
+    super::svg(SIZE, |root| draw(root, title, axes, band, lines))
 }
 
 fn draw<'a>(

@@ -42,13 +42,7 @@ pub fn histogram(title: &str, axis: &str, counts: &str, series: &[Bars]) -> Resu
     if all().next().is_none() || !all().all(|v| *v > 0.0 && v.is_finite()) {
         return Err("a logarithmic axis wants values above zero".to_owned());
     }
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    draw(&root, [title, axis, counts], series).map_err(|error| error.to_string())?;
-    root.present().map_err(|error| error.to_string())?;
-    drop(root);
-    svg.push('\n');
-    Ok(svg)
+    super::svg(SIZE, |root| draw(root, [title, axis, counts], series))
 }
 
 type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;

@@ -14,6 +14,29 @@ pub use chart::{Line, curves, load_displacements};
 pub use deflection::{Along, Deflection, deflections};
 pub use histogram::{Bars, histogram};
 pub use raster::png;
-pub use scatter::{Spot, scatter};
+pub use scatter::{Scatter, Spot};
 #[cfg(feature = "run-folder")]
 pub use scene::scene;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+/// SVG text of a picture of this size [px] that `draw` fills.
+///
+/// # Errors
+/// Message of plotters if it cannot draw.
+pub fn svg(
+    size: (u32, u32),
+    draw: impl FnOnce(&DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Undrawn>,
+) -> Result<String, String> {
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+    draw(&root).map_err(|error| error.to_string())?;
+    root.present().map_err(|error| error.to_string())?;
+    drop(root);
+    svg.push('\n');
+    Ok(svg)
+}
+
+/// Error of plotters.
+pub type Undrawn = DrawingAreaErrorKind<std::io::Error>;

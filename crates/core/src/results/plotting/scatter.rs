@@ -54,48 +54,21 @@ pub struct Spot {
     pub marked: bool,
 }
 
-/// Points on logarithmic axes as SVG text. `series` names the series; those without points are not in the legend.
-/// `front` has its points in the order of x. `floor` is an ordinate with its name, below which differences are
-/// meaningless.
-///
-/// # Errors
-/// There is no point, a point is not positive, or plotters cannot draw.
-pub fn scatter(
-    title: &str,
-    axes: [&str; 2],
-    series: &[&str],
-    spots: &[Spot],
-    front: &[Point],
-    floor: Option<(f64, &str)>,
-) -> Result<String, String> {
-    let above_zero = |p: &Point| p.0 > 0.0 && p.1 > 0.0 && p.0.is_finite() && p.1.is_finite();
-    if spots.is_empty() || !spots.iter().map(|s| &s.at).chain(front).all(above_zero) {
-        return Err("logarithmic axes want points above zero".to_owned());
-    }
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    let scene = Scatter {
-        title,
-        axes,
-        series,
-        spots,
-        front,
-        floor,
-    };
-    scene.draw(&root).map_err(|error| error.to_string())?;
-    root.present().map_err(|error| error.to_string())?;
-    drop(root);
-    svg.push('\n');
-    Ok(svg)
-}
-
-struct Scatter<'a> {
-    title: &'a str,
-    axes: [&'a str; 2],
-    series: &'a [&'a str],
-    spots: &'a [Spot],
-    front: &'a [Point],
-    floor: Option<(f64, &'a str)>,
+/// Points on logarithmic axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scatter<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Names of the axes.
+    pub axes: [&'a str; 2],
+    /// Names of the series; those without points are not in the legend.
+    pub series: &'a [&'a str],
+    /// The points.
+    pub spots: &'a [Spot],
+    /// Points of the front, in the order of x.
+    pub front: &'a [Point],
+    /// An ordinate with its name, below which differences are meaningless.
+    pub floor: Option<(f64, &'a str)>,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -103,6 +76,19 @@ type Plane<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<LogCoord<f64>,
 type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
 impl Scatter<'_> {
+    /// The plot as SVG text.
+    ///
+    /// # Errors
+    /// There is no point, a point is not positive, or plotters cannot draw.
+    pub fn svg(&self) -> Result<String, String> {
+        let above_zero = |p: &Point| p.0 > 0.0 && p.1 > 0.0 && p.0.is_finite() && p.1.is_finite();
+        let mut points = self.spots.iter().map(|s| &s.at).chain(self.front);
+        if self.spots.is_empty() || !points.all(above_zero) {
+            return Err("logarithmic axes want points above zero".to_owned());
+        }
+        super::svg(SIZE, |root| self.draw(root))
+    }
+
     fn draw<'a>(&self, root: &Area<'a>) -> Result<(), Failed<'a>> {
         root.fill(&WHITE)?;
         let xs = self.spots.iter().map(|s| s.at.0);
@@ -287,8 +273,15 @@ mod tests {
         let spots = [spot("default", (1.0, 2.0), 0), spot("a < b", (3.0, 0.1), 2)];
         let front = [(1.0, 2.0), (3.0, 0.1)];
         let series = ["of nothing said", "never", "mesh"];
-        let floor = Some((0.05, "floor"));
-        let svg = scatter("Chart", ["time", "error"], &series, &spots, &front, floor).unwrap();
+        let chart = Scatter {
+            title: "Chart",
+            axes: ["time", "error"],
+            series: &series,
+            spots: &spots,
+            front: &front,
+            floor: Some((0.05, "floor")),
+        };
+        let svg = chart.svg().unwrap();
         for said in [
             "a &lt; b",
             "default",
@@ -300,7 +293,12 @@ mod tests {
             assert!(svg.contains(said), "{said}");
         }
         assert!(!svg.contains("never"));
-        let without = scatter("Chart", ["x", "y"], &series, &spots, &[], None).unwrap();
+        let without = Scatter {
+            front: &[],
+            ..chart
+        }
+        .svg()
+        .unwrap();
         assert!(!without.contains("front"));
         // Two points, two in the legend, one ring.
         assert_eq!(svg.matches("<circle ").count(), 5);
@@ -333,10 +331,14 @@ mod tests {
     #[test]
     fn what_has_no_logarithm_is_refused() {
         for at in [(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)] {
-            let spots = [spot("a", at, 0)];
-            assert!(scatter("", ["", ""], &["a"], &spots, &[], None).is_err());
+            let chart = Scatter {
+                series: &["a"],
+                spots: &[spot("a", at, 0)],
+                ..Scatter::default()
+            };
+            assert!(chart.svg().is_err());
         }
-        assert!(scatter("", ["", ""], &[], &[], &[], None).is_err());
+        assert!(Scatter::default().svg().is_err());
     }
 
     #[test]

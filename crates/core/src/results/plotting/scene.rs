@@ -9,7 +9,7 @@
 
 use std::fmt::Write as _;
 
-use super::super::elevation::escape;
+use super::super::elevation::{self, escape};
 use crate::element::exterior::{corners, exterior_faces};
 use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
@@ -64,21 +64,7 @@ struct Polygon {
 impl Panel {
     /// x₀, y₀, x₁, y₁ of the polygons.
     fn bounds(&self) -> [f64; 4] {
-        let corners = self.polygons.iter().flat_map(|p| &p.corners);
-        let start = [
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NEG_INFINITY,
-        ];
-        let found = corners.fold(start, |b, [x, y]| {
-            [b[0].min(*x), b[1].min(*y), b[2].max(*x), b[3].max(*y)]
-        });
-        if found[0] <= found[2] {
-            found
-        } else {
-            [0.0, 0.0, 1.0, 1.0]
-        }
+        elevation::bounds(self.polygons.iter().flat_map(|p| &p.corners).copied())
     }
 }
 
@@ -256,38 +242,53 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
     }
 }
 
-/// Places the panels at one scale: elevation and section side by side, plans below.
-fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> std::fmt::Result {
-    let sizes: Vec<[f64; 2]> = panels
-        .iter()
-        .map(|p| {
+/// Places of the panels on a page.
+struct Layout {
+    /// Pixels per millimetre.
+    zoom: f64,
+    /// Lower left corners [px]. `[panel][xy]`
+    places: Vec<[f64; 2]>,
+    /// Top of the legend [px].
+    legend: f64,
+}
+
+impl Layout {
+    /// Panels at one scale: elevation and section side by side, plans below.
+    fn of(panels: &[Panel]) -> Self {
+        let size = |p: &Panel| {
             let [x0, y0, x1, y1] = p.bounds();
-            [
-                (x1 - x0).max(f64::MIN_POSITIVE),
-                (y1 - y0).max(f64::MIN_POSITIVE),
-            ]
-        })
-        .collect();
-    // A narrow section needs space for its caption.
-    let wide = ((WIDTH - 2.0 * MARGIN - GAP) / (sizes[0][0] + sizes[1][0]))
-        .min((WIDTH - 2.0 * MARGIN - GAP - NARROWEST) / sizes[0][0]);
-    let plans_wide = sizes[2..].iter().map(|s| (WIDTH - 2.0 * MARGIN) / s[0]);
-    let zoom = plans_wide.fold(wide.min(TALLEST / sizes[0][1].max(sizes[1][1])), f64::min);
-    let mut y = HEADER + CAPTION;
-    let tall = sizes[0][1].max(sizes[1][1]) * zoom;
-    let mut places = vec![
-        [MARGIN, y + tall],
-        [MARGIN + sizes[0][0] * zoom + GAP, y + tall],
-    ];
-    y += tall;
-    for size in &sizes[2..] {
-        y += CAPTION + GAP / 2.0 + size[1] * zoom;
-        places.push([MARGIN, y]);
+            [x1 - x0, y1 - y0].map(|side| side.max(f64::MIN_POSITIVE))
+        };
+        let sizes: Vec<[f64; 2]> = panels.iter().map(size).collect();
+        // A narrow section needs space for its caption.
+        let wide = ((WIDTH - 2.0 * MARGIN - GAP) / (sizes[0][0] + sizes[1][0]))
+            .min((WIDTH - 2.0 * MARGIN - GAP - NARROWEST) / sizes[0][0]);
+        let plans_wide = sizes[2..].iter().map(|s| (WIDTH - 2.0 * MARGIN) / s[0]);
+        let zoom = plans_wide.fold(wide.min(TALLEST / sizes[0][1].max(sizes[1][1])), f64::min);
+        let mut y = HEADER + CAPTION;
+        let tall = sizes[0][1].max(sizes[1][1]) * zoom;
+        let mut places = vec![
+            [MARGIN, y + tall],
+            [MARGIN + sizes[0][0] * zoom + GAP, y + tall],
+        ];
+        y += tall;
+        for size in &sizes[2..] {
+            y += CAPTION + GAP / 2.0 + size[1] * zoom;
+            places.push([MARGIN, y]);
+        }
+        Self {
+            zoom,
+            places,
+            legend: y + 30.0,
+        }
     }
-    let legend = y + 30.0;
-    let used: Vec<usize> = (0..model.materials.len()).collect();
-    let rows = used.len().max(names.len() + 2) as f64;
-    let height = legend + 20.0 * rows + MARGIN;
+}
+
+/// Draws the panels and their legend.
+fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> std::fmt::Result {
+    let layout = Layout::of(panels);
+    let rows = model.materials.len().max(names.len() + 2) as f64;
+    let height = layout.legend + 20.0 * rows + MARGIN;
     writeln!(
         svg,
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:.0}" height="{height:.0}" viewBox="0 0 {WIDTH:.0} {height:.0}" font-family="sans-serif"><rect width="100%" height="100%" fill="#ffffff"/>"##
@@ -297,61 +298,68 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
         r#"<text x="{MARGIN}" y="28" font-size="18">{}</text>"#,
         escape(&model.title)
     )?;
-    for (panel, place) in panels.iter().zip(places) {
-        draw(svg, panel, place, zoom)?;
+    for (panel, place) in panels.iter().zip(layout.places) {
+        draw(svg, panel, place, layout.zoom)?;
     }
-    for (i, m) in used.into_iter().enumerate() {
-        let (y, fill) = (legend + 20.0 * i as f64, MATERIALS[m % MATERIALS.len()]);
+    for (m, material) in model.materials.iter().enumerate() {
+        let y = layout.legend + 20.0 * m as f64;
+        let fill = MATERIALS[m % MATERIALS.len()];
         writeln!(
             svg,
             r##"<rect x="{MARGIN}" y="{y:.0}" width="14" height="14" fill="{fill}" stroke="#444444" stroke-width="0.5"/><text x="{:.0}" y="{:.0}" font-size="13">{}</text>"##,
             MARGIN + 22.0,
             y + 12.0,
-            escape(&model.materials[m].name)
+            escape(&material.name)
         )?;
     }
-    let left = WIDTH / 2.0;
-    for (i, name) in names.iter().enumerate() {
-        let (y, stroke) = (
-            legend + 20.0 * i as f64 + 7.0,
-            INTERFACES[i % INTERFACES.len()],
-        );
-        writeln!(
-            svg,
-            r#"<path d="M{left:.0} {y:.0}h24" stroke="{stroke}" stroke-width="2"/><text x="{:.0}" y="{:.0}" font-size="13">interface {}</text>"#,
-            left + 32.0,
-            y + 5.0,
-            escape(name)
-        )?;
-    }
-    let mut marks = names.len() as f64;
     let held = |s: &Support| !s.nodes.is_empty() && s.by == HeldBy::Ground;
-    if model.supports.iter().any(held) {
-        let y = legend + 20.0 * marks + 7.0;
-        marks += 1.0;
-        writeln!(
-            svg,
-            r#"<circle cx="{:.0}" cy="{y:.0}" r="2.5"/><text x="{:.0}" y="{:.0}" font-size="13">held</text>"#,
-            left + 12.0,
-            left + 32.0,
-            y + 5.0
-        )?;
-    }
-    if panels.iter().any(|p| !p.planes.is_empty()) {
-        let y = legend + 20.0 * marks + 7.0;
-        writeln!(
-            svg,
-            r#"<path d="M{left:.0} {y:.0}h24" {PLANE_STROKE}/><text x="{:.0}" y="{:.0}" font-size="13">plane of symmetry</text>"#,
-            left + 32.0,
-            y + 5.0
-        )?;
-    }
+    let held = model.supports.iter().any(held);
+    let mirrored = panels.iter().any(|p| !p.planes.is_empty());
+    legend_of_lines(svg, layout.legend, names, held, mirrored)?;
     writeln!(svg, "</svg>")
+}
+
+/// Writes the legend of the interfaces, of held nodes and of planes of symmetry, if there are any.
+fn legend_of_lines(
+    svg: &mut String,
+    top: f64,
+    names: &[&str],
+    held: bool,
+    mirrored: bool,
+) -> std::fmt::Result {
+    let left = WIDTH / 2.0;
+    let line =
+        |stroke: String| move |y: f64| format!(r#"<path d="M{left:.0} {y:.0}h24" {stroke}/>"#);
+    let mut row = 0.0;
+    let mut entry = |mark: &dyn Fn(f64) -> String, text: &str| {
+        let y = top + 20.0 * row + 7.0;
+        row += 1.0;
+        writeln!(
+            svg,
+            r#"{}<text x="{:.0}" y="{:.0}" font-size="13">{text}</text>"#,
+            mark(y),
+            left + 32.0,
+            y + 5.0
+        )
+    };
+    for (i, name) in names.iter().enumerate() {
+        let stroke = INTERFACES[i % INTERFACES.len()];
+        let stroke = format!(r#"stroke="{stroke}" stroke-width="2""#);
+        entry(&line(stroke), &format!("interface {}", escape(name)))?;
+    }
+    if held {
+        let dot = |y: f64| format!(r#"<circle cx="{:.0}" cy="{y:.0}" r="2.5"/>"#, left + 12.0);
+        entry(&dot, "held")?;
+    }
+    if mirrored {
+        entry(&line(PLANE_STROKE.to_owned()), "plane of symmetry")?;
+    }
+    Ok(())
 }
 
 /// Draws a panel with its lower left corner at `place` [px].
 fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> std::fmt::Result {
-    let [x0, y0, _, y1] = panel.bounds();
+    let [x0, y0, x1, y1] = panel.bounds();
     let at = |[x, y]: [f64; 2]| (left + (x - x0) * zoom, low - (y - y0) * zoom);
     writeln!(
         svg,
@@ -396,27 +404,29 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
         let (x, y) = at(*dot);
         writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2"/>"#)?;
     }
-    let [_, _, x1, _] = panel.bounds();
     for &(d, place) in &panel.planes {
         let ends = if d == 0 {
             [[place, y0], [place, y1]]
         } else {
             [[x0, place], [x1, place]]
         };
-        let [mut a, mut b] = ends.map(at);
-        // The line extends beyond the bodies to be recognisable.
-        if d == 0 {
-            (a.1, b.1) = (a.1 + BEYOND, b.1 - BEYOND);
-        } else {
-            (a.0, b.0) = (a.0 - BEYOND, b.0 + BEYOND);
-        }
-        writeln!(
-            svg,
-            r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" {PLANE_STROKE}/>"#,
-            a.0, a.1, b.0, b.1
-        )?;
+        draw_plane(svg, d, ends.map(at))?;
     }
     Ok(())
+}
+
+/// Draws a plane of symmetry between two points [px]; the line extends beyond the bodies to be recognisable.
+fn draw_plane(svg: &mut String, d: usize, [mut a, mut b]: [(f64, f64); 2]) -> std::fmt::Result {
+    if d == 0 {
+        (a.1, b.1) = (a.1 + BEYOND, b.1 - BEYOND);
+    } else {
+        (a.0, b.0) = (a.0 - BEYOND, b.0 + BEYOND);
+    }
+    writeln!(
+        svg,
+        r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" {PLANE_STROKE}/>"#,
+        a.0, a.1, b.0, b.1
+    )
 }
 
 #[cfg(test)]

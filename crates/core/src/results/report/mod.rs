@@ -68,6 +68,13 @@ struct Measured<'a> {
     points: &'a [(f64, f64)],
 }
 
+impl<'a> Measured<'a> {
+    fn of(experiment: &'a Experiment) -> Self {
+        let Experiment { name, points, .. } = experiment;
+        Self { name, points }
+    }
+}
+
 impl Report {
     /// Creates the page of a folder, whose run may have ended, be in progress or have been killed.
     ///
@@ -104,20 +111,13 @@ impl Report {
         let row_of_frame: Vec<usize> = times.iter().map(|t| nearest(&history.rows, *t)).collect();
         let mut rows = series::chosen(history.rows.len(), row_of_frame.iter().copied().chain(peak));
         rows.dedup();
-        if rows.len() < history.rows.len() {
-            notes.push(format!(
-                "The charts show {} of {} increments.",
-                rows.len(),
-                history.rows.len()
-            ));
-        }
+        notes.extend(some_of(rows.len(), history.rows.len(), |some, all| {
+            format!("The charts show {some} of {all} increments.")
+        }));
         let title = title(folder, deck.as_deref(), fields.as_ref());
         let mut data = Data {
             series: Series::of(&history, &driven, peak, &rows),
-            experiment: experiment.map(|e| Measured {
-                name: &e.name,
-                points: &e.points,
-            }),
+            experiment: experiment.map(Measured::of),
             view: None,
         };
         let text = Text {
@@ -132,22 +132,14 @@ impl Report {
             let (still, each) = scene.sizes();
             let around = text.page(&data, &notes).len() + still;
             let room = limit.saturating_sub(around) / each;
-            let at_peak = peak
-                .and_then(|peak| (0..times.len()).min_by_key(|&f| row_of_frame[f].abs_diff(peak)));
-            let kept = view::choose(times.len(), at_peak, room);
-            if kept.len() < times.len() {
-                notes.push(format!(
-                    "The wall is shown at {} of {} frames, so that the page stays below {} MB; results.vtkhdf has all.",
-                    kept.len(),
-                    times.len(),
-                    limit as f64 / 1e6
-                ));
-            }
-            let place = |frame: usize| {
-                rows.binary_search(&row_of_frame[frame])
-                    .unwrap_or_else(|near| near)
-            };
-            let chosen: Vec<(usize, usize)> = kept.into_iter().map(|f| (f, place(f))).collect();
+            let chosen = chosen_frames(&row_of_frame, &rows, peak, room);
+            notes.extend(some_of(chosen.len(), times.len(), |some, all| {
+                let megabytes = limit as f64 / 1e6;
+                format!(
+                    "The wall is shown at {some} of {all} frames, so that the page stays below {megabytes} MB; \
+                     results.vtkhdf has all."
+                )
+            }));
             let view = scene.with_frames(&chosen, &mut notes);
             frames = view.frames.len();
             data.view = Some(view);
@@ -168,6 +160,28 @@ impl Report {
     pub fn write(&self, path: &Path) -> io::Result<()> {
         write_whole(path, self.html.as_bytes())
     }
+}
+
+/// A note if some are shown and not all.
+fn some_of(some: usize, all: usize, note: impl Fn(usize, usize) -> String) -> Option<String> {
+    (some < all).then(|| note(some, all))
+}
+
+/// Frames for which the page has room, each with its place among the `rows` of the charts.
+fn chosen_frames(
+    row_of_frame: &[usize],
+    rows: &[usize],
+    peak: Option<usize>,
+    room: usize,
+) -> Vec<(usize, usize)> {
+    let count = row_of_frame.len();
+    let at_peak = peak.and_then(|peak| (0..count).min_by_key(|&f| row_of_frame[f].abs_diff(peak)));
+    let place = |frame: usize| {
+        rows.binary_search(&row_of_frame[frame])
+            .unwrap_or_else(|near| near)
+    };
+    let kept = view::choose(count, at_peak, room).into_iter();
+    kept.map(|f| (f, place(f))).collect()
 }
 
 /// The result of reading a file; a failure is added to the notes.

@@ -8,7 +8,7 @@ use super::packed;
 use super::skin::BoundaryFacets;
 use crate::element::hex8::FACES;
 use crate::results::elevation;
-use crate::results::vtkhdf::read::FieldsFile;
+use crate::results::vtkhdf::read::{FieldsFile, RestMesh};
 use crate::state::Frame;
 
 /// Largest signed number of 16 bits.
@@ -81,6 +81,24 @@ pub(super) struct Scene<'a> {
     view: View,
 }
 
+/// Facets of the interfaces on the solids in the last frame; none if they are no faces of the solids.
+fn facets(
+    file: &FieldsFile,
+    mesh: &RestMesh,
+    skin: &BoundaryFacets,
+) -> io::Result<Option<Vec<[u32; 4]>>> {
+    let surface = file.surface()?;
+    let Some(last) = file.times().len().checked_sub(1) else {
+        return Ok(Some(Vec::new()));
+    };
+    if surface.points.is_empty() {
+        return Ok(Some(Vec::new()));
+    }
+    let solid = file.frame(last)?.displacement;
+    let interface = file.surface_displacement(last)?;
+    Ok(skin.facets(mesh, &surface, (&solid, &interface)))
+}
+
 impl<'a> Scene<'a> {
     /// Reads the data at rest. Omitted parts are added to `notes`.
     pub fn open(file: &'a FieldsFile, notes: &mut Vec<String>) -> io::Result<Self> {
@@ -92,23 +110,13 @@ impl<'a> Scene<'a> {
         if mesh.unit.len() != elements || mesh.material.len() != elements {
             return Err(damaged("units and materials are not as many as elements"));
         }
-        let surface = file.surface()?;
-        let last = file.times().len().checked_sub(1);
-        let facets = match last {
-            Some(last) if !surface.points.is_empty() => {
-                let solid = file.frame(last)?.displacement;
-                let interface = file.surface_displacement(last)?;
-                let facets = skin.facets(&mesh, &surface, (&solid, &interface));
-                if facets.is_none() {
-                    notes.push(
-                        "The interfaces are not shown: their facets are no faces of the solids."
-                            .to_owned(),
-                    );
-                }
-                facets.unwrap_or_default()
-            }
-            _ => Vec::new(),
-        };
+        let facets = facets(file, &mesh, &skin)?;
+        if facets.is_none() {
+            notes.push(
+                "The interfaces are not shown: their facets are no faces of the solids.".to_owned(),
+            );
+        }
+        let facets = facets.unwrap_or_default();
         let (low, size) = bounds(&mesh.nodes);
         let fraction = |x: f64, i: usize| ((x - low[i]) / size[i] * 65535.0).round() as u16;
         let wide = skin.nodes.len() > usize::from(u16::MAX);

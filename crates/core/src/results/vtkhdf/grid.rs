@@ -83,6 +83,18 @@ impl Values<'_> {
     }
 }
 
+/// Description of a grid.
+pub struct Meshed<'a> {
+    /// Points and cells.
+    pub geometry: &'a Geometry,
+    /// Fields.
+    pub columns: &'a [Column],
+    /// Numbers of the cells by name. `[label](name, [cell])`
+    pub labels: &'a [(&'static str, Vec<i64>)],
+    /// Names of the series with one value per step.
+    pub series: &'a [&'a str],
+}
+
 /// Series that are 0 in every step, of one dimension and of two dimensions.
 const ZEROS: [&str; 2] = ["PartOffsets", "PointOffsets"];
 const ZERO_COLUMNS: [&str; 2] = ["CellOffsets", "ConnectivityIdOffsets"];
@@ -107,28 +119,13 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Writes geometry and labels `(name, [cell])` into an empty group and creates the fields and the series with one
-    /// value per step.
+    /// Writes geometry and labels into an empty group and creates the fields and the series.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn create(
-        root: &hdf5::Group,
-        geometry: &Geometry,
-        columns: &[Column],
-        labels: &[(&str, Vec<i64>)],
-        series: &[&str],
-    ) -> hdf5::Result<Self> {
-        root.new_attr::<i64>()
-            .shape(2)
-            .create("Version")?
-            .write(&[2_i64, 0])?;
-        let kind = FixedAscii::<16>::from_ascii(b"UnstructuredGrid");
-        root.new_attr::<FixedAscii<16>>()
-            .shape(())
-            .create("Type")?
-            .write_scalar(&kind.map_err(|error| error.to_string())?)?;
-        write_geometry(root, geometry)?;
+    pub fn create(root: &hdf5::Group, of: &Meshed<'_>) -> hdf5::Result<Self> {
+        write_kind(root)?;
+        write_geometry(root, of.geometry)?;
         let steps = root.create_group("Steps")?;
         let step_count = steps.new_attr::<i64>().shape(()).create("NSteps")?;
         step_count.write_scalar(&0_i64)?;
@@ -151,16 +148,16 @@ impl Grid {
             series: Vec::new(),
             series_sizes: Vec::new(),
         };
-        for column in columns {
+        for column in of.columns {
             let (data, offsets) = match column.on {
                 On::Points => (&points, &point_offsets),
                 On::Cells => (&cells, &cell_offsets),
             };
-            let (tuples, _) = column.shape(geometry);
+            let (tuples, _) = column.shape(of.geometry);
             grid.fields
                 .push(Field::create(data, offsets, column, tuples)?);
         }
-        for (name, values) in labels {
+        for (name, values) in of.labels {
             let builder = compressed::<i64>(&cells, values.len(), 1);
             builder
                 .shape(values.len())
@@ -168,36 +165,45 @@ impl Grid {
                 .write_raw(values)?;
             grid.zeros.push(counts(&cell_offsets, name)?);
         }
-        if !series.is_empty() {
-            let data = root.create_group("FieldData")?;
-            let offsets = steps.create_group("FieldDataOffsets")?;
-            let sizes = steps.create_group("FieldDataSizes")?;
-            for name in series {
-                grid.series.push(Field {
-                    data: reals(&data, name)?,
-                    offsets: counts(&offsets, name)?,
-                    tuples: 1,
-                    components: 1,
-                });
-                let size = sizes.new_dataset::<i64>().chunk((SERIES_CHUNK, 2));
-                grid.series_sizes.push(size.shape((0.., 2)).create(*name)?);
-            }
+        if !of.series.is_empty() {
+            grid.create_series(root, &steps, of.series)?;
         }
         Ok(grid)
+    }
+
+    fn create_series(
+        &mut self,
+        root: &hdf5::Group,
+        steps: &hdf5::Group,
+        names: &[&str],
+    ) -> hdf5::Result<()> {
+        let data = root.create_group("FieldData")?;
+        let offsets = steps.create_group("FieldDataOffsets")?;
+        let sizes = steps.create_group("FieldDataSizes")?;
+        for name in names {
+            self.series.push(Field {
+                data: reals(&data, name)?,
+                offsets: counts(&offsets, name)?,
+                tuples: 1,
+                components: 1,
+            });
+            let size = sizes.new_dataset::<i64>().chunk((SERIES_CHUNK, 2));
+            self.series_sizes.push(size.shape((0.., 2)).create(*name)?);
+        }
+        Ok(())
     }
 
     /// Opens a grid written by [`Grid::create`] and drops everything after its first `steps` steps.
     ///
     /// # Errors
     /// The file cannot be read or written, or it has another grid.
-    pub fn open(
-        root: &hdf5::Group,
-        geometry: &Geometry,
-        columns: &[Column],
-        labels: &[(&str, Vec<i64>)],
-        series: &[&str],
-        steps: usize,
-    ) -> hdf5::Result<Self> {
+    pub fn open(root: &hdf5::Group, of: &Meshed<'_>, steps: usize) -> hdf5::Result<Self> {
+        let Meshed {
+            geometry,
+            columns,
+            labels,
+            series,
+        } = *of;
         let ids = root.dataset("Connectivity")?.read_raw::<i64>()?;
         let points = root.dataset("Points")?.shape();
         if ids != geometry.connectivity || points != [geometry.points.len(), 3] {
@@ -219,9 +225,11 @@ impl Grid {
             let series = group.dataset(name)?;
             cut(&series, steps).map(|()| series)
         };
+        let all = |names: &mut dyn Iterator<Item = String>| -> hdf5::Result<Vec<_>> {
+            names.map(|name| series_of(&name)).collect()
+        };
         let of_labels = labels.iter().map(|(l, _)| format!("CellDataOffsets/{l}"));
-        let zeros = ZEROS.into_iter().map(str::to_owned).chain(of_labels);
-        let sizes = series.iter().map(|name| format!("FieldDataSizes/{name}"));
+        let mut sizes = series.iter().map(|name| format!("FieldDataSizes/{name}"));
         let of_column = |column: &Column| {
             let kind = match column.on {
                 On::Points => "PointData",
@@ -232,22 +240,15 @@ impl Grid {
         Ok(Self {
             steps,
             values: series_of("Values")?,
-            zeros: zeros
-                .map(|name| series_of(&name))
-                .collect::<hdf5::Result<_>>()?,
-            zero_columns: ZERO_COLUMNS
-                .into_iter()
-                .map(series_of)
-                .collect::<hdf5::Result<_>>()?,
+            zeros: all(&mut ZEROS.into_iter().map(str::to_owned).chain(of_labels))?,
+            zero_columns: all(&mut ZERO_COLUMNS.into_iter().map(str::to_owned))?,
             parts: series_of("NumberOfParts")?,
             fields: columns.iter().map(of_column).collect::<hdf5::Result<_>>()?,
             series: series
                 .iter()
                 .map(|name| field("FieldData", name, (1, 1)))
                 .collect::<hdf5::Result<_>>()?,
-            series_sizes: sizes
-                .map(|name| series_of(&name))
-                .collect::<hdf5::Result<_>>()?,
+            series_sizes: all(&mut sizes)?,
             step_count,
         })
     }
@@ -323,6 +324,19 @@ impl Grid {
         self.steps = step + 1;
         Ok(())
     }
+}
+
+/// Writes the version and type of an unstructured grid.
+fn write_kind(root: &hdf5::Group) -> hdf5::Result<()> {
+    root.new_attr::<i64>()
+        .shape(2)
+        .create("Version")?
+        .write(&[2_i64, 0])?;
+    let kind = FixedAscii::<16>::from_ascii(b"UnstructuredGrid");
+    root.new_attr::<FixedAscii<16>>()
+        .shape(())
+        .create("Type")?
+        .write_scalar(&kind.map_err(|error| error.to_string())?)
 }
 
 fn write_geometry(root: &hdf5::Group, geometry: &Geometry) -> hdf5::Result<()> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hdf5_metno as hdf5;
 
-use super::grid::{Column, Geometry, Grid, On, Values};
+use super::grid::{Column, Geometry, Grid, Meshed, On, Values};
 use super::history::{self, History};
 use super::quads::Quarters;
 use super::{HEXAHEDRON, INTERFACES, about};
@@ -53,14 +53,6 @@ pub struct WorkFile {
     file: hdf5::File,
 }
 
-/// Description of a grid.
-struct Meshed<'a> {
-    geometry: &'a Geometry,
-    columns: &'a [Column],
-    labels: &'a [(&'static str, Vec<i64>)],
-    series: &'a [&'a str],
-}
-
 /// Fields of a frame that need conversion for the file.
 pub struct Fields {
     principal_stress: Vec<[f64; 3]>,
@@ -80,8 +72,7 @@ impl WorkFile {
         about::write(&file, model)?;
         let history = History::create(&file, model)?;
         Self::with(file, history, model, |file, name, of| {
-            let root = file.create_group(name)?;
-            Grid::create(&root, of.geometry, of.columns, of.labels, of.series)
+            Grid::create(&file.create_group(name)?, of)
         })
     }
 
@@ -94,8 +85,7 @@ impl WorkFile {
         let frames = history::frames_until(&file, increment)?;
         let history = History::open(&file, model, increment)?;
         Self::with(file, history, model, |file, name, of| {
-            let root = file.group(name)?;
-            Grid::open(&root, of.geometry, of.columns, of.labels, of.series, frames)
+            Grid::open(&file.group(name)?, of, frames)
         })
     }
 

@@ -1,9 +1,9 @@
 //! Materials of an `.inp`: elasticity, density, concrete damaged plasticity.
 
 use super::lines::Keyword;
-use super::reader::Reader;
+use super::reader::{Reader, there_are_two};
 use crate::deck::import::material::{ImportedMaterial, Measure};
-use crate::deck::import::numbers::real;
+use crate::deck::import::numbers::{numbers, real};
 use crate::deck::import::{Place, Wrong};
 
 /// The table of a material to which data lines belong.
@@ -30,17 +30,7 @@ impl Reader {
     /// A material without a name, or with the name of another one.
     pub(super) fn material_keyword(&mut self, keyword: &Keyword) -> Result<Option<Table>, Wrong> {
         if keyword.name == "MATERIAL" {
-            let name = keyword.required("NAME")?;
-            let materials = &mut self.raw.materials;
-            if materials.iter().any(|m| m.name.eq_ignore_ascii_case(&name)) {
-                return Err(Wrong::new(
-                    keyword.place,
-                    format!("there are two materials named {name}"),
-                    "give each a name of its own",
-                ));
-            }
-            materials.push(ImportedMaterial::new(name, keyword.place));
-            return Ok(Some(Table::None));
+            return self.begin_material(keyword).map(|()| Some(Table::None));
         }
         let Some(material) = self.raw.materials.last_mut() else {
             return Ok(None);
@@ -101,6 +91,16 @@ impl Reader {
         }
     }
 
+    fn begin_material(&mut self, keyword: &Keyword) -> Result<(), Wrong> {
+        let name = keyword.required("NAME")?;
+        let materials = &mut self.raw.materials;
+        if materials.iter().any(|m| m.name.eq_ignore_ascii_case(&name)) {
+            return Err(there_are_two("materials", &name, keyword.place));
+        }
+        materials.push(ImportedMaterial::new(name, keyword.place));
+        Ok(())
+    }
+
     /// Reads a data line of a table.
     pub(super) fn material_row(&mut self, table: Table, fields: &[&str], place: Place) {
         let ended = &mut self.table_ended;
@@ -114,11 +114,7 @@ impl Reader {
         };
         let filled = fields.iter().rposition(|f| !f.is_empty());
         let fields = &fields[..filled.map_or(0, |last| last + 1)];
-        let number = |f: &&str| match *f {
-            "" => Some(f64::NAN),
-            text => real(text),
-        };
-        let Some(numbers) = fields.iter().map(number).collect::<Option<Vec<f64>>>() else {
+        let Some(numbers) = numbers(fields, f64::NAN) else {
             let (row, line) = (fields.join(", "), place.line);
             let why =
                 || format!("`{row}` (line {line}) is no row of numbers with commas between them");
@@ -129,9 +125,7 @@ impl Reader {
         let pair = || [at(0), if at(1).is_nan() { 0.0 } else { at(1) }];
         match table {
             Table::None => {}
-            Table::Elastic if material.elastic.is_none() => {
-                material.elastic = Some(pair());
-            }
+            Table::Elastic if material.elastic.is_none() => material.elastic = Some(pair()),
             Table::Density if material.density.is_none() => material.density = Some(at(0)),
             Table::Elastic | Table::Density => material.depends = true,
             Table::Plasticity => {
@@ -153,18 +147,9 @@ impl Reader {
                     material.depends = true;
                 }
             }
-            Table::Stiffening => {
-                let rows = &mut material.stiffening.rows;
-                add(rows, pair(), ended);
-            }
-            Table::CompressionDamage => {
-                let rows = &mut material.compression_damage;
-                add(rows, pair(), ended);
-            }
-            Table::TensionDamage => {
-                let rows = &mut material.tension_damage.rows;
-                add(rows, pair(), ended);
-            }
+            Table::Stiffening => add(&mut material.stiffening.rows, pair(), ended),
+            Table::CompressionDamage => add(&mut material.compression_damage, pair(), ended),
+            Table::TensionDamage => add(&mut material.tension_damage.rows, pair(), ended),
         }
         material.depends |= *ended;
     }

@@ -86,6 +86,17 @@ pub(super) struct Scope {
     pub(super) sections: Vec<SolidSection>,
 }
 
+impl Scope {
+    /// Sets of nodes, or of elements.
+    pub(super) fn sets(&mut self, of_nodes: bool) -> &mut Vec<Set> {
+        if of_nodes {
+            &mut self.node_sets
+        } else {
+            &mut self.element_sets
+        }
+    }
+}
+
 /// An instance of a part in the assembly.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::lines::{Keyword, Sink, unquoted};
 use super::materials::Table;
-use super::raw::{Element, Instance, Member, Node, Other, Raw, Scope, Set, SolidSection};
+use super::raw::{Element, Instance, Member, Node, Other, Raw, Scope, SolidSection};
 use super::sets;
-use crate::deck::import::numbers::{label, real};
+use crate::deck::import::numbers::{label, numbers, real};
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Place, Wrong};
 
 /// Meaning of the data lines that follow.
@@ -17,13 +17,8 @@ pub(super) enum Now {
     Skipped,
     /// Nodes; in cylindrical coordinates if `cylindrical`, members of the last set if `named`.
     Nodes { cylindrical: bool, named: bool },
-    /// Elements of a type that is read, members of the last set if `named`; with the numbers of the current element
-    /// so far, and its place.
-    Elements {
-        numbers: Vec<u64>,
-        place: Place,
-        named: bool,
-    },
+    /// Elements of a type that is read.
+    Elements(Begun),
     /// Elements of a type that is not read; with the number of nodes of each, if known.
     Others {
         kind: Arc<str>,
@@ -37,6 +32,17 @@ pub(super) enum Now {
     Instance,
     /// A table of the last material.
     Material(Table),
+}
+
+/// An element of which lines may be missing.
+#[derive(Debug)]
+pub(super) struct Begun {
+    /// Its label and the labels of its nodes so far.
+    numbers: Vec<u64>,
+    /// Place of its first line.
+    place: Place,
+    /// Whether it is a member of the last set.
+    named: bool,
 }
 
 /// Scope to which nodes, elements and sets are added.
@@ -102,7 +108,7 @@ impl Reader {
     /// Checks that the last element is complete.
     fn close(&mut self) -> Result<(), Wrong> {
         let now = std::mem::take(&mut self.now);
-        let Now::Elements { numbers, place, .. } = now else {
+        let Now::Elements(Begun { numbers, place, .. }) = now else {
             return Ok(());
         };
         match numbers.first() {
@@ -146,16 +152,37 @@ impl Reader {
         }
         self.now = if is_hexahedron(&kind) {
             self.raw.types.entry(kind).or_default();
-            Now::Elements {
+            Now::Elements(Begun {
                 numbers: Vec::new(),
                 place: keyword.place,
                 named: keyword.has("ELSET"),
-            }
+            })
         } else {
             let nodes = nodes_of(&kind);
             let kind = kind.into();
             Now::Others { kind, nodes }
         };
+        Ok(())
+    }
+
+    fn set_keyword(&mut self, keyword: &Keyword, of_nodes: bool) -> Result<(), Wrong> {
+        let set = sets::set(keyword, of_nodes)?;
+        self.scope().sets(of_nodes).push(set);
+        let generated = keyword.has("GENERATE");
+        self.now = Now::Set {
+            of_nodes,
+            generated,
+        };
+        Ok(())
+    }
+
+    fn part_keyword(&mut self, keyword: &Keyword) -> Result<(), Wrong> {
+        let part = keyword.required("NAME")?.to_uppercase();
+        if self.raw.parts.contains_key(&part) {
+            return Err(there_are_two("parts", &part, keyword.place));
+        }
+        self.raw.parts.insert(part.clone(), Scope::default());
+        self.within = Within::Part(part);
         Ok(())
     }
 
@@ -211,15 +238,10 @@ impl Reader {
     }
 
     /// Reads the numbers of a line; an element may continue over several lines.
-    fn element(
-        &mut self,
-        fields: &[&str],
-        place: Place,
-        mut numbers: Vec<u64>,
-        begun: Place,
-        named: bool,
-    ) -> Result<(), Wrong> {
-        let begun = if numbers.is_empty() { place } else { begun };
+    fn element(&mut self, fields: &[&str], place: Place, mut begun: Begun) -> Result<(), Wrong> {
+        if begun.numbers.is_empty() {
+            begun.place = place;
+        }
         for field in fields.iter().filter(|f| !f.is_empty()) {
             let Some(number) = label(field) else {
                 return Err(Wrong::new(
@@ -228,39 +250,40 @@ impl Reader {
                     "a line is its label and the labels of its eight nodes",
                 ));
             };
-            numbers.push(number);
+            begun.numbers.push(number);
         }
-        if let [first, nodes @ ..] = &numbers[..]
+        if let [label, nodes @ ..] = &begun.numbers[..]
             && nodes.len() >= 8
         {
             // Some programs write more than eight labels: nodes of incompatible modes, or of a quadratic element.
             if nodes.len() > 8 {
-                self.raw.long.get_or_insert((0, begun)).0 += 1;
+                self.raw.long.get_or_insert((0, begun.place)).0 += 1;
             }
             let Ok(nodes) = <[u64; 8]>::try_from(&nodes[..8]) else {
                 return Ok(()); // never: the slice has eight labels
             };
-            self.elements += 1;
-            if self.elements > MOST_ELEMENTS {
-                return Err(too_many(place, "elements"));
-            }
-            let label = *first;
+            let label = *label;
+            self.count_element(place)?;
             let scope = self.scope();
             scope.elements.push(Element {
                 label,
                 nodes,
-                place: begun,
+                place: begun.place,
             });
-            if named {
+            if begun.named {
                 sets::follow(&mut scope.element_sets, label);
             }
-            numbers.clear();
+            begun.numbers.clear();
         }
-        self.now = Now::Elements {
-            numbers,
-            place: begun,
-            named,
-        };
+        self.now = Now::Elements(begun);
+        Ok(())
+    }
+
+    fn count_element(&mut self, place: Place) -> Result<(), Wrong> {
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            return Err(too_many(place, "elements"));
+        }
         Ok(())
     }
 
@@ -287,13 +310,9 @@ impl Reader {
     }
 
     fn moved(&mut self, fields: &[&str], place: Place) -> Result<(), Wrong> {
-        let numbers: Option<Vec<f64>> = fields
-            .iter()
-            .map(|f| if f.is_empty() { Some(0.0) } else { real(f) })
-            .collect();
         let fits = |numbers: &Vec<f64>| [1, 2, 3, 7].contains(&numbers.len());
-        let (Some(numbers), Some(instance)) = (numbers.filter(fits), self.raw.instances.last_mut())
-        else {
+        let numbers = numbers(fields, 0.0).filter(fits);
+        let (Some(numbers), Some(instance)) = (numbers, self.raw.instances.last_mut()) else {
             return Err(Wrong::new(
                 place,
                 format!("`{}` places no instance", fields.join(", ")),
@@ -324,21 +343,7 @@ impl Sink for Reader {
         match name {
             "NODE" => self.node_keyword(keyword)?,
             "ELEMENT" => self.element_keyword(keyword)?,
-            "NSET" | "ELSET" => {
-                let of_nodes = name == "NSET";
-                let set = sets::set(keyword, of_nodes)?;
-                let scope = self.scope();
-                if of_nodes {
-                    scope.node_sets.push(set);
-                } else {
-                    scope.element_sets.push(set);
-                }
-                let generated = keyword.has("GENERATE");
-                self.now = Now::Set {
-                    of_nodes,
-                    generated,
-                };
-            }
+            "NSET" | "ELSET" => self.set_keyword(keyword, name == "NSET")?,
             "SURFACE" => {
                 let surface = sets::surface(keyword)?;
                 if let Some(surface) = surface {
@@ -356,18 +361,7 @@ impl Sink for Reader {
                 };
                 self.scope().sections.push(section);
             }
-            "PART" => {
-                let part = keyword.required("NAME")?.to_uppercase();
-                if self.raw.parts.contains_key(&part) {
-                    return Err(Wrong::new(
-                        keyword.place,
-                        format!("there are two parts named {part}"),
-                        "give each a name of its own",
-                    ));
-                }
-                self.raw.parts.insert(part.clone(), Scope::default());
-                self.within = Within::Part(part);
-            }
+            "PART" => self.part_keyword(keyword)?,
             "INSTANCE" => self.instance_keyword(keyword)?,
             "END PART" | "END INSTANCE" | "ASSEMBLY" | "END ASSEMBLY" => {
                 self.within = Within::Assembly;
@@ -401,20 +395,21 @@ impl Sink for Reader {
                 let (cylindrical, named) = (*cylindrical, *named);
                 self.node(fields, place, cylindrical, named)
             }
-            Now::Elements {
+            Now::Elements(Begun {
                 numbers,
                 place: begun,
                 named,
-            } => {
-                let (numbers, begun, named) = (std::mem::take(numbers), *begun, *named);
-                self.element(fields, place, numbers, begun, named)
+            }) => {
+                let begun = Begun {
+                    numbers: std::mem::take(numbers),
+                    place: *begun,
+                    named: *named,
+                };
+                self.element(fields, place, begun)
             }
             Now::Others { kind, nodes } => {
                 let (kind, nodes) = (Arc::clone(kind), *nodes);
-                self.elements += 1;
-                if self.elements > MOST_ELEMENTS {
-                    return Err(too_many(place, "elements"));
-                }
+                self.count_element(place)?;
                 self.other(fields, place, &kind, nodes);
                 Ok(())
             }
@@ -423,15 +418,8 @@ impl Sink for Reader {
                 generated,
             } => {
                 let (of_nodes, generated) = (*of_nodes, *generated);
-                let scope = self.scope();
-                let all = if of_nodes {
-                    &mut scope.node_sets
-                } else {
-                    &mut scope.element_sets
-                };
-                all.last_mut().map_or(Ok(()), |set: &mut Set| {
-                    sets::members(set, fields, generated, place)
-                })
+                let last = self.scope().sets(of_nodes).last_mut();
+                last.map_or(Ok(()), |set| sets::members(set, fields, generated, place))
             }
             Now::Surface => {
                 let last = self.scope().surfaces.last_mut();
@@ -470,6 +458,14 @@ impl Reader {
         let skipped = &mut self.raw.skipped;
         skipped.entry(keyword.name.clone()).or_insert(keyword.place);
     }
+}
+
+pub(super) fn there_are_two(what: &str, name: &str, place: Place) -> Wrong {
+    Wrong::new(
+        place,
+        format!("there are two {what} named {name}"),
+        "give each a name of its own",
+    )
 }
 
 fn too_many(place: Place, what: &str) -> Wrong {

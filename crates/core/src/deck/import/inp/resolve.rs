@@ -6,6 +6,7 @@ mod surfaces;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::raw::{Instance, Member, Node, Raw, Scope, Set};
+use crate::deck::import::numbers::label;
 use crate::deck::import::{ImportedMesh, MOST_ELEMENTS, MOST_NODES, Place, Section, Wrong};
 use crate::deck::keys::nearest;
 use crate::element::hexahedron::norm;
@@ -47,36 +48,9 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
         notes: notes(&raw),
         ..ImportedMesh::default()
     };
-    let mut frames = vec![Frame::of(None, vec![&raw.scope])];
-    for (i, instance) in raw.instances.iter().enumerate() {
-        let part = raw.parts.get(&instance.part.to_uppercase());
-        let part = part.ok_or_else(|| unknown_part(&raw, instance))?;
-        let twice = raw.instances[..i]
-            .iter()
-            .any(|other| other.name.eq_ignore_ascii_case(&instance.name));
-        if twice || u16::try_from(i).is_err() {
-            return Err(Wrong::new(
-                instance.place,
-                format!("there are two instances named {}", instance.name),
-                "give each a name of its own; at most 65535 in all",
-            ));
-        }
-        mesh.instances.push(instance.name.clone());
-        frames.push(Frame::of(
-            Some(instance.name.clone()),
-            vec![part, &instance.own],
-        ));
-    }
-    if frames.len() == 1
-        && raw.scope.elements.is_empty()
-        && let Some((name, _)) = raw.parts.iter().find(|(_, p)| !p.elements.is_empty())
-    {
-        return Err(Wrong::new(
-            Place::default(),
-            format!("the part {name} stands nowhere: there is no *INSTANCE of it"),
-            "write the assembly, too, or take *PART and *END PART out",
-        ));
-    }
+    let mut frames = frames_of(&raw)?;
+    let instances = raw.instances.iter().map(|instance| instance.name.clone());
+    mesh.instances.extend(instances);
     let empty = Vec::new();
     for (i, frame) in frames.iter_mut().enumerate() {
         let instance = i.checked_sub(1);
@@ -92,25 +66,43 @@ pub(super) fn resolve(raw: Raw) -> Result<ImportedMesh, Wrong> {
     surfaces(&frames, &mut mesh)?;
     sections(&frames, &mut mesh)?;
     for frame in frames {
-        let prefix = prefix(frame.name.as_deref());
-        let [nodes, elements] = frame.found;
-        let written = |kind: usize, capitals: &str| {
-            let first = frame.sets[kind].get(capitals).and_then(|sets| sets.first());
-            format!("{prefix}{}", first.map_or(capitals, |set| &set.name))
-        };
-        let nodes = nodes.into_iter().map(|(n, set)| (written(NODES, &n), set));
-        mesh.node_sets.extend(nodes);
-        // Sets that contain only elements of other types are dropped.
-        let others = !frame.others.is_empty();
-        let elements = elements
-            .into_iter()
-            .filter(|(_, set)| !(others && set.is_empty()));
-        let elements = elements.map(|(n, set)| (written(ELEMENTS, &n), set));
-        mesh.element_sets.extend(elements);
+        frame.give_sets(&mut mesh);
     }
     mesh.materials = raw.materials;
     mesh.take_unused_nodes_out();
     Ok(mesh)
+}
+
+/// Frames of the assembly and of each instance.
+fn frames_of(raw: &Raw) -> Result<Vec<Frame<'_>>, Wrong> {
+    let mut frames = vec![Frame::of(None, vec![&raw.scope])];
+    for (i, instance) in raw.instances.iter().enumerate() {
+        let part = raw.parts.get(&instance.part.to_uppercase());
+        let part = part.ok_or_else(|| unknown_part(raw, instance))?;
+        let twice = raw.instances[..i]
+            .iter()
+            .any(|other| other.name.eq_ignore_ascii_case(&instance.name));
+        if twice || u16::try_from(i).is_err() {
+            return Err(Wrong::new(
+                instance.place,
+                format!("there are two instances named {}", instance.name),
+                "give each a name of its own; at most 65535 in all",
+            ));
+        }
+        let scopes = vec![part, &instance.own];
+        frames.push(Frame::of(Some(instance.name.clone()), scopes));
+    }
+    if frames.len() == 1
+        && raw.scope.elements.is_empty()
+        && let Some((name, _)) = raw.parts.iter().find(|(_, p)| !p.elements.is_empty())
+    {
+        return Err(Wrong::new(
+            Place::default(),
+            format!("the part {name} stands nowhere: there is no *INSTANCE of it"),
+            "write the assembly, too, or take *PART and *END PART out",
+        ));
+    }
+    Ok(frames)
 }
 
 fn unknown_part(raw: &Raw, instance: &Instance) -> Wrong {
@@ -127,26 +119,19 @@ fn unknown_part(raw: &Raw, instance: &Instance) -> Wrong {
     )
 }
 
-/// `INSTANCE.`, or nothing for the assembly.
-fn prefix(name: Option<&str>) -> String {
-    name.map_or(String::new(), |name| format!("{name}."))
-}
-
 impl<'a> Frame<'a> {
     fn of(name: Option<String>, scopes: Vec<&'a Scope>) -> Self {
-        let mut sets = [BTreeMap::new(), BTreeMap::new()];
-        for scope in &scopes {
-            for (kind, of_kind) in [&scope.node_sets, &scope.element_sets]
-                .into_iter()
-                .enumerate()
-            {
-                for set in of_kind {
-                    let named: &mut Vec<&Set> =
-                        sets[kind].entry(set.name.to_uppercase()).or_default();
-                    named.push(set);
-                }
+        let named = |of_kind: fn(&Scope) -> &[Set]| {
+            let mut named: BTreeMap<String, Vec<&Set>> = BTreeMap::new();
+            for set in scopes.iter().flat_map(|scope| of_kind(scope)) {
+                named.entry(set.name.to_uppercase()).or_default().push(set);
             }
-        }
+            named
+        };
+        let sets = [
+            named(|scope| &scope.node_sets),
+            named(|scope| &scope.element_sets),
+        ];
         Self {
             name,
             scopes,
@@ -156,6 +141,32 @@ impl<'a> Frame<'a> {
             sets,
             found: Default::default(),
         }
+    }
+
+    /// `INSTANCE.NAME`, or the name in the assembly.
+    fn full(&self, name: &str) -> String {
+        match &self.name {
+            Some(instance) => format!("{instance}.{name}"),
+            None => name.to_owned(),
+        }
+    }
+
+    /// Adds the resolved sets to the mesh, by the names of the file.
+    fn give_sets(mut self, mesh: &mut ImportedMesh) {
+        let [nodes, elements] = std::mem::take(&mut self.found);
+        let written = |kind: usize, capitals: &str| {
+            let first = self.sets[kind].get(capitals).and_then(|sets| sets.first());
+            self.full(first.map_or(capitals, |set| &set.name))
+        };
+        let nodes = nodes.into_iter().map(|(n, set)| (written(NODES, &n), set));
+        mesh.node_sets.extend(nodes);
+        // Sets that contain only elements of other types are dropped.
+        let others = !self.others.is_empty();
+        let elements = elements
+            .into_iter()
+            .filter(|(_, set)| !(others && set.is_empty()));
+        let elements = elements.map(|(n, set)| (written(ELEMENTS, &n), set));
+        mesh.element_sets.extend(elements);
     }
 
     /// Indices of the labels in a range: first, last, step.
@@ -271,11 +282,9 @@ fn look_up(
     for kind in [ELEMENTS, NODES] {
         let names: Vec<String> = frames[at].sets[kind].keys().cloned().collect();
         for name in names {
-            let mut found = Vec::new();
-            let mut absent = None;
-            gather(frames, at, kind, &name, mesh, 0, &mut found, &mut absent)?;
-            found.sort_unstable();
-            found.dedup();
+            let mut search = Search::new(frames, mesh, kind);
+            search.set(at, &name, 0)?;
+            let Search { found, absent, .. } = search;
             *members += found.len();
             if *members > MOST_MEMBERS {
                 return Err(Wrong::new(
@@ -286,9 +295,9 @@ fn look_up(
             }
             if let Some((label, count)) = absent {
                 mesh.notes.push(format!(
-                    "{} {}{name}: {count} of its labels are not there (the first is {label})",
+                    "{} {}: {count} of its labels are not there (the first is {label})",
                     KINDS[kind],
-                    prefix(frames[at].name.as_deref())
+                    frames[at].full(&name)
                 ));
             }
             frames[at].found[kind].insert(name, found);
@@ -297,108 +306,118 @@ fn look_up(
     Ok(())
 }
 
-/// Adds the members of a set of a frame; the name is in capitals.
-fn gather(
-    frames: &[Frame<'_>],
-    at: usize,
+/// Search for the nodes or elements that members of sets denote.
+struct Search<'s, 'a> {
+    frames: &'s [Frame<'a>],
+    mesh: &'s ImportedMesh,
     kind: usize,
-    name: &str,
-    mesh: &ImportedMesh,
-    depth: usize,
-    found: &mut Vec<u32>,
-    absent: &mut Option<(u64, usize)>,
-) -> Result<(), Wrong> {
-    if let Some(known) = frames[at].found[kind].get(name) {
-        found.extend(known);
-        return Ok(());
-    }
-    let Some(definitions) = frames[at].sets[kind].get(name) else {
-        return Ok(());
-    };
-    for set in definitions {
-        let of = match set.instance.as_deref() {
-            None => at,
-            Some(instance) => frame_named(frames, instance, set.place)?,
-        };
-        for member in &set.members {
-            one(
-                frames, of, kind, member, set.place, mesh, depth, found, absent,
-            )?;
-            // A set may name the same members on every line.
-            if found.len() > 64 + 2 * (mesh.nodes.len() + mesh.elements.len()) {
-                found.sort_unstable();
-                found.dedup();
-            }
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
-    Ok(())
+    found: Vec<u32>,
+    /// The first label that is not there, and the number of those.
+    absent: Option<(u64, usize)>,
 }
 
-/// Adds the nodes or elements that one member denotes.
-fn one(
-    frames: &[Frame<'_>],
-    at: usize,
-    kind: usize,
-    member: &Member,
-    place: Place,
-    mesh: &ImportedMesh,
-    depth: usize,
-    found: &mut Vec<u32>,
-    absent: &mut Option<(u64, usize)>,
-) -> Result<(), Wrong> {
-    match member {
-        Member::Label(label) => match frames[at].labels[kind].get(label) {
-            Some(index) => found.push(*index),
-            None if kind == ELEMENTS && frames[at].others.contains(label) => {}
-            None => absent.get_or_insert((*label, 0)).1 += 1,
-        },
-        Member::Range(range) => found.extend(frames[at].range(kind, *range)),
-        Member::NodesOf(set) => {
-            let mut elements = Vec::new();
-            let name = Member::Name(set.clone());
-            one(
-                frames,
-                at,
-                ELEMENTS,
-                &name,
-                place,
-                mesh,
-                depth,
-                &mut elements,
-                absent,
-            )?;
-            found.extend(elements.iter().flat_map(|&e| mesh.elements[e as usize]));
-        }
-        Member::Name(name) => {
-            if depth >= DEEPEST {
-                return Err(Wrong::new(
-                    place,
-                    format!("the set {name} is made of sets that are made of sets, and so on"),
-                    "let sets not contain each other in a circle",
-                ));
-            }
-            let (at, name) = place_of(frames, at, name, place)?;
-            if let Some(index) = crate::deck::import::numbers::label(name)
-                .and_then(|label| frames[at].labels[kind].get(&label))
-            {
-                found.push(*index);
-                return Ok(());
-            }
-            let label = crate::deck::import::numbers::label(name);
-            if kind == ELEMENTS && label.is_some_and(|label| frames[at].others.contains(&label)) {
-                return Ok(()); // belongs to an instance and was left out
-            }
-            let name = name.to_uppercase();
-            if !frames[at].sets[kind].contains_key(&name) {
-                let known = frames[at].sets[kind].keys().map(String::as_str);
-                return Err(unknown(KINDS[kind], &name, known, place));
-            }
-            gather(frames, at, kind, &name, mesh, depth + 1, found, absent)?;
+impl<'s, 'a> Search<'s, 'a> {
+    fn new(frames: &'s [Frame<'a>], mesh: &'s ImportedMesh, kind: usize) -> Self {
+        Self {
+            frames,
+            mesh,
+            kind,
+            found: Vec::new(),
+            absent: None,
         }
     }
-    Ok(())
+
+    /// Adds the members of a set of a frame; the name is in capitals.
+    fn set(&mut self, at: usize, name: &str, depth: usize) -> Result<(), Wrong> {
+        let frame = &self.frames[at];
+        if let Some(known) = frame.found[self.kind].get(name) {
+            self.found.extend(known);
+            return Ok(());
+        }
+        let Some(definitions) = frame.sets[self.kind].get(name) else {
+            return Ok(());
+        };
+        for set in definitions {
+            let of = match set.instance.as_deref() {
+                None => at,
+                Some(instance) => frame_named(self.frames, instance, set.place)?,
+            };
+            for member in &set.members {
+                self.member(of, member, set.place, depth)?;
+                // A set may name the same members on every line.
+                if self.found.len() > 64 + 2 * (self.mesh.nodes.len() + self.mesh.elements.len()) {
+                    self.sort();
+                }
+            }
+        }
+        self.sort();
+        Ok(())
+    }
+
+    fn sort(&mut self) {
+        self.found.sort_unstable();
+        self.found.dedup();
+    }
+
+    /// Adds the nodes or elements that one member denotes.
+    fn member(
+        &mut self,
+        at: usize,
+        member: &Member,
+        place: Place,
+        depth: usize,
+    ) -> Result<(), Wrong> {
+        let (frame, kind) = (&self.frames[at], self.kind);
+        match member {
+            Member::Label(label) => match frame.labels[kind].get(label) {
+                Some(index) => self.found.push(*index),
+                None if kind == ELEMENTS && frame.others.contains(label) => {}
+                None => self.absent.get_or_insert((*label, 0)).1 += 1,
+            },
+            Member::Range(range) => self.found.extend(frame.range(kind, *range)),
+            Member::NodesOf(set) => {
+                let mut elements = Search::new(self.frames, self.mesh, ELEMENTS);
+                elements.absent = self.absent;
+                elements.member(at, &Member::Name(set.clone()), place, depth)?;
+                self.absent = elements.absent;
+                let nodes = elements
+                    .found
+                    .iter()
+                    .flat_map(|&e| self.mesh.elements[e as usize]);
+                self.found.extend(nodes);
+            }
+            Member::Name(name) => self.named(at, name, place, depth)?,
+        }
+        Ok(())
+    }
+
+    /// Adds what a name denotes: a set, or the label of a node or an element of an instance.
+    fn named(&mut self, at: usize, name: &str, place: Place, depth: usize) -> Result<(), Wrong> {
+        if depth >= DEEPEST {
+            return Err(Wrong::new(
+                place,
+                format!("the set {name} is made of sets that are made of sets, and so on"),
+                "let sets not contain each other in a circle",
+            ));
+        }
+        let (at, name) = place_of(self.frames, at, name, place)?;
+        let (frame, kind) = (&self.frames[at], self.kind);
+        if let Some(label) = label(name) {
+            if let Some(index) = frame.labels[kind].get(&label) {
+                self.found.push(*index);
+                return Ok(());
+            }
+            if kind == ELEMENTS && frame.others.contains(&label) {
+                return Ok(()); // belongs to an instance and was left out
+            }
+        }
+        let name = name.to_uppercase();
+        if !frame.sets[kind].contains_key(&name) {
+            let known = frame.sets[kind].keys().map(String::as_str);
+            return Err(unknown(KINDS[kind], &name, known, place));
+        }
+        self.set(at, &name, depth + 1)
+    }
 }
 
 /// Splits `INSTANCE.NAME` in the assembly into the frame of the instance and the name; other names stay in frame
@@ -449,22 +468,11 @@ fn unknown<'a>(
 fn sections(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<(), Wrong> {
     for (at, frame) in frames.iter().enumerate() {
         for section in frame.scopes.iter().flat_map(|s| &s.sections) {
-            let (mut elements, mut absent) = (Vec::new(), None);
-            let set = Member::Name(section.set.clone());
-            let place = section.place;
-            one(
-                frames,
-                at,
-                ELEMENTS,
-                &set,
-                place,
-                mesh,
-                0,
-                &mut elements,
-                &mut absent,
-            )?;
+            let mut search = Search::new(frames, mesh, ELEMENTS);
+            search.named(at, &section.set, section.place, 0)?;
+            let elements = search.found;
             mesh.sections.push(Section {
-                set: format!("{}{}", prefix(frame.name.as_deref()), section.set),
+                set: frame.full(&section.set),
                 elements,
                 material: section.material.clone(),
                 place: section.place,

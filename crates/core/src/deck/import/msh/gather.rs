@@ -38,6 +38,16 @@ pub(super) struct Gathered {
     others: usize,
 }
 
+/// An element of a file.
+pub(super) struct Element<'a> {
+    /// Type.
+    pub(super) kind: i64,
+    pub(super) tag: u64,
+    /// Labels of its nodes.
+    pub(super) nodes: &'a [u64],
+    pub(super) place: Place,
+}
+
 impl Gathered {
     /// Number of elements so far.
     pub(super) fn count(&self) -> usize {
@@ -60,11 +70,13 @@ impl Gathered {
     /// Adds an element: a hexahedron, or an element of lower dimension that is in a group.
     pub(super) fn element(
         &mut self,
-        kind: i64,
-        tag: u64,
-        nodes: &[u64],
+        Element {
+            kind,
+            tag,
+            nodes,
+            place,
+        }: Element<'_>,
         groups: &[i64],
-        place: Place,
     ) -> Result<(), Wrong> {
         let mut found = [0; 125];
         for (index, node) in found.iter_mut().zip(nodes) {

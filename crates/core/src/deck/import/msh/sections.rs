@@ -1,7 +1,7 @@
 //! Reads the sections of a `.msh`.
 
 use super::cursor::{Cursor, Endian};
-use super::gather::Gathered;
+use super::gather::{Element, Gathered};
 use crate::deck::import::numbers::real;
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Wrong};
 use crate::error::is_hidden;
@@ -107,6 +107,15 @@ pub(super) fn entities(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Resu
     Ok(())
 }
 
+/// Number of blocks of a section; three other numbers stand behind it.
+fn blocks(cursor: &mut Cursor<'_>) -> Result<u64, Wrong> {
+    let blocks = cursor.size()?;
+    for _ in 0..3 {
+        cursor.size()?;
+    }
+    Ok(blocks)
+}
+
 /// `$Nodes`.
 pub(super) fn nodes(
     cursor: &mut Cursor<'_>,
@@ -129,11 +138,7 @@ pub(super) fn nodes(
         }
         return Ok(());
     }
-    let blocks = cursor.size()?;
-    for _ in 0..3 {
-        cursor.size()?;
-    }
-    for _ in 0..blocks {
+    for _ in 0..blocks(cursor)? {
         let (dimension, _, parametric) = (cursor.int()?, cursor.int()?, cursor.int()?);
         let count = cursor.size()?;
         let mut tags = Vec::new();
@@ -168,11 +173,7 @@ pub(super) fn elements(
     if version == 2 {
         return elements_of_2(cursor, gathered);
     }
-    let blocks = cursor.size()?;
-    for _ in 0..3 {
-        cursor.size()?;
-    }
-    for _ in 0..blocks {
+    for _ in 0..blocks(cursor)? {
         let (dimension, entity, kind) = (cursor.int()?, cursor.int()?, cursor.int()?);
         let count = cursor.size()?;
         let groups = gathered.groups.get(&(dimension, entity));
@@ -185,7 +186,16 @@ pub(super) fn elements(
             for node in &mut nodes[..corners] {
                 *node = cursor.size()?;
             }
-            gathered.element(kind, tag, &nodes[..corners], &groups, place)?;
+            let nodes = &nodes[..corners];
+            gathered.element(
+                Element {
+                    kind,
+                    tag,
+                    nodes,
+                    place,
+                },
+                &groups,
+            )?;
             require_countable(cursor, gathered)?;
         }
     }
@@ -232,7 +242,16 @@ fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(),
                 *node = cursor.tag(2)?;
             }
             let groups: &[i64] = if group == 0 { &[] } else { &[group] };
-            gathered.element(kind, tag, &nodes[..corners], groups, place)?;
+            let nodes = &nodes[..corners];
+            gathered.element(
+                Element {
+                    kind,
+                    tag,
+                    nodes,
+                    place,
+                },
+                groups,
+            )?;
             require_countable(cursor, gathered)?;
             place = next_line(cursor);
             read += 1;

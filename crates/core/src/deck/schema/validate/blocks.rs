@@ -2,7 +2,7 @@
 
 use super::Checks;
 use crate::deck::keys;
-use crate::deck::quantity::Quantity;
+use crate::deck::quantity::{Length, Quantity};
 use crate::deck::rigid;
 use crate::deck::schema::{DeckArch, DeckBlock, Names};
 use crate::error::ModelError;
@@ -60,9 +60,7 @@ impl Checks<'_> {
             self.not_empty(&format!("{path}.on"), Some(&beam.on));
             self.positive(&format!("{path}.depth"), beam.depth);
             self.known_interface(&format!("{path}.interface"), &beam.interface);
-            if let Some(density) = beam.density {
-                self.not_negative(&format!("{path}.density"), density);
-            }
+            self.not_negative(&format!("{path}.density"), beam.density);
         }
     }
 
@@ -147,6 +145,22 @@ impl Checks<'_> {
             || format!("`{}` is no name for a block", block.name),
             "letters, digits, - and _; a dot parts the block from its face",
         );
+        self.shape(path, block);
+        self.require(
+            !block.rigid || block.nodes.is_none(),
+            &key("rigid"),
+            || "a grid of nodes is made to deform".to_owned(),
+            "rigid blocks have a `size` or `corners`",
+        );
+        self.column(path, block);
+        self.known_material(&key("material"), &block.material);
+        self.elements(&key("mesh"), block.mesh, "blocks.mesh");
+        self.copies(path, block);
+    }
+
+    /// Checks that a block has one shape, and a sound one.
+    fn shape(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
         let shapes = [
             ("size", block.size.is_some()),
             ("corners", block.corners.is_some()),
@@ -181,15 +195,10 @@ impl Checks<'_> {
                 &keys::example("size"),
             ),
         }
-        self.require(
-            !block.rigid || block.nodes.is_none(),
-            &key("rigid"),
-            || "a grid of nodes is made to deform".to_owned(),
-            "rigid blocks have a `size` or `corners`",
-        );
-        self.column(path, block);
-        self.known_material(&key("material"), &block.material);
-        self.elements(&key("mesh"), block.mesh, "blocks.mesh");
+    }
+
+    fn copies(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
         let copies = block.copies.unwrap_or([1; 3]);
         let count: f64 = copies.iter().map(|n| f64::from(*n)).product();
         self.demand(
@@ -246,22 +255,17 @@ impl Checks<'_> {
             || "the key `interface` is missing".to_owned(),
             "the interface of the joints of the column: interface = \"dry\"",
         );
-        if let Some(name) = &block.interface {
-            self.known_interface(&key("interface"), name);
-            if block.rigid {
-                self.stiffness_of_joints(name);
-            }
+        self.known_interface(&key("interface"), &block.interface);
+        if block.rigid {
+            self.stiffness_of_joints(&block.interface);
         }
     }
 
     fn arch(&mut self, arch: &DeckArch) {
         self.positive("arch.thickness", arch.thickness);
         self.positive("arch.width", arch.width);
-        for (name, length) in [("radius", arch.radius), ("span", arch.span)] {
-            if let Some(length) = length {
-                self.positive(&format!("arch.{name}"), length);
-            }
-        }
+        self.positive("arch.radius", arch.radius);
+        self.positive("arch.span", arch.span);
         self.require(
             arch.radius.is_some() || arch.span.is_some(),
             "arch.radius",
@@ -275,31 +279,7 @@ impl Checks<'_> {
             "each follows from the other: leave out one",
         );
         if let Some(rise) = arch.rise {
-            self.positive("arch.rise", rise);
-            self.require(
-                arch.span.is_some(),
-                "arch.rise",
-                || "a rise belongs to a `span`".to_owned(),
-                "give span and rise, or radius and angle",
-            );
-            self.require(
-                arch.angle.is_none(),
-                "arch.angle",
-                || "both `rise` and `angle` are given".to_owned(),
-                "each follows from the other: leave out one",
-            );
-            let span = arch.span.map_or(f64::INFINITY, Quantity::get);
-            self.require(
-                rise.get() <= 0.5 * span * (1.0 + ROUNDED),
-                "arch.rise",
-                || {
-                    format!(
-                        "a rise of {} mm over a span of {span} mm is more than a semicircle's",
-                        rise.get()
-                    )
-                },
-                "at most half the span",
-            );
+            self.rise(arch, rise);
         }
         let angle = arch.angle.map_or(180.0, Quantity::get);
         self.demand(
@@ -330,6 +310,29 @@ impl Checks<'_> {
         self.elements("arch.mesh", arch.mesh, "arch.mesh");
     }
 
+    fn rise(&mut self, arch: &DeckArch, rise: Length) {
+        self.positive("arch.rise", rise);
+        self.require(
+            arch.span.is_some(),
+            "arch.rise",
+            || "a rise belongs to a `span`".to_owned(),
+            "give span and rise, or radius and angle",
+        );
+        self.require(
+            arch.angle.is_none(),
+            "arch.angle",
+            || "both `rise` and `angle` are given".to_owned(),
+            "each follows from the other: leave out one",
+        );
+        let (rise, span) = (rise.get(), arch.span.map_or(f64::INFINITY, Quantity::get));
+        self.require(
+            rise <= 0.5 * span * (1.0 + ROUNDED),
+            "arch.rise",
+            || format!("a rise of {rise} mm over a span of {span} mm is more than a semicircle's"),
+            "at most half the span",
+        );
+    }
+
     fn elements(&mut self, path: &str, mesh: [u32; 3], example: &str) {
         self.demand(
             mesh.iter().all(|n| *n > 0),
@@ -355,14 +358,18 @@ impl Checks<'_> {
             .any(|name| self.broken.whole(name))
     }
 
-    pub(super) fn known_material(&mut self, path: &str, name: &str) {
+    /// Requires that a material exists, if one is named.
+    pub(super) fn known_material<'n>(&mut self, path: &str, name: impl Into<Option<&'n String>>) {
+        let Some(name) = name.into() else { return };
         if !self.deck.materials.contains_key(name) && !self.is_full() {
             let error = self.deck.unknown(path, "material", name, "materials");
             self.refer("materials", path, error);
         }
     }
 
-    pub(super) fn known_interface(&mut self, path: &str, name: &str) {
+    /// Requires that an interface exists, if one is named.
+    pub(super) fn known_interface<'n>(&mut self, path: &str, name: impl Into<Option<&'n String>>) {
+        let Some(name) = name.into() else { return };
         if !self.deck.interfaces.contains_key(name) && !self.is_full() {
             let error = self.deck.unknown(path, "interface", name, "interfaces");
             self.refer("interfaces", path, error);

@@ -1,6 +1,6 @@
 //! Ranges of `[interfaces]`.
 
-use super::Checks;
+use super::{Checks, Given as _};
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Interface, JointKind, Scatter};
@@ -9,6 +9,15 @@ use wythe_contact::{CapCurve, Coupling};
 /// Largest coefficient of variation of bond strengths: measured ones are below 1.
 const MOST_SCATTER: f64 = 2.0;
 
+/// Softening of a joint: its ultimate displacement or the energy below the curve, which follow from each other.
+struct Softening {
+    /// Keys of displacement and energy.
+    keys: [&'static str; 2],
+    values: [Option<f64>; 2],
+    /// Key and value of the strength.
+    strength: (&'static str, f64),
+}
+
 impl Checks<'_> {
     pub(super) fn interface(&mut self, path: &str, f: &Interface) {
         let key = |name: &str| format!("{path}.{name}");
@@ -16,17 +25,9 @@ impl Checks<'_> {
         self.not_negative(&key("c"), f.c);
         self.not_negative(&key("tan_phi"), f.tan_phi);
         self.not_negative(&key("mu"), f.mu);
-        if let Some(factor) = f.penalty_factor {
-            self.positive(&key("penalty_factor"), factor);
-        }
-        for (name, value) in [
-            ("normal_stiffness", f.normal_stiffness),
-            ("shear_stiffness", f.shear_stiffness),
-        ] {
-            if let Some(value) = value {
-                self.positive(&key(name), value);
-            }
-        }
+        self.positive(&key("penalty_factor"), f.penalty_factor);
+        self.positive(&key("normal_stiffness"), f.normal_stiffness);
+        self.positive(&key("shear_stiffness"), f.shear_stiffness);
         if f.normal_stiffness.is_some() != f.shear_stiffness.is_some() {
             let given = if f.normal_stiffness.is_some() {
                 "normal_stiffness"
@@ -41,47 +42,51 @@ impl Checks<'_> {
             );
         }
         self.keys_of_joint(path, f);
-        let dry = f.is_dry();
-        if let Some(Scatter { cv, .. }) = f.scatter {
-            let cv = cv.get();
-            self.demand(
-                cv > 0.0 && cv < MOST_SCATTER,
-                &key("scatter.cv"),
-                || format!("{cv} is not above 0 and below {MOST_SCATTER}"),
-                "give the standard deviation over the mean, such as 0.3; without scatter leave the table out",
-            );
-            self.require(
-                !dry,
-                &key("scatter"),
-                || "there is no bond that could scatter: f_t and c are 0".to_owned(),
-                "leave `scatter` out, or give f_t and c",
-            );
+        self.scatter(path, f);
+        match f.kind {
+            JointKind::Cap => self.cap(path, f),
+            JointKind::CohesiveFrictional => self.cohesive(path, f),
         }
-        if f.kind == JointKind::Cap {
-            self.cap(path, f);
+    }
+
+    fn scatter(&mut self, path: &str, f: &Interface) {
+        let Some(Scatter { cv, .. }) = f.scatter else {
             return;
-        }
-        for (name, value) in [("zeta", f.zeta), ("xi", f.xi)] {
-            match value {
-                Some(value) => self.positive(&key(name), value),
-                None => self.require(
-                    dry,
-                    &key(name),
-                    || format!("the key `{name}` is missing"),
-                    &keys::example(name),
-                ),
-            }
-        }
-        let (u_k, delta_k) = (f.u_k.map(Quantity::get), f.delta_k.map(Quantity::get));
-        let (g_1, g_2) = (f.G_I.map(Quantity::get), f.G_II.map(Quantity::get));
-        self.either(path, ["u_k", "G_I"], [u_k, g_1], ("f_t", f.f_t.get()), dry);
-        self.either(
-            path,
-            ["delta_k", "G_II"],
-            [delta_k, g_2],
-            ("c", f.c.get()),
-            dry,
+        };
+        let cv = cv.get();
+        self.demand(
+            cv > 0.0 && cv < MOST_SCATTER,
+            &format!("{path}.scatter.cv"),
+            || format!("{cv} is not above 0 and below {MOST_SCATTER}"),
+            "give the standard deviation over the mean, such as 0.3; without scatter leave the table out",
         );
+        self.require(
+            !f.is_dry(),
+            &format!("{path}.scatter"),
+            || "there is no bond that could scatter: f_t and c are 0".to_owned(),
+            "leave `scatter` out, or give f_t and c",
+        );
+    }
+
+    /// Ranges of `kind = "cohesive-frictional"`.
+    fn cohesive(&mut self, path: &str, f: &Interface) {
+        let dry = f.is_dry();
+        for (name, value) in [("zeta", f.zeta), ("xi", f.xi)] {
+            self.positive(&format!("{path}.{name}"), value);
+            self.missing(path, name, value.is_none() && !dry);
+        }
+        let opening = Softening {
+            keys: ["u_k", "G_I"],
+            values: [f.u_k.given(), f.G_I.given()],
+            strength: ("f_t", f.f_t.get()),
+        };
+        let slip = Softening {
+            keys: ["delta_k", "G_II"],
+            values: [f.delta_k.given(), f.G_II.given()],
+            strength: ("c", f.c.get()),
+        };
+        self.either(path, &opening, dry);
+        self.either(path, &slip, dry);
     }
 
     /// Rejects keys of another law.
@@ -129,38 +134,29 @@ impl Checks<'_> {
             ("G_fc", f.G_fc, true),
         ];
         for (name, value, needed) in required {
-            match value {
-                Some(value) => self.positive(&key(name), value),
-                None => self.missing(path, name, needed),
-            }
+            self.positive(&key(name), value);
+            self.missing(path, name, needed && value.is_none());
         }
-        match f.f_m {
-            Some(value) => self.positive(&key("f_m"), value),
-            None => self.missing(path, "f_m", true),
-        }
-        match f.kappa_p {
-            Some(value) => self.positive(&key("kappa_p"), value),
-            None => self.missing(path, "kappa_p", true),
-        }
-        for (name, value) in [("C_nn", f.C_nn), ("C_ss", f.C_ss)] {
-            if let Some(value) = value {
-                self.positive(&key(name), value);
-            }
-        }
-        if let Some(value) = f.tan_psi {
-            self.not_negative(&key("tan_psi"), value);
-        }
-        if let Some(value) = f.sigma_u {
-            self.positive(&key("sigma_u"), value);
-        }
-        if let Some(value) = f.delta {
-            self.not_negative(&key("delta"), value);
-        }
+        self.positive(&key("f_m"), f.f_m);
+        self.missing(path, "f_m", f.f_m.is_none());
+        self.positive(&key("kappa_p"), f.kappa_p);
+        self.missing(path, "kappa_p", f.kappa_p.is_none());
+        self.positive(&key("C_nn"), f.C_nn);
+        self.positive(&key("C_ss"), f.C_ss);
+        self.not_negative(&key("tan_psi"), f.tan_psi);
+        self.positive(&key("sigma_u"), f.sigma_u);
+        self.not_negative(&key("delta"), f.delta);
+        self.friction_of_cap(path, f);
+        self.crushing(path, f);
+    }
+
+    /// Strength and dilatancy of a cap joint that its friction allows.
+    fn friction_of_cap(&mut self, path: &str, f: &Interface) {
         let (f_t, c) = (f.f_t.get(), f.c.get());
         let steeper = f.tan_phi.get().max(f.mu.get());
         self.require(
             f_t * steeper <= c,
-            &key("f_t"),
+            &format!("{path}.f_t"),
             || {
                 let most = c / steeper;
                 format!("{f_t} MPa is above {most:.4} MPa, where friction ends: c over the larger of tan_phi and mu")
@@ -173,7 +169,7 @@ impl Checks<'_> {
         );
         self.require(
             tan_psi <= least,
-            &key("tan_psi"),
+            &format!("{path}.tan_psi"),
             || {
                 format!(
                     "{tan_psi} is above the friction {least}: slip under pressure would give energy"
@@ -181,6 +177,10 @@ impl Checks<'_> {
             },
             "give at most the smaller of tan_phi and mu",
         );
+    }
+
+    /// Energy and strength in compression that a cap joint needs.
+    fn crushing(&mut self, path: &str, f: &Interface) {
         let (Some(f_m), Some(kappa_p), Some(g_fc)) = (f.f_m, f.kappa_p, f.G_fc) else {
             return;
         };
@@ -188,15 +188,16 @@ impl Checks<'_> {
         let spent = CapCurve::RISING * f_m * kappa_p;
         self.require(
             g_fc > spent,
-            &key("G_fc"),
+            &format!("{path}.G_fc"),
             || format!("{g_fc} N/mm is not above the {spent:.4} N/mm that are spent before the peak at kappa_p"),
             "give a larger G_fc or a smaller kappa_p",
         );
         let [_, c_ss] = f.cap_weights();
+        let c = f.c.get();
         let (needed, residual) = (c * c_ss.sqrt(), CapCurve::RESIDUAL * f_m);
         self.require(
             needed <= residual,
-            &key("C_ss"),
+            &format!("{path}.C_ss"),
             || {
                 format!(
                     "the crushed cap, f_m/7 = {residual:.4} MPa, does not hold the cohesion: c sqrt(C_ss) = {needed:.4} MPa"
@@ -206,24 +207,13 @@ impl Checks<'_> {
         );
     }
 
-    fn missing(&mut self, path: &str, name: &str, needed: bool) {
-        self.require(
-            !needed,
-            &format!("{path}.{name}"),
-            || format!("the key `{name}` is missing"),
-            &keys::example(name),
-        );
-    }
-
     /// Requires exactly one of an ultimate displacement and the energy below the curve, unless the joint is dry.
-    fn either(
-        &mut self,
-        path: &str,
-        [length, energy]: [&str; 2],
-        values: [Option<f64>; 2],
-        (strength_name, strength): (&str, f64),
-        dry: bool,
-    ) {
+    fn either(&mut self, path: &str, softening: &Softening, dry: bool) {
+        let Softening {
+            keys: [length, energy],
+            values,
+            strength: (strength_name, strength),
+        } = *softening;
         let key = |name: &str| format!("{path}.{name}");
         for (name, value) in [length, energy].into_iter().zip(values) {
             if let Some(value) = value {

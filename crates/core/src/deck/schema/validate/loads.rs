@@ -141,9 +141,7 @@ impl Checks<'_> {
             || "`within` belongs to a line".to_owned(),
             "leave it out",
         );
-        if let Some(within) = load.within {
-            self.positive(&key("within"), within);
-        }
+        self.positive(&key("within"), load.within);
     }
 
     /// Checks a load that an earlier step has named: only its value may change.

@@ -25,6 +25,27 @@ impl Checks<'_> {
         if m.kind == SolidKind::DruckerPrager {
             self.drucker_prager(path, m);
         }
+        self.surface(path, m);
+        self.within(&key("tension_recovery"), m.tension_recovery, 0.0..=1.0);
+        self.within(
+            &key("compression_recovery"),
+            m.compression_recovery,
+            0.0..=1.0,
+        );
+        self.not_negative(&key("viscosity"), m.viscosity);
+        self.positive(&key("reference_length"), m.reference_length);
+        self.demand(
+            m.crack_band == CrackBand::Volume || m.reference_length.is_some(),
+            &key("crack_band"),
+            || "a band has nothing to be set against: reference_length is missing".to_owned(),
+            "give reference_length, the width of the band for which the tables hold",
+        );
+        self.tables(path, m);
+    }
+
+    /// Ranges of the yield surface and the flow potential of damage plasticity.
+    fn surface(&mut self, path: &str, m: &Material) {
+        let key = |name: &str| format!("{path}.{name}");
         let psi = m.dilation_angle.get();
         // ψ = 0 or eccentricity = 0 gives the flow potential a vertex: a = ε σ_t0 tan ψ
         // (theory/damage-plasticity.md, eq. 6).
@@ -49,22 +70,11 @@ impl Checks<'_> {
             || format!("{k_c} is not above 0.5 and at most 1"),
             "2/3 is usual",
         );
-        self.within(&key("tension_recovery"), m.tension_recovery, 0.0..=1.0);
-        self.within(
-            &key("compression_recovery"),
-            m.compression_recovery,
-            0.0..=1.0,
-        );
-        self.not_negative(&key("viscosity"), m.viscosity);
-        if let Some(length) = m.reference_length {
-            self.positive(&key("reference_length"), length);
-        }
-        self.demand(
-            m.crack_band == CrackBand::Volume || m.reference_length.is_some(),
-            &key("crack_band"),
-            || "a band has nothing to be set against: reference_length is missing".to_owned(),
-            "give reference_length, the width of the band for which the tables hold",
-        );
+    }
+
+    /// Checks the tables of damage plasticity: both are given, or neither.
+    fn tables(&mut self, path: &str, m: &Material) {
+        let key = |name: &str| format!("{path}.{name}");
         let (t, c) = (m.tension.is_empty(), m.compression.is_empty());
         if t != c {
             let (given, missing) = if c {
@@ -89,16 +99,10 @@ impl Checks<'_> {
     /// Ranges of hyperbolic Drucker–Prager plasticity.
     fn drucker_prager(&mut self, path: &str, m: &Material) {
         let key = |name: &str| format!("{path}.{name}");
-        for (name, value) in [("c", m.c), ("f_t", m.f_t)] {
-            if let Some(value) = value {
-                self.positive(&key(name), value);
-            }
-        }
-        for (name, value) in [("G_I", m.G_I), ("G_c", m.G_c)] {
-            if let Some(value) = value {
-                self.positive(&key(name), value);
-            }
-        }
+        self.positive(&key("c"), m.c);
+        self.positive(&key("f_t"), m.f_t);
+        self.positive(&key("G_I"), m.G_I);
+        self.positive(&key("G_c"), m.G_c);
         let (Some(c), Some(phi), Some(f_t)) = (m.c, m.phi, m.f_t) else {
             return;
         };

@@ -13,12 +13,30 @@ mod wall;
 use super::form::Broken;
 use super::{Deck, Material};
 use crate::deck::amount;
+use crate::deck::keys;
 use crate::deck::quantity::{Number, Quantity};
 use crate::error::{MOST_ERRORS, ModelError};
 pub(in crate::deck) use loads::misfit;
 
 /// Largest number of parts of a facet along an axis: no joint needs more.
 const MOST_PARTS: u32 = 16;
+
+/// A value of a key that may be absent.
+trait Given {
+    fn given(self) -> Option<f64>;
+}
+
+impl<const L: i8, const M: i8, const T: i8, const A: i8> Given for Quantity<L, M, T, A> {
+    fn given(self) -> Option<f64> {
+        Some(self.get())
+    }
+}
+
+impl<G: Given> Given for Option<G> {
+    fn given(self) -> Option<f64> {
+        self.and_then(G::given)
+    }
+}
 
 /// Errors found so far.
 struct Checks<'a> {
@@ -74,9 +92,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
         || "a scene every 0 frames means nothing".to_owned(),
         "1 shows every frame; mcap = false writes no run.mcap at all",
     );
-    if let Some(radius) = deck.contact.search_radius {
-        checks.positive("contact.search_radius", radius);
-    }
+    checks.positive("contact.search_radius", deck.contact.search_radius);
     checks.demand(
         deck.contact
             .parts
@@ -127,12 +143,9 @@ impl Checks<'_> {
         }
     }
 
-    fn positive<const L: i8, const M: i8, const T: i8, const A: i8>(
-        &mut self,
-        path: &str,
-        value: Quantity<L, M, T, A>,
-    ) {
-        let value = value.get();
+    /// Requires a value above 0, if there is one.
+    fn positive(&mut self, path: &str, value: impl Given) {
+        let Some(value) = value.given() else { return };
         self.demand(
             value > 0.0,
             path,
@@ -141,17 +154,24 @@ impl Checks<'_> {
         );
     }
 
-    fn not_negative<const L: i8, const M: i8, const T: i8, const A: i8>(
-        &mut self,
-        path: &str,
-        value: Quantity<L, M, T, A>,
-    ) {
-        let value = value.get();
+    /// Requires a value of 0 or more, if there is one.
+    fn not_negative(&mut self, path: &str, value: impl Given) {
+        let Some(value) = value.given() else { return };
         self.demand(
             value >= 0.0,
             path,
             || format!("{value} is negative"),
             "give 0 or more",
+        );
+    }
+
+    /// Adds an error about a key that is `needed` and missing.
+    fn missing(&mut self, path: &str, name: &str, needed: bool) {
+        self.require(
+            !needed,
+            &format!("{path}.{name}"),
+            || format!("the key `{name}` is missing"),
+            &keys::example(name),
         );
     }
 

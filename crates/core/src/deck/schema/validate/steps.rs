@@ -12,6 +12,13 @@ const MOST_ITERATIONS: usize = 10_000;
 /// Largest number of cycles of a step: with ten increments each they take days.
 const MOST_CYCLES: f64 = 1e4;
 
+/// Name of an optional key of a step, and whether it is given.
+macro_rules! key {
+    ($step:ident.$name:ident) => {
+        (stringify!($name), $step.$name.is_some())
+    };
+}
+
 /// Condition on a key of a step.
 struct Rule<'a> {
     name: &'a str,
@@ -28,6 +35,26 @@ impl Checks<'_> {
         let key = |name: &str| format!("{path}.{name}");
         self.positive(&key("duration"), step.duration);
         self.keys_of_kind(path, step);
+        self.pushes(path, step);
+        self.tilt(path, step);
+        self.reach(path, step);
+        self.inertia(path, step);
+        self.course(path, step);
+        self.procedure(path, step);
+        self.stop(path, step);
+        self.sizes(path, step);
+        self.demand(
+            step.viscosity.get() >= 0.0,
+            &key("viscosity"),
+            || format!("{} is negative", step.viscosity.get()),
+            "step time, 0 for none",
+        );
+        self.tolerance(path, step);
+    }
+
+    /// Checks pressures, gravity, and the directions that are free.
+    fn pushes(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
         let drive = step.kind == StepKind::Drive;
         let horizontal = !matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
         self.require(
@@ -48,9 +75,7 @@ impl Checks<'_> {
                 "compression is positive here; to pull, drive in z",
             );
         }
-        if let Some(gravity) = step.gravity {
-            self.positive(&key("gravity"), gravity);
-        }
+        self.positive(&key("gravity"), step.gravity);
         if let (Some(free), Some(direction), true) = (&step.free, step.direction, drive) {
             let driven = direction.axis().0;
             self.require(
@@ -60,6 +85,10 @@ impl Checks<'_> {
                 "name the other directions only",
             );
         }
+    }
+
+    fn tilt(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
         self.demand(
             !matches!(step.axis, Some(Direction::Z | Direction::MinusZ)),
             &key("axis"),
@@ -74,6 +103,11 @@ impl Checks<'_> {
                 &keys::example("angle"),
             );
         }
+    }
+
+    /// Checks how far a step drives.
+    fn reach(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
         if let Some(cycles) = &step.cycles {
             let count = cycles.amplitudes.len() as f64 * f64::from(cycles.repeat);
             self.demand(
@@ -97,10 +131,11 @@ impl Checks<'_> {
                 &keys::example("displacement"),
             );
         }
-        self.inertia(path, step);
-        self.course(path, step);
-        self.procedure(path, step);
-        self.stop(path, step);
+    }
+
+    /// Checks the increments.
+    fn sizes(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
         let sizes = step.increments();
         let ok = sizes.min > 0.0 && sizes.min <= sizes.initial && sizes.initial <= sizes.max;
         self.require(
@@ -112,28 +147,22 @@ impl Checks<'_> {
             },
             "fractions of the step: 0 < min <= initial <= max <= 1",
         );
-        if let Some(peak) = step.increments.peak {
-            self.positive(&key("increments.peak"), peak);
-        }
-        self.demand(
-            step.viscosity.get() >= 0.0,
-            &key("viscosity"),
-            || format!("{} is negative", step.viscosity.get()),
-            "step time, 0 for none",
-        );
-        if let Some(residual) = step.tolerance.residual {
-            self.positive(&key("tolerance.residual"), residual);
-        }
+        self.positive(&key("increments.peak"), step.increments.peak);
+    }
+
+    fn tolerance(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.tolerance.{name}");
+        self.positive(&key("residual"), step.tolerance.residual);
         self.demand(
             step.tolerance.max_iterations > 0,
-            &key("tolerance.max_iterations"),
+            &key("max_iterations"),
             || "no iteration is allowed".to_owned(),
             "max_iterations = 25",
         );
         let iterations = step.tolerance.max_iterations;
         self.demand(
             iterations <= MOST_ITERATIONS,
-            &key("tolerance.max_iterations"),
+            &key("max_iterations"),
             || format!("{iterations} iterations are too many for one increment"),
             "max_iterations = 25; shorter increments find what many iterations do not",
         );
@@ -189,20 +218,22 @@ impl Checks<'_> {
             step.procedure,
             DeckProcedure::QuasiStatic | DeckProcedure::Dynamic
         ) {
-            let materials = self.deck.materials.iter();
-            let massless = materials
-                .filter(|(name, m)| {
-                    m.density.get() <= 0.0 && !self.broken.section(&format!("materials.{name}"))
-                })
-                .map(|(name, _)| name.clone());
-            for name in massless.collect::<Vec<_>>() {
-                self.require(
-                    false,
-                    &key("procedure"),
-                    || format!("the step has inertia and the material `{name}` has no mass"),
-                    &format!("add to [materials.{name}]: {}", keys::example("density")),
-                );
-            }
+            self.masses(&key("procedure"));
+        }
+    }
+
+    /// Requires that all materials have mass.
+    fn masses(&mut self, path: &str) {
+        let deck = self.deck;
+        for (name, material) in &deck.materials {
+            let is_known = !self.broken.section(&format!("materials.{name}"));
+            let is_massless = is_known && material.density.get() <= 0.0;
+            self.require(
+                !is_massless,
+                path,
+                || format!("the step has inertia and the material `{name}` has no mass"),
+                &format!("add to [materials.{name}]: {}", keys::example("density")),
+            );
         }
     }
 
@@ -285,126 +316,84 @@ impl Checks<'_> {
             return;
         }
         use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
-        let key = |name: &str| format!("{path}.{name}");
-        let kind = step.kind;
         // Steps of a clamped wall without face or spring move the level beam on its top.
         let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
         let of_spring = step.spring.is_some();
         // A beam of `[[beams]]` is pressed and driven like a face.
         let of_face = step.face.is_some() || step.beam.is_some();
         let of_beam = clamped && !of_face && !of_spring;
-        let rule = |name, given, kinds, here, needed| Rule {
-            name,
-            given,
-            kinds,
-            here,
-            needed,
-        };
         let pushes: &[StepKind] = &[Preload, Drive];
         let weighs: &[StepKind] = &[Gravity, Tilt, Free];
-        let given = |name: &str| match name {
-            "top_pressure" => step.top_pressure.is_some(),
-            "pressure" => step.pressure.is_some(),
-            "direction" => step.direction.is_some(),
-            "displacement" => step.displacement.is_some(),
-            "stop" => step.stop.is_some(),
-            "vertical" => step.vertical.is_some(),
-            "free" => step.free.is_some(),
-            "gravity" => step.gravity.is_some(),
-            "angle" => step.angle.is_some(),
-            "axis" => step.axis.is_some(),
-            _ => false,
-        };
-        let rules = [
-            rule(
-                "top_pressure",
-                given("top_pressure"),
-                &[Preload],
-                of_beam,
-                of_beam,
-            ),
-            rule(
-                "pressure",
-                given("pressure"),
-                &[Preload],
-                !of_beam,
-                !of_beam,
-            ),
-            rule("direction", given("direction"), &[Drive], true, true),
-            rule(
-                "displacement",
-                given("displacement"),
-                &[Drive],
-                true,
-                step.cycles.is_none(),
-            ),
-            rule("cycles", step.cycles.is_some(), &[Drive], true, false),
-            rule("stop", given("stop"), &[Drive, Load], true, false),
-            rule("vertical", given("vertical"), &[Drive], of_beam, false),
-            rule(
-                "face",
-                step.face.is_some(),
-                pushes,
-                true,
-                !of_beam && !of_spring && step.beam.is_none(),
-            ),
-            rule("beam", step.beam.is_some(), pushes, true, false),
-            rule("free", given("free"), pushes, !of_beam, false),
-            rule("spring", of_spring, &[Drive], true, false),
-            rule("gravity", given("gravity"), &[Gravity, Free], true, false),
-            rule("angle", given("angle"), weighs, true, kind == Tilt),
-            rule("axis", given("axis"), weighs, true, false),
-        ];
-        for Rule {
+        let once = step.cycles.is_none();
+        let face = !of_beam && !of_spring && step.beam.is_none();
+        let rule = |(name, given), kinds, here, needed| Rule {
             name,
             given,
             kinds,
             here,
             needed,
-        } in rules
-        {
-            let known = kinds.contains(&kind);
-            self.require(
-                !given || known,
-                &key(name),
-                || {
-                    let own: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
-                    let (own, kind) = (own.join(" or "), kind.name());
-                    format!("`{name}` belongs to a {own}, and this step is a {kind}")
-                },
-                "leave it out here, or make it a step of its own",
-            );
-            self.require(
-                !given || !known || here,
-                &key(name),
-                || {
-                    let other = if of_beam {
-                        "a face, and this step is of the level beam of the wall"
-                    } else {
-                        "the level beam of a clamped wall"
-                    };
-                    format!("`{name}` is of {other}")
-                },
-                if of_beam {
-                    "of the beam: `top_pressure`, `vertical`; or name a `face`"
-                } else {
-                    "of faces: `face`, `pressure`, `free`"
-                },
-            );
-            self.require(
-                !(needed && known && here) || given,
-                &key(name),
-                || format!("the key `{name}` is missing"),
-                &keys::example(name),
-            );
+        };
+        let rules = [
+            rule(key!(step.top_pressure), &[Preload], of_beam, of_beam),
+            rule(key!(step.pressure), &[Preload], !of_beam, !of_beam),
+            rule(key!(step.direction), &[Drive], true, true),
+            rule(key!(step.displacement), &[Drive], true, once),
+            rule(key!(step.cycles), &[Drive], true, false),
+            rule(key!(step.stop), &[Drive, Load], true, false),
+            rule(key!(step.vertical), &[Drive], of_beam, false),
+            rule(key!(step.face), pushes, true, face),
+            rule(key!(step.beam), pushes, true, false),
+            rule(key!(step.free), pushes, !of_beam, false),
+            rule(key!(step.spring), &[Drive], true, false),
+            rule(key!(step.gravity), &[Gravity, Free], true, false),
+            rule(key!(step.angle), weighs, true, step.kind == Tilt),
+            rule(key!(step.axis), weighs, true, false),
+        ];
+        for rule in &rules {
+            self.rule(path, step.kind, rule, of_beam);
         }
         self.beam(path, step);
         self.require(
             !of_spring || (step.face.is_none() && step.free.is_none()),
-            &key("spring"),
+            &format!("{path}.spring"),
             || "a drive moves either a face or a spring".to_owned(),
             "make the other a step of its own",
         );
+    }
+
+    /// Checks a key of a step of this kind, which moves the level beam of a wall if `of_beam`.
+    fn rule(&mut self, path: &str, kind: StepKind, rule: &Rule<'_>, of_beam: bool) {
+        let (name, given, kinds) = (rule.name, rule.given, rule.kinds);
+        let path_of_key = format!("{path}.{name}");
+        let known = kinds.contains(&kind);
+        self.require(
+            !given || known,
+            &path_of_key,
+            || {
+                let own: Vec<&str> = kinds.iter().map(|k| k.name()).collect();
+                let (own, kind) = (own.join(" or "), kind.name());
+                format!("`{name}` belongs to a {own}, and this step is a {kind}")
+            },
+            "leave it out here, or make it a step of its own",
+        );
+        let (other, help) = if of_beam {
+            (
+                "a face, and this step is of the level beam of the wall",
+                "of the beam: `top_pressure`, `vertical`; or name a `face`",
+            )
+        } else {
+            (
+                "the level beam of a clamped wall",
+                "of faces: `face`, `pressure`, `free`",
+            )
+        };
+        self.require(
+            !given || !known || rule.here,
+            &path_of_key,
+            || format!("`{name}` is of {other}"),
+            help,
+        );
+        self.missing(path, name, rule.needed && known && rule.here && !given);
     }
 
     /// Checks a step that moves a beam of `[[beams]]`.

@@ -4,7 +4,7 @@ use super::Checks;
 use crate::deck::keys;
 use crate::deck::masonry;
 use crate::deck::quantity::Length;
-use crate::deck::schema::{Bond, Clamped, Clamping, Subdivision, Wall};
+use crate::deck::schema::{Bond, Clamped, Clamping, DeckLeaf, Subdivision, Wall};
 use crate::model::axis::Axis;
 
 impl Checks<'_> {
@@ -20,9 +20,7 @@ impl Checks<'_> {
             ("collar_joint", wall.collar_joint),
         ];
         for (name, joint) in joints {
-            if let Some(joint) = joint {
-                self.not_negative(&key(name), joint);
-            }
+            self.not_negative(&key(name), joint);
         }
         self.positive(&key("length"), wall.length);
         self.demand(
@@ -45,14 +43,9 @@ impl Checks<'_> {
             "rigid units lie dry: bed_joint = 0, head_joint = 0, an interface with the stiffness of the joints",
         );
         if wall.rigid {
-            let own = [
-                Some(&wall.interface),
-                wall.head_interface.as_ref(),
-                wall.collar_interface.as_ref(),
-            ];
-            for name in own.into_iter().flatten() {
-                self.stiffness_of_joints(name);
-            }
+            self.stiffness_of_joints(&wall.interface);
+            self.stiffness_of_joints(&wall.head_interface);
+            self.stiffness_of_joints(&wall.collar_interface);
         } else {
             self.mesh_of_wall(path, wall);
         }
@@ -62,8 +55,10 @@ impl Checks<'_> {
     }
 
     /// Requires an explicit stiffness of joints of rigid-like bodies, whose modulus follows from it.
-    pub(super) fn stiffness_of_joints(&mut self, name: &str) {
-        let Some(interface) = self.deck.interfaces.get(name) else {
+    pub(super) fn stiffness_of_joints<'n>(&mut self, name: impl Into<Option<&'n String>>) {
+        let named = name.into();
+        let named = named.and_then(|name| self.deck.interfaces.get_key_value(name));
+        let Some((name, interface)) = named else {
             return; // rejected where it is named
         };
         let path = format!("interfaces.{name}");
@@ -188,9 +183,7 @@ impl Checks<'_> {
             "header_courses = 6",
         );
         for (k, course) in wall.pattern.iter().enumerate() {
-            if let Some(height) = course.height {
-                self.positive(&key(&format!("pattern.{k}.height")), height);
-            }
+            self.positive(&key(&format!("pattern.{k}.height")), course.height);
             self.require(
                 !course.leaves.is_empty(),
                 &key(&format!("pattern.{k}.leaves")),
@@ -198,59 +191,46 @@ impl Checks<'_> {
                 "leaves = [{ units = [\"204 mm\"] }]",
             );
             for (l, leaf) in course.leaves.iter().enumerate() {
-                let key = |name: &str| key(&format!("pattern.{k}.leaves.{l}.{name}"));
-                if let Some(thickness) = leaf.thickness {
-                    self.positive(&key("thickness"), thickness);
-                }
-                self.require(
-                    !leaf.units.is_empty() && leaf.units.iter().all(|u| u.get() > 0.0),
-                    &key("units"),
-                    || "a leaf without units, or with units of no length".to_owned(),
-                    "units = [\"204 mm\", \"96 mm\"]  # over and over again",
-                );
-                self.require(
-                    leaf.headers
-                        .iter()
-                        .all(|h| (*h as usize) < leaf.units.len()),
-                    &key("headers"),
-                    || format!("{:?} are not all units of this leaf", leaf.headers),
-                    "places in `units`, from 0",
-                );
-                if let Some(material) = &leaf.material {
-                    self.known_material(&key("material"), material);
-                }
+                self.leaf(&key(&format!("pattern.{k}.leaves.{l}")), leaf);
             }
         }
+    }
+
+    /// Checks a leaf of a course that is written out.
+    fn leaf(&mut self, path: &str, leaf: &DeckLeaf) {
+        let key = |name: &str| format!("{path}.{name}");
+        self.positive(&key("thickness"), leaf.thickness);
+        self.require(
+            !leaf.units.is_empty() && leaf.units.iter().all(|u| u.get() > 0.0),
+            &key("units"),
+            || "a leaf without units, or with units of no length".to_owned(),
+            "units = [\"204 mm\", \"96 mm\"]  # over and over again",
+        );
+        let headers = &leaf.headers;
+        self.require(
+            headers.iter().all(|h| (*h as usize) < leaf.units.len()),
+            &key("headers"),
+            || format!("{headers:?} are not all units of this leaf"),
+            "places in `units`, from 0",
+        );
+        self.known_material(&key("material"), &leaf.material);
     }
 
     fn materials_of_wall(&mut self, path: &str, wall: &Wall) {
         let key = |name: &str| format!("{path}.{name}");
         self.known_material(&key("unit_material"), &wall.unit_material);
-        if let Some(mortar) = &wall.mortar_material {
-            self.known_material(&key("mortar_material"), mortar);
-        }
+        self.known_material(&key("mortar_material"), &wall.mortar_material);
         let joints = [
             Some(wall.bed_joint),
             Some(wall.head_joint),
             wall.collar_joint,
         ];
         let mortar = joints.into_iter().flatten().any(|joint| joint.get() > 0.0);
-        self.require(
-            !mortar || wall.mortar_material.is_some(),
-            &key("mortar_material"),
-            || "the key `mortar_material` is missing".to_owned(),
-            &keys::example("mortar_material"),
-        );
-        let interfaces = [
-            ("head_interface", &wall.head_interface),
-            ("collar_interface", &wall.collar_interface),
-        ];
+        let lacks_mortar = mortar && wall.mortar_material.is_none();
+        self.missing(path, "mortar_material", lacks_mortar);
         self.known_interface(&key("interface"), &wall.interface);
-        for (name, interface) in interfaces {
-            if let Some(interface) = interface {
-                self.known_interface(&key(name), interface);
-            }
-        }
+        self.known_interface(&key("head_interface"), &wall.head_interface);
+        self.known_interface(&key("collar_interface"), &wall.collar_interface);
         for (o, opening) in wall.openings.iter().enumerate() {
             let Some(lintel) = &opening.lintel else {
                 continue;
@@ -263,9 +243,7 @@ impl Checks<'_> {
                 || "a lintel of no course".to_owned(),
                 "courses = 1",
             );
-            if let Some(material) = &lintel.material {
-                self.known_material(&format!("{path}.material"), material);
-            }
+            self.known_material(&format!("{path}.material"), &lintel.material);
         }
     }
 

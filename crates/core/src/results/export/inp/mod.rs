@@ -7,7 +7,7 @@ mod steps;
 
 use std::fmt::Write as _;
 
-use crate::model::Model;
+use crate::model::{Mesh, Model};
 
 /// Largest number of entries per line in Abaqus.
 const A_LINE: usize = 16;
@@ -21,7 +21,6 @@ pub fn inp(model: &Model) -> String {
 }
 
 fn write(text: &mut String, model: &Model) -> std::fmt::Result {
-    let mesh = &model.mesh;
     writeln!(text, "*HEADING\n{}", one_line(&model.title))?;
     writeln!(
         text,
@@ -32,6 +31,35 @@ fn write(text: &mut String, model: &Model) -> std::fmt::Result {
         text,
         "** Sets: UNIT_, MATERIAL_, SUPPORT_, BEAM_. Comments say what is not translated."
     )?;
+    mesh(text, &model.mesh)?;
+    let names = Names {
+        materials: labels(model.materials.iter().map(|m| m.name.as_str())),
+        supports: labels(model.supports.iter().map(|s| s.name.as_str())),
+        beams: labels(model.beams.iter().map(|b| b.name.as_str())),
+    };
+    sets(text, model, &names)?;
+    for (m, (material, name)) in model.materials.iter().zip(&names.materials).enumerate() {
+        if model.mesh.material.iter().any(|&of| usize::from(of) == m) {
+            writeln!(
+                text,
+                "*SOLID SECTION, ELSET=MATERIAL_{name}, MATERIAL={name}"
+            )?;
+        }
+        materials::material(text, name, &material.parameters)?;
+    }
+    contact::contact(text, model)?;
+    steps::steps(text, model, &names)
+}
+
+/// Labels in Abaqus, in the order of the model.
+struct Names {
+    materials: Vec<String>,
+    supports: Vec<String>,
+    beams: Vec<String>,
+}
+
+/// Writes nodes and elements.
+fn mesh(text: &mut String, mesh: &Mesh) -> std::fmt::Result {
     writeln!(text, "*NODE, NSET=ALL_NODES")?;
     for (n, [x, y, z]) in mesh.nodes.iter().enumerate() {
         writeln!(text, "{}, {x:?}, {y:?}, {z:?}", n + 1)?;
@@ -45,54 +73,35 @@ fn write(text: &mut String, model: &Model) -> std::fmt::Result {
         let nodes: Vec<String> = nodes.iter().map(|n| (n + 1).to_string()).collect();
         writeln!(text, "{}, {}", e + 1, nodes.join(", "))?;
     }
+    Ok(())
+}
+
+/// Writes the sets of units, materials, supports and beams.
+fn sets(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
+    let mesh = &model.mesh;
     let units = mesh.unit.iter().max().map_or(0, |last| *last as usize + 1);
     let mut of_unit = vec![Vec::new(); units];
     for (e, unit) in mesh.unit.iter().enumerate() {
         of_unit[*unit as usize].push(e);
     }
-    for (unit, elements) in of_unit.iter().enumerate() {
-        set(
-            text,
-            "ELSET",
-            &format!("UNIT_{unit}"),
-            elements.iter().copied(),
-        )?;
+    for (unit, elements) in of_unit.into_iter().enumerate() {
+        let name = format!("UNIT_{unit}");
+        set(text, "ELSET", &name, elements.into_iter())?;
     }
-    let names = labels(model.materials.iter().map(|m| m.name.as_str()));
-    for (m, name) in names.iter().enumerate() {
+    for (m, name) in names.materials.iter().enumerate() {
         let of = (0..mesh.elements.len()).filter(|&e| usize::from(mesh.material[e]) == m);
         set(text, "ELSET", &format!("MATERIAL_{name}"), of)?;
     }
     let node = |&n: &u32| n as usize;
-    let supports = labels(model.supports.iter().map(|s| s.name.as_str()));
-    for (support, name) in model.supports.iter().zip(&supports) {
-        set(
-            text,
-            "NSET",
-            &format!("SUPPORT_{name}"),
-            support.nodes.iter().map(node),
-        )?;
+    for (support, name) in model.supports.iter().zip(&names.supports) {
+        let name = format!("SUPPORT_{name}");
+        set(text, "NSET", &name, support.nodes.iter().map(node))?;
     }
-    let beams = labels(model.beams.iter().map(|b| b.name.as_str()));
-    for (beam, name) in model.beams.iter().zip(&beams) {
-        set(
-            text,
-            "NSET",
-            &format!("BEAM_{name}"),
-            beam.nodes.iter().map(node),
-        )?;
+    for (beam, name) in model.beams.iter().zip(&names.beams) {
+        let name = format!("BEAM_{name}");
+        set(text, "NSET", &name, beam.nodes.iter().map(node))?;
     }
-    for (m, (material, name)) in model.materials.iter().zip(&names).enumerate() {
-        if mesh.material.iter().any(|&of| usize::from(of) == m) {
-            writeln!(
-                text,
-                "*SOLID SECTION, ELSET=MATERIAL_{name}, MATERIAL={name}"
-            )?;
-        }
-        materials::material(text, name, &material.parameters)?;
-    }
-    contact::contact(text, model)?;
-    steps::steps(text, model, &supports, &beams)
+    Ok(())
 }
 
 /// Writes a set of nodes or elements, numbered from 1; an empty set is omitted.

@@ -2,18 +2,14 @@
 
 use std::fmt::Write as _;
 
+use super::Names;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Gravity, Procedure, Step};
 
 /// Writes beams as rigid bodies, supports, initial velocities and the steps.
-pub(super) fn steps(
-    text: &mut String,
-    model: &Model,
-    supports: &[String],
-    beams: &[String],
-) -> std::fmt::Result {
+pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
     let first = model.mesh.nodes.len() + 1;
-    for (b, (beam, name)) in model.beams.iter().zip(beams).enumerate() {
+    for (b, (beam, name)) in model.beams.iter().zip(&names.beams).enumerate() {
         let count = beam.nodes.len().max(1) as f64;
         let middle = [0, 1, 2].map(|d| {
             let x = beam.nodes.iter().map(|n| model.mesh.nodes[*n as usize][d]);
@@ -49,81 +45,65 @@ pub(super) fn steps(
             }
         }
     }
-    if !supports.is_empty() || !beams.is_empty() {
+    if !names.supports.is_empty() || !names.beams.is_empty() {
         writeln!(text, "*BOUNDARY")?;
-        held(text, model, supports, beams)?;
+        held(text, model, names)?;
     }
     // Displacement of each beam, as long as it is known. `[beam][xyz]`
-    let mut at = vec![[Some(0.0); 3]; beams.len()];
+    let mut at = vec![[Some(0.0); 3]; names.beams.len()];
     for step in &model.steps {
-        write_step(text, model, step, supports, beams, &mut at)?;
+        let name = step.name.replace(['\n', '"', ','], " ");
+        writeln!(text, "*STEP, NAME=\"{name}\", NLGEOM=YES, INC=100000")?;
+        procedure(text, step)?;
+        writeln!(text, "*BOUNDARY, OP=NEW")?;
+        held(text, model, names)?;
+        motion(text, step, &names.beams, &mut at)?;
+        loads(text, model, step)?;
+        writeln!(text, "*END STEP")?;
     }
     Ok(())
 }
 
 /// Boundary conditions of all steps: the supports and the fixed rotation of beams.
-fn held(
-    text: &mut String,
-    model: &Model,
-    supports: &[String],
-    beams: &[String],
-) -> std::fmt::Result {
-    for (support, name) in model.supports.iter().zip(supports) {
+fn held(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
+    for (support, name) in model.supports.iter().zip(&names.supports) {
         for (i, _) in support.fixed.iter().enumerate().filter(|(_, held)| **held) {
             writeln!(text, "SUPPORT_{name}, {0}, {0}", i + 1)?;
         }
     }
-    for name in beams {
+    for name in &names.beams {
         writeln!(text, "REFERENCE_{name}, 4, 6")?;
     }
     Ok(())
 }
 
-fn write_step(
+/// Writes the motion of the beams in a step, and moves them to their places at its end as far as these are known.
+fn motion(
     text: &mut String,
-    model: &Model,
     step: &Step,
-    supports: &[String],
     beams: &[String],
     at: &mut [[Option<f64>; 3]],
 ) -> std::fmt::Result {
-    let name = step.name.replace(['\n', '"', ','], " ");
-    writeln!(text, "*STEP, NAME=\"{name}\", NLGEOM=YES, INC=100000")?;
-    procedure(text, step)?;
-    writeln!(text, "*BOUNDARY, OP=NEW")?;
-    held(text, model, supports, beams)?;
     let mut locked = String::new();
     let mut velocities = String::new();
     let mut forces = String::new();
     for (b, name) in beams.iter().enumerate() {
-        let motions = step
-            .motion
-            .get(b)
-            .copied()
-            .unwrap_or([BeamMotion::Locked; 3]);
+        let motions = step.motion.get(b).copied();
+        let motions = motions.unwrap_or([BeamMotion::Locked; 3]);
         for (d, motion) in motions.into_iter().enumerate() {
             let direction = d + 1;
+            let moved = format!("REFERENCE_{name}, {direction}, {direction}");
             match (motion, at[b][d]) {
-                (BeamMotion::Locked, Some(known)) => {
-                    writeln!(
-                        text,
-                        "REFERENCE_{name}, {direction}, {direction}, {known:?}"
-                    )?;
-                }
-                (BeamMotion::Locked, None) => {
-                    writeln!(locked, "REFERENCE_{name}, {direction}, {direction}")?;
-                }
+                (BeamMotion::Locked, Some(known)) => writeln!(text, "{moved}, {known:?}")?,
+                (BeamMotion::Locked, None) => writeln!(locked, "{moved}")?,
                 (BeamMotion::Driven(by), Some(known)) => {
                     let to = known + by;
                     at[b][d] = Some(to);
-                    writeln!(text, "REFERENCE_{name}, {direction}, {direction}, {to:?}")?;
+                    writeln!(text, "{moved}, {to:?}")?;
                 }
                 (BeamMotion::Driven(by), None) => {
                     let speed = by / step.duration;
-                    writeln!(
-                        velocities,
-                        "REFERENCE_{name}, {direction}, {direction}, {speed:?}"
-                    )?;
+                    writeln!(velocities, "{moved}, {speed:?}")?;
                 }
                 (BeamMotion::Force(force), _) => {
                     at[b][d] = None;
@@ -147,8 +127,7 @@ fn write_step(
         writeln!(text, "*CLOAD, OP=NEW")?;
         *text += &forces;
     }
-    loads(text, model, step)?;
-    writeln!(text, "*END STEP")
+    Ok(())
 }
 
 /// Writes the procedure and its increments. Path-following procedures have no exact counterpart in Abaqus.

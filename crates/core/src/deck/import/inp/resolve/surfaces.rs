@@ -1,6 +1,6 @@
 //! Surfaces of an `.inp`: sides of hexahedra by the names of their elements or nodes.
 
-use super::{ELEMENTS, Frame, NODES, one, prefix};
+use super::{ELEMENTS, Frame, NODES, Search};
 use crate::deck::import::inp::raw::Surface;
 use crate::deck::import::{ImportedMesh, Place, Wrong};
 
@@ -14,8 +14,8 @@ pub(super) fn surfaces(frames: &[Frame<'_>], mesh: &mut ImportedMesh) -> Result<
     let outside = mesh.exterior().unwrap_or_default();
     for (at, frame) in frames.iter().enumerate() {
         for surface in frame.scopes.iter().flat_map(|s| &s.surfaces) {
-            let name = format!("{}{}", prefix(frame.name.as_deref()), surface.name);
-            let (sides, nodes) = sides(frames, at, surface, mesh, &outside, &name)?;
+            let name = frame.full(&surface.name);
+            let (sides, nodes) = sides(frames, at, surface, mesh, &outside)?;
             if sides.is_empty() {
                 left_without_sides(mesh, name, nodes);
                 continue;
@@ -56,25 +56,17 @@ fn sides(
     surface: &Surface,
     mesh: &mut ImportedMesh,
     outside: &[(u32, u8)],
-    name: &str,
 ) -> Result<Found, Wrong> {
     let mut all = Vec::new();
     let mut nodes = Vec::new();
     let mut absent = None;
     let kind = if surface.of_nodes { NODES } else { ELEMENTS };
     for (member, side, place) in &surface.members {
-        let mut found = Vec::new();
-        one(
-            frames,
-            at,
-            kind,
-            member,
-            *place,
-            mesh,
-            0,
-            &mut found,
-            &mut absent,
-        )?;
+        let mut search = Search::new(frames, mesh, kind);
+        search.absent = absent;
+        search.member(at, member, *place, 0)?;
+        let mut found = search.found;
+        absent = search.absent;
         match side {
             // Elements of other types have sides of other names.
             Some(_) if found.is_empty() => {}
@@ -96,6 +88,7 @@ fn sides(
         } else {
             "elements"
         };
+        let name = frames[at].full(&surface.name);
         mesh.notes.push(format!(
             "surface {name}: {count} of its {what} are not there (the first is {label})"
         ));
