@@ -24,7 +24,8 @@ const ROOMS: [&str; 16] = [
     "results",
 ];
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+/// Source files below a folder.
+pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {

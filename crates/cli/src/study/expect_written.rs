@@ -33,6 +33,7 @@ pub struct AtFile {
 /// The serde mirror of `[[expect]]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+// More than 15 fields: one for each key of the file.
 pub struct ExpectFile {
     name: String,
     of: Of,

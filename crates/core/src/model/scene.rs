@@ -200,6 +200,7 @@ pub enum BeamMotion {
 
 /// One step of the loading.
 #[derive(Clone, Debug)]
+// More than 15 fields: one for each setting of a step.
 pub struct Step {
     /// Name in the deck.
     pub name: String,

@@ -50,16 +50,27 @@ pub struct RunDirectory {
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
     motion: Motion,
-    /// Deck as TOML and the folder of its files, for checkpoints.
-    deck: Option<String>,
-    deck_folder: Option<String>,
-    way_to_deck_folder: Option<String>,
+    deck: DeckCopy,
+    spent: Spent,
+    kept: Kept,
+}
+
+/// Deck as TOML and the folder of its files, for checkpoints.
+#[derive(Debug, Default)]
+struct DeckCopy {
+    text: Option<String>,
+    folder: Option<String>,
+    way_to_folder: Option<String>,
+}
+
+/// Time spent on the run.
+#[derive(Debug)]
+struct Spent {
     started: Instant,
     cpu_at_start: Option<f64>,
     /// Wall-clock and CPU time of the run before it was resumed [s].
     wall_before: f64,
     cpu_before: Option<f64>,
-    kept: Kept,
 }
 
 /// The files that grow during a run.
@@ -170,13 +181,13 @@ impl RunDirectory {
             probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
             motion: Motion::default(),
-            deck: None,
-            deck_folder: None,
-            way_to_deck_folder: None,
-            started: Instant::now(),
-            cpu_at_start: usage::cpu_seconds(),
-            wall_before: 0.0,
-            cpu_before: Some(0.0),
+            deck: DeckCopy::default(),
+            spent: Spent {
+                started: Instant::now(),
+                cpu_at_start: usage::cpu_seconds(),
+                wall_before: 0.0,
+                cpu_before: Some(0.0),
+            },
             kept: Kept::nothing(),
         }
     }
@@ -192,10 +203,10 @@ impl RunDirectory {
             self.count(model, row);
         }
         self.last_frame = last_frame.map(Arc::new);
-        (self.wall_before, self.cpu_before) = (file.wall_s, file.cpu_s);
-        self.deck.clone_from(&file.deck);
-        self.deck_folder.clone_from(&file.deck_folder);
-        self.way_to_deck_folder.clone_from(&file.way_to_deck_folder);
+        (self.spent.wall_before, self.spent.cpu_before) = (file.wall_s, file.cpu_s);
+        self.deck.text.clone_from(&file.deck);
+        self.deck.folder.clone_from(&file.deck_folder);
+        self.deck.way_to_folder.clone_from(&file.way_to_deck_folder);
         self
     }
 
@@ -220,16 +231,16 @@ impl RunDirectory {
             .ok()
             .zip(self.path.canonicalize().ok());
         let way = ends.and_then(|(folder, run)| pathdiff::diff_paths(folder, run));
-        self.way_to_deck_folder = text_of(way);
-        self.deck_folder = text_of(std::path::absolute(folder).ok());
+        self.deck.way_to_folder = text_of(way);
+        self.deck.folder = text_of(std::path::absolute(folder).ok());
         // A resumed run with the same deck has it attached already.
-        let new = self.deck.as_ref() != Some(&text);
+        let new = self.deck.text.as_ref() != Some(&text);
         if let (Some(messages), true) = (&mut self.messages, new) {
             writing(&self.path, MESSAGES, |_| {
                 messages.attach(DECK, "application/toml", &text)
             })?;
         }
-        self.deck = Some(text);
+        self.deck.text = Some(text);
         Ok(())
     }
 
@@ -260,9 +271,9 @@ impl RunDirectory {
 
     /// Wall-clock and CPU time of the run [s], with the time before it was resumed.
     fn times(&self) -> (f64, Option<f64>) {
-        let wall = self.wall_before + self.started.elapsed().as_secs_f64();
-        let cpu = usage::cpu_seconds().zip(self.cpu_at_start);
-        let cpu = cpu.zip(self.cpu_before);
+        let wall = self.spent.wall_before + self.spent.started.elapsed().as_secs_f64();
+        let cpu = usage::cpu_seconds().zip(self.spent.cpu_at_start);
+        let cpu = cpu.zip(self.spent.cpu_before);
         (wall, cpu.map(|((now, then), before)| before + now - then))
     }
 
@@ -424,9 +435,9 @@ impl Recorder for RunDirectory {
         };
         let file = CheckpointFile {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            deck: self.deck.clone(),
-            deck_folder: self.deck_folder.clone(),
-            way_to_deck_folder: self.way_to_deck_folder.clone(),
+            deck: self.deck.text.clone(),
+            deck_folder: self.deck.folder.clone(),
+            way_to_deck_folder: self.deck.way_to_folder.clone(),
             history: self.history.extent(),
             frames,
             messages,

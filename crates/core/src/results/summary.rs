@@ -13,6 +13,7 @@ use crate::state::{EnergyBalance, Fall, Status, Summary};
 /// Content of `summary.json`; the names of the fields are its keys.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
+// More than 15 fields: one for each key of the file.
 pub struct SummaryFile {
     /// Status at the end of the run.
     pub status: Status,

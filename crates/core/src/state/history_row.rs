@@ -5,6 +5,7 @@ use super::Method;
 /// One row of `history.csv`. Field names are the column names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[allow(non_snake_case)]
+// More than 15 fields: one for each column.
 pub struct HistoryRow {
     /// Increment, from 1 over all steps.
     pub increment: usize,

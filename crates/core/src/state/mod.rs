@@ -41,6 +41,7 @@ pub struct LastIncrement {
 
 /// Converged state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+// More than 15 fields: all that a commit changes, which a checkpoint holds.
 pub struct State {
     /// Number of increments.
     pub increments: usize,

@@ -60,6 +60,7 @@ pub struct Lost {
 
 /// Result of `solve`: everything in `summary.json` that the solver knows.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+// More than 15 fields: one for each fact of a run.
 pub struct Summary {
     /// Outcome.
     pub status: Status,

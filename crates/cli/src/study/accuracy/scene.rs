@@ -18,6 +18,7 @@ pub const SCENES: &str = "docs/accuracy-speed";
 
 /// A folder with `scene.toml`; `docs/reference/studies.md` lists the keys.
 #[derive(Clone, Debug)]
+// More than 15 fields: one for each key of a scene.
 pub struct Scene {
     /// Number of the scene.
     pub number: u32,

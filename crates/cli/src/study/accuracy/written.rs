@@ -17,6 +17,7 @@ use wythe_core::deck::source::Source;
 /// The serde mirror of `scene.toml`; TOML leaves out what is none.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+// More than 15 fields: one for each key of the file.
 pub struct SceneFile {
     pub number: u32,
     pub title: String,

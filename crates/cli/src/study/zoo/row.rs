@@ -32,6 +32,7 @@ pub const AREA: f64 = 0.05;
 /// A wall and what became of it. Its fields are the columns of `zoo.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[expect(non_snake_case, reason = "units are written as in summary.json")]
+// More than 15 fields: one for each column of the table.
 pub struct ZooRow {
     /// What the wall is drawn from.
     pub seed: u64,

@@ -35,6 +35,7 @@ struct Seen<'a> {
 }
 
 /// Input and output of a group of consecutive facets.
+// More than 15 fields: one for each array of the trial that it takes a part of.
 struct Group<'a> {
     first: usize,
     force: &'a mut [[[f64; 3]; 8]],

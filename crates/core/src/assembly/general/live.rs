@@ -24,6 +24,7 @@ pub(super) struct Start {
     reason = "four independent facts, none of which follows from others"
 )]
 #[derive(Clone, Debug)]
+// More than 15 fields: one record of a touch through an increment.
 pub struct Live {
     /// Touch as it would be committed.
     pub touch: Touch,

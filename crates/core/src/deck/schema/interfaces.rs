@@ -18,6 +18,7 @@ use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
     non_snake_case,
     reason = "energies and weights are spelt in the deck as in the theory"
 )]
+// More than 15 fields: one for each key of the table.
 pub struct Interface {
     /// Law of the joint.
     #[serde(default)]

@@ -19,6 +19,7 @@ use serde_with::skip_serializing_none;
     non_snake_case,
     reason = "E, K_c and G_I are spelt in the deck as in the theory"
 )]
+// More than 15 fields: one for each key of the table.
 pub struct Material {
     /// Law; concrete damaged plasticity, which is linear elastic without tables, if absent.
     #[serde(default)]

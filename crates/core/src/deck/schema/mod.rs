@@ -72,6 +72,7 @@ use wythe_contact::InterfaceLaw;
 #[skip_serializing_none]
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+// More than 15 fields: one for each table of the deck.
 pub struct Deck {
     /// Version of the format: 1.
     #[schemars(range(min = 1, max = 1))]

@@ -16,6 +16,7 @@ use serde_with::skip_serializing_none;
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+// More than 15 fields: one for each key of the table.
 pub struct DeckStep {
     /// Name; the kind if absent.
     pub name: Option<String>,

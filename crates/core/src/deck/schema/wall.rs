@@ -14,6 +14,7 @@ use std::fmt;
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+// More than 15 fields: one for each key of the table.
 pub struct Wall {
     /// Name, used by supports, contacts and steps; `wall` if absent.
     pub name: Option<String>,
